@@ -1,0 +1,16 @@
+"""Physical constants in SI units and the radar's fixed figures, each with its source."""
+
+SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI definition of the metre
+ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 4th ed.
+WATER_DENSITY_KG_M3 = 1000.0  # by convention, for metres of water equivalent
+GAS_CONSTANT_J_MOL_K = 8.31446261815324  # CODATA 2018, exact
+
+# Snow Radar, Table I of Yari et al. (2021), IEEE JSTARS 14.
+START_FREQUENCY_HZ = 2e9
+STOP_FREQUENCY_HZ = 8e9
+BANDWIDTH_HZ = STOP_FREQUENCY_HZ - START_FREQUENCY_HZ
+CENTRE_FREQUENCY_HZ = (START_FREQUENCY_HZ + STOP_FREQUENCY_HZ) / 2
+PULSE_DURATION_S = 250e-6
+PULSE_REPETITION_FREQUENCY_HZ = 2e3
+TRANSMIT_POWER_W = 0.1
+SAMPLING_FREQUENCY_HZ = 125e6

@@ -1,0 +1,247 @@
+"""The data model: echogram and layer datasets, scenes, their one check, and 8-bit scaling."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
+ROWS_BELOW_LAST_LAYER = 100
+MINIMUM_ROWS = 300
+DB_BELOW_NOISE_FLOOR = 10.0
+
+ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
+
+
+@dataclass
+class Scene:
+    """One block of range lines with its layers and, once observed or rendered, its 8-bit image.
+
+    Attributes
+    ----------
+    name : str
+        Unique within its set.
+    n_range_bins : int
+        Height of the image in range bins.
+    layer_bins : ndarray, (layer, range_line)
+        Annotated layers in fractional range bins, row 0 the snow surface; NaN where not annotated.
+    image : ndarray of uint8, (range_bin, range_line), or None
+        Scaled by the rule of `to_uint8`.
+    complete_layer_bins : ndarray, (layer, range_line), or None
+        Every layer there is, where `layer_bins` holds only what a picker found.
+    noise_floor_db, maximum_db : float
+        What 8-bit 0 (plus 10 dB) and 255 stand for; NaN without an image.
+    zone : int
+        Accumulation zone, -1 where unknown.
+    notes : dict
+        Further numbers kept with the scene (a plan's bound and cost, counts of the label rule).
+    """
+
+    name: str
+    n_range_bins: int
+    layer_bins: np.ndarray
+    image: np.ndarray | None = None
+    complete_layer_bins: np.ndarray | None = None
+    noise_floor_db: float = np.nan
+    maximum_db: float = np.nan
+    zone: int = -1
+    notes: dict = field(default_factory=dict)
+
+    @property
+    def n_range_lines(self):
+        """Number of range lines."""
+        return self.layer_bins.shape[1]
+
+    def mask(self):
+        """Binary layer mask of the annotated layers, bool (range_bin, range_line)."""
+        return layer_mask(self.layer_bins, self.n_range_bins)
+
+
+def scene_height(layer_bins):
+    """Height in range bins of a scene with these layers: max(300, deepest + 100), as in the published benchmark."""
+    if not np.isfinite(layer_bins).any():
+        msg = "a scene needs at least one annotated pixel, got none"
+        raise ValueError(msg)
+    return max(MINIMUM_ROWS, int(np.ceil(np.nanmax(layer_bins))) + ROWS_BELOW_LAST_LAYER)
+
+
+def layer_mask(layer_bins, n_range_bins):
+    """One pixel per layer and range line, at the rounded bin.
+
+    Parameters
+    ----------
+    layer_bins : array_like, (layer, range_line)
+        Fractional range bins; NaN where absent. Layers outside the window leave no pixel.
+    n_range_bins : int
+        Height of the mask.
+
+    Returns
+    -------
+    ndarray of bool, (range_bin, range_line)
+    """
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    mask = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=bool)
+    inside = np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
+    lines = np.broadcast_to(np.arange(layer_bins.shape[1]), layer_bins.shape)[inside]
+    mask[np.rint(layer_bins[inside]).astype(int), lines] = True
+    return mask
+
+
+def crossing_layers(layer_bins):
+    """Where a layer does not lie strictly below the deepest one above it, bool (layer, range_line)."""
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    filled = np.where(np.isnan(layer_bins), -np.inf, layer_bins)
+    deepest_above = np.maximum.accumulate(filled, axis=0)
+    crossing = np.zeros(layer_bins.shape, dtype=bool)
+    crossing[1:] = layer_bins[1:] <= deepest_above[:-1]  # NaN compares false
+    return crossing
+
+
+def check_layer_bins(layer_bins, where="layer_bins"):
+    """Raise ValueError, naming `where`, unless layers are (layer, range_line), not infinite and never cross."""
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    if layer_bins.ndim != 2:
+        msg = f"{where}: expected dimensions (layer, range_line), got shape {layer_bins.shape}"
+        raise ValueError(msg)
+    if np.isinf(layer_bins).any():
+        layer, line = np.argwhere(np.isinf(layer_bins))[0]
+        msg = f"{where}: layers must be finite or NaN, got {layer_bins[layer, line]} at layer {layer}, line {line}"
+        raise ValueError(msg)
+    crossing = crossing_layers(layer_bins)
+    if crossing.any():
+        layer, line = np.argwhere(crossing)[0]
+        msg = f"{where}: layers must increase strictly with depth, layer {layer} does not at range_line {line}"
+        raise ValueError(msg)
+
+
+def to_db(power):
+    """Decibels of linear power; zero power gives -inf without a warning."""
+    with np.errstate(divide="ignore"):
+        return 10 * np.log10(power)
+
+
+def to_uint8(power):
+    """8-bit image of linear power by the rule of the published benchmark.
+
+    Parameters
+    ----------
+    power : array_like, (range_bin, range_line)
+        Linear power, positive and finite.
+
+    Returns
+    -------
+    image : ndarray of uint8, (range_bin, range_line)
+    noise_floor_db, maximum_db : float
+        The smallest row mean of the dB image, and its maximum.
+
+    Raises
+    ------
+    ValueError
+        If a pixel is not positive and finite, or if the image has no contrast.
+
+    Notes
+    -----
+    0 stands for ``noise_floor_db - 10`` and below, 255 for the maximum: the rule of the koenig_TC2016_ML data set.
+    """
+    power = np.asarray(power)
+    bad = ~((power > 0) & np.isfinite(power))
+    if bad.any():
+        row, line = np.argwhere(bad)[0]
+        msg = f"power must be positive and finite, got {power[row, line]} at range_bin {row}, range_line {line}"
+        raise ValueError(msg)
+    power_db = 10 * np.log10(power)
+    noise_floor_db = float(power_db.mean(axis=1, dtype=np.float64).min())
+    maximum_db = float(power_db.max())
+    if not maximum_db > noise_floor_db:
+        msg = f"image without contrast: every pixel is {maximum_db:g} dB"
+        raise ValueError(msg)
+    bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
+    scaled = (power_db - bottom_db) * (255 / (maximum_db - bottom_db))
+    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8), noise_floor_db, maximum_db
+
+
+def from_uint8(image, noise_floor_db, maximum_db):
+    """Power in dB that an 8-bit image stands for, float64 of the image's shape; the inverse of `to_uint8`."""
+    bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
+    return bottom_db + np.asarray(image, dtype=float) * ((maximum_db - bottom_db) / 255)
+
+
+def bin_size_s(echogram):
+    """Range bin of an echogram dataset in two-way travel time [s]."""
+    twtt = echogram["twtt"].values
+    return float((twtt[-1] - twtt[0]) / (twtt.size - 1))
+
+
+def check_echogram(echogram, where="echogram"):
+    """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
+
+    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt` evenly spaced;
+    `Data` (linear power, not negative, NaN where missing); `Latitude`, `Longitude`, `Elevation` and `Surface` along
+    `slow_time`.
+    """
+    _require(echogram, {"Data": {"twtt", "slow_time"}, **{name: {"slow_time"} for name in ECHOGRAM_ALONG_TRACK}}, where)
+    _check_slow_time(echogram, where)
+    twtt = echogram["twtt"].values
+    if twtt.size < 2 or not np.isfinite(twtt).all():
+        msg = f"{where}: twtt: expected two or more finite values, got {twtt.size} of them"
+        raise ValueError(msg)
+    steps = np.diff(twtt)
+    if (steps <= 0).any():
+        msg = f"{where}: twtt must increase, falls at range_bin {int(np.argmax(steps <= 0)) + 1}"
+        raise ValueError(msg)
+    # Files store travel time to about 1e-13 s; a thousandth of a bin is far above that and below any use.
+    uneven = np.abs(twtt - np.linspace(twtt[0], twtt[-1], twtt.size)) > 1e-3 * steps.mean()
+    if uneven.any():
+        msg = f"{where}: twtt must be evenly spaced, is not at range_bin {int(np.argmax(uneven))}"
+        raise ValueError(msg)
+    data = echogram["Data"].values
+    bad = np.isinf(data) | (data < 0)
+    if bad.any():
+        at = tuple(int(i) for i in np.argwhere(bad)[0])
+        msg = f"{where}: Data: expected linear power, finite or NaN and not negative, got {data[at]} at {at}"
+        raise ValueError(msg)
+
+
+def check_layers(layers, where="layers"):
+    """Raise ValueError, naming `where`, unless the dataset holds `twtt`, `quality` and `type` on (layer, slow_time)."""
+    _require(layers, {name: {"layer", "slow_time"} for name in ("twtt", "quality", "type")}, where)
+    _check_slow_time(layers, where)
+    check_layer_bins(layers["twtt"].transpose("layer", "slow_time").values, f"{where}: twtt")
+
+
+def layer_bins_of(layers, echogram):
+    """Layers of a dataset in fractional range bins of an echogram, (layer, range_line), NaN where absent."""
+    twtt = layers["twtt"].transpose("layer", "slow_time").values
+    if twtt.shape[1] != echogram.sizes["slow_time"]:
+        msg = f"layers cover {twtt.shape[1]} range lines, the echogram {echogram.sizes['slow_time']}"
+        raise ValueError(msg)
+    return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
+
+
+def along_track_m(echogram):
+    """Distance of every range line from the first, (range_line,) [m], on a sphere of 6371 km."""
+    latitude, longitude = (np.radians(echogram[name].values) for name in ("Latitude", "Longitude"))
+    half_chord = (
+        np.sin(np.diff(latitude) / 2) ** 2
+        + np.cos(latitude[:-1]) * np.cos(latitude[1:]) * np.sin(np.diff(longitude) / 2) ** 2
+    )
+    return np.concatenate([[0], np.cumsum(2 * 6.371e6 * np.arcsin(np.sqrt(half_chord)))])
+
+
+def _require(dataset, variables, where):
+    for name, dims in variables.items():
+        if name not in dataset:
+            msg = f"{where}: expected variable {name}, found {', '.join(map(str, dataset.variables)) or 'none'}"
+            raise ValueError(msg)
+        if set(dataset[name].dims) != dims:
+            msg = f"{where}: {name}: expected dimensions {sorted(dims)}, got {list(dataset[name].dims)}"
+            raise ValueError(msg)
+
+
+def _check_slow_time(dataset, where):
+    slow_time = dataset["slow_time"].values
+    if not np.issubdtype(slow_time.dtype, np.datetime64):
+        msg = f"{where}: slow_time: expected datetime64, got {slow_time.dtype}"
+        raise ValueError(msg)
+    if np.isnat(slow_time).any() or (np.diff(slow_time) <= np.timedelta64(0)).any():
+        msg = f"{where}: slow_time must increase and hold no gaps"
+        raise ValueError(msg)

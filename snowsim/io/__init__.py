@@ -1,0 +1,1 @@
+"""Files to datasets and back; the only package that opens files."""

@@ -1,0 +1,52 @@
+"""Whole files only: write aside, then rename; datasets and tables to disk and back."""
+
+import os
+from contextlib import contextmanager
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+
+
+@contextmanager
+def written_whole(path):
+    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # The ending stays: some writers choose the format by it.
+    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        yield aside
+        aside.replace(path)
+    finally:
+        aside.unlink(missing_ok=True)
+
+
+def write_dataset(path, dataset):
+    """Write an xarray dataset as NetCDF-4, whole or not at all; floats keep their type, no fill value is added."""
+    encoding = {name: {"_FillValue": None} for name, v in dataset.variables.items() if v.dtype.kind == "f"}
+    with written_whole(path) as aside:
+        dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
+
+
+def read_dataset(path):
+    """Read a dataset of `write_dataset` into memory; ValueError with the path if it is no whole NetCDF file."""
+    try:
+        return xr.load_dataset(path, engine="netcdf4", decode_timedelta=False)
+    except (OSError, RuntimeError) as error:
+        msg = f"{path}: expected a NetCDF-4 file, cannot be read: {error}"
+        raise ValueError(msg) from error
+
+
+def write_table(path, table):
+    """Write a pandas table as CSV or Parquet, told by the ending, whole or not at all, without its index."""
+    with written_whole(path) as aside:
+        if Path(path).suffix == ".parquet":
+            table.to_parquet(aside, index=False)
+        else:
+            table.to_csv(aside, index=False, float_format="%.10g", lineterminator="\n")
+
+
+def read_table(path):
+    """Read a table of `write_table`."""
+    return pd.read_parquet(path) if Path(path).suffix == ".parquet" else pd.read_csv(path)

@@ -1,0 +1,184 @@
+"""Scene sets on disk: ragged NetCDF files, written whole or not at all, read lazily scene by scene."""
+
+import json
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from snowsim.echogram import Scene
+from snowsim.io.files import written_whole
+
+FORMAT = "snowsim scenes 1"
+# Optional arrays of a scene: attribute, the ragged dimension it stacks along, type on disk.
+ARRAYS = {
+    "image": ("pixel_row", "u1"),
+    "layer_bins": ("layer_row", "f4"),
+    "complete_layer_bins": ("layer_row", "f4"),
+}
+NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
+
+
+def write_scenes(path, scenes, attributes=None):
+    """Write scenes to one file, in order, holding one at a time.
+
+    Parameters
+    ----------
+    path : path_like
+        Written aside and renamed when complete.
+    scenes : iterable of Scene
+        All with the same number of range lines, and the same arrays present.
+    attributes : dict, optional
+        Global attributes (what made them; ``synthetic``).
+
+    Raises
+    ------
+    ValueError
+        If there is no scene, or scenes differ in width or in what they hold.
+
+    Notes
+    -----
+    Images and layers of all scenes stand below each other (the contiguous ragged arrays of the CF conventions, section
+    9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer bins are float32: 1e-4 bins at row 2000.
+    """
+    with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
+        file.format = FORMAT
+        file.setncatts(attributes or {})
+        rows = dict.fromkeys(("pixel_row", "layer_row"), 0)
+        n_scenes = 0
+        for scene in scenes:
+            if n_scenes == 0:
+                _define(file, scene)
+            _append(file, scene, n_scenes, rows, path)
+            n_scenes += 1
+        if n_scenes == 0:
+            msg = f"{path}: expected at least one scene to write, got none"
+            raise ValueError(msg)
+
+
+def _present(scene):
+    return [name for name in ARRAYS if getattr(scene, name) is not None]
+
+
+def _define(file, scene):
+    file.createDimension("scene", None)
+    file.createDimension("range_line", scene.n_range_lines)
+    for name in _present(scene):
+        dimension, dtype = ARRAYS[name]
+        if dimension not in file.dimensions:
+            file.createDimension(dimension, None)
+        chunks = (64, scene.n_range_lines)
+        file.createVariable(name, dtype, (dimension, "range_line"), chunksizes=chunks, zlib=dtype != "u1", complevel=1)
+    for name in ("name", "notes"):
+        file.createVariable(name, str, ("scene",))
+    for name in ("n_range_bins", "n_layers"):
+        file.createVariable(name, "i4", ("scene",))
+    for name, dtype in NUMBERS.items():
+        file.createVariable(name, dtype, ("scene",))
+
+
+def _append(file, scene, index, rows, path):
+    held = [name for name in ARRAYS if name in file.variables]
+    if _present(scene) != held or scene.n_range_lines != len(file.dimensions["range_line"]):
+        msg = (
+            f"{path}: scene {scene.name}: expected {held} of {len(file.dimensions['range_line'])} range lines as in "
+            f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
+        )
+        raise ValueError(msg)
+    file["name"][index] = scene.name
+    file["notes"][index] = json.dumps(scene.notes, sort_keys=True)
+    file["n_range_bins"][index] = scene.n_range_bins
+    file["n_layers"][index] = scene.layer_bins.shape[0]
+    for name in NUMBERS:
+        file[name][index] = getattr(scene, name)
+    lengths = {"pixel_row": scene.n_range_bins, "layer_row": scene.layer_bins.shape[0]}
+    for name in held:
+        dimension = ARRAYS[name][0]
+        start = rows[dimension]
+        file[name][start : start + lengths[dimension]] = getattr(scene, name)
+    for dimension, length in lengths.items():
+        rows[dimension] += length
+
+
+class SceneSet:
+    """Scenes of one or more files as a sequence; a scene is read when it is asked for.
+
+    Parameters
+    ----------
+    paths : path_like or iterable of path_like
+        Files of `write_scenes`.
+
+    Raises
+    ------
+    ValueError
+        If a file is no scene file or was truncated.
+    """
+
+    def __init__(self, paths):
+        paths = [paths] if isinstance(paths, str | Path) else list(paths)
+        self._files = []
+        self._where = []  # (file, index in file, first pixel row, first layer row)
+        self.heights = []
+        for path in paths:
+            self._index(path)
+        self.attributes = self._files[0].__dict__ if self._files else {}
+
+    def _index(self, path):
+        try:
+            file = netCDF4.Dataset(path)
+        except OSError as error:
+            msg = f"{path}: expected a scene file (NetCDF-4), cannot be read: {error}"
+            raise ValueError(msg) from error
+        if getattr(file, "format", None) != FORMAT:
+            msg = f"{path}: expected attribute format '{FORMAT}', got {getattr(file, 'format', None)!r}"
+            raise ValueError(msg)
+        file.set_auto_mask(False)
+        heights = file["n_range_bins"][:]
+        first_rows = np.concatenate([[0], np.cumsum(heights)[:-1]])
+        first_layers = np.concatenate([[0], np.cumsum(file["n_layers"][:])[:-1]])
+        which = len(self._files)
+        self._files.append(file)
+        self._where += [
+            (which, i, int(row), int(layer)) for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
+        ]
+        self.heights += [int(height) for height in heights]
+
+    def __len__(self):
+        return len(self._where)
+
+    def __getitem__(self, item):
+        which, index, first_row, first_layer = self._where[item]
+        file = self._files[which]
+        n_range_bins, n_layers = int(file["n_range_bins"][index]), int(file["n_layers"][index])
+        spans = {
+            "pixel_row": slice(first_row, first_row + n_range_bins),
+            "layer_row": slice(first_layer, first_layer + n_layers),
+        }
+        arrays = {
+            name: np.asarray(file[name][spans[dimension]])
+            for name, (dimension, _) in ARRAYS.items()
+            if name in file.variables
+        }
+        for name in ("layer_bins", "complete_layer_bins"):
+            if name in arrays:
+                arrays[name] = arrays[name].astype(float)
+        return Scene(
+            name=str(file["name"][index]),
+            n_range_bins=n_range_bins,
+            notes=json.loads(file["notes"][index]),
+            zone=int(file["zone"][index]),
+            noise_floor_db=float(file["noise_floor_db"][index]),
+            maximum_db=float(file["maximum_db"][index]),
+            **arrays,
+        )
+
+    def close(self):
+        """Close the files."""
+        for file in self._files:
+            file.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
