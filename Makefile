@@ -1,0 +1,50 @@
+# Two commands: `make run` and `make test`. Both set up .venv first if it is missing or stale.
+PYTHON ?= python3
+CORES ?= $(shell nproc 2>/dev/null || echo 2)
+TORCH_VERSION := 2.13.0
+# Where the CPU build of torch is; works whether or not it answers. For a GPU build: make setup TORCH_INDEX=
+TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
+SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
+
+.PHONY: run test test-all setup lint format clean benchmarks
+
+run: setup
+	$(SNAKEMAKE)
+
+test: setup
+	.venv/bin/python -m pytest
+
+# Everything: slow property tests, crash, cluster and browser suites, studies.
+test-all: setup
+	.venv/bin/python -m pytest -m ""
+
+setup: .venv/.installed
+
+.venv/.installed: requirements.lock pyproject.toml Makefile
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "snowsim needs Python 3.11 or newer, $(PYTHON) is $$($(PYTHON) --version)"; exit 1; }
+	rm -rf .venv
+	$(PYTHON) -m venv .venv
+	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
+	.venv/bin/python workflow/install_torch.py "$(TORCH_VERSION)" "$(TORCH_INDEX)"
+	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	.venv/bin/python -m pip check
+	touch $@
+
+lint: setup
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/snakefmt --check Snakefile workflow
+
+format: setup
+	.venv/bin/ruff check --fix .
+	.venv/bin/ruff format .
+	.venv/bin/snakefmt Snakefile workflow
+
+benchmarks: setup
+	.venv/bin/python -m pytest benchmarks -m "" --benchmark-only
+
+# Results, logs and caches; `git clean -fdx` also removes .venv.
+clean:
+	rm -rf results logs .snakemake .pytest_cache .ruff_cache .hypothesis .benchmarks build
+	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

@@ -1,0 +1,23 @@
+"""Fixtures for all tests."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(20120429)
+
+
+@pytest.fixture(scope="session")
+def shared_data():
+    """Folder of files no one in this project wrote; tests that need it skip where it is not."""
+    folder = Path(os.environ.get("SNOWSIM_TEST_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip(f"no third-party test files: {folder} is no folder (set SNOWSIM_TEST_DATA)")
+    return folder
