@@ -139,7 +139,8 @@ class SceneSet:
         which = len(self._files)
         self._files.append(file)
         self._where += [
-            (which, i, int(row), int(layer)) for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
+            (which, i, int(row), int(layer))
+            for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
         ]
         self.heights += [int(height) for height in heights]
 

@@ -1,0 +1,34 @@
+# snowsim: from one annotated Snow Radar flight to synthetic echograms, and what they do for a layer tracker.
+
+
+configfile: f"{workflow.basedir}/config/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/flight.smk"
+include: "workflow/rules/statistics.smk"
+include: "workflow/rules/labels.smk"
+include: "workflow/rules/phy.smk"
+include: "workflow/rules/cgan.smk"
+include: "workflow/rules/similarity.smk"
+include: "workflow/rules/tracker.smk"
+include: "workflow/rules/charts.smk"
+
+
+localrules:
+    all,
+    flight,
+    labels,
+    renders,
+    similarity,
+    trackers,
+
+
+rule all:
+    default_target: True
+    input:
+        rules.similarity.input,
+        rules.trackers.input,
+        rules.labels.input,
+        rules.renders.input,
+        rules.charts.input,

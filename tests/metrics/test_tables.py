@@ -1,0 +1,71 @@
+import numpy as np
+import pandas as pd
+from numpy.testing import assert_allclose
+
+from snowsim.metrics.tables import OUTPUTS, similarity_table, ssim_against_depth, tracker_intervals, tracker_table
+
+
+def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
+    images = pd.DataFrame(
+        {
+            "scene": ["a", "b", "a", "b"],
+            "method": ["phy", "phy", "cgan", "cgan"],
+            "rmse": [10.0, 30.0, 1.0, 3.0],
+            "psnr": [5.0, 7.0, 20.0, 30.0],
+            "ssim": [0.1, 0.2, 0.5, 0.7],
+        }
+    )
+    table = similarity_table(images).set_index(["metric", "statistic"])
+    assert list(table.columns) == ["cgan", "phy"]
+    assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
+    assert_allclose(table.loc["ssim", "cgan"], [0.5, 0.6, 0.7])
+
+
+def test_ssim_against_depth_stops_at_the_shallowest_scene_and_averages_scenes():
+    rows = pd.concat(
+        [
+            pd.DataFrame({"scene": name, "method": "phy", "range_bin": range(n), "ssim": value})
+            for name, n, value in [("a", 4, 0.2), ("b", 6, 0.6)]
+        ]
+    )
+    table = ssim_against_depth(rows, 3)
+    assert list(table["range_bin"]) == [0, 1, 2, 3]
+    assert_allclose(table["ssim"], 0.4)
+    assert_allclose(table["ssim_smooth"], 0.4)
+
+
+def make_counts(quality, n_images, rng):
+    """Counts at three thresholds of images of which a share `quality` of 100 true pixels is found."""
+    images = []
+    for _ in range(n_images):
+        found = rng.binomial(100, quality)
+        matched = np.array([found, found // 2, found // 4])
+        images.append(
+            {
+                "matched_truth": matched,
+                "n_truth": np.full(3, 100),
+                "matched_prediction": matched,
+                "n_prediction": matched + 5,
+            }
+        )
+    return images
+
+
+def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
+    base = [make_counts(0.6, 30, rng) for _ in range(2)]
+    better = [make_counts(0.9, 30, rng) for _ in range(2)]
+    counts = {(s, output): c for s, c in [("rd", base), ("rd_gd", base), ("rd_pd", better)] for output in OUTPUTS}
+    intervals = tracker_intervals(counts, ["rd", "rd_gd", "rd_pd"], n_bootstrap=200, rng=rng)
+    assert ((intervals["low"] <= intervals["mean"]) & (intervals["mean"] <= intervals["high"])).all()
+    same = intervals[intervals["training_set"] == "rd_gd"]
+    assert_allclose(same[["difference", "difference_low", "difference_high"]], 0)
+    ods = intervals[(intervals["training_set"] == "rd_pd") & (intervals["metric"] == "ods")]
+    assert (ods["difference_low"] > 0).all()
+
+
+def test_table3_has_the_papers_rows_and_columns(rng):
+    sets = ["rd", "rd_gd", "rd_pd", "rd_pd_gd"]
+    counts = {(s, output): [make_counts(0.7, 5, rng)] for s in sets for output in OUTPUTS}
+    table = tracker_table(tracker_intervals(counts, sets, n_bootstrap=5, rng=rng))
+    assert list(table["output"]) == ["side_1", "side_2", "side_3", "side_4", "side_5", "fuse"]
+    assert list(table.columns) == ["output", *[f"{s}_{m}" for s in sets for m in ("ods", "ois", "ap")]]

@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim import echogram as eg
+
+
+def make_echogram(n_bins=40, n_lines=6):
+    slow_time = np.datetime64("2012-04-29T12:00:00", "ns") + np.arange(n_lines) * np.timedelta64(50, "ms")
+    along = {name: ("slow_time", np.linspace(0, 1e-6, n_lines)) for name in eg.ECHOGRAM_ALONG_TRACK}
+    return xr.Dataset(
+        {"Data": (("twtt", "slow_time"), np.ones((n_bins, n_lines))), **along},
+        coords={"twtt": 3e-6 + 2.886e-10 * np.arange(n_bins), "slow_time": slow_time},
+    )
+
+
+def test_mask_has_one_pixel_per_layer_and_line_inside_the_window():
+    layer_bins = np.array([[0.4, -0.6, 1.0], [3.5, 3.0, np.nan], [9.4, 9.6, 12.0]])
+    mask = eg.layer_mask(layer_bins, 10)
+    assert_array_equal(np.argwhere(mask), [[0, 0], [1, 2], [3, 1], [4, 0], [9, 0]])
+
+
+def test_scene_height_is_the_published_rule():
+    assert eg.scene_height(np.array([[50.0], [150.2]])) == 300
+    assert eg.scene_height(np.array([[50.0], [700.2]])) == 801
+    with pytest.raises(ValueError, match="at least one annotated pixel"):
+        eg.scene_height(np.full((2, 3), np.nan))
+
+
+def test_eight_bit_scaling_puts_floor_minus_ten_at_0_and_maximum_at_255():
+    power = np.full((4, 8), 1e-3)
+    power[1] = 1e-2
+    power[2, 0] = 1.0
+    power[3, :4], power[3, 4:] = 1e-5, 1e-1  # mean -30 dB, as the first row; -50 dB lies below the scale
+    image, noise_floor_db, maximum_db = eg.to_uint8(power)
+    assert_allclose([noise_floor_db, maximum_db], [-30, 0], atol=1e-12)
+    assert image[2, 0] == 255
+    assert image[3, 0] == 0
+    # 255 * 10 / 40 = 63.75 and 255 * 20 / 40 = 127.5 (a tie, rounded to even)
+    assert image[0, 0] == 64
+    assert image[1, 0] == 128
+
+
+def test_eight_bit_image_gives_power_back_within_half_a_step(rng):
+    power = rng.gamma(16, 1 / 16, size=(50, 40))
+    image, noise_floor_db, maximum_db = eg.to_uint8(power)
+    step_db = (maximum_db - noise_floor_db + eg.DB_BELOW_NOISE_FLOOR) / 255
+    back_db = eg.from_uint8(image, noise_floor_db, maximum_db)
+    assert_allclose(back_db, 10 * np.log10(power), atol=step_db / 2 * (1 + 1e-12))
+
+
+@pytest.mark.parametrize("value", [0, -1, np.nan, np.inf])
+def test_eight_bit_scaling_refuses_what_has_no_decibels(value):
+    power = np.ones((3, 3))
+    power[1, 2] = value
+    with pytest.raises(ValueError, match="range_bin 1, range_line 2"):
+        eg.to_uint8(power)
+
+
+def test_image_without_contrast_is_refused():
+    with pytest.raises(ValueError, match="without contrast"):
+        eg.to_uint8(np.ones((3, 3)))
+
+
+def test_crossing_is_found_across_gaps():
+    layer_bins = np.array([[5.0, 5.0], [np.nan, 7.0], [4.0, 9.0]])
+    assert_array_equal(np.argwhere(eg.crossing_layers(layer_bins)), [[2, 0]])
+    with pytest.raises(ValueError, match="layer 2 does not at range_line 0"):
+        eg.check_layer_bins(layer_bins)
+
+
+def test_layer_bins_count_from_the_first_bin_of_the_echogram():
+    echogram = make_echogram()
+    twtt = echogram["twtt"].values[[0, 7]][:, None] + np.zeros(6)
+    layers = xr.Dataset({"twtt": (("layer", "slow_time"), twtt)}, coords={"slow_time": echogram["slow_time"]})
+    # Travel times near 3e-6 s hold 5e-22 s, a bin is 3e-10 s: 2e-12 bins.
+    assert_allclose(eg.layer_bins_of(layers, echogram), np.array([[0.0], [7.0]]) + np.zeros(6), atol=1e-10)
+
+
+def test_a_good_echogram_passes_in_any_order_of_dimensions():
+    eg.check_echogram(make_echogram().transpose("slow_time", "twtt"))
+
+
+@pytest.mark.parametrize(
+    ("break_it", "message"),
+    [
+        (lambda e: e.drop_vars("Surface"), "f.nc: expected variable Surface"),
+        (lambda e: e.assign_coords(twtt=e["twtt"].values[::-1].copy()), "f.nc: twtt must increase"),
+        (lambda e: e.assign_coords(twtt=e["twtt"].values ** 2), "f.nc: twtt must be evenly spaced"),
+        (lambda e: e.assign_coords(slow_time=np.arange(6.0)), "f.nc: slow_time: expected datetime64"),
+        (lambda e: e.isel(slow_time=[0, 2, 1, 3, 4, 5]), "f.nc: slow_time must increase"),
+        (lambda e: e.assign(Data=-e["Data"]), "f.nc: Data: expected linear power"),
+        (lambda e: e.assign(Surface=e["Data"]), "f.nc: Surface: expected dimensions"),
+    ],
+)
+def test_a_broken_echogram_is_refused_with_the_variable_named(break_it, message):
+    with pytest.raises(ValueError, match=message):
+        eg.check_echogram(break_it(make_echogram()), "f.nc")
+
+
+def test_distance_along_a_meridian_is_radius_times_angle():
+    echogram = make_echogram(n_lines=2)
+    echogram["Latitude"][:] = [70.0, 70.01]
+    echogram["Longitude"][:] = [-40.0, -40.0]
+    # The haversine of 1.7e-4 rad keeps 12 digits.
+    assert_allclose(eg.along_track_m(echogram)[1], 6.371e6 * np.radians(0.01), rtol=1e-9)

@@ -1,0 +1,78 @@
+"""Arrows between modules point one way."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
+CORE = {"constants", "echogram", "seeding", "patches", "flatten"}
+# A stage never imports another stage, but for these.
+ALLOWED = {("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")}
+ONLY = {
+    "matplotlib": {"plotting"},
+    "torch": {"cgan", "tracker", "patches", "io"},
+    "snakemake": set(),
+    "netCDF4": {"io"},
+    "h5py": {"io"},
+    "PIL": {"io"},
+    "safetensors": {"io"},
+}
+MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
+
+
+def imported_names(module):
+    """Full dotted names that a module imports, anywhere in it."""
+    names = set()
+    for node in ast.walk(ast.parse((PACKAGE / module).with_suffix(".py").read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}: write imports in full"
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
+
+
+@pytest.mark.parametrize("module", MODULES, ids=str)
+def test_module_imports_only_what_its_place_allows(module):
+    stage = module.parts[0]
+    for name in imported_names(module):
+        parts = name.split(".")
+        if parts[0] in ONLY:
+            assert stage in ONLY[parts[0]], f"{module} imports {name}"
+        if parts[0] != "snowsim" or len(parts) == 1 or stage == "__init__":
+            continue
+        other = parts[1]
+        if other in CORE | {stage, "__version__"}:
+            continue
+        if stage == "plotting":
+            pytest.fail(f"{module} imports {name}: plots read tables")
+        allowed = any(stage == a and (name == f"snowsim.{b}" or name.startswith(f"snowsim.{b}.")) for a, b in ALLOWED)
+        assert allowed, f"{module} imports {name}"
+
+
+def test_core_imports_core_alone():
+    for module in MODULES:
+        if module.parts[0] in CORE:
+            inside = {name.split(".")[1] for name in imported_names(module) if name.startswith("snowsim.")}
+            assert inside <= CORE, f"{module} imports {inside - CORE}"
+
+
+def test_reference_and_phy_share_nothing_but_core_modules():
+    shared = None
+    for stage in ("reference", "phy"):
+        modules = [module for module in MODULES if module.parts[0] == stage]
+        inside = {name.split(".")[1] for m in modules for name in imported_names(m) if name.startswith("snowsim.")}
+        shared = inside if shared is None else shared & inside
+    assert shared <= CORE
+
+
+def test_only_io_opens_files():
+    for module in MODULES:
+        if module.parts[0] == "io":
+            continue
+        tree = ast.parse((PACKAGE / module).with_suffix(".py").read_text())
+        calls = {
+            node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        }
+        assert "open" not in calls, f"{module} opens a file"

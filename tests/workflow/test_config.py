@@ -1,0 +1,37 @@
+"""A configuration that cannot be right stops before any job starts."""
+
+import re
+
+import pytest
+from runs import run_snakemake
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("lables: {n_scenes: 3}", "lables"),
+        ("labels: {n_scene: 3}", "labels: .*n_scene"),
+        ("labels: {n_scenes: 0}", "labels.n_scenes: 0 "),
+        ("labels: {n_scenes: many}", "labels.n_scenes: 'many' "),
+        ("labels: {n_layers_min: 9, n_layers_max: 6}", "labels.n_layers_min: expected at most"),
+        ("phy: {tolerance_db: -1}", "phy.tolerance_db: -1 "),
+        ("phy: {width: widest}", "phy.width: 'widest' "),
+        ("source: moon", "source: 'moon' "),
+        ("seed: 1.5", "seed: 1.5 "),
+    ],
+)
+def test_a_bad_key_is_named_in_one_line_and_nothing_is_written(tmp_path, text, expected):
+    override = tmp_path / "override.yaml"
+    override.write_text(text + "\n")
+    done = run_snakemake(tmp_path / "run", "--dry-run", configs=("config.yaml", override))
+    assert done.returncode != 0
+    lines = [line for line in (done.stdout + done.stderr).splitlines() if "config: " in line]
+    assert len(lines) == 1
+    assert re.search(expected, lines[0]), lines[0]
+    assert not (tmp_path / "run/results").exists()
+
+
+@pytest.mark.parametrize("configs", [("config.yaml",), ("config.yaml", "paper.yaml"), ("paper.yaml",)])
+def test_the_dag_of_default_and_paper_scale_builds(tmp_path, configs):
+    done = run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
+    assert done.returncode == 0, done.stderr[-2000:]

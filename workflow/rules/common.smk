@@ -1,0 +1,129 @@
+# What every rule leans on: the check of the configuration, names of scene sets and shards, code as input.
+
+import json
+import math
+import os
+from pathlib import Path
+
+import jsonschema
+from snakemake.exceptions import WorkflowError
+
+ROOT = Path(workflow.basedir)
+
+# One thread a process, processes side by side: numbers then do not depend on how many cores there are.
+for variable in (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "NUMBA_NUM_THREADS",
+):
+    os.environ[variable] = "1"
+
+
+def check_config(config):
+    """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
+    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    error = jsonschema.exceptions.best_match(
+        jsonschema.Draft202012Validator(schema).iter_errors(config)
+    )
+    if error is not None:
+        key = ".".join(str(part) for part in error.absolute_path) or "top level"
+        expected = error.schema.get("description", "")
+        raise WorkflowError(
+            f"config: {key}: {error.message}"
+            + (f" (expected: {expected})" if expected else "")
+        )
+    for section, low, high in (("labels", "n_layers_min", "n_layers_max"),):
+        if config[section][low] > config[section][high]:
+            raise WorkflowError(
+                f"config: {section}.{low}: expected at most {section}.{high} = {config[section][high]}, "
+                f"got {config[section][low]}"
+            )
+
+
+check_config(config)
+
+SPLITS = ("train", "validation", "test")
+TRAINING_SETS = {
+    "rd": [],
+    "rd_gd": ["cgan"],
+    "rd_pd": ["phy"],
+    "rd_pd_gd": ["phy", "cgan"],
+}
+METHODS = ("cgan", "phy")
+N_SCENES = {**config["benchmark"]["n_scenes"], "labels": config["labels"]["n_scenes"]}
+SHARD_SIZE = {
+    **dict.fromkeys(SPLITS, config["benchmark"]["shard_size"]),
+    "labels": config["labels"]["shard_size"],
+}
+FRAMES = [f"{frame:04d}" for frame in range(config["flight"]["n_frames"])]
+SEEDS = list(range(config["tracker"]["n_seeds"]))
+
+
+wildcard_constraints:
+    frame=r"\d{4}",
+    shard=r"\d{4}",
+    replica=r"\d+",
+    split="|".join(SPLITS),
+    scenes="labels|test",
+    method="|".join(METHODS),
+    training_set="|".join(TRAINING_SETS),
+
+
+def shards(scenes):
+    """Names of the files a scene set is divided into."""
+    return [
+        f"{shard:04d}"
+        for shard in range(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
+    ]
+
+
+def shard_range(scenes, shard):
+    """First scene of a shard and the one after its last."""
+    first = int(shard) * SHARD_SIZE[scenes]
+    return first, min(first + SHARD_SIZE[scenes], N_SCENES[scenes])
+
+
+def benchmark_files(split):
+    """The files of one split of the benchmark."""
+    return expand(
+        "results/benchmark/{split}/{shard}.nc", split=split, shard=shards(split)
+    )
+
+
+def rendered_files(method, scenes):
+    """The files of one scene set as one method rendered it."""
+    return expand(
+        "results/{method}/{scenes}/{shard}.nc",
+        method=method,
+        scenes=scenes,
+        shard=shards(scenes),
+    )
+
+
+def layers_of(wildcards):
+    """Where the layers of a scene set to render come from."""
+    if wildcards.scenes == "labels":
+        return f"results/labels/{wildcards.shard}.nc"
+    return f"results/benchmark/{wildcards.scenes}/{wildcards.shard}.nc"
+
+
+CORE = ("__init__", "constants", "echogram", "seeding")
+
+
+def package(*parts):
+    """Files of the package that a rule depends on, the core among them.
+
+    Snakemake does not follow imports: a module that is not listed here can change without a rerun. A part is a module
+    or a folder of snowsim, written with dots: ``package("phy", "io.scenes")``.
+    """
+    files = []
+    for part in (*CORE, *parts):
+        path = ROOT / "snowsim" / part.replace(".", "/")
+        found = (
+            sorted(path.rglob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+        )
+        if not found or not all(file.is_file() for file in found):
+            raise WorkflowError(f"package: snowsim has no module {part}")
+        files += found
+    return [str(file) for file in dict.fromkeys(files)]

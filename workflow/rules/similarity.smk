@@ -1,0 +1,120 @@
+# Renders of the test masks against the observed test scenes: Table II, Figs 10-12.
+
+
+rule score_similarity:
+    input:
+        observed="results/benchmark/test/{shard}.nc",
+        rendered="results/{method}/test/{shard}.nc",
+        code=package("metrics.image", "metrics.texture", "io.files", "io.scenes"),
+    output:
+        images="results/similarity/{method}/{shard}.parquet",
+        rows="results/similarity/{method}/{shard}_rows.parquet",
+    log:
+        "logs/score_similarity/{method}/{shard}.log",
+    benchmark:
+        "results/benchmarks/score_similarity/{method}/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "similarity of {wildcards.method} renders, shard {wildcards.shard}"
+    script:
+        "../scripts/score_similarity.py"
+
+
+rule tabulate_similarity:
+    input:
+        images=expand(
+            "results/similarity/{method}/{shard}.parquet",
+            method=METHODS,
+            shard=shards("test"),
+        ),
+        rows=expand(
+            "results/similarity/{method}/{shard}_rows.parquet",
+            method=METHODS,
+            shard=shards("test"),
+        ),
+        code=package("metrics.tables", "io.files"),
+    output:
+        images="results/similarity.parquet",
+        table2="results/tables/table2.csv",
+        ssim_depth="results/tables/ssim_depth.csv",
+        texture="results/tables/texture.csv",
+    log:
+        "logs/tabulate_similarity.log",
+    benchmark:
+        "results/benchmarks/tabulate_similarity/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        window_rows=config["similarity"]["window_rows"],
+    message:
+        "Table II"
+    script:
+        "../scripts/tabulate_similarity.py"
+
+
+rule plot_similarity:
+    input:
+        images="results/similarity.parquet",
+        ssim_depth="results/tables/ssim_depth.csv",
+        code=package("plotting", "io.files"),
+    output:
+        boxplots=report(
+            "results/figures/similarity_boxplots.svg",
+            caption="../report/similarity_boxplots.rst",
+        ),
+        ssim_depth=report(
+            "results/figures/ssim_depth.svg", caption="../report/ssim_depth.rst"
+        ),
+    log:
+        "logs/plot_similarity.log",
+    benchmark:
+        "results/benchmarks/plot_similarity/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "figures of similarity"
+    script:
+        "../scripts/plot_similarity.py"
+
+
+rule plot_sample:
+    input:
+        observed=benchmark_files("test"),
+        cgan=rendered_files("cgan", "test"),
+        phy=rendered_files("phy", "test"),
+        images="results/similarity.parquet",
+        code=package("plotting", "io.files", "io.scenes"),
+    output:
+        sample=report("results/figures/sample.png", caption="../report/sample.rst"),
+    log:
+        "logs/plot_sample.log",
+    benchmark:
+        "results/benchmarks/plot_sample/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "observed, labels, cGAN, PHY of a few test scenes"
+    script:
+        "../scripts/plot_sample.py"
+
+
+rule similarity:
+    input:
+        rules.tabulate_similarity.output,
+        rules.plot_similarity.output,
+        rules.plot_sample.output,
+    message:
+        "Table II and its figures"

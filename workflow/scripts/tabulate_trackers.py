@@ -1,0 +1,47 @@
+"""Table III, its intervals, and precision-recall curves from the per-threshold counts."""
+
+import numpy as np
+import pandas as pd
+from job import job
+
+from snowsim.io.files import read_table, write_table
+from snowsim.metrics.edges import precision_recall
+from snowsim.metrics.tables import OUTPUTS, counts_by_image, tracker_intervals, tracker_table
+from snowsim.seeding import random_stream
+
+
+def read_counts(paths, training_sets, replicas):
+    """(training set, output) -> list over replicas of lists over images of counts."""
+    counts = {(training_set, output): [] for training_set in training_sets for output in OUTPUTS}
+    keys = [training_set for training_set in training_sets for _ in replicas]
+    for training_set, path in zip(keys, paths, strict=True):
+        table = read_table(path)
+        for output in OUTPUTS:
+            counts[training_set, output].append(counts_by_image(table[table["output"] == output]))
+    return counts
+
+
+def fused_curves(counts, training_sets):
+    """Precision and recall of the fused output at every threshold, means over replicas."""
+    frames = []
+    for training_set in training_sets:
+        curves = [precision_recall(images) for images in counts[training_set, "fuse"]]
+        mean = {name: np.mean([curve[name] for curve in curves], axis=0) for name in ("precision", "recall")}
+        frames.append(pd.DataFrame({"training_set": training_set, **mean}))
+    return pd.concat(frames)
+
+
+def tabulate(
+    paths_to_counts, path_to_table3, path_to_intervals, path_to_curves, training_sets, replicas, n_bootstrap, seed
+):
+    counts = read_counts(paths_to_counts, training_sets, replicas)
+    rng = random_stream(seed, "tabulate_trackers")
+    intervals = tracker_intervals(counts, training_sets, n_bootstrap=n_bootstrap, rng=rng)
+    write_table(path_to_intervals, intervals)
+    write_table(path_to_table3, tracker_table(intervals))
+    write_table(path_to_curves, fused_curves(counts, training_sets))
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        tabulate(snakemake.input.counts, *snakemake.output, **snakemake.params)
