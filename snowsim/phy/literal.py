@@ -1,0 +1,196 @@
+"""Slow, other and failing ways to the same scene, kept to be compared with: no renderer uses them."""
+
+import numba
+import numpy as np
+from scipy.signal import fftconvolve
+from scipy.special import erfc
+
+from snowsim.phy.layers import checked_power, checked_waveforms
+from snowsim.phy.plan import plan_power
+from snowsim.phy.power import exact_power, planned_power
+from snowsim.phy.speckle import checked_looks, draw_speckle
+from snowsim.phy.supports import LARGEST_ERROR, find_supports
+from snowsim.phy.waveform import waveform_unchecked
+
+
+def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
+    """One scene's power as printed: whole columns convolved, then M looks of 4 normals for every pixel.
+
+    Parameters and return value are those of `render`, without a tolerance: float64 (range_bin, range_line).
+
+    Notes
+    -----
+    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
+    """
+    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
+    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
+    n_looks = int(checked_looks(parameters["n_looks"]))
+    signal = np.sqrt(convolved_power(waveforms) / 2)
+    noise = np.sqrt(checked_power("noise_power", parameters["noise_power"]) / 2)
+    total = np.zeros(waveforms.shape)
+    for _ in range(n_looks):
+        normals = rng.standard_normal((4, *waveforms.shape))
+        total += (signal * normals[0] + noise * normals[2]) ** 2 + (signal * normals[1] + noise * normals[3]) ** 2
+    return total / n_looks
+
+
+def render_scatterers(
+    layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, resolution_bins=1.0, align="gaussian"
+):
+    """One scene's power as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
+
+    Each layer and range line has `n_scatterers` scatterers, normal about the layer plus an exponential delay, with
+    exponential power and sinc-squared responses that are evaluated on every row. The scatterers are its only speckle:
+    `n_looks` acts on the noise. Parameters and return value are those of `render`, without a tolerance.
+    """
+    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
+    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, "peak", align)
+    n_looks = checked_looks(parameters["n_looks"])
+    noise = np.full(waveforms.shape, checked_power("noise_power", parameters["noise_power"]))
+    power = draw_speckle(noise, n_looks, method="gamma", rng=rng)
+    rows = np.arange(n_range_bins)[:, None]
+    deviation = np.sqrt(waveforms.variance_bins2)
+    # A waveform holds sqrt(2 pi d) / a in all, a response `resolution_bins`.
+    energy = waveforms.amplitude * np.sqrt(2 * np.pi) * deviation / waveforms.decay_rate
+    for layer, line in np.argwhere(np.isfinite(waveforms.centre_bins)):
+        delay = deviation[layer] * rng.standard_normal(n_scatterers)
+        delay += rng.exponential(1 / waveforms.decay_rate[layer], n_scatterers)
+        strength = rng.exponential(energy[layer] / (n_scatterers * resolution_bins), n_scatterers)
+        response = np.sinc((rows - waveforms.centre_bins[layer, line] - delay) / resolution_bins) ** 2
+        power[:, line] += response @ strength
+    return power
+
+
+def mean_power_by(
+    way,
+    layer_bins,
+    peak_power,
+    variance_bins2,
+    decay_rate,
+    n_range_bins,
+    *,
+    tolerance_db,
+    noise_power,
+    normalise="peak",
+    align="peak",
+    dtype=float,
+):
+    """Mean power by a named way of computing it, for charts of speed against accuracy.
+
+    Parameters
+    ----------
+    way : {"convolved", "closed_form", "closed_form_in_support", "table", "recursive"}
+        Numerical convolution of whole columns; closed form on every row; closed form, or a recursive filter, within
+        the supports of the tolerance; sub-bin tables as `mean_power` has them.
+    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, noise_power, normalise, align
+        See `mean_power`; `noise_power` is positive.
+    tolerance_db : float
+        What supports and tables are chosen for. The recursive filter does not keep it.
+    dtype : numpy.dtype
+        Of the recursive filter's state.
+
+    Returns
+    -------
+    ndarray, (range_bin, range_line)
+
+    Raises
+    ------
+    ValueError
+        If `way` is unknown, the supports cannot be had, or as `mean_power`.
+    """
+    waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
+    if way == "convolved":
+        return convolved_power(waveforms)
+    if way == "closed_form":
+        return exact_power(waveforms)
+    if way == "table":
+        return planned_power(plan_power(waveforms, noise_power, tolerance_db))
+    if way not in ("closed_form_in_support", "recursive"):
+        msg = f"way must be convolved, closed_form, closed_form_in_support, table or recursive, got {way!r}"
+        raise ValueError(msg)
+    supports = find_supports(waveforms, noise_power, min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR))
+    if supports is None:
+        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
+        raise ValueError(msg)
+    if way == "closed_form_in_support":
+        return _power_in_support(waveforms, supports)
+    power = np.zeros(waveforms.shape, dtype=dtype)
+    per_layer = (waveforms.amplitude, waveforms.variance_bins2, waveforms.decay_rate)
+    ends = (np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins))
+    _filter_layers(waveforms.centre_bins, *per_layer, *ends, power)
+    return power
+
+
+def convolved_power(waveforms, samples_per_bin=1):
+    """Mean power by numerical convolution of whole columns, float64 (range_bin, range_line).
+
+    The convolution integral becomes a sum, so narrow Gaussians alias and fast decays are summed coarsely; the Fourier
+    transform leaves 1e-16 of the peak everywhere. Columns start above the topmost layer, so nothing wraps around.
+    """
+    topmost = np.nanmin(waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0)
+    n_above = int(np.ceil(-topmost)) * samples_per_bin
+    n_samples = (waveforms.n_range_bins - 1) * samples_per_bin + 1 + n_above
+    x_bins = ((np.arange(n_samples) - n_above) / samples_per_bin)[:, None]
+    delay = np.arange(n_samples) / samples_per_bin
+    power = np.zeros((n_samples, waveforms.shape[1]))
+    for layer, centre in enumerate(waveforms.centre_bins):
+        lines = np.isfinite(centre)
+        gaussian = np.exp(-((x_bins - centre[lines]) ** 2) / (2 * waveforms.variance_bins2[layer]))
+        exponential = np.exp(-waveforms.decay_rate[layer] * delay) * waveforms.amplitude[layer] / samples_per_bin
+        exponential[0] /= 2  # trapezoids: the exponential starts with a step
+        power[:, lines] += fftconvolve(gaussian, exponential[:, None], axes=0)[:n_samples]
+    return np.maximum(power[n_above::samples_per_bin], 0)
+
+
+def waveform_naive(x_bins, variance_bins2, decay_rate):
+    """The closed form as it is usually written: overflows for wide or fast-decaying waveforms, NaN in its head."""
+    x_bins = np.asarray(x_bins, dtype=float)
+    z = (decay_rate * variance_bins2 - x_bins) / np.sqrt(2 * variance_bins2)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        growth = np.exp(decay_rate**2 * variance_bins2 / 2 - decay_rate * x_bins)
+        return np.sqrt(np.pi * variance_bins2 / 2) * growth * erfc(z)
+
+
+def _power_in_support(waveforms, supports):
+    """Closed form on the rows of each layer's support only."""
+    power = np.zeros(waveforms.shape)
+    for layer in np.flatnonzero(supports.kept):
+        lines = np.flatnonzero(np.isfinite(waveforms.centre_bins[layer]))
+        centre = waveforms.centre_bins[layer, lines]
+        first = np.clip(np.ceil(centre + supports.first_bins[layer]), 0, waveforms.n_range_bins).astype(int)
+        stop = np.clip(np.floor(centre + supports.last_bins[layer]) + 1, 0, waveforms.n_range_bins).astype(int)
+        rows = first + np.arange((stop - first).max(initial=0))[:, None]
+        inside = rows < stop
+        x_bins = (rows - centre)[inside]
+        one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[rows[inside], np.broadcast_to(lines, rows.shape)[inside]] += waveforms.amplitude[layer] * one
+    return power
+
+
+@numba.njit(cache=True)
+def _filter_layers(centre_bins, amplitude, variance, decay, first_bins, last_bins, power):
+    """Add layers by recursion: Simpson's rule over one bin of Gaussian, itself stepped by ratios of ratios."""
+    one = power.dtype.type(1)
+    for layer in range(centre_bins.shape[0]):
+        fade = power.dtype.type(np.exp(-decay[layer]))
+        half_fade = power.dtype.type(4 * np.exp(-decay[layer] / 2))
+        bend = power.dtype.type(np.exp(-0.25 / variance[layer]))
+        for line in range(centre_bins.shape[1]):
+            centre = centre_bins[layer, line]
+            start = np.ceil(centre + first_bins[layer])
+            stop = min(np.floor(centre + last_bins[layer]) + 1, power.shape[0])
+            if not start < stop:
+                continue
+            x = start - centre
+            gaussian = power.dtype.type(amplitude[layer] * np.exp(-x * x / (2 * variance[layer])) / 6)
+            ratio = power.dtype.type(np.exp(-(x / 2 + 0.125) / variance[layer]))
+            state = one * 0
+            for row in range(int(start), int(stop)):
+                if row >= 0:
+                    power[row, line] += state
+                between = gaussian * ratio
+                ratio *= bend
+                after = between * ratio
+                ratio *= bend
+                state = state * fade + gaussian * fade + between * half_fade + after
+                gaussian = after

@@ -1,0 +1,157 @@
+"""What a scene needs: from a tolerance in dB, which parts of eq. (1) are computed, how, how well and at what cost."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from snowsim.phy.layers import Waveforms, checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.speckle import check_method, checked_looks
+from snowsim.phy.supports import LARGEST_ERROR, Supports, find_supports
+
+PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
+
+# Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
+EXACT_BOUND_DB = 1e-11
+
+# Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to other machines.
+COST_NORMAL = 8.6
+COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
+COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
+COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 3.0}
+COST_LOOK = 18.0
+MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is used
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How one scene is modelled: `planned_power` and `render_plan` follow it.
+
+    Attributes
+    ----------
+    waveforms : Waveforms
+        The scene's layers.
+    noise_power : float
+        Power that errors are measured against, and that rendering adds.
+    n_looks : float
+        Looks that rendering averages; NaN where only mean power is wanted.
+    tolerance_db : float or None
+        What was asked for.
+    speckle : str
+        Method of `draw_speckle`.
+    supports : Supports or None
+        Where and how finely each layer is modelled; None for the closed form on every pixel.
+    bound_db : float
+        No pixel of ``P_s + noise_power`` is further than this from exact.
+    n_terms : int
+        Pixels times layers that are computed.
+    cost_normals : float
+        Predicted cost per pixel, in draws of one float32 normal.
+    """
+
+    waveforms: Waveforms
+    noise_power: float
+    n_looks: float
+    tolerance_db: float | None
+    speckle: str
+    supports: Supports | None
+    bound_db: float
+    n_terms: int
+    cost_normals: float
+
+    @property
+    def method(self):
+        """How the mean power is computed: ``exact`` or ``table``."""
+        return "exact" if self.supports is None else "table"
+
+    @property
+    def n_dropped(self):
+        """Layers left out because the noise hides them."""
+        return 0 if self.supports is None else int((~self.supports.kept).sum())
+
+    @property
+    def share(self):
+        """Pixels times layers computed, as a share of the full model's."""
+        return self.n_terms / max(_n_terms_full(self.waveforms), 1)
+
+    def notes(self):
+        """Numbers to keep with the scene, JSON-able: names start with ``plan_``."""
+        return {
+            "plan_method": self.method,
+            "plan_speckle": self.speckle,
+            "plan_tolerance_db": self.tolerance_db,
+            "plan_bound_db": self.bound_db,
+            "plan_cost_normals": self.cost_normals,
+            "plan_terms": self.n_terms,
+            "plan_terms_full": _n_terms_full(self.waveforms),
+            "plan_share": self.share,
+            "plan_layers": int(self.waveforms.amplitude.size),
+            "plan_layers_dropped": self.n_dropped,
+        }
+
+
+def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, normalise="peak", align="peak"):
+    """Decide how a scene is modelled, before any pixel is computed.
+
+    Parameters
+    ----------
+    layer_bins : array_like, (layer, range_line)
+        Fractional range bins; NaN where absent.
+    parameters : mapping
+        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`.
+    n_range_bins : int
+        Height of the scene.
+    tolerance_db : float or None
+        Largest error of ``P_s + noise_power`` at any pixel [dB]; None for exact.
+    speckle : str, optional
+        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
+    normalise, align : str
+        See `mean_power`.
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    ValueError
+        If something given is missing, unknown, out of range or of the wrong shape.
+    """
+    if set(parameters) != set(PARAMETERS):
+        got = ", ".join(map(str, parameters)) or "none"
+        msg = f"parameters: expected {', '.join(PARAMETERS)}, got {got}"
+        raise ValueError(msg)
+    shapes = (parameters[name] for name in PARAMETERS[:3])
+    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
+    noise_power = checked_power("noise_power", parameters["noise_power"])
+    n_looks = checked_looks(parameters["n_looks"])
+    if speckle is None:
+        speckle = "gamma" if tolerance_db is None else "quantile"
+    check_method(speckle, n_looks)
+    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle)
+
+
+def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma"):
+    """Plan for waveforms that are checked already; see `plan`. Without noise nothing can be left out."""
+    tolerance_db = checked_tolerance(tolerance_db)
+    n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
+    n_terms = _n_terms_full(waveforms)
+    supports, bound_db, cost = None, EXACT_BOUND_DB, COST_CLOSED_FORM * n_terms
+    if tolerance_db is not None and noise_power > 0:
+        error = min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR)
+        found = find_supports(waveforms, noise_power, error)
+        if found is not None:
+            n_table, n_exponential = found.n_rows(waveforms.centre_bins, waveforms.n_range_bins)
+            cost_found = COST_NODE * found.n_nodes() + COST_TABLE_TERM * n_table + COST_EXPONENTIAL_TERM * n_exponential
+            if cost_found < cost and found.n_nodes() <= MOST_NODES:
+                supports, bound_db, cost = found, float(-10 * np.log10(1 - found.error)), cost_found
+                n_terms = n_table + n_exponential
+    cost += COST_SCENE + n_pixels * COST_PIXEL
+    if np.isfinite(n_looks):
+        cost += n_pixels * COST_SPECKLE.get(speckle, COST_LOOK * n_looks)
+    cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
+    return Plan(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals)
+
+
+def _n_terms_full(waveforms):
+    """Pixels times present layers: what the full model computes."""
+    return int(np.isfinite(waveforms.centre_bins).sum()) * waveforms.n_range_bins

@@ -1,0 +1,105 @@
+"""Mean power of a scene by eq. (1): exact, or within a tolerance as planned."""
+
+import numpy as np
+
+from snowsim.phy.layers import checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.plan import plan_power
+from snowsim.phy.tables import tabulated_power
+from snowsim.phy.waveform import waveform_unchecked
+
+DEFAULT_RELATIVE_NOISE = 1e-4
+
+
+def mean_power(
+    layer_bins,
+    peak_power,
+    variance_bins2,
+    decay_rate,
+    n_range_bins,
+    *,
+    tolerance_db=None,
+    noise_power=None,
+    normalise="peak",
+    align="peak",
+):
+    """Mean power of layered snow, without noise.
+
+    Neglected: correlation between layers, off-nadir energy beyond what the decay stands for, surface roughness.
+
+    Parameters
+    ----------
+    layer_bins : array_like, (layer, range_line)
+        Fractional range bins, increasing with depth; NaN where absent. Layers may leave the window, their tails count.
+    peak_power : array_like, (layer,)
+        Linear power, not negative.
+    variance_bins2 : array_like, (layer,)
+        Variance of each layer's Gaussian [bins^2].
+    decay_rate : array_like, (layer,)
+        Rate of each layer's exponential [per bin].
+    n_range_bins : int
+        Height of the window.
+    tolerance_db : float, optional
+        Largest error of ``P_s + noise_power`` at any pixel [dB]. By default exact to the resolution of float64.
+    noise_power : float, optional
+        What the tolerance is measured against; by default 1e-4 of the scene's largest P_s. Not added.
+    normalise : {"peak", "none"}
+        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian does before it is
+        convolved.
+    align : {"peak", "gaussian"}
+        ``peak``: the waveform's peak lies on the layer; ``gaussian``: as printed, the Gaussian's does.
+
+    Returns
+    -------
+    ndarray of float64, (range_bin, range_line)
+
+    Raises
+    ------
+    ValueError
+        If a power is negative or not finite, a variance or a rate not positive, a shape wrong, a tolerance not
+        positive, or if layers cross.
+
+    Notes
+    -----
+    ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved continuously in bins:
+    Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept: `snowsim.phy.supports`.
+    """
+    waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
+    if noise_power is not None:
+        noise_power = checked_power("noise_power", noise_power)
+    elif checked_tolerance(tolerance_db) is None:
+        noise_power = 0.0
+    else:
+        noise_power = DEFAULT_RELATIVE_NOISE * _least_largest_power(waveforms)
+    return planned_power(plan_power(waveforms, noise_power, tolerance_db)).astype(float, copy=False)
+
+
+@np.errstate(under="ignore")
+def planned_power(scene_plan, added_power=0.0):
+    """Mean power of a planned scene plus `added_power`, (range_bin, range_line), in the type the plan chose."""
+    if scene_plan.supports is None:
+        return exact_power(scene_plan.waveforms) + added_power
+    return tabulated_power(scene_plan.waveforms, scene_plan.supports, added_power)
+
+
+@np.errstate(under="ignore")
+def exact_power(waveforms):
+    """Mean power by the closed form on every pixel, float64 (range_bin, range_line)."""
+    power = np.zeros(waveforms.shape)
+    rows = np.arange(waveforms.n_range_bins)[:, None]
+    present = np.isfinite(waveforms.centre_bins)
+    for layer, lines in enumerate(present):
+        x_bins = rows - waveforms.centre_bins[layer, lines]
+        one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[:, lines] += waveforms.amplitude[layer] * one
+    return power
+
+
+@np.errstate(under="ignore")
+def _least_largest_power(waveforms):
+    """Power that the scene's largest pixel has at least: of each layer alone, at the pixel nearest to its peak."""
+    peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]
+    x_bins = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1) - waveforms.centre_bins
+    present = np.isfinite(x_bins)
+    layer = np.nonzero(present)[0]
+    one = waveform_unchecked(x_bins[present], waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+    return float((waveforms.amplitude[layer] * one).max(initial=0))

@@ -1,0 +1,55 @@
+"""The one entry: layers and their parameters to one scene's power after M looks."""
+
+from snowsim.phy.plan import plan
+from snowsim.phy.power import planned_power
+from snowsim.phy.speckle import draw_speckle
+
+
+def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=None, normalise="peak", align="peak"):
+    """Power of one scene after M looks.
+
+    Parameters
+    ----------
+    layer_bins : array_like, (layer, range_line)
+        Fractional range bins; NaN where absent.
+    parameters : mapping
+        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`.
+    n_range_bins : int
+        Height of the scene.
+    tolerance_db : float or None
+        Largest error of the mean power, noise included, at any pixel [dB]; None for exact.
+    rng : numpy.random.Generator
+        Source of randomness.
+    speckle, normalise, align : str
+        See `plan`.
+
+    Returns
+    -------
+    ndarray, (range_bin, range_line)
+        Linear power; float32 where the plan finds it enough, else float64.
+
+    Raises
+    ------
+    ValueError
+        See `plan`.
+
+    Notes
+    -----
+    ``render(...)`` is ``render_plan(plan(...))``: plan first to keep the plan's notes.
+    """
+    scene_plan = plan(
+        layer_bins,
+        parameters,
+        n_range_bins,
+        tolerance_db=tolerance_db,
+        speckle=speckle,
+        normalise=normalise,
+        align=align,
+    )
+    return render_plan(scene_plan, rng=rng)
+
+
+def render_plan(scene_plan, *, rng):
+    """Power of a planned scene after M looks, (range_bin, range_line)."""
+    power = planned_power(scene_plan, added_power=scene_plan.noise_power)
+    return draw_speckle(power, scene_plan.n_looks, method=scene_plan.speckle, rng=rng)

@@ -1,0 +1,160 @@
+"""Speckle, eqs (3)-(4): power of circular complex Gaussian signal and noise, averaged over M looks."""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.special import gammainc, gammaincinv
+
+METHODS = ("looks", "gamma", "cube", "quantile")
+MINIMUM_LOOKS_CUBE = 10  # below, a cube turns negative once in 1e12 draws or more often
+MOST_LOOKS_QUANTILE = 1e6  # above, float32 no longer tells the cells apart
+QUANTILES = 65536  # one for each value of 16 random bits
+
+
+def draw_speckle(mean_power, n_looks, *, method="gamma", rng):
+    """Power after averaging M looks.
+
+    Parameters
+    ----------
+    mean_power : array_like, (range_bin, range_line) or (look, range_bin, range_line)
+        Mean power of signal and noise together, not negative. With a leading axis the geometry moves: one mean for
+        each look.
+    n_looks : float
+        Independent looks averaged, at least 1; whole for `looks`.
+    method : {"looks", "gamma", "cube", "quantile"}
+        See Notes.
+    rng : numpy.random.Generator
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray, (range_bin, range_line)
+        float32 for float32 means, else float64.
+
+    Raises
+    ------
+    ValueError
+        If a mean is negative or not finite, if the method is unknown or cannot do what is asked, or if a moving
+        geometry has not `n_looks` means.
+
+    Notes
+    -----
+    A look of a pixel is exponential about its mean, being the squared modulus of a circular Gaussian; signal plus noise
+    is circular Gaussian too, so one draw stands for both.
+
+    - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
+    - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact. For a moving geometry the shape is
+      ``(sum m)^2 / sum m^2``, which keeps mean and variance: exact where the means are equal, not elsewhere.
+    - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17, 684-688. Its
+      distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3`` low. From 10 looks.
+    - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact distribution; each gives its
+      own mean. The distribution function is within 1e-5 of exact up to 1000 looks and within 4e-5 up to 1e6, the
+      most it takes; the mean is exact; the largest value is that of the last cell.
+    """
+    mean_power = np.asarray(mean_power)
+    if mean_power.dtype != np.float32:
+        mean_power = mean_power.astype(float)
+    bad = ~((mean_power >= 0) & np.isfinite(mean_power))
+    if bad.any():
+        at = tuple(int(i) for i in np.argwhere(bad)[0])
+        msg = f"mean_power must be finite and not negative, got {mean_power[at]} at {at}"
+        raise ValueError(msg)
+    n_looks = checked_looks(n_looks)
+    check_method(method, n_looks)
+    if mean_power.ndim == 3:
+        if mean_power.shape[0] != n_looks:
+            msg = f"mean_power: expected one mean for each of {n_looks:g} looks, got {mean_power.shape[0]}"
+            raise ValueError(msg)
+        return _draw_moving(mean_power, method, rng)
+    if mean_power.ndim != 2:
+        msg = f"mean_power: expected (range_bin, range_line), a look axis before it or not, got {mean_power.shape}"
+        raise ValueError(msg)
+    if method == "looks":
+        return _draw_looks(np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape)), rng)
+    if method == "quantile":
+        cell = rng.integers(0, QUANTILES, size=mean_power.shape, dtype=np.uint16)
+        power = np.take(quantile_table(n_looks).astype(mean_power.dtype, copy=False), cell)
+        power *= mean_power
+        return power
+    draw = _draw_gamma if method == "gamma" else _draw_cube
+    return draw(mean_power, n_looks, rng)
+
+
+def checked_looks(n_looks):
+    """Number of looks as float; ValueError unless finite and at least 1."""
+    n_looks = float(n_looks)
+    if not (n_looks >= 1 and np.isfinite(n_looks)):
+        msg = f"n_looks must be finite and at least 1, got {n_looks}"
+        raise ValueError(msg)
+    return n_looks
+
+
+def check_method(method, n_looks):
+    """Raise ValueError unless `method` exists and can draw this number of looks."""
+    if method not in METHODS:
+        msg = f"speckle method must be one of {', '.join(METHODS)}, got {method!r}"
+        raise ValueError(msg)
+    if method == "looks" and n_looks != np.floor(n_looks):
+        msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
+        raise ValueError(msg)
+    if method == "cube" and n_looks < MINIMUM_LOOKS_CUBE:
+        msg = f"speckle method cube needs at least {MINIMUM_LOOKS_CUBE} looks, got {n_looks:g}"
+        raise ValueError(msg)
+    if method == "quantile" and n_looks > MOST_LOOKS_QUANTILE:
+        msg = f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, got {n_looks:g}"
+        raise ValueError(msg)
+
+
+@lru_cache(maxsize=8)
+def quantile_table(n_looks):
+    """Mean of each of 65536 equally likely cells of Gamma(M) / M, increasing, float32."""
+    edges = gammaincinv(n_looks, np.arange(1, QUANTILES) / QUANTILES)
+    # The mean over a cell is QUANTILES / M times the integral of x p(x), and x p(x; M) = M p(x; M + 1).
+    below = np.concatenate([[0], gammainc(n_looks + 1, edges), [1]])
+    table = (QUANTILES * np.diff(below)).astype(np.float32)
+    table.flags.writeable = False
+    return table
+
+
+def _draw_looks(mean_power, rng):
+    """Literal sum over the leading axis of `mean_power`, one look at a time."""
+    total = np.zeros(mean_power.shape[1:])
+    for look in mean_power:
+        in_phase, quadrature = rng.standard_normal((2, *look.shape))
+        total += look * (in_phase**2 + quadrature**2)
+    return (total / (2 * len(mean_power))).astype(mean_power.dtype, copy=False)
+
+
+def _draw_moving(mean_power, method, rng):
+    """Looks with means of their own, by their moments unless literal."""
+    if method == "looks":
+        return _draw_looks(mean_power, rng)
+    if method == "quantile":
+        msg = "speckle method quantile needs one mean per pixel, got one for each look"
+        raise ValueError(msg)
+    mean = mean_power.mean(axis=0)
+    # Relative to the largest, so that squares neither overflow nor vanish.
+    largest = np.maximum(mean_power.max(axis=0), np.finfo(mean_power.dtype).tiny)
+    relative = mean_power / largest
+    squares = np.maximum((relative**2).sum(axis=0), np.finfo(mean_power.dtype).tiny)
+    shape = np.where(mean > 0, np.maximum(relative.sum(axis=0) ** 2 / squares, 1), len(mean_power))
+    check_method(method, float(shape.min(initial=len(mean_power))))
+    draw = _draw_gamma if method == "gamma" else _draw_cube
+    return draw(mean, shape.astype(mean.dtype), rng)
+
+
+def _draw_gamma(mean_power, shape, rng):
+    power = rng.standard_gamma(shape, size=mean_power.shape, dtype=mean_power.dtype)
+    power *= mean_power
+    power /= shape
+    return power
+
+
+def _draw_cube(mean_power, shape, rng):
+    root = rng.standard_normal(mean_power.shape, dtype=np.float32).astype(mean_power.dtype, copy=False)
+    root *= 1 / (3 * np.sqrt(shape))
+    root += 1 - 1 / (9 * shape)
+    power = root * root
+    power *= root
+    power *= mean_power
+    return power

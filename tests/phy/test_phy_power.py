@@ -1,0 +1,180 @@
+"""Mean power: laws of eq. (1), an independent convolution, and tolerances that hold on every pixel."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import crossing_layers
+from snowsim.phy import mean_power
+from snowsim.phy.layers import checked_waveforms
+from snowsim.phy.literal import convolved_power, mean_power_by
+from snowsim.phy.supports import LARGEST_ERROR, find_supports
+from snowsim.phy.tables import tabulated_power
+
+
+def scene_of(seed, n_layers, n_lines, n_range_bins, layout):
+    """Layers in one of four layouts: inside, reaching outside, nearly touching, on bin centres; some pixels absent."""
+    rng = np.random.default_rng(seed)
+    reach = 0 if layout == "inside" else 200
+    layer_bins = np.sort(rng.uniform(-reach, n_range_bins + reach / 2, (n_layers, n_lines)), axis=0)
+    if layout == "touching":
+        layer_bins = layer_bins[:1] + np.cumsum(10 ** rng.uniform(-8, 1, (n_layers, n_lines)), axis=0)
+    if layout == "on bins":
+        layer_bins = np.rint(layer_bins)
+    layer_bins[rng.random(layer_bins.shape) < 0.1] = np.nan
+    layer_bins[crossing_layers(layer_bins)] = np.nan
+    wide = rng.random() < 0.3
+    parameters = {
+        "peak_power": 10 ** rng.uniform(-12, 0, n_layers) * (rng.random(n_layers) < 0.95),
+        "variance_bins2": 10 ** rng.uniform(*((-6, 6) if wide else (-2, 4)), n_layers),
+        "decay_rate": 10 ** rng.uniform(*((-6, 3) if wide else (-4, 1)), n_layers),
+    }
+    return layer_bins, parameters
+
+
+SCENES = st.builds(
+    scene_of,
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 8),
+    st.sampled_from([1, 3, 17]),
+    st.sampled_from([1, 2, 30, 120]),
+    st.sampled_from(["inside", "outside", "touching", "on bins"]),
+)
+EXPONENTS = {"tolerance": st.floats(-8, 0.7), "noise": st.floats(-12, 1), "unit": st.floats(-30, 30)}
+
+
+@settings(max_examples=200, deadline=None)
+@given(scene=SCENES, n_range_bins=st.sampled_from([1, 2, 30, 120]), **EXPONENTS)
+def test_tolerance_holds_on_every_pixel(scene, n_range_bins, tolerance, noise, unit):
+    layer_bins, parameters = scene
+    parameters = parameters | {"peak_power": parameters["peak_power"] * 10**unit}
+    tolerance_db, noise_power = 10**tolerance, 10 ** (noise + unit)
+    exact = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins)
+    planned = mean_power(
+        layer_bins, **parameters, n_range_bins=n_range_bins, tolerance_db=tolerance_db, noise_power=noise_power
+    )
+    error_db = 10 * np.log10((planned + noise_power) / (exact + noise_power))
+    assert np.abs(error_db).max() <= tolerance_db
+
+
+@settings(max_examples=200, deadline=None)
+@given(scene=SCENES, tolerance=st.floats(-6, 0.7), noise=st.floats(-12, 1))
+def test_tables_keep_the_bound_they_state_even_where_the_closed_form_is_cheaper(scene, tolerance, noise):
+    layer_bins, parameters = scene
+    waveforms = checked_waveforms(layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian")
+    error = min(1 - 10 ** (-(10**tolerance) / 10), LARGEST_ERROR)
+    supports = find_supports(waveforms, 10**noise, error)
+    if supports is None or supports.n_nodes() > 1e5:
+        return
+    exact = mean_power(layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian")
+    tabulated = tabulated_power(waveforms, supports, 0.0).astype(float)
+    assert supports.error <= error
+    assert np.all(np.abs(tabulated - exact) <= supports.error * (exact + 10**noise))
+
+
+def test_default_noise_is_1e_4_of_the_largest_power(rng):
+    layer_bins = np.sort(rng.uniform(20, 180, (6, 40)), axis=0)
+    parameters = {"peak_power": 10.0 ** -np.arange(6), "variance_bins2": np.full(6, 12), "decay_rate": np.full(6, 0.07)}
+    exact = mean_power(layer_bins, **parameters, n_range_bins=200)
+    planned = mean_power(layer_bins, **parameters, n_range_bins=200, tolerance_db=0.1)
+    noise_power = 1e-4 * exact.max()
+    assert 0 < np.abs(10 * np.log10((planned + noise_power) / (exact + noise_power))).max() <= 0.1
+
+
+@pytest.mark.parametrize("samples_per_bin", [2, 4])
+def test_power_is_the_convolution_of_eq_1(samples_per_bin, rng):
+    layer_bins = np.sort(rng.uniform(-20, 120, (5, 9)), axis=0)
+    layer_bins[2, :4] = np.nan
+    parameters = (rng.uniform(0.1, 1, 5), rng.uniform(10, 15, 5), rng.uniform(0.05, 0.09, 5), 100)
+    closed = mean_power(layer_bins, *parameters)
+    convolved = convolved_power(checked_waveforms(layer_bins, *parameters, "peak", "peak"), samples_per_bin)
+    # Euler-Maclaurin: trapezoids at a step h are off by h^2 / 12 times the slope where the exponential starts, which is
+    # at most (a + exp(-1/2) / sqrt(d)) of a Gaussian, itself a few times lower than the waveform's peak.
+    assert_allclose(convolved, closed, atol=0.01 * closed.max() / samples_per_bin**2)
+
+
+def test_layers_add_and_powers_scale(rng):
+    layer_bins = np.sort(rng.uniform(0, 80, (3, 7)), axis=0)
+    power, variance, decay = rng.uniform(0.1, 1, 3), rng.uniform(1, 20, 3), rng.uniform(0.01, 1, 3)
+    together = mean_power(layer_bins, power, variance, decay, 80)
+    apart = [mean_power(layer_bins[[i]], power[[i]], variance[[i]], decay[[i]], 80) for i in range(3)]
+    assert_allclose(together, np.sum(apart, axis=0), rtol=1e-14)
+    assert_allclose(mean_power(layer_bins, 8 * power, variance, decay, 80), 8 * together, rtol=1e-15)
+
+
+def test_scene_shifted_by_whole_bins_is_the_same_scene(rng):
+    layer_bins = np.sort(rng.uniform(0, 50, (3, 7)), axis=0)
+    parameters = (np.ones(3), np.full(3, 12.0), np.full(3, 0.07))
+    high = mean_power(layer_bins - 30, *parameters, 40)
+    # Positions of up to 80 bins carry rounding of 1e-14 bins, where log w falls by at most 10 per bin.
+    assert_allclose(high, mean_power(layer_bins, *parameters, 70)[30:], rtol=1e-12)
+
+
+def test_normalised_and_aligned_waveform_peaks_at_its_power_on_its_layer():
+    parameters = ([0.3], [12.0], [0.07], 60)
+    power = mean_power([[25.0]], *parameters, normalise="peak", align="peak")[:, 0]
+    assert power.argmax() == 25
+    assert_allclose(power[25], 0.3, rtol=1e-14)
+    # As printed, the Gaussian is at the layer, and the waveform 4 to 6 bins further down (DESIGN 4.4).
+    printed = mean_power([[25.0]], *parameters, normalise="none", align="gaussian")[:, 0]
+    assert 4 <= printed.argmax() - 25 <= 6
+    assert printed.max() > 1
+
+
+@pytest.mark.parametrize("tolerance_db", [None, 0.05])
+def test_absent_pixels_and_no_layers_add_nothing(tolerance_db):
+    layer_bins = [[10.0, np.nan], [np.nan, np.nan]]
+    power = mean_power(layer_bins, [1, 1], [10, 10], [0.1, 0.1], 30, tolerance_db=tolerance_db, noise_power=1e-3)
+    assert power[:, 0].max() > 0.9
+    assert_array_equal(power[:, 1], 0)
+    none = mean_power(np.empty((0, 2)), [], [], [], 30, tolerance_db=tolerance_db)
+    assert_array_equal(none, np.zeros((30, 2)))
+
+
+@pytest.mark.parametrize("way", ["closed_form_in_support", "recursive"])
+def test_other_ways_agree_where_they_should(way, rng):
+    layer_bins = np.sort(rng.uniform(-20, 120, (5, 9)), axis=0)
+    parameters = (rng.uniform(0.1, 1, 5), rng.uniform(10, 15, 5), rng.uniform(0.05, 0.09, 5), 100)
+    exact = mean_power(layer_bins, *parameters)
+    other = mean_power_by(way, layer_bins, *parameters, tolerance_db=0.05, noise_power=1e-3)
+    # The support keeps 0.05 dB; Simpson's rule over one bin of such Gaussians adds less than that.
+    assert np.abs(10 * np.log10((other + 1e-3) / (exact + 1e-3))).max() < 0.1
+
+
+GOOD = {
+    "layer_bins": [[10.0, 11.0], [20.0, 21.0]],
+    "peak_power": [1.0, 0.5],
+    "variance_bins2": [10.0, 12.0],
+    "decay_rate": [0.05, 0.07],
+    "n_range_bins": 40,
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"peak_power": [1, np.nan]}, "peak_power must be finite and not negative, got nan at layer 1"),
+        ({"peak_power": [-2, 1]}, "peak_power must be finite and not negative, got -2.0 at layer 0"),
+        ({"peak_power": [1e308, 1e308]}, "peak_power must add up to a finite power, got 1e.308 at layer 0"),
+        ({"variance_bins2": [10, 0]}, "variance_bins2 must be finite and positive, got 0.0 at layer 1"),
+        ({"decay_rate": [0.05, -1]}, "decay_rate must be finite and positive, got -1.0 at layer 1"),
+        ({"decay_rate": [0.05, np.inf]}, "decay_rate must be finite and positive, got inf at layer 1"),
+        ({"decay_rate": [0.05]}, r"decay_rate: expected one value for each of 2 layers, got shape \(1,\)"),
+        ({"layer_bins": [[10.0, 11.0], [20.0, 9.0]]}, "layer_bins: .* layer 1 does not at range_line 1"),
+        ({"layer_bins": [10.0, 11.0]}, r"layer_bins: expected dimensions \(layer, range_line\), got shape \(2,\)"),
+        ({"layer_bins": [[10.0, np.inf], [20.0, 21.0]]}, "layer_bins: .* got inf at layer 0, line 1"),
+        ({"n_range_bins": 0}, "n_range_bins must be a whole number of at least 1, got 0"),
+        ({"n_range_bins": 2.5}, "n_range_bins must be a whole number of at least 1, got 2.5"),
+        ({"tolerance_db": 0}, "tolerance_db must be positive and finite, or None for exact, got 0"),
+        ({"tolerance_db": -1}, "tolerance_db must be positive and finite, or None for exact, got -1"),
+        ({"tolerance_db": np.nan}, "tolerance_db must be positive and finite, or None for exact, got nan"),
+        ({"noise_power": -1}, "noise_power must be finite and not negative, got -1"),
+        ({"normalise": "area"}, "normalise must be one of peak, none, got 'area'"),
+        ({"align": "centre"}, "align must be one of peak, gaussian, got 'centre'"),
+    ],
+)
+def test_bad_input_is_refused_with_name_value_and_position(change, message):
+    with pytest.raises(ValueError, match=message):
+        mean_power(**(GOOD | change))

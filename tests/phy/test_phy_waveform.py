@@ -1,0 +1,121 @@
+"""One layer's waveform against arbitrary precision, its peak and its width."""
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from snowsim.phy.literal import waveform_naive
+from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
+
+SMALLEST_NORMAL = np.finfo(float).tiny
+
+
+def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
+    """Eq. (1) for one layer by its textbook form, precise enough to survive it."""
+    with mpmath.workdps(80):
+        x, d, a = (mpmath.mpf(float(value)) for value in (x_bins, variance_bins2, decay_rate))
+        return (
+            mpmath.sqrt(mpmath.pi * d / 2)
+            * mpmath.exp(a * a * d / 2 - a * x)
+            * mpmath.erfc((a * d - x) / mpmath.sqrt(2 * d))
+        )
+
+
+def log_uniform(low, high):
+    return st.floats(np.log10(low), np.log10(high)).map(lambda exponent: 10.0**exponent)
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    decay_rate=log_uniform(1e-4, 10),
+    variance_bins2=log_uniform(1e-2, 1e4),
+    where=st.one_of(
+        st.tuples(st.just(0), st.floats(-1e3, 1e4)),
+        st.tuples(st.just(1), st.floats(-8, 8)),  # around the change of branch, in standard deviations
+        st.tuples(st.just(2), st.floats(-8, 8)),  # around the Gaussian's centre
+    ),
+)
+@example(decay_rate=10.0, variance_bins2=1e4, where=(0, -1e3))
+@example(decay_rate=10.0, variance_bins2=1e-2, where=(0, 1e4))
+@example(decay_rate=1e-4, variance_bins2=1e-2, where=(0, 1e4))
+def test_waveform_agrees_with_80_digits(decay_rate, variance_bins2, where):
+    around, distance = where
+    x_bins = distance
+    if around:
+        x_bins = (decay_rate * variance_bins2 if around == 1 else 0) + distance * np.sqrt(variance_bins2)
+    with np.errstate(over="raise", invalid="raise", divide="raise"):
+        waveform = waveform_exact(x_bins, variance_bins2, decay_rate)
+    expected = waveform_in_80_digits(x_bins, variance_bins2, decay_rate)
+    if expected < SMALLEST_NORMAL:
+        # Underflows to zero, or to a number that no longer has 53 bits.
+        assert 0 <= waveform <= 1.01 * SMALLEST_NORMAL
+    else:
+        # An exponent of at most 745 is known to 3 eps of itself: 5e-13.
+        assert abs(waveform / expected - 1) < 1e-12
+
+
+def test_waveform_is_finite_where_the_naive_form_overflows():
+    # a^2 d / 2 = 5000 is far above 709, where exp overflows.
+    assert not np.isfinite(waveform_naive(0.0, 100.0, 10.0))
+    # Gaussian much wider than the exponential: w tends to exp(-x^2 / 2d) / a, off by 1 / (a^2 d) = 1e-4.
+    assert_allclose(waveform_exact(0.0, 100.0, 10.0), 0.1, rtol=2e-4)
+
+
+def test_narrow_gaussian_leaves_a_plain_exponential():
+    x_bins = np.array([1.0, 10.0, 100.0])
+    expected = np.sqrt(2 * np.pi * 1e-6) * np.exp(-0.1 * x_bins)
+    # The next term is a^2 d / 2 = 5e-9.
+    assert_allclose(waveform_exact(x_bins, 1e-6, 0.1), expected, rtol=1e-8)
+
+
+def test_waveform_integrates_to_the_product_of_its_parts():
+    x_bins = np.arange(-100, 600, 0.5)
+    area = waveform_exact(x_bins, 12.0, 0.07).sum() * 0.5
+    # A trapezoid sum of a smooth function that vanishes at both ends is exact to exp(-2 pi^2 d / h^2) and the cut tail.
+    assert_allclose(area, np.sqrt(2 * np.pi * 12) / 0.07, rtol=1e-12)
+
+
+@pytest.mark.parametrize("decay_rate", [1e-12, 1e-4, 0.07, 10, 1e6])
+@pytest.mark.parametrize("variance_bins2", [1e-12, 1e-2, 12, 1e4, 1e12])
+def test_peak_is_where_the_waveform_is_highest(variance_bins2, decay_rate):
+    offset_bins, value = waveform_peak(variance_bins2, decay_rate)
+    deviation = np.sqrt(variance_bins2)
+    around = waveform_exact(offset_bins + np.array([-0.01, 0, 0.01]) * deviation, variance_bins2, decay_rate)
+    assert_allclose(around[1], value, rtol=1e-12)
+    # Slow decays leave a peak flat to the last place.
+    assert around[[0, 2]].max() <= around[1] * (1 + 1e-15)
+
+
+@pytest.mark.parametrize("decay_rate", [1e-12, 1e-4, 0.05, 0.09, 10, 1e6])
+@pytest.mark.parametrize("variance_bins2", [1e-12, 1e-2, 12, 1e4, 1e12])
+def test_width_is_where_the_waveform_has_fallen_to_1_over_e(variance_bins2, decay_rate):
+    offset_bins, value = waveform_peak(variance_bins2, decay_rate)
+    width_bins = waveform_width(variance_bins2, decay_rate)
+    fallen = waveform_exact(offset_bins + width_bins, variance_bins2, decay_rate)
+    # Where decay times deviation passes 1e6 the width is that of its limit, good to 1e-12.
+    assert_allclose(fallen, value / np.e, rtol=4e-12)
+    assert width_bins > 0
+
+
+def test_width_is_set_mostly_by_the_decay():
+    # DESIGN 4.4: about 22 bins at 0.05 per bin and 13 at 0.09, for variances of 10 to 15.
+    assert_allclose(waveform_width([10, 15], 0.05), 22, atol=0.5)
+    assert_allclose(waveform_width([10, 15], 0.09), 13.5, atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("x_bins", "variance_bins2", "decay_rate", "message"),
+    [
+        (0, [10, 0], 0.1, r"variance_bins2 must be positive.* got 0.0 at \(1,\)"),
+        (0, 10, -0.1, r"decay_rate must be positive.* got -0.1 at \(\)"),
+        (0, np.inf, 0.1, "variance_bins2 must be positive.* got inf"),
+        (0, 10, 1e7, "decay_rate must be positive, from 1e-12 to 1e.06, got 1"),
+        ([0, np.nan], 10, 0.1, r"x_bins must be finite, got nan at \(1,\)"),
+    ],
+)
+def test_bad_waveform_is_refused_with_name_value_and_position(x_bins, variance_bins2, decay_rate, message):
+    with pytest.raises(ValueError, match=message):
+        waveform_exact(x_bins, variance_bins2, decay_rate)
