@@ -122,11 +122,101 @@ def plot_losses(ax, losses, columns, window=50):
     ax.set(xlabel="step", ylabel="loss")
 
 
-def plot_label_thickness(ax, thickness):
-    """Mean thickness of every slab, observed and drawn, a colour a zone."""
-    for zone, rows in thickness.groupby("zone"):
-        colour = plt.get_cmap("viridis")(zone / 4)
-        ax.plot(rows["slab"], rows["observed_mean_bins"], "o", color=colour, markersize=3)
-        ax.plot(rows["slab"], rows["drawn_mean_bins"], color=colour, label=f"zone {zone}")
-    ax.set(xlabel="slab below the surface", ylabel="mean thickness [range bins]")
+def plot_picks(ax, layer_bins):
+    """Picks as thin lines over an echogram."""
+    ax.plot(np.asarray(layer_bins).T, color="#E69F00", linewidth=0.5)
+
+
+def plot_positions(ax, table):
+    """Frames of the flight by longitude and latitude, coloured by the thickness of the first slab (Fig. 4)."""
+    ax.plot(table["longitude_deg"], table["latitude_deg"], color="0.7", linewidth=1, zorder=1)
+    points = ax.scatter(table["longitude_deg"], table["latitude_deg"], c=table["first_slab_bins"], s=20, zorder=2)
+    ax.figure.colorbar(points, label="first slab [range bins]")
+    ax.set(xlabel="longitude [deg]", ylabel="latitude [deg]")
+
+
+def plot_waveform(ax, statistics, layer):
+    """Mean waveform about one layer: averaged range lines, the model of all layers, the layer alone (Figs 6 and 7)."""
+    rows = statistics.sel(layer=layer) if "layer" in statistics.coords else statistics.isel(layer=layer)
+    lag = statistics["lag"]
+    noise = float(statistics["noise_power"])
+    ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color="black", label="averaged lines")
+    ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=COLOURS["phy"], linestyle="--", label="all layers")
+    ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=COLOURS["cgan"], label="this layer and noise")
+    ax.set(xlabel=f"range bins below layer {layer}", ylabel="power [dB]")
+    ax.legend(fontsize=6)
+
+
+def plot_layer_powers(ax, statistics):
+    """Peak power of each layer above the noise, with two standard errors."""
+    power = statistics["peak_power"].values
+    error = 2 * statistics["peak_power_standard_error"].values
+    low = np.maximum(power - error, 1e-3 * power)
+    layer = np.arange(power.size)
+    ax.vlines(layer, 10 * np.log10(low), 10 * np.log10(power + error), color="0.6")
+    ax.plot(layer, 10 * np.log10(power), "o", color="black", markersize=3)
+    ax.axhline(10 * np.log10(float(statistics["noise_power"])), color="0.5", linestyle=":", linewidth=1)
+    ax.set(xlabel="layer", ylabel="peak power [dB]")
+
+
+def plot_track_spectra(ax, statistics):
+    """Spectra along track under the picks: complex echoes of a segment where there is one, else detected power."""
+    if "doppler_layer_1" in statistics:
+        x, names = statistics["doppler_wavenumber"], ("doppler_layer_1", "doppler_layer_mean")
+        ax.set_ylabel("Doppler spectrum / mean [dB]")
+    else:
+        x, names = (
+            statistics["wavenumber"][1:],
+            ("detected_power_spectrum_layer_1", "detected_power_spectrum_layer_mean"),
+        )
+        ax.set_ylabel("spectrum of detected power / mean [dB]")
+    for name, label, colour in zip(names, ("layer 1", "mean of layers 1-15"), ("0.6", "black"), strict=True):
+        if name in statistics:
+            density = statistics[name].values[-x.size :]
+            ax.plot(x, 10 * np.log10(np.maximum(density, 1e-4)), color=colour, linewidth=0.8, label=label)
+    ax.set_xlabel("wavenumber [cycles per range line]" if x.name == "wavenumber" else "wavenumber [cycles per m]")
     ax.legend(fontsize=7)
+
+
+def plot_looks(ax, statistics):
+    """Quantiles of tracked power against those of Gamma(M) (the paper's chi-square)."""
+    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
+    ax.plot(expected, expected, color="0.6", linewidth=1)
+    ax.plot(expected, observed, ".", color="black", markersize=3)
+    ax.set(xlabel=f"Gamma quantile, {statistics.attrs['n_looks']:.1f} looks", ylabel="tracked power / group mean")
+
+
+def plot_layer_counts(ax, layers):
+    """Number of scenes by number of layers."""
+    ax.bar(layers["n_layers"], layers["n_scenes"], color="0.5")
+    ax.axhline(layers["n_scenes"].sum() / len(layers), color="black", linestyle=":", linewidth=1)
+    ax.set(xlabel="layers below the surface", ylabel="scenes")
+
+
+def plot_thickness(ax, moments):
+    """Mean thickness relative to slab 0 by slab and zone: flight as points, synthetic as lines."""
+    for zone, rows in moments.groupby("zone"):
+        colour = plt.get_cmap("viridis")(zone / 4)
+        ax.plot(rows["slab"], rows["relative_mean_observed"], "o", color=colour, markersize=2.5)
+        ax.plot(rows["slab"], rows["relative_mean_synthetic"], color=colour, label=f"zone {zone}")
+    ax.set(xlabel="slab", ylabel="thickness / slab 0")
+    ax.legend(fontsize=7)
+
+
+def plot_spectra(ax, spectra, slab):
+    """Power spectral density of one slab's thickness by zone: flight as points, synthetic as lines."""
+    for zone, rows in spectra[spectra["slab"] == slab].groupby("zone"):
+        colour = plt.get_cmap("viridis")(zone / 4)
+        ax.loglog(rows["wavenumber"], rows["observed"], ".", color=colour, markersize=2)
+        ax.loglog(rows["wavenumber"], rows["synthetic"], color=colour, linewidth=0.8)
+    ax.set(xlabel="wavenumber [cycles per range line]", ylabel=f"PSD of slab {slab} [bins² line]")
+
+
+def plot_correlation(ax, correlation):
+    """Correlation of slabs by separation: flight as points, synthetic as lines, a colour a band of wavenumbers."""
+    for band, rows in correlation.groupby("band"):
+        colour = "black" if band < 0 else plt.get_cmap("plasma")(band / 5)
+        ax.plot(rows["separation"], rows["observed"], "o", color=colour, markersize=2.5)
+        ax.plot(rows["separation"], rows["synthetic"], color=colour, label="means" if band < 0 else f"band {band}")
+    ax.set(xlabel="slabs apart", ylabel="correlation")
+    ax.legend(fontsize=6)

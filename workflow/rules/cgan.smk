@@ -20,7 +20,8 @@ rule train_cgan:
         mem_mb=3000,
     params:
         seed=config["seed"],
-        cgan=config["cgan"],
+        device=config["cgan"]["device"],
+        settings=config["cgan"]["training"],
     message:
         "cGAN training"
     script:
@@ -47,6 +48,7 @@ rule render_cgan:
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
+        source=SYNTHETIC,
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:

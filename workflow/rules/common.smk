@@ -43,6 +43,18 @@ def check_config(config):
 
 check_config(config)
 
+# What files and figures say of where their data come from.
+SYNTHETIC = (
+    "synthetic reference flight, not observed data"
+    if config["source"] == "reference"
+    else "no"
+)
+NOTE = (
+    "synthetic reference flight"
+    if config["source"] == "reference"
+    else config["source"]
+)
+
 SPLITS = ("train", "validation", "test")
 TRAINING_SETS = {
     "rd": [],

@@ -68,6 +68,7 @@ rule reference_scenes:
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],
         span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+        source=SYNTHETIC,
     message:
         "{wildcards.split} scenes, shard {wildcards.shard}, of the synthetic benchmark"
     script:

@@ -21,6 +21,7 @@ rule draw_labels:
         span=lambda wildcards: shard_range("labels", wildcards.shard),
         n_range_lines=config["labels"]["n_range_lines"],
         n_layers=[config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]],
+        correlation=config["labels"]["correlation"],
     message:
         "label sets, shard {wildcards.shard}"
     script:
@@ -33,8 +34,11 @@ rule summarise_labels:
         labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
         code=package("labels", "io.files", "io.scenes"),
     output:
-        thickness="results/tables/label_thickness.csv",
-        counts="results/tables/label_counts.csv",
+        layers="results/tables/label_layers.csv",
+        moments="results/tables/label_moments.csv",
+        spectra="results/tables/label_spectra.csv",
+        correlation="results/tables/label_correlation.csv",
+        rule="results/tables/label_rule.csv",
     log:
         "logs/summarise_labels.log",
     benchmark:
@@ -50,9 +54,36 @@ rule summarise_labels:
         "../scripts/summarise_labels.py"
 
 
+rule plot_labels:
+    input:
+        layers="results/tables/label_layers.csv",
+        moments="results/tables/label_moments.csv",
+        spectra="results/tables/label_spectra.csv",
+        correlation="results/tables/label_correlation.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report("results/figures/labels.svg", caption="../report/labels.rst"),
+    log:
+        "logs/plot_labels.log",
+    benchmark:
+        "results/benchmarks/plot_labels/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figure of the label sets"
+    script:
+        "../scripts/plot_labels.py"
+
+
 rule labels:
     input:
         expand("results/labels/{shard}.nc", shard=shards("labels")),
         rules.summarise_labels.output,
+        rules.plot_labels.output,
     message:
         "all label sets and their tables"

@@ -5,7 +5,7 @@ rule score_similarity:
     input:
         observed="results/benchmark/test/{shard}.nc",
         rendered="results/{method}/test/{shard}.nc",
-        code=package("metrics.image", "metrics.texture", "io.files", "io.scenes"),
+        code=package("metrics", "io.files", "io.scenes"),
     output:
         images="results/similarity/{method}/{shard}.parquet",
         rows="results/similarity/{method}/{shard}_rows.parquet",
@@ -36,12 +36,11 @@ rule tabulate_similarity:
             method=METHODS,
             shard=shards("test"),
         ),
-        code=package("metrics.tables", "io.files"),
+        code=package("metrics", "io.files"),
     output:
         images="results/similarity.parquet",
         table2="results/tables/table2.csv",
         ssim_depth="results/tables/ssim_depth.csv",
-        texture="results/tables/texture.csv",
     log:
         "logs/tabulate_similarity.log",
     benchmark:
@@ -63,7 +62,7 @@ rule plot_similarity:
     input:
         images="results/similarity.parquet",
         ssim_depth="results/tables/ssim_depth.csv",
-        code=package("plotting", "io.files"),
+        code=package("plotting", "io.figures", "io.files"),
     output:
         boxplots=report(
             "results/figures/similarity_boxplots.svg",
@@ -81,6 +80,8 @@ rule plot_similarity:
     threads: 1
     resources:
         mem_mb=1000,
+    params:
+        source=NOTE,
     message:
         "figures of similarity"
     script:
@@ -93,7 +94,7 @@ rule plot_sample:
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
-        code=package("plotting", "io.files", "io.scenes"),
+        code=package("plotting", "io.figures", "io.files", "io.scenes"),
     output:
         sample=report("results/figures/sample.png", caption="../report/sample.rst"),
     log:
@@ -105,6 +106,8 @@ rule plot_sample:
     threads: 1
     resources:
         mem_mb=1000,
+    params:
+        source=NOTE,
     message:
         "observed, labels, cGAN, PHY of a few test scenes"
     script:

@@ -30,7 +30,10 @@ rule train_tracker:
         mem_mb=2000,
     params:
         seed=config["seed"],
-        tracker=config["tracker"],
+        device=config["tracker"]["device"],
+        n_epochs=config["tracker"]["n_epochs"],
+        added_per_real=config["tracker"]["added_per_real"],
+        settings=config["tracker"]["training"],
         methods=lambda wildcards: TRAINING_SETS[wildcards.training_set],
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
@@ -56,6 +59,8 @@ rule score_tracker:
     threads: 1
     resources:
         mem_mb=2000,
+    params:
+        device=config["tracker"]["device"],
     message:
         "edge scores of {wildcards.training_set}, replica {wildcards.replica}"
     script:
@@ -101,7 +106,7 @@ rule plot_trackers:
         losses=expand(
             "results/tracker/{training_set}/0_losses.csv", training_set=TRAINING_SETS
         ),
-        code=package("plotting", "io.files"),
+        code=package("plotting", "io.figures", "io.files"),
     output:
         curves=report(
             "results/figures/precision_recall.svg",
@@ -123,6 +128,7 @@ rule plot_trackers:
         mem_mb=1000,
     params:
         training_sets=list(TRAINING_SETS),
+        source=NOTE,
     message:
         "figures of the trackers"
     script:

@@ -1,0 +1,204 @@
+"""Labels follow the statistics they are drawn from."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import check_layer_bins, scene_height
+from snowsim.labels import draw, draw_scene, prepare, summarise_labels
+from snowsim.labels.process import correlation_factor, draw_series, leakage_matrix, line_variances
+
+N_LINES = 256
+WAVENUMBER = np.fft.rfftfreq(N_LINES)
+
+
+def planted(n_slabs=20, scale=40.0):
+    """Statistics of a flight with a red spectrum, four zones and slabs that thin with depth."""
+    psd = np.zeros((4, n_slabs, WAVENUMBER.size))
+    psd[:, :, 1:] = scale * np.array([0.7, 0.9, 1.1, 1.3])[:, None, None] / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
+    separation = np.arange(n_slabs)
+    return xr.Dataset(
+        {
+            "thickness_psd": (("zone", "slab", "wavenumber"), psd),
+            "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
+            "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
+            "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
+            "thickness_correlation": (("band", "separation"), np.array([0.9, 0.6, 0.3, 0])[:, None] ** separation),
+            "relative_thickness_correlation": ("separation", 0.5**separation),
+        },
+        coords={
+            "wavenumber": WAVENUMBER,
+            "band_edge_wavenumber": ("band_edge", np.array([1, 3, 9, 27, 129]) / N_LINES),
+        },
+    )
+
+
+def block_density(series):
+    """One-sided periodogram by its definition, (wavenumber,), the Nyquist wavenumber not doubled."""
+    n = series.shape[-1]
+    turns = np.exp(-2j * np.pi * np.outer(np.arange(n // 2 + 1), np.arange(n)) / n)
+    density = 2 * np.abs((series - series.mean(axis=-1, keepdims=True)) @ turns.T) ** 2 / n
+    density[..., -1] /= 2
+    return density
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    rng = np.random.default_rng(20120429)
+    statistics = planted()
+    model = prepare(statistics, N_LINES)
+    return statistics, [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(1500)]
+
+
+def test_layers_start_at_row_50_never_cross_and_number_6_to_41_rows(drawn):
+    _, scenes = drawn
+    for scene in scenes:
+        check_layer_bins(scene.layer_bins)
+        assert np.diff(scene.layer_bins, axis=0).min() >= 1 - 1e-9
+        assert_array_equal(scene.layer_bins[0], 50)
+        assert scene.n_range_bins == scene_height(scene.layer_bins)
+    counts = np.bincount([len(scene.layer_bins) - 1 for scene in scenes], minlength=41)
+    assert counts[:5].sum() == 0
+    # 1500 / 36 = 42 a count, scatter 6.4: allow four and a half of those among 36.
+    assert np.abs(counts[5:] - 1500 / 36).max() < 29
+
+
+def test_draw_and_draw_scene_are_one_and_the_same_seed_gives_the_same_bytes():
+    statistics = planted()
+    one = draw(statistics, N_LINES, rng=np.random.default_rng(1))
+    model = prepare(statistics, N_LINES)
+    draw(model, N_LINES, rng=np.random.default_rng(2))  # what is kept from it changes nothing
+    other = draw_scene(model, N_LINES, name="", rng=np.random.default_rng(1)).layer_bins
+    assert one.tobytes() == other.tobytes()
+
+
+def test_first_thickness_fixes_the_zone_and_covers_the_range_seen(drawn):
+    statistics, scenes = drawn
+    first = np.array([scene.notes["first_thickness_bins"] for scene in scenes])
+    edges = statistics["zone_edge_bins"].values
+    zone = np.array([scene.zone for scene in scenes])
+    assert ((first >= edges[zone]) & (first < edges[zone + 1])).all()
+    assert first.min() < 15.2
+    assert first.max() > 39.8
+    # Uniform over 25 bins: mean 27.5 to 7.2 / sqrt(1500) = 0.19; allow four.
+    assert_allclose(first.mean(), 27.5, atol=0.75)
+    thickness = [scene.layer_bins[1] - 50 for scene in scenes]
+    assert_allclose(np.mean(thickness, axis=1), first, rtol=1e-9)
+
+
+def test_moments_spectra_and_correlation_of_labels_are_those_of_the_flight(drawn):
+    statistics, scenes = drawn
+    tables = summarise_labels(scenes, statistics)
+    moments = tables["moments"][tables["moments"]["n_scenes"] >= 150]
+    deeper = moments[moments["slab"] > 0]
+    # 150 or more scenes: means to 0.1 / sqrt(150) = 0.8 %, variances to 12 %; 70 values, so four of those at the edge.
+    assert_allclose(deeper["relative_mean_synthetic"], deeper["relative_mean_observed"], rtol=0.045)
+    assert_allclose(deeper["relative_variance_synthetic"].mean(), 0.01, rtol=0.1)
+    assert_allclose(moments["variance_synthetic"].sum(), moments["variance_observed"].sum(), rtol=0.05)
+    spectra = tables["spectra"].groupby("wavenumber")[["observed", "synthetic"]].sum()
+    # 1500 scenes of several dozen correlated slabs: each wavenumber to 3 % or 0.15 dB at worst.
+    assert np.abs(10 * np.log10(spectra["synthetic"] / spectra["observed"])).max() < 0.6
+    correlation = tables["correlation"]
+    slow = correlation[correlation["band"].isin([0, -1]) & (correlation["separation"] < 10)]
+    # Scenes count 1500 or more times; slow bands leak 3 % into one another when a block is cut.
+    assert_allclose(slow["synthetic"], slow["observed"], atol=0.08)
+    assert tables["layers"]["n_scenes"].sum() == 1500
+
+
+def test_fewer_than_a_hundredth_of_thin_slabs_is_touched_and_all_are_counted(drawn):
+    statistics, scenes = drawn
+    rule = summarise_labels(scenes, statistics)["rule"]
+    assert rule["n_touched"].sum() < 0.01 * rule["n_samples"].sum()
+    rough = planted(scale=4e4)
+    scene = draw_scene(rough, N_LINES, name="rough", rng=np.random.default_rng(3))
+    thickness = np.diff(scene.layer_bins, axis=0)
+    assert 0 < scene.notes["n_touched"] < scene.notes["n_samples"]
+    assert thickness.min() >= 1 - 1e-9
+    assert scene.notes["thickness_mean_kept"] > scene.notes["thickness_mean_drawn"]
+
+
+def test_slabs_below_the_flight_take_its_last_and_are_counted():
+    statistics = planted(n_slabs=3)
+    statistics["relative_thickness_variance"] = 0 * statistics["relative_thickness_variance"]
+    statistics["thickness_psd"] = 0 * statistics["thickness_psd"]
+    scene = draw_scene(statistics, 64, name="deep", rng=np.random.default_rng(4))
+    thickness = np.diff(scene.layer_bins, axis=0)
+    assert scene.notes["n_slabs_beyond"] == scene.notes["n_layers"] - 3
+    assert_allclose(thickness[2:] / thickness[0], 0.96, rtol=1e-9)
+
+
+def test_mean_block_spectrum_is_the_one_asked_for(rng):
+    psd = planted()["thickness_psd"].values[0, 0]
+    series = draw_series(np.repeat(line_variances(psd[None], 2 * N_LINES), 4000, axis=0), [], N_LINES, rng=rng)
+    # 4000 periodograms: 1.6 % each; 128 of them, so four and a half of those.
+    assert_allclose(block_density(series).mean(axis=0)[1:], psd[1:], rtol=0.072)
+    assert_allclose(series.mean(axis=1), 0, atol=1e-12)
+
+
+def test_expected_leakage_is_what_a_cut_cosine_shows():
+    matrix = leakage_matrix(32, 64)
+    line = np.arange(32)
+    for j in (1, 2, 7, 31):
+        phase = 2 * np.pi * np.arange(16)[:, None] / 16
+        cosines = np.sqrt(2) * np.cos(2 * np.pi * j * line / 64 + phase)
+        assert_allclose(block_density(cosines).mean(axis=0)[1:], matrix[:, j - 1], atol=1e-9)
+
+
+def test_a_series_does_not_end_where_it_began(rng):
+    psd = planted()["thickness_psd"].values[0, 0]
+    series = draw_series(np.repeat(line_variances(psd[None], 2 * N_LINES), 2000, axis=0), [], N_LINES, rng=rng)
+    across_the_end = (series[:, 0] - series[:, -1]).var()
+    between_neighbours = np.diff(series, axis=1).var()
+    # A periodic series would have the two equal; ends of an aperiodic one differ by about twice the variance.
+    assert across_the_end > 10 * between_neighbours
+    assert across_the_end > series.var()
+
+
+@pytest.mark.parametrize("n_range_lines", [2, 64, 300, 1024])
+def test_a_scene_has_the_width_asked_for_and_its_share_of_the_variance(n_range_lines):
+    rng = np.random.default_rng(5)
+    model = prepare(planted(), n_range_lines, n_layers=(5, 5))
+    variance = []
+    for _ in range(200):
+        thickness = np.diff(draw(model, n_range_lines, rng=rng), axis=0)
+        assert thickness.shape == (5, n_range_lines)
+        variance.append(thickness.var(axis=1).mean())
+    whole = planted()["thickness_psd"].values.sum(axis=2).mean() / N_LINES
+    # Wider scenes also hold what undulates slower than a block, narrower ones less.
+    assert (np.mean(variance) > 0.9 * whole) == (n_range_lines > N_LINES)
+
+
+def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
+    valid = 0.8 ** np.arange(6)
+    factor = correlation_factor(valid, 6)
+    assert_allclose(factor @ factor.T, valid[np.abs(np.subtract.outer(np.arange(6), np.arange(6)))], atol=1e-12)
+    repaired = correlation_factor(np.array([1, -0.9]), 5)
+    assert_allclose(np.diag(repaired @ repaired.T), 1, rtol=1e-12)
+
+
+def test_without_measured_correlation_slabs_undulate_apart():
+    rng = np.random.default_rng(6)
+    model = prepare(planted(), N_LINES, n_layers=(5, 5), correlation="none")
+    slabs = np.concatenate([np.diff(draw(model, N_LINES, rng=rng), axis=0) for _ in range(300)], axis=1)
+    slabs = (slabs.reshape(5, 300, N_LINES) - slabs.reshape(5, 300, N_LINES).mean(axis=2, keepdims=True)).reshape(5, -1)
+    # 300 scenes with some three independent undulations each: to 1 / 30; allow four.
+    assert np.abs(np.corrcoef(slabs)[np.triu_indices(5, 1)]).max() < 0.13
+
+
+def test_bad_statistics_are_refused():
+    statistics = planted()
+    broken = statistics.copy(deep=True)
+    broken["thickness_psd"].values[0, 0, 3] = np.nan
+    with pytest.raises(ValueError, match="thickness_psd must be finite"):
+        draw(broken, N_LINES, rng=np.random.default_rng(0))
+    with pytest.raises(ValueError, match="need zone_edge_bins"):
+        draw(statistics.drop_vars("zone_edge_bins"), N_LINES, rng=np.random.default_rng(0))
+    with pytest.raises(ValueError, match="prepared for 256 range lines, asked for 128"):
+        draw(prepare(statistics, N_LINES), 128, rng=np.random.default_rng(0))
+    with pytest.raises(ValueError, match="at least 2 range lines, got 1"):
+        draw(statistics, 1, rng=np.random.default_rng(0))
+    with pytest.raises(ValueError, match="correlation must be one of"):
+        prepare(statistics, N_LINES, correlation="some")
+    with pytest.raises(ValueError, match="n_layers must be"):
+        prepare(statistics, N_LINES, n_layers=(6, 5))

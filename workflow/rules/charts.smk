@@ -1,0 +1,67 @@
+# Figures of the flight and of its statistics.
+
+
+rule plot_flight:
+    input:
+        echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
+        layers=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        table="results/tables/flight.csv",
+        echogram=report(
+            "results/figures/echogram.png", caption="../report/echogram.rst"
+        ),
+        positions=report(
+            "results/figures/flight_line.svg", caption="../report/flight_line.rst"
+        ),
+    log:
+        "logs/plot_flight.log",
+    benchmark:
+        "results/benchmarks/plot_flight/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of the flight"
+    script:
+        "../scripts/plot_flight.py"
+
+
+rule plot_statistics:
+    input:
+        statistics="results/statistics.nc",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        waveforms=report(
+            "results/figures/waveforms.svg", caption="../report/waveforms.rst"
+        ),
+        spectra=report(
+            "results/figures/along_track.svg", caption="../report/along_track.rst"
+        ),
+    log:
+        "logs/plot_statistics.log",
+    benchmark:
+        "results/benchmarks/plot_statistics/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of the flight statistics"
+    script:
+        "../scripts/plot_statistics.py"
+
+
+rule charts:
+    input:
+        rules.plot_flight.output,
+        rules.plot_statistics.output,
+    message:
+        "figures of the flight and of its statistics"

@@ -1,0 +1,32 @@
+"""Edge counts of one tracker on the test scenes, every output, every threshold."""
+
+import pandas as pd
+import torch
+from job import job, progress
+
+from snowsim.io.files import write_table
+from snowsim.io.models import read_model
+from snowsim.io.scenes import SceneSet
+from snowsim.metrics.edges import THRESHOLDS, match_counts, suppress
+from snowsim.tracker import OUTPUTS, MultiScaleNetwork, load_weights, track
+
+
+def score(paths_to_scenes, path_to_network, path_to_counts, device):
+    torch.set_num_threads(1)
+    weights, metadata = read_model(path_to_network, {"kind": "tracker"})
+    network = MultiScaleNetwork(metadata["settings"]["width"])
+    load_weights(network, weights)
+    network.to(device)
+    tables = []
+    with SceneSet(paths_to_scenes) as scenes:
+        for scene in progress(scenes, "edge scores"):
+            probabilities = track(network, scene.image, precision=metadata["settings"]["precision"])
+            for output, probability in zip(OUTPUTS, probabilities, strict=True):
+                counts = match_counts(suppress(probability), scene.mask(), THRESHOLDS)
+                tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
+    write_table(path_to_counts, pd.concat(tables))
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        score(snakemake.input.test, snakemake.input.network, snakemake.output.counts, **snakemake.params)
