@@ -10,7 +10,7 @@ def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
     wave = rng.uniform(2, 5) * np.sin(2 * np.pi * (line / n_range_lines * rng.uniform(0.5, 1.5) + rng.random()))
-    depths = 12 + np.cumsum(rng.uniform(12, 18, n_layers)) - 12
+    depths = np.cumsum(rng.uniform(12, 18, n_layers))
     layer_bins = depths[:, None] + wave * np.linspace(0.3, 1, n_layers)[:, None]
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None, :]
     level = 40 + 140 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)

@@ -23,7 +23,7 @@ def plot(path_to_curves, path_to_intervals, paths_to_losses, paths_to_figures, t
 
     figure, axes = new_figure()
     for training_set, path in zip(training_sets, paths_to_losses, strict=True):
-        plot_losses(axes[0, 0], read_table(path), ["loss"])
+        plot_losses(axes[0, 0], read_table(path), ["total"])
         axes[0, 0].lines[-1].set(color=COLOURS[training_set], label=NAMES[training_set])
     axes[0, 0].legend()
     note_source(figure, source)

@@ -5,7 +5,7 @@ import dataclasses
 import torch
 from job import job, progress
 
-from snowsim.cgan import Settings, UNetGenerator, load_weights, render
+from snowsim.cgan import Settings, render, trained_generator
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.seeding import random_stream
@@ -15,9 +15,7 @@ def read_generator(path, device):
     """The trained generator and the settings it was trained with."""
     weights, metadata = read_model(path, {"kind": "cgan generator"})
     settings = Settings(**metadata["settings"])
-    generator = UNetGenerator(settings.width, settings.depth)
-    load_weights(generator, weights, path)
-    return generator.to(device=device, memory_format=torch.channels_last), settings
+    return trained_generator(weights, settings, device=device), settings
 
 
 def render_shard(path_to_layers, path_to_generator, path_to_scenes, seed, device, source):

@@ -8,19 +8,18 @@ from snowsim.io.files import write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.edges import THRESHOLDS, match_counts, suppress
-from snowsim.tracker import OUTPUTS, MultiScaleNetwork, load_weights, track
+from snowsim.tracker import OUTPUTS, Settings, track, trained_network
 
 
 def score(paths_to_scenes, path_to_network, path_to_counts, device):
     torch.set_num_threads(1)
     weights, metadata = read_model(path_to_network, {"kind": "tracker"})
-    network = MultiScaleNetwork(metadata["settings"]["width"])
-    load_weights(network, weights)
-    network.to(device)
+    settings = Settings(**metadata["settings"])
+    network = trained_network(weights, settings, device=device)
     tables = []
     with SceneSet(paths_to_scenes) as scenes:
         for scene in progress(scenes, "edge scores"):
-            probabilities = track(network, scene.image, precision=metadata["settings"]["precision"])
+            probabilities = track(network, scene.image, precision=settings.precision)
             for output, probability in zip(OUTPUTS, probabilities, strict=True):
                 counts = match_counts(suppress(probability), scene.mask(), THRESHOLDS)
                 tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))

@@ -6,7 +6,7 @@ import pandas as pd
 import torch
 from job import job, progress
 
-from snowsim.cgan import Settings, Training, train_steps
+from snowsim.cgan import Settings, Training, settle_statistics, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet
@@ -23,6 +23,7 @@ def train(paths_to_scenes, path_to_generator, path_to_losses, seed, device, sett
             rows.append({"step": step, **losses})
             if step % 50 == 0:
                 steps.set_postfix({name: f"{value:.3f}" for name, value in losses.items()}, refresh=False)
+        settle_statistics(training, scenes)
     metadata = {
         "kind": "cgan generator",
         "settings": dataclasses.asdict(settings),

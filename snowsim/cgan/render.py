@@ -1,0 +1,72 @@
+"""Layer masks to 8-bit echograms with a trained generator."""
+
+import numpy as np
+import torch
+
+from snowsim.cgan.networks import UNetGenerator, load_weights
+from snowsim.patches import from_signed, to_signed
+
+STATISTICS = ("training", "scene")
+
+
+def render(generator, mask, *, dropout=0.5, statistics="training", precision="float32", rng):
+    """Echogram of one layer mask, the whole scene at once.
+
+    A scene does not depend on which others are rendered, in what order or by how many processes. There are no seams and
+    nothing is resized.
+
+    Parameters
+    ----------
+    generator : UNetGenerator
+    mask : ndarray of bool, (range_bin, range_line)
+        `Scene.mask`; any size.
+    dropout : float
+        As in training.
+    statistics : str
+        Normalise by `training`, averages over training crops, or by `scene`, those of the scene, as pix2pix does.
+    precision : str
+        `float32` or `bfloat16` arithmetic.
+    rng : numpy.random.Generator
+        Draws the dropout, which stays on as in pix2pix: its only noise.
+
+    Returns
+    -------
+    ndarray of uint8, (range_bin, range_line)
+
+    Raises
+    ------
+    ValueError
+        If the mask is not bool with two dimensions, or holds no layer; if the generator has no statistics yet.
+
+    Notes
+    -----
+    pix2pix renders one image at a time by that image's own statistics, and its images are as large as its crops. Scenes
+    here are taller than the crops, with more snow below the last layer: their own statistics differ from those the
+    weights were trained with, and change with the height. Averages over training do not.
+    """
+    mask = np.asarray(mask)
+    if mask.dtype != bool or mask.ndim != 2:
+        msg = f"mask must be bool (range_bin, range_line), got {mask.dtype} of shape {mask.shape}"
+        raise ValueError(msg)
+    if not mask.any():
+        msg = f"mask without layers: expected at least one annotated pixel in {mask.shape}"
+        raise ValueError(msg)
+    if statistics not in STATISTICS:
+        msg = f"statistics must be one of {', '.join(STATISTICS)}, got {statistics!r}"
+        raise ValueError(msg)
+    if statistics == "training" and not generator.is_settled:
+        msg = "generator has no statistics of its training to normalise by: they are set by settle_statistics"
+        raise ValueError(msg)
+    generator.eval()
+    device = next(generator.parameters()).device
+    noise = generator.draw_noise(1, *mask.shape, dropout=dropout, rng=rng)
+    with torch.inference_mode(), torch.autocast(device.type, torch.bfloat16, enabled=precision == "bfloat16"):
+        image = generator(to_signed(mask[None]).to(device), noise, own_statistics=statistics == "scene")
+        return from_signed(image)[0]
+
+
+def trained_generator(weights, settings, *, device="cpu"):
+    """Generator for `render`, of weights (dict of arrays) and the `Settings` they were trained with."""
+    generator = UNetGenerator(settings.width, settings.depth)
+    load_weights(generator, weights, "generator")
+    return generator.to(device=device, memory_format=torch.channels_last).eval()

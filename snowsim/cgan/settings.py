@@ -1,0 +1,65 @@
+"""Settings of the conditional GAN."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Networks and training of the conditional GAN; defaults are pix2pix's but for width, steps and precision.
+
+    Attributes
+    ----------
+    width : int
+        Channels of the outermost stage of both networks; 64 as published.
+    depth : int
+        Halvings of the generator; 8 as published.
+    n_strided : int
+        Halvings of the discriminator; 3, as published, makes its patches 70 pixels wide.
+    n_steps : int
+        Gradient steps of each network.
+    batch_size : int
+        Patches a step.
+    n_range_bins, n_range_lines : int
+        Size of the random crops, taken at full resolution.
+    learning_rate, beta1, beta2 : float
+        Of Adam; the rate is constant for half the steps, then falls linearly to zero.
+    l1_weight : float
+        Weight of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
+    adversarial : str
+        `bce`, as published, or `lsgan`.
+    dropout : float
+        Share of dropped values in the noisy stages of the generator.
+    precision : str
+        `float32` or `bfloat16` arithmetic; weights are float32 in both.
+    """
+
+    width: int = 16
+    depth: int = 8
+    n_strided: int = 3
+    n_steps: int = 4000
+    batch_size: int = 1
+    n_range_bins: int = 256
+    n_range_lines: int = 256
+    learning_rate: float = 2e-4
+    beta1: float = 0.5
+    beta2: float = 0.999
+    l1_weight: float = 100.0
+    adversarial: str = "bce"
+    dropout: float = 0.5
+    precision: str = "bfloat16"
+
+    def __post_init__(self):
+        for name in ("n_steps", "batch_size", "n_range_bins", "n_range_lines"):
+            if getattr(self, name) < 1:
+                msg = f"{name} must be at least 1, got {getattr(self, name)}"
+                raise ValueError(msg)
+        if not 0 <= self.dropout < 1:
+            msg = f"dropout must lie in [0, 1), got {self.dropout}"
+            raise ValueError(msg)
+        if self.l1_weight < 0 or not self.learning_rate > 0:
+            msg = f"expected l1_weight >= 0 and learning_rate > 0, got {self.l1_weight} and {self.learning_rate}"
+            raise ValueError(msg)
+        for name, choices in (("adversarial", ("bce", "lsgan")), ("precision", ("float32", "bfloat16"))):
+            if getattr(self, name) not in choices:
+                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
+                raise ValueError(msg)

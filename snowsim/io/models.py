@@ -1,0 +1,107 @@
+"""Trained networks and unfinished trainings on disk: safetensors with what made them in the header."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
+
+from snowsim import __version__
+from snowsim.io.files import written_whole
+
+FORMAT = "snowsim model 1"
+KEY = "snowsim"  # one header entry: safetensors keeps no order among several, and files must repeat to the byte
+
+
+def write_model(path, arrays, metadata):
+    """Write arrays and what made them to one safetensors file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path_like
+        Ends in `.safetensors`.
+    arrays : dict
+        Arrays or CPU tensors, nested by string or integer keys without `/`.
+    metadata : dict
+        What JSON holds: kind, settings, seed, step, fingerprint of the data. The version of this package is added.
+    """
+    header = {"format": FORMAT, "version": __version__, **metadata}
+    flat = {name: np.asarray(array, order="C") for name, array in _flat(arrays)}
+    with written_whole(path) as aside:
+        save_file(flat, aside, metadata={KEY: json.dumps(header, sort_keys=True)})
+
+
+def read_model(path, expected=None):
+    """Read a file of `write_model`; nothing in it is executed.
+
+    Parameters
+    ----------
+    path : path_like
+    expected : dict, optional
+        Metadata that the file must hold, such as settings, seed and fingerprint of the training it is to continue.
+
+    Returns
+    -------
+    arrays : dict
+        Nested as written, keys as text.
+    metadata : dict
+
+    Raises
+    ------
+    ValueError
+        If the file is truncated or no model, or was made with something else than `expected`.
+    """
+    try:
+        with safe_open(path, framework="numpy") as file:
+            metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))
+            flat = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118, not a dict
+    except (SafetensorError, OSError, json.JSONDecodeError) as error:
+        msg = f"{path}: expected a whole safetensors file, cannot be read: {str(error).splitlines()[0]}"
+        raise ValueError(msg) from error
+    if metadata.get("format") != FORMAT:
+        msg = f"{path}: expected a model of format '{FORMAT}', got {metadata.get('format')!r}"
+        raise ValueError(msg)
+    for key, value in (expected or {}).items():
+        _check_same(metadata.get(key), value, f"{path}: {key}")
+    return _nested(flat), metadata
+
+
+def fingerprint(paths):
+    """SHA-256 over the bytes of files, in order, as hexadecimal text: which data a model was trained on."""
+    digest = hashlib.sha256()
+    for path in paths:
+        with Path(path).open("rb") as file:
+            digest.update(hashlib.file_digest(file, "sha256").digest())
+    return digest.hexdigest()
+
+
+def _check_same(got, wanted, where):
+    """Raise ValueError at the first difference between two JSON values."""
+    if isinstance(got, dict) and isinstance(wanted, dict):
+        for key in sorted(got.keys() | wanted.keys()):
+            _check_same(got.get(key), wanted.get(key), f"{where}: {key}")
+    elif got != json.loads(json.dumps(wanted)):
+        msg = f"{where}: expected {wanted!r}, got {got!r}: another configuration made this file"
+        raise ValueError(msg)
+
+
+def _flat(nested, prefix=""):
+    for key, value in nested.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, dict):
+            yield from _flat(value, f"{name}/")
+        else:
+            yield name, value
+
+
+def _nested(flat):
+    nested = {}
+    for name, array in flat.items():
+        *parents, leaf = name.split("/")
+        inside = nested
+        for parent in parents:
+            inside = inside.setdefault(parent, {})
+        inside[leaf] = array
+    return nested

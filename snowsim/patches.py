@@ -1,0 +1,173 @@
+"""Scenes as network inputs: full-resolution crops, flips, scaled copies, and 8-bit values as tensors."""
+
+from functools import lru_cache
+
+import numpy as np
+import torch
+from torch.nn import functional
+
+from snowsim.echogram import layer_mask
+from snowsim.seeding import random_stream
+
+
+def check_trainable(scene):
+    """Raise ValueError, naming the scene, unless it has an image with contrast that fits its layers, and a layer.
+
+    Parameters
+    ----------
+    scene : Scene
+    """
+    shape = (scene.n_range_bins, scene.n_range_lines)
+    if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
+        got = "no image" if scene.image is None else f"{scene.image.dtype} of shape {scene.image.shape}"
+        msg = f"scene {scene.name}: expected a uint8 image of shape {shape}, as its layers have, got {got}"
+        raise ValueError(msg)
+    if scene.image.min() == scene.image.max():
+        msg = f"scene {scene.name}: image without contrast, every pixel is {scene.image.min()}"
+        raise ValueError(msg)
+    if not scene.mask().any():
+        msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel inside the window"
+        raise ValueError(msg)
+
+
+def draw_index(n, position, seed, *keys):
+    """Which of `n` items the draw at `position` gives: all of them once, in random order, before any comes again.
+
+    Parameters
+    ----------
+    n : int
+        Number of items.
+    position : int
+        Number of draws before this one.
+    seed : int
+    *keys : str or int
+        What is drawn, as for `random_stream`.
+
+    Returns
+    -------
+    int
+
+    Notes
+    -----
+    A function of its arguments alone: a training that resumes at a position needs no saved sampler.
+    """
+    times_through, place = divmod(position, n)
+    return int(_order(n, seed, *keys, times_through)[place])
+
+
+@lru_cache(maxsize=32)
+def _order(n, seed, *keys):
+    return random_stream(seed, *keys).permutation(n)
+
+
+def scaled(image, layer_bins, scale):
+    """A scene at another size, its layers still one pixel thick.
+
+    The image is averaged down; the layers are moved as curves and drawn again, because a mask that is resized like an
+    image loses or thickens them.
+
+    Parameters
+    ----------
+    image : ndarray of uint8, (range_bin, range_line)
+    layer_bins : ndarray, (layer, range_line)
+        Fractional range bins; NaN where absent.
+    scale : float
+        In (0, 1]: 0.5 halves both sides.
+
+    Returns
+    -------
+    image : ndarray of uint8, (range_bin, range_line)
+    layer_bins : ndarray, (layer, range_line)
+        NaN where one of the two range lines a value lies between has none.
+
+    Raises
+    ------
+    ValueError
+        If `scale` lies outside (0, 1].
+    """
+    if not 0 < scale <= 1:
+        msg = f"scale must lie in (0, 1], got {scale}"
+        raise ValueError(msg)
+    if scale == 1:
+        return image, layer_bins
+    n_range_bins, n_range_lines = (max(1, round(n * scale)) for n in image.shape)
+    tensor = torch.from_numpy(np.ascontiguousarray(image))[None, None]
+    smaller = functional.interpolate(tensor, size=(n_range_bins, n_range_lines), mode="bilinear", antialias=True)
+    # Pixel centres: bin b of n lies at (b + 1/2) / n of the height, whatever n is.
+    line = (np.arange(n_range_lines) + 0.5) * (image.shape[1] / n_range_lines) - 0.5
+    left = np.floor(line).astype(int)
+    right = np.minimum(left + 1, image.shape[1] - 1)
+    weight = line - left
+    at_line = (1 - weight) * layer_bins[:, left] + weight * layer_bins[:, right]
+    return smaller[0, 0].numpy(), (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
+
+
+def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, rng):
+    """One random crop of each scene, all of one size.
+
+    Each crop holds at least one annotated pixel: a pixel is drawn from the mask, then a window from those around it.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+    n_range_bins, n_range_lines : int, optional
+        Size of the crops; the smallest scene bounds it, and so does None.
+    scale : float
+        Size of the scenes before they are cut, in (0, 1].
+    flip : bool
+        Turn left and right about with probability 1/2, scene by scene.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    images : ndarray of uint8, (patch, range_bin, range_line)
+    masks : ndarray of bool, (patch, range_bin, range_line)
+
+    Raises
+    ------
+    ValueError
+        If a scene has no image, no contrast or no layer (see `check_trainable`).
+    """
+    images, masks = [], []
+    for scene in scenes:
+        check_trainable(scene)
+        image, layer_bins = scaled(scene.image, scene.layer_bins, scale)
+        mask = layer_mask(layer_bins, image.shape[0])
+        if not mask.any():
+            msg = f"scene {scene.name}: mask without layers once scaled by {scale}"
+            raise ValueError(msg)
+        images.append(image)
+        masks.append(mask)
+    size = tuple(
+        min([image.shape[axis] for image in images] + ([] if wanted is None else [wanted]))
+        for axis, wanted in enumerate((n_range_bins, n_range_lines))
+    )
+    patches = [_draw_patch(image, mask, size, flip, rng) for image, mask in zip(images, masks, strict=True)]
+    return tuple(np.stack(arrays) for arrays in zip(*patches, strict=True))
+
+
+def _draw_patch(image, mask, size, flip, rng):
+    """Cut one window of `size` around a drawn pixel of the mask, mirrored or not."""
+    annotated = np.flatnonzero(mask)
+    pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
+    window = []
+    for at, length, whole in zip(pixel, size, mask.shape, strict=True):
+        first = int(rng.integers(max(0, at - length + 1), min(at, whole - length) + 1))
+        window.append(slice(first, first + length))
+    step = -1 if flip and rng.random() < 0.5 else 1
+    return tuple(array[tuple(window)][:, ::step] for array in (image, mask))
+
+
+def to_signed(array):
+    """Stack of images or masks as a float32 tensor in [-1, 1], (patch, 1, range_bin, range_line).
+
+    0 and False become -1, 255 and True become 1.
+    """
+    array = np.asarray(array)
+    full = 1 if array.dtype == bool else 255
+    return torch.from_numpy(array.astype(np.float32) * np.float32(2 / full) - np.float32(1))[:, None]
+
+
+def from_signed(tensor):
+    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line); the inverse of `to_signed`."""
+    return torch.round((tensor[:, 0].float() + 1) * 127.5).to(torch.uint8).cpu().numpy()

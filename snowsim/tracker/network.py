@@ -1,0 +1,85 @@
+"""The multi-scale network: a VGG16-shaped encoder with a side output per stage and their fusion."""
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional
+
+OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")
+STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the width, convolutions: VGG16
+
+
+class MultiScaleNetwork(nn.Module):
+    """Maps of layer logits at five scales and fused, from one image.
+
+    Parameters
+    ----------
+    width : int
+        Channels of the first stage; 64 as published.
+
+    Notes
+    -----
+    Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16 without its classifier and without
+    batch normalisation, a 1x1 convolution on each stage, brought to the size of the image, a 1x1 convolution over the
+    five. Pooling keeps odd edges (ceil mode); what is then too large by up to 15 pixels is cut, so that pixel (0, 0)
+    stays where it is at any image size.
+    """
+
+    def __init__(self, width=64):
+        super().__init__()
+        if width < 1:
+            msg = f"width must be at least 1, got {width}"
+            raise ValueError(msg)
+        self.stages = nn.ModuleList()
+        self.sides = nn.ModuleList()
+        n_in = 1
+        for multiple, n_convolutions in STAGES:
+            n_out = width * multiple
+            sizes = [n_in] + [n_out] * n_convolutions
+            self.stages.append(nn.ModuleList(nn.Conv2d(a, b, 3, padding=1) for a, b in zip(sizes, sizes[1:])))  # noqa: B905
+            self.sides.append(nn.Conv2d(n_out, 1, 1))
+            n_in = n_out
+        self.fuse = nn.Conv2d(len(STAGES), 1, 1)
+
+    def forward(self, image):
+        """Logits of `OUTPUTS`, (output, patch, 1, range_bin, range_line), of images (patch, 1, ...) in [-1, 1]."""
+        n_range_bins, n_range_lines = image.shape[2:]
+        x = image
+        logits = []
+        for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
+            if number:
+                x = functional.max_pool2d(x, 2, stride=2, ceil_mode=True)
+            for convolution in stage:
+                x = functional.relu(convolution(x))
+            logit = side(x).float()
+            if number:
+                logit = functional.interpolate(logit, scale_factor=2.0**number, mode="bilinear", align_corners=False)
+            logits.append(logit[:, :, :n_range_bins, :n_range_lines])
+        logits.append(self.fuse(torch.cat(logits, dim=1)).float())
+        return torch.stack(logits)
+
+
+def initialise(network, *, rng):
+    """Draw the weights: He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse."""
+    with torch.no_grad():
+        for name, parameter in network.named_parameters():
+            if name.endswith("bias"):
+                parameter.zero_()
+            elif name.startswith("fuse"):
+                parameter.fill_(1 / len(STAGES))
+            else:
+                n_inputs = parameter[0].numel()
+                spread = np.sqrt(2 / n_inputs) if name.startswith("stages") else 0.01
+                drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
+                parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
+
+
+def load_weights(network, weights):
+    """Copy weights (dict of arrays) into a network; ValueError where names or shapes differ."""
+    expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
+    got = {key: tuple(value.shape) for key, value in weights.items()}
+    for key in sorted(expected.keys() | got.keys()):
+        if expected.get(key) != got.get(key):
+            msg = f"tracker: expected {key} of shape {expected.get(key)}, got {got.get(key)}: other settings made it"
+            raise ValueError(msg)
+    network.load_state_dict({key: torch.as_tensor(value) for key, value in weights.items()})

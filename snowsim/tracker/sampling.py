@@ -1,0 +1,69 @@
+"""Training sets: real scenes mixed with synthetic sets in the proportion of the paper."""
+
+from functools import lru_cache
+
+from snowsim.patches import draw_index
+
+PAPER_SCENES_PER_REAL = 1500 / 2360  # of each added set; Yari et al. (2021)
+N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
+
+
+class TrainingSet:
+    """The scene of every draw of a training, for positions counted from 0 without end.
+
+    An epoch shows each real scene once and `added_per_real` times as many of each added set, in random order. Those of
+    an added set are drawn without replacement from all of it, through the epochs, before any comes again.
+
+    Parameters
+    ----------
+    real : sequence of Scene
+    added : sequence of sequence of Scene
+        Synthetic sets; none for training on real scenes alone.
+    added_per_real : float
+        Scenes of each added set per real scene.
+    seed : int
+
+    Attributes
+    ----------
+    n_per_epoch : int
+        Scenes in an epoch.
+
+    Raises
+    ------
+    ValueError
+        If a set is empty or the share of an added set rounds to no scene.
+
+    Notes
+    -----
+    Draws are a function of seed and position: nothing to save, and a resumed training sees what it would have seen.
+    Scenes are read when drawn; real ones, which return soonest, are kept.
+    """
+
+    def __init__(self, real, added=(), *, added_per_real=PAPER_SCENES_PER_REAL, seed):
+        for number, scenes in enumerate((real, *added)):
+            if len(scenes) == 0:
+                msg = f"{'set of real scenes' if number == 0 else f'added set {number}'}: expected scenes, got none"
+                raise ValueError(msg)
+        self._sets = (real, *added)
+        self._held = lru_cache(maxsize=N_SCENES_HELD)(real.__getitem__)
+        self._n_added = round(len(real) * added_per_real)
+        if added and self._n_added < 1:
+            msg = f"added_per_real {added_per_real} of {len(real)} real scenes leaves none of the added sets"
+            raise ValueError(msg)
+        self._seed = seed
+        self.n_per_epoch = len(real) + len(added) * self._n_added
+
+    def source(self, position):
+        """Which scene the draw at `position` shows, as (set, scene): set 0 is real, then the added ones."""
+        epoch = position // self.n_per_epoch
+        slot = draw_index(self.n_per_epoch, position, self._seed, "training set", "order")
+        n_real = len(self._sets[0])
+        if slot < n_real:
+            return 0, slot
+        number, within = divmod(slot - n_real, self._n_added)
+        draw = epoch * self._n_added + within
+        return number + 1, draw_index(len(self._sets[number + 1]), draw, self._seed, "training set", number + 1)
+
+    def __getitem__(self, position):
+        number, scene = self.source(position)
+        return self._held(scene) if number == 0 else self._sets[number][scene]

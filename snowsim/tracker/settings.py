@@ -1,0 +1,97 @@
+"""Settings of the tracker: a small modern recipe and the published one."""
+
+from dataclasses import dataclass
+
+CHOICES = {
+    "optimiser": ("adamw", "sgd"),
+    "schedule": ("one_cycle", "steps"),
+    "reduction": ("mean", "sum"),
+    "precision": ("float32", "bfloat16"),
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Network and training of the tracker; the defaults are the small recipe, `published` gives the other.
+
+    Attributes
+    ----------
+    width : int
+        Channels of the first stage; 64 as published.
+    n_steps : int
+        Gradients computed, one per batch.
+    batch_size : int
+        Patches a gradient.
+    n_accumulated : int
+        Gradients summed up before the weights change.
+    n_range_bins, n_range_lines : int or None
+        Size of the random crops, cut after scaling; None takes whole images.
+    scales : tuple of float
+        Sizes an image is shown at; one is drawn per batch.
+    flip : bool
+        Mirror left to right half of the time.
+    optimiser : str
+        `adamw` or `sgd` (momentum 0.9).
+    learning_rate, weight_decay : float
+    schedule : str
+        `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every `n_steps_per_tenth`.
+    n_steps_per_tenth : int
+    published_multipliers : bool
+        Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without decay.
+    reduction : str
+        Loss per image: `sum` over its pixels as published, or `mean`.
+    precision : str
+        `float32` or `bfloat16` arithmetic; weights are float32 in both.
+    """
+
+    width: int = 8
+    n_steps: int = 3000
+    batch_size: int = 1
+    n_accumulated: int = 1
+    n_range_bins: int | None = 192
+    n_range_lines: int | None = 128
+    scales: tuple = (1.0,)
+    flip: bool = True
+    optimiser: str = "adamw"
+    learning_rate: float = 2e-3
+    weight_decay: float = 1e-2
+    schedule: str = "one_cycle"
+    n_steps_per_tenth: int = 10_000
+    published_multipliers: bool = False
+    reduction: str = "mean"
+    precision: str = "bfloat16"
+
+    def __post_init__(self):
+        object.__setattr__(self, "scales", tuple(self.scales))
+        for name in ("n_steps", "batch_size", "n_accumulated", "n_steps_per_tenth"):
+            if getattr(self, name) < 1:
+                msg = f"{name} must be at least 1, got {getattr(self, name)}"
+                raise ValueError(msg)
+        if not self.learning_rate > 0 or self.weight_decay < 0:
+            msg = f"expected learning_rate > 0 and weight_decay >= 0, got {self.learning_rate} and {self.weight_decay}"
+            raise ValueError(msg)
+        if not self.scales or not all(0 < scale <= 1 for scale in self.scales):
+            msg = f"scales must be one or more in (0, 1], got {self.scales}"
+            raise ValueError(msg)
+        for name, choices in CHOICES.items():
+            if getattr(self, name) not in choices:
+                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
+                raise ValueError(msg)
+
+
+def published(n_steps, width=64, **other):
+    """Settings of the tracker paper: SGD 1e-6, 10 gradients an update, whole images at four scales."""
+    recipe = {
+        "n_accumulated": 10,
+        "n_range_bins": None,
+        "n_range_lines": None,
+        "scales": (1.0, 0.75, 0.5, 0.25),
+        "optimiser": "sgd",
+        "learning_rate": 1e-6,
+        "weight_decay": 2e-4,
+        "schedule": "steps",
+        "published_multipliers": True,
+        "reduction": "sum",
+        "precision": "float32",
+    }
+    return Settings(n_steps=n_steps, width=width, **(recipe | other))

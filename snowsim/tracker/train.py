@@ -1,0 +1,192 @@
+"""Training of the multi-scale tracker, by the published recipe or a modern one, resumable to the byte."""
+
+import math
+
+import torch
+from torch.nn import functional
+
+from snowsim.patches import draw_patches, to_signed
+from snowsim.seeding import random_stream
+from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork, initialise, load_weights
+
+WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
+# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate.
+PUBLISHED_MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
+
+
+class Training:
+    """The network, its optimiser and the number of gradients taken.
+
+    What a step draws depends on the seed and the step alone, so these and `seed` are all there is to resume from.
+
+    Parameters
+    ----------
+    settings : Settings
+    seed : int
+    device : str
+        Where to train, `cpu` or `cuda`.
+
+    Attributes
+    ----------
+    network : MultiScaleNetwork
+    step : int
+        Gradients taken.
+    """
+
+    def __init__(self, settings, *, seed, device="cpu"):
+        self.settings, self.seed, self.device = settings, seed, device
+        self.step = 0
+        self.network = MultiScaleNetwork(settings.width)
+        initialise(self.network, rng=random_stream(seed, "tracker", "network"))
+        self.network.to(device=device, memory_format=torch.channels_last)
+        self._optimiser = _optimiser(self.network, settings)
+
+    def state(self):
+        """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
+        return _on_cpu(
+            {
+                "network": self.network.state_dict(),
+                "optimiser": self._optimiser.state_dict()["state"],
+                "gradient": {name: p.grad for name, p in self.network.named_parameters() if p.grad is not None},
+            }
+        )
+
+    def restore(self, state, step):
+        """Take over a `state`, read back as nested dicts of arrays, and the number of steps it had taken.
+
+        Raises
+        ------
+        ValueError
+            If the state is not one of a training with these settings.
+        """
+        load_weights(self.network, state.get("network", {}))
+        parameters = [parameter for group in self._optimiser.param_groups for parameter in group["params"]]
+        moments = state.get("optimiser", {})
+        if len(moments) not in (0, len(parameters)):
+            msg = f"tracker: expected moments of {len(parameters)} weights, got {len(moments)}: other settings made it"
+            raise ValueError(msg)
+        for index, values in moments.items():
+            parameter = parameters[int(index)]
+            # Laid out in memory as the weights are.
+            self._optimiser.state[parameter] = {
+                key: (torch.empty_like(parameter) if value.ndim else torch.empty((), device=parameter.device)).copy_(
+                    torch.as_tensor(value)
+                )
+                for key, value in values.items()
+            }
+        gradients = state.get("gradient", {})
+        for name, parameter in self.network.named_parameters():
+            if name in gradients:
+                parameter.grad = torch.empty_like(parameter).copy_(torch.as_tensor(gradients[name]))
+        self.step = step
+
+
+def train_steps(training, scenes):
+    """Train from where `training` is to its last step, one gradient at a time.
+
+    Parameters
+    ----------
+    training : Training
+        Changed in place; between two steps its `state` may be saved.
+    scenes : TrainingSet
+        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end.
+
+    Yields
+    ------
+    step : int
+        Gradients taken, counted from 1.
+    losses : dict of float
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`, their sum.
+
+    Raises
+    ------
+    ValueError
+        If a scene drawn has no image, no contrast or no layer.
+    FloatingPointError
+        If the loss is not finite.
+    """
+    settings = training.settings
+    while training.step < settings.n_steps:
+        drawn = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
+        batch = [scenes[position] for position in drawn]
+        rng = random_stream(training.seed, "tracker", "step", training.step)
+        scale = settings.scales[rng.integers(len(settings.scales))]
+        images, masks = draw_patches(
+            batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, rng=rng
+        )
+        losses = _step(training, to_signed(images).to(training.device), torch.from_numpy(masks).to(training.device))
+        training.step += 1
+        if not math.isfinite(losses["total"]):
+            msg = f"training diverged at step {training.step}: loss {losses['total']}"
+            raise FloatingPointError(msg)
+        yield training.step, losses
+
+
+def balanced_cross_entropy(logits, masks):
+    """Class-balanced cross-entropy of each output, averaged over the images, (output,).
+
+    Parameters
+    ----------
+    logits : tensor, (output, patch, 1, range_bin, range_line)
+    masks : tensor of bool, (patch, range_bin, range_line)
+
+    Returns
+    -------
+    tensor, (output,)
+        Summed over the pixels of an image: layers weigh by the share of background, background by the share of layers.
+
+    Notes
+    -----
+    Xie & Tu (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1.
+    """
+    layer = masks[:, None].float()
+    layer_share = layer.mean(dim=(1, 2, 3), keepdim=True)
+    weight = torch.where(masks[:, None], 1 - layer_share, layer_share)
+    loss = weight * functional.softplus((1 - 2 * layer) * logits.float())
+    return loss.sum(dim=(1, 2, 3, 4)) / masks.shape[0]
+
+
+def rate_factor(settings, step):
+    """Learning rate of the step after `step` others, in units of the highest."""
+    if settings.schedule == "steps":
+        return 0.1 ** (step // settings.n_steps_per_tenth)
+    done = (step + 1) / settings.n_steps
+    return done / WARM_UP if done < WARM_UP else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
+
+
+def _step(training, images, masks):
+    """Add one gradient and, when enough are there, change the weights; the losses before."""
+    settings, optimiser = training.settings, training._optimiser
+    with torch.autocast(images.device.type, torch.bfloat16, enabled=settings.precision == "bfloat16"):
+        logits = training.network(images)
+    per_output = balanced_cross_entropy(logits, masks)
+    n_pixels = masks[0].numel()
+    share = settings.n_accumulated * (n_pixels if settings.reduction == "mean" else 1)
+    (per_output.sum() / share).backward()
+    if (training.step + 1) % settings.n_accumulated == 0:
+        for group in optimiser.param_groups:
+            group["lr"] = group["highest"] * rate_factor(settings, training.step)
+        optimiser.step()
+        optimiser.zero_grad(set_to_none=True)
+    per_pixel = (per_output.detach() / n_pixels).tolist()
+    return dict(zip(OUTPUTS, per_pixel, strict=True)) | {"total": sum(per_pixel)}
+
+
+def _optimiser(network, settings):
+    """Optimiser with one group per parameter, each with its highest rate."""
+    groups = []
+    for name, parameter in network.named_parameters():
+        rate, decay = settings.learning_rate, settings.weight_decay
+        if settings.published_multipliers:
+            rate *= next((factor for part, factor in PUBLISHED_MULTIPLIERS.items() if name.startswith(part)), 1.0)
+            if name.endswith("bias"):
+                rate, decay = 2 * rate, 0.0
+        groups.append({"params": [parameter], "lr": rate, "highest": rate, "weight_decay": decay})
+    if settings.optimiser == "sgd":
+        return torch.optim.SGD(groups, lr=settings.learning_rate, momentum=0.9)
+    return torch.optim.AdamW(groups, lr=settings.learning_rate, fused=True)
+
+
+def _on_cpu(state):
+    """Nested dicts of tensors, brought to main memory where they are not there."""
+    return {key: _on_cpu(value) if isinstance(value, dict) else value.detach().cpu() for key, value in state.items()}

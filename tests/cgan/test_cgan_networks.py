@@ -1,0 +1,112 @@
+"""The two networks are those of pix2pix and take any image size."""
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose
+from torch import nn
+
+from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
+
+
+def n_parameters(network):
+    return sum(parameter.numel() for parameter in network.parameters())
+
+
+@pytest.mark.parametrize(
+    ("width", "generator", "discriminator"), [(64, 54_407_873, 2_764_609), (16, 3_402_929, 175_057)]
+)
+def test_parameter_counts_are_the_published_ones(width, generator, discriminator):
+    assert n_parameters(UNetGenerator(width, depth=8)) == generator
+    assert n_parameters(PatchDiscriminator(width)) == discriminator
+
+
+@pytest.mark.parametrize(("n_strided", "patch"), [(1, 16), (2, 34), (3, 70)])
+def test_a_logit_sees_a_patch_of_the_stated_size(n_strided, patch, rng):
+    network = PatchDiscriminator(2, n_strided)
+    initialise(network, rng=rng)
+    for layer in network.layers:
+        if isinstance(layer, nn.BatchNorm2d):  # its statistics see the whole image
+            layer.track_running_stats, layer.running_mean, layer.running_var = True, torch.zeros(1), torch.ones(1)
+            layer.running_mean, layer.running_var = (torch.full((layer.num_features,), v) for v in (0.0, 1.0))
+    network.eval()
+    image = torch.zeros(1, 1, 160, 160, requires_grad=True)
+    logits = network(torch.zeros(1, 1, 160, 160), image)
+    logits[0, 0, logits.shape[2] // 2, logits.shape[3] // 2].backward()
+    seen = np.flatnonzero(image.grad[0, 0].abs().sum(dim=1).numpy())
+    assert seen[-1] - seen[0] + 1 == patch
+
+
+def test_weights_start_as_in_pix2pix(rng):
+    network = UNetGenerator(16, depth=6)
+    initialise(network, rng=rng)
+    weights = network.down[4].weight.detach().numpy()
+    # 262144 normal draws: the spread is known to 0.02 / sqrt(2 n); allow four of those.
+    assert_allclose(weights.std(), 0.02, rtol=4 / np.sqrt(2 * weights.size))
+    gains = torch.cat([norm.weight.detach() for norm in network.norms()]).numpy()
+    assert_allclose(gains.mean(), 1, atol=4 * 0.02 / np.sqrt(gains.size))
+    assert all((norm.bias == 0).all() for norm in network.norms())
+
+
+@pytest.fixture
+def generator(rng):
+    """Small generator with random weights, settled on one pass."""
+    network = UNetGenerator(4, depth=4)
+    initialise(network, rng=rng)
+    network.train()
+    mask = torch.full((2, 1, 64, 64), -1.0)
+    mask[:, :, 20] = 1
+    with torch.no_grad():
+        network(mask, network.draw_noise(2, 64, 64, rng=rng))
+    return network.eval()
+
+
+@pytest.mark.parametrize("size", [(64, 64), (49, 30), (16, 16), (1, 1), (100, 64)])
+def test_any_image_size_keeps_its_size(generator, size, rng):
+    with torch.no_grad():
+        image = generator(torch.ones(1, 1, *size), generator.draw_noise(1, *size, rng=rng))
+    assert image.shape == (1, 1, *size)
+    assert image.abs().max() <= 1
+
+
+@pytest.mark.parametrize("n_range_bins", [49, 55, 63])
+def test_rows_without_layers_added_up_to_the_grid_change_nothing(generator, n_range_bins, rng):
+    mask = torch.full((1, 1, 64, 32), -1.0)
+    mask[:, :, 10] = 1
+    noise = generator.draw_noise(1, 64, 32, rng=rng)
+    with torch.no_grad():
+        cut, whole = generator(mask[:, :, :n_range_bins], noise), generator(mask, noise)
+    assert torch.equal(cut, whole[:, :, :n_range_bins])
+
+
+def test_a_scene_moved_by_the_grid_moves_its_image(generator):
+    mask = torch.full((1, 1, 192, 16), -1.0)
+    mask[:, :, 60] = 1
+    without_noise = {}
+    with torch.no_grad():
+        here, below = generator(mask, without_noise), generator(mask.roll(32, dims=2), without_noise)
+    # 4 halvings of 4x4 kernels reach 46 rows in from the edges; the same sums, but for the order float32 takes them in.
+    assert_allclose(below[:, :, 78:146], here[:, :, 46:114], atol=1e-5)
+    assert here.std() > 1e-3
+
+
+def test_noise_is_dropout_and_changes_the_image(generator, rng):
+    noise = generator.draw_noise(1, 64, 64, dropout=0.3, rng=rng)
+    assert list(noise) == [2, 1]
+    values = torch.cat([factor.flatten() for factor in noise.values()]).numpy()
+    assert set(np.unique(values)) == {0, np.float32(1 / 0.7)}
+    assert_allclose((values == 0).mean(), 0.3, atol=4 * np.sqrt(0.21 / values.size))
+    mask = torch.full((1, 1, 64, 64), -1.0)
+    other = generator.draw_noise(1, 64, 64, dropout=0.3, rng=rng)
+    with torch.no_grad():
+        assert not torch.equal(generator(mask, noise), generator(mask, other))
+
+
+def test_noise_at_published_depth_lies_in_the_three_stages_outside_the_innermost():
+    assert list(UNetGenerator(1, depth=8).noisy_stages()) == [6, 5, 4]
+
+
+@pytest.mark.parametrize("arguments", [{"depth": 1}, {"width": 0}])
+def test_networks_that_cannot_be_are_refused(arguments):
+    with pytest.raises(ValueError, match="a generator needs"):
+        UNetGenerator(**arguments)

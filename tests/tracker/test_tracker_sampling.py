@@ -1,0 +1,84 @@
+"""Training sets keep the proportion of the paper and use all of each synthetic set."""
+
+from collections import Counter
+
+import pytest
+
+from snowsim.tracker import TrainingSet
+
+
+class Numbered:
+    """A lazy sequence that counts what was read."""
+
+    def __init__(self, name, n):
+        self.name, self.n, self.read = name, n, Counter()
+
+    def __len__(self):
+        return self.n
+
+    def __getitem__(self, item):
+        assert 0 <= item < self.n
+        self.read[item] += 1
+        return self.name, item
+
+
+def first(scenes, n):
+    return [scenes.source(position) for position in range(n)]
+
+
+@pytest.mark.parametrize("n_added", [0, 1, 2])
+def test_at_paper_scale_an_epoch_shows_every_scene_once(n_added):
+    scenes = TrainingSet(Numbered("real", 2360), [Numbered("added", 1500)] * n_added, seed=1)
+    assert scenes.n_per_epoch == 2360 + 1500 * n_added
+    shown = Counter(first(scenes, scenes.n_per_epoch))
+    assert set(shown.values()) == {1}
+    assert Counter(number for number, _ in shown) == {0: 2360} | {number: 1500 for number in range(1, n_added + 1)}
+
+
+def test_fewer_real_scenes_keep_the_share_and_still_use_all_of_the_added_sets():
+    scenes = TrainingSet(Numbered("real", 118), [Numbered("phy", 1500), Numbered("cgan", 1500)], seed=1)
+    assert scenes.n_per_epoch == 118 + 75 + 75
+    drawn = first(scenes, 20 * scenes.n_per_epoch)
+    for epoch in range(20):
+        of_epoch = drawn[epoch * scenes.n_per_epoch : (epoch + 1) * scenes.n_per_epoch]
+        assert Counter(number for number, _ in of_epoch) == {0: 118, 1: 75, 2: 75}
+        assert len(set(of_epoch)) == len(of_epoch)
+    for number in (1, 2):
+        # 20 epochs of 75 are all 1500, each once.
+        assert sorted(scene for which, scene in drawn if which == number) == list(range(1500))
+
+
+def test_an_added_set_smaller_than_its_share_repeats_only_when_used_up():
+    scenes = TrainingSet(Numbered("real", 20), [Numbered("added", 7)], added_per_real=1, seed=1)
+    drawn = Counter(scene for which, scene in first(scenes, scenes.n_per_epoch) if which == 1)
+    # 20 draws of 7: twice through, then 6 of a third time.
+    assert sorted(drawn.values()) == [2, 3, 3, 3, 3, 3, 3]
+
+
+def test_the_order_depends_on_the_seed_alone():
+    def order(seed):
+        return first(TrainingSet(Numbered("real", 30), [Numbered("added", 50)], seed=seed), 200)
+
+    assert order(1) == order(1)
+    assert order(1) != order(2)
+
+
+def test_scenes_are_read_when_drawn_and_real_ones_once():
+    real, added = Numbered("real", 6), Numbered("added", 100)
+    scenes = TrainingSet(real, [added], added_per_real=0.5, seed=1)
+    assert not real.read
+    shown = [scenes[position] for position in range(5 * scenes.n_per_epoch)]
+    assert [(name == "added", number) for name, number in shown] == [
+        (which == 1, number) for which, number in first(scenes, 5 * scenes.n_per_epoch)
+    ]
+    assert set(real.read.values()) == {1}
+    assert sum(added.read.values()) == 15
+
+
+@pytest.mark.parametrize(
+    ("real", "added", "words"),
+    [(0, [], "set of real scenes: expected scenes"), (5, [3, 0], "added set 2: expected"), (1, [9], "leaves none")],
+)
+def test_sets_without_scenes_are_refused(real, added, words):
+    with pytest.raises(ValueError, match=words):
+        TrainingSet(Numbered("real", real), [Numbered("a", n) for n in added], added_per_real=0.4, seed=1)

@@ -1,0 +1,168 @@
+"""Training of the tracker learns, repeats to the byte and resumes to the byte, by either recipe."""
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose
+from toy_scenes import toy_scene, toy_scenes
+
+from snowsim.io.models import read_model, write_model
+from snowsim.tracker import OUTPUTS, Settings, Training, TrainingSet, published, track, train_steps, trained_network
+from snowsim.tracker.train import balanced_cross_entropy, rate_factor
+
+TINY = Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
+PUBLISHED = published(n_steps=6, width=2, n_accumulated=4)
+
+
+def trained(settings, seed=1, n_scenes=3):
+    training = Training(settings, seed=seed)
+    losses = [losses for _, losses in train_steps(training, TrainingSet(toy_scenes(n_scenes), seed=seed))]
+    return training, losses
+
+
+def same(a, b):
+    """Whether two nested states hold the same bits."""
+    if isinstance(a, dict):
+        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+    return torch.equal(a, b)
+
+
+@pytest.fixture(scope="module")
+def learnt():
+    return trained(replace(TINY, width=4, n_steps=200, learning_rate=5e-3), n_scenes=8)
+
+
+def test_the_loss_of_every_output_falls(learnt):
+    losses = {name: [step[name] for step in learnt[1]] for name in OUTPUTS}
+    for name in ("side_1", "side_2", "side_3", "side_4", "fuse"):
+        assert np.mean(losses[name][-20:]) < 0.8 * np.mean(losses[name][:5]), name
+    assert np.mean(losses["fuse"][-20:]) < 0.4 * np.mean(losses["fuse"][:5])
+
+
+def test_the_fuse_tells_layers_from_background_on_an_unseen_scene(learnt):
+    scene = toy_scene(99)
+    fuse = track(learnt[0].network, scene.image)[5]
+    on, off = fuse[scene.mask()], fuse[~scene.mask()]
+    # The chance that a layer pixel outranks one of the background: 0.5 when nothing was learnt.
+    ranks = np.searchsorted(np.sort(off), on)
+    assert ranks.mean() / off.size > 0.95
+
+
+def test_a_constant_prediction_of_one_half_costs_what_the_balance_says(rng):
+    masks = torch.from_numpy(rng.random((2, 8, 9)) < 0.1)
+    loss = balanced_cross_entropy(torch.zeros(6, 2, 1, 8, 9), masks)
+    # log 2 per pixel; layers weigh n_neg / n, background n_pos / n: 2 n_pos n_neg / n in all.
+    n_layer = masks.sum(dim=(1, 2)).numpy()
+    assert_allclose(loss.numpy(), np.mean(2 * n_layer * (72 - n_layer) / 72) * np.log(2), rtol=1e-6)
+
+
+def test_the_loss_is_the_textbook_sum(rng):
+    masks = rng.random((3, 8, 9)) < 0.2
+    logits = rng.normal(0, 3, (6, 3, 1, 8, 9))
+    expected = np.zeros(6)
+    for output in range(6):
+        for mask, logit in zip(masks, logits[output, :, 0], strict=True):
+            probability = 1 / (1 + np.exp(-logit))
+            weight = (~mask).mean(), mask.mean()
+            expected[output] -= weight[0] * np.log(probability[mask]).sum() / 3
+            expected[output] -= weight[1] * np.log(1 - probability[~mask]).sum() / 3
+    got = balanced_cross_entropy(torch.from_numpy(logits), torch.from_numpy(masks))
+    assert_allclose(got.numpy(), expected, rtol=1e-5)  # float32 sums of 72 terms
+
+
+@pytest.mark.parametrize("settings", [TINY, PUBLISHED])
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(settings):
+    first, again, other = (trained(settings, seed)[0].state() for seed in (1, 1, 2))
+    assert same(first, again)
+    assert not same(first, other)
+
+
+@pytest.mark.parametrize("n_before", [1, 4, 5])
+@pytest.mark.parametrize("settings", [TINY, PUBLISHED], ids=["small", "published"])
+def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_before, tmp_path):
+    scenes = TrainingSet(toy_scenes(3), seed=1)
+    whole, losses = trained(settings)
+    broken = Training(settings, seed=1)
+    for step, _ in train_steps(broken, scenes):
+        if step == n_before:
+            write_model(tmp_path / "state.safetensors", broken.state(), {"step": step, "settings": asdict(settings)})
+            break
+    state, metadata = read_model(tmp_path / "state.safetensors", expected={"settings": asdict(settings)})
+    resumed = Training(settings, seed=1)
+    resumed.restore(state, metadata["step"])
+    assert [later for _, later in train_steps(resumed, scenes)] == losses[n_before:]
+    for name, training in (("whole", whole), ("resumed", resumed)):
+        write_model(tmp_path / f"{name}.safetensors", training.state(), {"step": training.step})
+    assert (tmp_path / "whole.safetensors").read_bytes() == (tmp_path / "resumed.safetensors").read_bytes()
+
+
+def test_accumulated_gradients_equal_one_batch_of_as_many():
+    # Whole images of one scene, unflipped: both gradients are of the same image. The sums differ in order only.
+    recipe = {"width": 2, "scales": (1.0,), "flip": False, "learning_rate": 1e-3, "published_multipliers": False}
+    apart = published(n_steps=2, n_accumulated=2, **recipe)
+    together = published(n_steps=1, n_accumulated=1, batch_size=2, **recipe)
+    (two, _), (one, _) = (trained(settings, n_scenes=1) for settings in (apart, together))
+    start = Training(apart, seed=1).network.state_dict()
+    for name, value in two.network.state_dict().items():
+        assert_allclose(value.numpy(), one.network.state_dict()[name].numpy(), rtol=1e-5, atol=1e-7, err_msg=name)
+    assert not same(two.network.state_dict(), start)
+
+
+def test_published_rates_are_multiplied_as_in_the_published_code():
+    rates = {}
+    training = Training(PUBLISHED, seed=1)
+    groups = {id(group["params"][0]): group for group in training._optimiser.param_groups}
+    for name, parameter in training.network.named_parameters():
+        rates[name] = groups[id(parameter)]["lr"], groups[id(parameter)]["weight_decay"]
+    assert rates["stages.0.0.weight"] == (1e-6, 2e-4)
+    assert rates["stages.0.0.bias"] == (2e-6, 0)
+    assert rates["stages.4.2.weight"][0] == pytest.approx(1e-4)
+    assert rates["sides.3.weight"][0] == pytest.approx(1e-8)
+    assert rates["fuse.bias"][0] == pytest.approx(2e-9)
+
+
+def test_schedules_are_the_stated_ones():
+    steps = published(n_steps=30_000)
+    assert [rate_factor(steps, step) for step in (0, 9_999, 10_000, 20_000)] == pytest.approx([1, 1, 0.1, 0.01])
+    cycle = [rate_factor(replace(TINY, n_steps=1000), step) for step in range(1000)]
+    assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
+    assert (np.diff(cycle[99:]) < 0).all()
+    assert cycle[-1] == 0
+
+
+@pytest.mark.parametrize(
+    "change", [{"batch_size": 2}, {"precision": "float32"}, {"n_range_bins": None, "scales": (0.5, 0.25)}]
+)
+def test_every_variant_takes_finite_steps(change):
+    _, losses = trained(replace(TINY, n_steps=2, **change))
+    assert len(losses) == 2
+    assert np.isfinite([list(step.values()) for step in losses]).all()
+
+
+def test_a_training_that_diverges_says_so():
+    with pytest.raises(FloatingPointError, match="diverged at step"):
+        trained(replace(TINY, n_steps=50, learning_rate=1e30))
+
+
+def test_a_state_of_other_settings_is_refused_in_one_line():
+    state = Training(replace(TINY, width=3), seed=1).state()
+    with pytest.raises(ValueError, match=r"tracker: expected .* of shape .*, got .*: other settings") as error:
+        Training(TINY, seed=1).restore(state, 1)
+    assert "\n" not in str(error.value)
+    with pytest.raises(ValueError, match="tracker: expected"):
+        trained_network({}, TINY)
+    halved = trained(TINY)[0].state()
+    del halved["optimiser"][0]
+    with pytest.raises(ValueError, match="expected moments of"):
+        Training(TINY, seed=1).restore(halved, 1)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"n_steps": 0}, {"learning_rate": 0.0}, {"scales": ()}, {"scales": (2.0,)}, {"optimiser": "lion"}],
+)
+def test_settings_out_of_range_are_refused(change):
+    with pytest.raises(ValueError, match=next(iter(change))):
+        replace(TINY, **change)
