@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from snowsim.metrics.edges import score
+from snowsim.metrics.edges import score, stack_counts
 
 OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")
 COUNTS = ("matched_truth", "n_truth", "matched_prediction", "n_prediction")
@@ -92,6 +92,7 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
         Columns `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
         n_replicas, n_images`; intervals are the 2.5 and 97.5 percentiles.
     """
+    stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
     first = counts[training_sets[0], OUTPUTS[0]]
     n_replicas, n_images = len(first), len(first[0])
     draws = [
@@ -99,10 +100,10 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
     ]
     rows = []
     for output in OUTPUTS:
-        point = {s: _mean_scores(counts[s, output]) for s in training_sets}
+        point = {s: _mean_scores(stacked[s, output]) for s in training_sets}
         resampled = {
             s: [
-                _mean_scores([[counts[s, output][replica][image] for image in images] for replica in replicas])
+                _mean_scores([_taken(stacked[s, output][replica], images) for replica in replicas])
                 for replicas, images in draws
             ]
             for s in training_sets
@@ -131,6 +132,11 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
     return pd.DataFrame(rows)
 
 
+def _taken(stacked, images):
+    """Counts of these images, in this order, of counts stacked over all."""
+    return {name: values[images] for name, values in stacked.items()}
+
+
 def _mean_scores(replicas):
-    scores = [score(images) for images in replicas]
+    scores = [score(stacked) for stacked in replicas]
     return {metric: float(np.mean([one[metric] for one in scores])) for metric in ("ods", "ois", "ap")}

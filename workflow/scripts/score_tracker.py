@@ -21,7 +21,9 @@ def score(paths_to_scenes, path_to_network, path_to_counts, device):
         for scene in progress(scenes, "edge scores"):
             probabilities = track(network, scene.image, precision=settings.precision)
             for output, probability in zip(OUTPUTS, probabilities, strict=True):
-                counts = match_counts(suppress(probability), scene.mask(), THRESHOLDS)
+                counts = match_counts(
+                    suppress(probability, where=scene.name), scene.mask(), THRESHOLDS, where=scene.name
+                )
                 tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
     write_table(path_to_counts, pd.concat(tables))
 

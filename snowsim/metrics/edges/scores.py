@@ -1,0 +1,152 @@
+"""Scores of a set of images from their counts: ODS, OIS, AP and the precision-recall curve."""
+
+import numpy as np
+
+COUNTS = ("matched_truth", "n_truth", "matched_prediction", "n_prediction")
+EVERY_HUNDREDTH = np.linspace(0, 1, 101)
+
+
+def stack_counts(counts):
+    """Counts of the images of a set as arrays (image, threshold).
+
+    Parameters
+    ----------
+    counts : sequence of dict, or dict
+        Of every image what `match_counts` gives; what this function gave is passed through.
+
+    Returns
+    -------
+    dict of ndarray, (image, threshold)
+
+    Raises
+    ------
+    ValueError
+        If there is no image, a count is missing, lengths differ, or matched pixels outnumber the pixels.
+    """
+    if isinstance(counts, dict):
+        missing = [name for name in COUNTS if np.ndim(counts.get(name)) != 2]
+        if missing:
+            msg = f"counts of a set must be a list of dicts or hold arrays (image, threshold), {missing[0]} is neither"
+            raise ValueError(msg)
+        stacked = {name: np.asarray(counts[name]) for name in COUNTS}
+    else:
+        counts = list(counts)
+        missing = [(i, name) for i, image in enumerate(counts) for name in COUNTS if name not in image]
+        if missing:
+            msg = f"counts of every image must hold {', '.join(COUNTS)}: image {missing[0][0]} has no {missing[0][1]}"
+            raise ValueError(msg)
+        shapes = {np.shape(image[name]) for image in counts for name in COUNTS}
+        if len(shapes) > 1 or not all(len(shape) == 1 for shape in shapes):
+            msg = f"counts of all images must be (threshold,) and of one length, got shapes {sorted(shapes)}"
+            raise ValueError(msg)
+        stacked = {name: np.array([image[name] for image in counts]) for name in COUNTS}
+    if stacked["n_truth"].size == 0:
+        msg = "counts of at least one image at one threshold are needed, got none"
+        raise ValueError(msg)
+    for matched, n in (("matched_truth", "n_truth"), ("matched_prediction", "n_prediction")):
+        wrong = (stacked[matched] < 0) | (stacked[matched] > stacked[n])
+        if wrong.any():
+            image, threshold = np.argwhere(wrong)[0]
+            msg = f"{matched} must lie between 0 and {n}, does not at image {image}, threshold {threshold}"
+            raise ValueError(msg)
+    return stacked
+
+
+def score(counts, thresholds=None):
+    """ODS, OIS and AP of a set of images.
+
+    Parameters
+    ----------
+    counts : sequence of dict, or dict of ndarray (image, threshold)
+        What `match_counts` gives of every image, thresholds ascending; or all of it as `stack_counts` gives it.
+    thresholds : array_like, (threshold,), optional
+        What the counts were made with, to name the best one.
+
+    Returns
+    -------
+    dict
+        `ods`, the best F of the pooled counts at one threshold; `ois`, F of the counts of every image at its own best
+        threshold, pooled; `ap`, the mean precision; `ods_index` and `ods_threshold` (NaN unless thresholds are given);
+        `n_images` and `n_without_truth`.
+
+    Raises
+    ------
+    ValueError
+        If there is no image, counts do not fit each other, or the number of thresholds differs.
+
+    Notes
+    -----
+    ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R = matched_truth / n_truth``, 0 where
+    there is no pixel. At equal F the lowest threshold counts as best. An image without truth, like one of which
+    nothing is found, has F = 0 everywhere: it so puts its false positives at the lowest threshold, the most there are,
+    into OIS (and those of the common threshold into ODS). It is counted in `n_without_truth`.
+
+    AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest threshold stays,
+    precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the recalls seen are dropped, and the
+    sum is divided by 100. It can reach 1.01 where recall spans 0 to 1. `average_precision_bsds` is the other rule.
+    """
+    stacked = stack_counts(counts)
+    n_thresholds = stacked["n_truth"].shape[1]
+    if thresholds is not None and np.shape(thresholds) != (n_thresholds,):
+        msg = f"thresholds must be {n_thresholds} as in the counts, got shape {np.shape(thresholds)}"
+        raise ValueError(msg)
+    pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
+    f = f_measure(*_precision_and_recall(pooled))
+    best = np.argmax(f_measure(*_precision_and_recall(stacked)), axis=1)
+    at_own_best = {name: values[np.arange(best.size), best].sum() for name, values in stacked.items()}
+    ods_index = int(np.argmax(f))
+    return {
+        "ods": float(f[ods_index]),
+        "ois": float(f_measure(*_precision_and_recall(at_own_best))),
+        "ap": _average_precision(pooled),
+        "ods_index": ods_index,
+        "ods_threshold": np.nan if thresholds is None else float(thresholds[ods_index]),
+        "n_images": int(best.size),
+        "n_without_truth": int((stacked["n_truth"][:, 0] == 0).sum()),
+    }
+
+
+def precision_recall(counts):
+    """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,); counts as for `score`."""
+    pooled = {name: values.sum(axis=0) for name, values in stack_counts(counts).items()}
+    precision, recall = _precision_and_recall(pooled)
+    return {"precision": precision, "recall": recall, "f": f_measure(precision, recall)}
+
+
+def average_precision_bsds(counts):
+    """Mean precision by the rule of the Python port of the Berkeley benchmark; counts as for `score`.
+
+    As the 101-point rule of `score`, but at the 100 recalls 0, 0.01 ... 0.99, with zero outside the recalls seen.
+    """
+    recalls, precisions = _curve({name: values.sum(axis=0) for name, values in stack_counts(counts).items()})
+    if recalls.size < 2:
+        return 0.0
+    return float(np.interp(EVERY_HUNDREDTH[:-1], recalls, precisions, left=0, right=0).sum() / 100)
+
+
+def f_measure(precision, recall):
+    """Harmonic mean of precision and recall, 0 where both are 0."""
+    total = precision + recall
+    return 2 * precision * recall / np.where(total == 0, 1, total)
+
+
+def _average_precision(pooled):
+    recalls, precisions = _curve(pooled)
+    if recalls.size < 2:
+        return 0.0
+    interpolated = np.interp(EVERY_HUNDREDTH, recalls, precisions, left=np.nan, right=np.nan)
+    return float(np.nansum(interpolated) / 100)
+
+
+def _curve(pooled):
+    """Distinct recalls, ascending, and the precision at the lowest threshold of each."""
+    precision, recall = _precision_and_recall(pooled)
+    recalls, lowest = np.unique(recall, return_index=True)
+    return recalls, precision[lowest]
+
+
+def _precision_and_recall(counts):
+    return (
+        counts["matched_prediction"] / np.maximum(counts["n_prediction"], 1),
+        counts["matched_truth"] / np.maximum(counts["n_truth"], 1),
+    )

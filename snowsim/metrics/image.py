@@ -1,0 +1,99 @@
+"""Similarity of two 8-bit echograms: RMSE, PSNR and SSIM."""
+
+import numpy as np
+from scipy.ndimage import correlate1d
+
+DATA_RANGE = 255
+K1, K2 = 0.01, 0.03
+WINDOW_SIGMA = 1.5  # [pixels]
+WINDOW_RADIUS = 5  # 3.5 sigma
+
+
+def similarity(image, reference):
+    """RMSE, PSNR and SSIM of an image against a reference.
+
+    Parameters
+    ----------
+    image, reference : ndarray of uint8, (range_bin, range_line)
+
+    Returns
+    -------
+    dict of float
+        `rmse` [grey levels], `psnr` [dB] and `ssim`; 0, infinity and 1 for identical images.
+
+    Raises
+    ------
+    ValueError
+        If an image is not uint8 or smaller than 11 x 11, or if sizes differ.
+
+    Notes
+    -----
+    RMSE eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14:
+    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels, whose windows reach
+    over the border.
+    """
+    _check_images(image, reference)
+    difference = image.astype(np.int32) - reference
+    mean_square = np.mean(difference * difference, dtype=np.float64)
+    inside = slice(WINDOW_RADIUS, -WINDOW_RADIUS)
+    with np.errstate(divide="ignore"):
+        psnr = 10 * np.log10(DATA_RANGE**2 / mean_square)
+    return {
+        "rmse": float(np.sqrt(mean_square)),
+        "psnr": float(psnr),
+        "ssim": float(ssim_map(image, reference)[inside, inside].mean()),
+    }
+
+
+def ssim_map(image, reference):
+    """Structural similarity around every pixel.
+
+    Parameters
+    ----------
+    image, reference : ndarray of uint8, (range_bin, range_line)
+
+    Returns
+    -------
+    ndarray of float64, (range_bin, range_line)
+        At most 1; within 5 pixels of the border both images are mirrored, the edge pixel repeated.
+
+    Raises
+    ------
+    ValueError
+        If an image is not uint8 or smaller than 11 x 11, or if sizes differ.
+
+    Notes
+    -----
+    Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh & Simoncelli (2004), IEEE
+    TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``. Means, variances and the covariance are those
+    of the population under a Gaussian window, sigma 1.5 pixels, cut at 5; ``C = (K 255)^2``, K1 0.01, K2 0.03.
+    """
+    _check_images(image, reference)
+    a, b = image.astype(np.float64), reference.astype(np.float64)
+    mean_a, mean_b = _window_mean(a), _window_mean(b)
+    product, squares = mean_a * mean_b, mean_a * mean_a + mean_b * mean_b
+    covariance = _window_mean(a * b) - product
+    variances = _window_mean(a * a + b * b) - squares
+    c1, c2 = (K1 * DATA_RANGE) ** 2, (K2 * DATA_RANGE) ** 2
+    return (2 * product + c1) * (2 * covariance + c2) / ((squares + c1) * (variances + c2))
+
+
+def _window_mean(values):
+    """Mean of every pixel's surroundings under the Gaussian window."""
+    weights = np.exp(-0.5 * (np.arange(-WINDOW_RADIUS, WINDOW_RADIUS + 1) / WINDOW_SIGMA) ** 2)
+    weights /= weights.sum()
+    return correlate1d(correlate1d(values, weights, axis=0, mode="reflect"), weights, axis=1, mode="reflect")
+
+
+def _check_images(image, reference):
+    for name, values in (("image", image), ("reference", reference)):
+        if getattr(values, "dtype", None) != np.uint8:
+            msg = f"{name} must be an array of uint8, got {getattr(values, 'dtype', type(values).__name__)}"
+            raise ValueError(msg)
+    if image.shape != reference.shape:
+        msg = f"image and reference must have one size, got {image.shape} and {reference.shape}"
+        raise ValueError(msg)
+    smallest = 2 * WINDOW_RADIUS + 1
+    if image.ndim != 2 or min(image.shape) < smallest:
+        msg = f"images must be (range_bin, range_line) and at least {smallest} pixels each way, got {image.shape}"
+        raise ValueError(msg)

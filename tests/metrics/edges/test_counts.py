@@ -1,0 +1,140 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
+from scipy.spatial import cKDTree
+from skimage.morphology import thin as thin_of_skimage
+
+from snowsim.metrics.edges import THRESHOLDS, match_counts
+
+
+def largest_matching(predicted, true, max_dist):
+    """Size of the maximum matching of two binary maps, from the full graph."""
+    a, b = np.argwhere(predicted), np.argwhere(true)
+    if len(a) == 0 or len(b) == 0:
+        return 0
+    reach = cKDTree(a).query_ball_tree(cKDTree(b), max_dist * np.hypot(*true.shape))
+    ends = np.cumsum([0] + [len(near) for near in reach])
+    graph = csr_matrix((np.ones(ends[-1]), np.concatenate(reach), ends), shape=(len(a), len(b)))
+    return int((maximum_bipartite_matching(graph, perm_type="column") >= 0).sum())
+
+
+def draw_map(rng, shape):
+    """A prediction in 8 steps, so that ties and plateaus occur, and a truth of some density."""
+    prediction = np.round(rng.random(shape) ** rng.uniform(0.5, 3) * 8) / 8
+    return prediction, rng.random(shape) < rng.uniform(0.02, 0.4)
+
+
+@pytest.mark.parametrize("thin", [True, False])
+def test_every_threshold_has_the_maximum_matching(rng, thin):
+    thresholds = np.linspace(0.05, 1, 9)
+    for _ in range(40):
+        shape = tuple(rng.integers(1, 26, size=2))
+        prediction, truth = draw_map(rng, shape)
+        max_dist = rng.uniform(0, 0.2)
+        counts = match_counts(prediction, truth, thresholds, max_dist=max_dist, thin=thin)
+        maps = [prediction >= threshold for threshold in thresholds]
+        if thin:
+            maps = [thin_of_skimage(each) for each in maps]
+        assert_array_equal(counts["n_prediction"], [each.sum() for each in maps])
+        assert_array_equal(counts["matched_truth"], [largest_matching(each, truth, max_dist) for each in maps])
+        assert_array_equal(counts["matched_prediction"], counts["matched_truth"])
+        assert_array_equal(counts["n_truth"], truth.sum())
+
+
+def test_long_chains_of_displaced_pairs_are_resolved():
+    # Row pixels 0..n-1 against 1..n with a reach of one pixel: all pair up only if every pair moves the same way.
+    truth, prediction = np.zeros((2, 1, 400))
+    truth[0, 1:301] = 1
+    prediction[0, :300] = np.linspace(0.2, 0.9, 300)
+    counts = match_counts(prediction, truth, [0.1], max_dist=1.5 / np.hypot(1, 400), thin=False)
+    assert counts["matched_truth"] == [300]
+    # One more pixel to the right of the truth's end cannot pair; one more true pixel on the left can.
+    prediction[0, 300:303] = 0.15
+    assert match_counts(prediction, truth, [0.1], max_dist=1.5 / np.hypot(1, 400), thin=False)["matched_truth"] == [300]
+
+
+def test_pixels_at_the_tolerance_pair_and_beyond_it_do_not():
+    truth = np.zeros((300, 400))
+    truth[150, 200] = 1
+    for row, line, pairs in [(153, 202, 1), (150, 203, 1), (153, 203, 0), (154, 200, 0)]:  # 0.0075 * 500 = 3.75 px
+        prediction = np.zeros((300, 400))
+        prediction[row, line] = 1
+        assert match_counts(prediction, truth, [0.5])["matched_truth"] == [pairs]
+
+
+def test_truth_as_its_own_prediction_matches_whole(rng):
+    truth = rng.random((40, 50)) < 0.2
+    counts = match_counts(truth, truth, THRESHOLDS, thin=False)
+    assert all((counts[name] == truth.sum()).all() for name in counts)
+
+
+def test_counts_do_not_depend_on_orientation_of_the_image(rng):
+    prediction, truth = draw_map(rng, (40, 30))
+    plain = match_counts(prediction, truth, THRESHOLDS, max_dist=0.05, thin=False)
+    for turn in (np.flipud, np.fliplr, np.transpose):
+        turned = match_counts(turn(prediction), turn(truth), THRESHOLDS, max_dist=0.05, thin=False)
+        for name in plain:
+            assert_array_equal(plain[name], turned[name])
+
+
+def test_thresholds_may_come_in_any_order_and_twice(rng):
+    prediction, truth = draw_map(rng, (30, 30))
+    order = rng.permutation(np.tile(np.arange(99), 2))
+    plain = match_counts(prediction, truth, THRESHOLDS)
+    mixed = match_counts(prediction, truth, THRESHOLDS[order])
+    for name in plain:
+        assert_array_equal(plain[name][order], mixed[name])
+
+
+def test_counts_are_monotonic_where_sets_are_nested(rng):
+    prediction, truth = draw_map(rng, (60, 60))
+    counts = [match_counts(prediction, truth, THRESHOLDS, max_dist=d, thin=False)["matched_truth"] for d in (0.01, 0.1)]
+    assert (np.diff(counts, axis=1) <= 0).all()
+    assert (counts[1] >= counts[0]).all()
+    assert counts[1].sum() > counts[0].sum()
+
+
+def test_a_pixel_is_on_at_its_own_value():
+    prediction = np.array([[0.0, 0.5, 0.0]])
+    counts = match_counts(prediction, prediction > 0, [0.0, 0.5, np.nextafter(0.5, 1)], thin=False)
+    assert_array_equal(counts["n_prediction"], [3, 1, 0])
+
+
+def test_empty_prediction_and_empty_truth_count_zero():
+    empty, line = np.zeros((20, 20)), np.eye(20)
+    nothing_found = match_counts(empty, line, THRESHOLDS)
+    assert (nothing_found["n_truth"] == 20).all()
+    assert not nothing_found["n_prediction"].any()
+    no_truth = match_counts(line, empty, THRESHOLDS)
+    assert not no_truth["n_truth"].any()
+    assert not no_truth["matched_prediction"].any()
+    assert (no_truth["n_prediction"] == 20).all()
+
+
+GOOD = np.full((4, 5), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("prediction", "truth", "options", "message"),
+    [
+        (GOOD * 2.1, GOOD > 0, {}, r"\[0, 1\], got 1.05 at range_bin 0, range_line 0"),
+        (-GOOD, GOOD > 0, {}, r"\[0, 1\], got -0.5"),
+        (np.where(np.eye(4, 5) > 0, np.nan, GOOD), GOOD > 0, {}, "got nan"),
+        (GOOD, GOOD[:3] > 0, {}, r"shape \(4, 5\), got \(3, 5\)"),
+        (GOOD, GOOD, {}, "0 and 1 alone, got 0.5"),
+        (GOOD[0], GOOD[0] > 0, {}, "got shape"),
+        (GOOD[:0], GOOD[:0] > 0, {}, "not empty"),
+        (GOOD + 0j, GOOD > 0, {}, "real numbers"),
+        (GOOD, GOOD > 0, {"thresholds": []}, "one or more finite"),
+        (GOOD, GOOD > 0, {"thresholds": [np.nan]}, "one or more finite"),
+        (GOOD, GOOD > 0, {"max_dist": -1}, "max_dist"),
+        (GOOD, GOOD > 0, {"max_dist": np.nan}, "max_dist"),
+        (GOOD, GOOD > 0, {"thin": "later"}, "early"),
+    ],
+)
+def test_bad_input_is_refused_by_the_name_of_its_image(prediction, truth, options, message):
+    thresholds = options.pop("thresholds", [0.5])
+    with pytest.raises(ValueError, match=f"^scene_7: .*{message}"):
+        match_counts(prediction, truth, thresholds, where="scene_7", **options)

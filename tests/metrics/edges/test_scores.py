@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from snowsim.metrics.edges import average_precision_bsds, match_counts, precision_recall, score, stack_counts
+
+
+def counts_of(matched, n_truth, n_prediction):
+    """Counts of one image; matched and n_prediction by threshold."""
+    matched = np.array(matched)
+    return {
+        "matched_truth": matched,
+        "n_truth": np.full(matched.size, n_truth),
+        "matched_prediction": matched,
+        "n_prediction": np.array(n_prediction),
+    }
+
+
+TWO_IMAGES = [counts_of([8, 6, 2], 10, [20, 8, 2]), counts_of([10, 4, 1], 10, [10, 4, 1])]
+
+
+def test_ods_ois_and_ap_follow_their_definitions():
+    scores = score(TWO_IMAGES, thresholds=[0.2, 0.5, 0.8])
+    # Pooled: 18 of 20 true, 18 of 30 predicted: P 0.6, R 0.9; then P 10/12, R 0.5; then P 1, R 0.15.
+    assert_allclose(scores["ods"], 2 * 0.6 * 0.9 / 1.5)
+    assert scores["ods_index"] == 0
+    assert scores["ods_threshold"] == 0.2
+    # Own best: image one at the middle threshold (F 2/3 over 8/15), image two at the lowest: 16 of 20, 16 of 18.
+    assert_allclose(scores["ois"], 2 * 16 / (20 + 18))
+    # Recalls 0.15, 0.5, 0.9: trapezia of linear pieces, summed at hundredths.
+    recall = np.arange(15, 91) / 100
+    precision = np.where(recall < 0.5, 1 - (recall - 0.15) / 0.35 / 6, 5 / 6 - (recall - 0.5) / 0.4 * (5 / 6 - 0.6))
+    assert_allclose(scores["ap"], precision.sum() / 100)
+    assert scores["n_images"] == 2
+
+
+def test_curve_holds_pooled_precision_and_recall():
+    curve = precision_recall(TWO_IMAGES)
+    assert_allclose(curve["precision"], [0.6, 10 / 12, 1])
+    assert_allclose(curve["recall"], [0.9, 0.5, 0.15])
+    assert_allclose(curve["f"].max(), score(TWO_IMAGES)["ods"])
+
+
+def test_perfect_detection_scores_one():
+    scores = score([counts_of([0, 10], 10, [0, 10])])
+    assert scores["ods"] == 1
+    assert scores["ois"] == 1
+
+
+def test_the_two_rules_of_mean_precision_differ_by_full_recall_alone():
+    # Precision = recall from 0 to 1: sum of 0, 0.01 ... 1 over 100, and without the last point.
+    both = [counts_of([10, 0], 10, [10, 0])]
+    assert_allclose(score(both)["ap"], 50.5 / 100)
+    assert_allclose(average_precision_bsds(both), 49.5 / 100)
+    assert_allclose(average_precision_bsds(TWO_IMAGES), score(TWO_IMAGES)["ap"])
+    single = [counts_of([5, 5], 10, [10, 5])]
+    assert score(single)["ap"] == average_precision_bsds(single) == 0
+
+
+def test_of_equal_recalls_the_lowest_threshold_counts():
+    # Recall 0.5 twice, precision 0.25 at the lower threshold.
+    tied = [counts_of([5, 5, 1], 10, [20, 5, 1])]
+    recall = np.arange(10, 51) / 100
+    assert_allclose(score(tied)["ap"], (1 - (recall - 0.1) / 0.4 * 0.75).sum() / 100)
+
+
+def test_images_without_truth_are_counted_and_cost_false_positives():
+    empty = counts_of([0, 0, 0], 0, [5, 3, 1])
+    with_empty, without = score([*TWO_IMAGES, empty]), score(TWO_IMAGES)
+    assert with_empty["n_without_truth"] == 1
+    assert without["n_without_truth"] == 0
+    # Its 5 false positives at the lowest threshold join OIS: 16 of 20 true, 16 of 18 + 5 predicted.
+    assert_allclose(with_empty["ois"], 2 * 16 / (20 + 23))
+    assert with_empty["ods"] < without["ods"]
+    alone = score([empty])
+    assert alone["ods"] == alone["ois"] == alone["ap"] == 0
+
+
+def test_shards_pool_to_the_same_scores_in_any_order(rng):
+    images = []
+    for _ in range(6):
+        truth = rng.random((30, 40)) < 0.1
+        images.append(match_counts(np.clip(truth * 0.5 + 0.5 * rng.random(truth.shape), 0, 1), truth, [0.3, 0.6, 0.9]))
+    whole = score(images)
+    assert score(images[3:] + images[:3]) == whole
+    shards = [stack_counts(images[:4]), stack_counts(images[4:])]
+    assert score({name: np.concatenate([shard[name] for shard in shards]) for name in shards[0]}) == whole
+
+
+@pytest.mark.parametrize(
+    ("counts", "message"),
+    [
+        ([], "at least one image"),
+        ([counts_of([], 0, [])], "at least one image"),
+        ([TWO_IMAGES[0], counts_of([1], 1, [1])], "of one length"),
+        ([{"n_truth": np.ones(3)}], "has no matched_truth"),
+        ([counts_of([3], 2, [4])], "image 0, threshold 0"),
+        (TWO_IMAGES[0], "list of dicts"),
+    ],
+)
+def test_bad_counts_are_refused(counts, message):
+    with pytest.raises(ValueError, match=message):
+        score(counts)
+
+
+def test_thresholds_of_another_length_are_refused():
+    with pytest.raises(ValueError, match="thresholds must be 3"):
+        score(TWO_IMAGES, thresholds=[0.5])

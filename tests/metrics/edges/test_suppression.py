@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.ndimage import gaussian_filter, map_coordinates
+
+from snowsim.metrics.edges import suppress, thin
+from snowsim.metrics.edges.suppression import orientation, triangle_filter
+
+
+def suppress_slowly(prediction):
+    """The same from SciPy's bilinear interpolation of the whole map."""
+    smoothed = triangle_filter(prediction, 1)
+    angle = orientation(smoothed)
+    rows, lines = np.indices(prediction.shape)
+    keep = np.ones(prediction.shape, dtype=bool)
+    for side in (-1, 1):
+        at = [
+            np.clip(axis + side * step, 0, length - 1.001)
+            for axis, step, length in zip((rows, lines), (np.sin(angle), np.cos(angle)), prediction.shape, strict=True)
+        ]
+        keep &= smoothed * 1.01 >= map_coordinates(smoothed, at, order=1)
+    ramp = [np.minimum(np.minimum(np.arange(n), np.arange(n)[::-1]), 5) / 5 for n in prediction.shape]
+    return np.where(keep, smoothed, 0) * ramp[0][:, None] * ramp[1]
+
+
+def test_suppression_equals_an_independent_slow_one(rng):
+    prediction = np.clip(gaussian_filter(rng.random((60, 70)), 1.5), 0, 1)
+    # Differences are roundings of bilinear weights; where they could decide, 1.01 keeps the two apart.
+    assert_allclose(suppress(prediction), suppress_slowly(prediction), atol=1e-15)
+
+
+def ridge(slope):
+    """Gaussian ridge of 2 pixels, and every pixel's distance from its crest."""
+    rows, lines = np.indices((100, 120))
+    distance = (rows - 50 - slope * (lines - 60)) / np.hypot(1, slope)
+    return np.exp(-0.5 * (distance / 2) ** 2), distance
+
+
+@pytest.mark.parametrize("slope", [1e-3, 0.02, 0.2, -0.5, 1])
+def test_ridge_of_any_slope_becomes_a_line_about_one_pixel_wide(slope):
+    prediction, distance = ridge(slope)
+    inside = slice(20, -20)
+    strong = suppress(prediction)[:, inside] > 0.5
+    # Nothing farther than half a pixel across, 0.5 sqrt(2) on the diagonal, stays, and no range line goes empty.
+    assert np.abs(distance[:, inside][strong]).max() <= 0.5 * np.sqrt(2)
+    assert strong.any(axis=0).all()
+    assert strong.sum() <= 1.5 * strong.shape[1]
+
+
+def test_ridge_exactly_along_range_lines_keeps_its_width_as_published():
+    # sign(0) = 0 in the published orientation: thinning has to do the rest.
+    edges = suppress(ridge(0)[0])[:, 20:-20]
+    assert ((edges > 0.5).sum(axis=0) == 5).all()
+    assert_array_equal(np.nonzero(thin(edges > 0.5)[:, 5:-5])[0], 50)
+
+
+def test_ends_of_layers_fade_at_the_border():
+    prediction = np.zeros((40, 60))
+    prediction[20] = 1
+    crest = suppress(prediction)[20]
+    assert_allclose(crest[:6], 0.5 * np.array([0, 0.2, 0.4, 0.6, 0.8, 1]))  # [1 2 1] / 4 leaves half of the crest
+    assert_allclose(crest, crest[::-1])
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 200), (3, 2), (200, 1), (6, 6)])
+def test_maps_smaller_than_the_filters_are_handled(rng, shape):
+    edges = suppress(rng.random(shape))
+    assert edges.shape == shape
+    assert ((edges >= 0) & (edges <= 1)).all()
+
+
+def test_result_stays_in_range_and_serves_as_input_again():
+    edges = suppress(np.ones((30, 30)))
+    assert edges.max() == 1
+    suppress(edges)
+
+
+def test_bad_predictions_are_refused_by_the_name_of_their_image():
+    for bad in (np.full((8, 8), 1.5), np.full((8, 8), np.nan), np.ones(8), np.ones((0, 8))):
+        with pytest.raises(ValueError, match="^scene_7: "):
+            suppress(bad, where="scene_7")
+
+
+@pytest.mark.parametrize("name", ["emptypred_128x256", "m128x256_n6", "perfect_128x256"])
+def test_suppression_equals_the_published_vectors(shared_data, name):
+    with np.load(shared_data / "edge_scores" / "nms" / f"{name}.npz") as vectors:
+        smoothed = triangle_filter(vectors["pred"].astype(float), 1)
+        assert_array_equal(smoothed, vectors["smoothed"])
+        assert_allclose(orientation(smoothed), vectors["orient"], rtol=0, atol=1e-12)
+        # Values of 1e-46, where the smoothing kernel ends, may fall on either side: 1e-16 is far above them.
+        assert_allclose(suppress(vectors["pred"]), vectors["nms_r1_s5_m101"], rtol=0, atol=1e-16)

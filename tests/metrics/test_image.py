@@ -1,0 +1,79 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from skimage.metrics import structural_similarity
+
+from snowsim.metrics.image import similarity, ssim_map
+
+
+def draw_pair(rng, shape=(60, 80)):
+    reference = rng.integers(0, 256, shape, dtype=np.uint8)
+    return np.clip(reference + rng.normal(0, 30, shape), 0, 255).astype(np.uint8), reference
+
+
+def test_identical_images_score_exactly(rng):
+    image, _ = draw_pair(rng)
+    assert similarity(image, image.copy()) == {"rmse": 0, "psnr": np.inf, "ssim": 1}
+
+
+def test_ssim_equals_scikit_image(rng):
+    for shape in [(11, 11), (60, 80), (300, 256)]:
+        image, reference = draw_pair(rng, shape)
+        mean, full = structural_similarity(
+            image, reference, gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=255, full=True
+        )
+        # Sums of squares up to 1.3e5 in float64 against C2 = 58: 1.3e5 / 58 eps = 5e-13.
+        assert_allclose(ssim_map(image, reference), full, rtol=0, atol=5e-13)
+        assert_allclose(similarity(image, reference)["ssim"], mean, atol=5e-13)
+
+
+def test_ssim_is_luminance_times_contrast_times_structure(rng):
+    image, reference = draw_pair(rng, (11, 11))
+    weights = np.exp(-0.5 * (np.arange(-5, 6) / 1.5) ** 2)
+    weights = np.outer(weights, weights) / weights.sum() ** 2
+    m, n = np.sum(weights * image), np.sum(weights * reference)
+    sd_m, sd_n = (np.sqrt(np.sum(weights * (a - mean) ** 2)) for a, mean in [(image, m), (reference, n)])
+    covariance = np.sum(weights * (image - m) * (reference - n))
+    c1, c2 = 2.55**2, 7.65**2
+    luminance = (2 * m * n + c1) / (m**2 + n**2 + c1)
+    contrast = (2 * sd_m * sd_n + c2) / (sd_m**2 + sd_n**2 + c2)
+    structure = (covariance + c2 / 2) / (sd_m * sd_n + c2 / 2)
+    # 11 x 11 pixels leave one whose window lies inside.
+    assert_allclose(similarity(image, reference)["ssim"], luminance * contrast * structure, rtol=1e-12)
+
+
+def test_a_constant_shift_gives_its_own_size(rng):
+    reference = rng.integers(0, 200, (40, 50), dtype=np.uint8)
+    scores = similarity(reference + np.uint8(17), reference)
+    assert_allclose(scores["rmse"], 17, rtol=1e-14)
+    assert_allclose(scores["psnr"], 20 * np.log10(255 / 17), rtol=1e-14)
+
+
+def test_black_against_white_is_zero_decibels():
+    black, white = np.zeros((20, 20), dtype=np.uint8), np.full((20, 20), 255, dtype=np.uint8)
+    scores = similarity(black, white)
+    assert scores["rmse"] == 255
+    assert scores["psnr"] == 0
+    assert_allclose(scores["ssim"], 2.55**2 / (255**2 + 2.55**2))
+
+
+def test_similarity_is_symmetric(rng):
+    image, reference = draw_pair(rng)
+    forth, back = similarity(image, reference), similarity(reference, image)
+    assert_allclose(list(forth.values()), list(back.values()), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("image", "reference", "message"),
+    [
+        (np.zeros((20, 20)), np.zeros((20, 20), np.uint8), "image must be an array of uint8, got float64"),
+        (np.zeros((20, 20), np.uint8), np.zeros((20, 20), np.int16), "reference must be an array of uint8, got int16"),
+        (np.zeros((20, 20), np.uint8), np.zeros((20, 21), np.uint8), "one size"),
+        (np.zeros((20, 10), np.uint8), np.zeros((20, 10), np.uint8), "at least 11"),
+        (np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20, 3), np.uint8), "range_bin, range_line"),
+    ],
+)
+def test_bad_images_are_refused(image, reference, message):
+    for function in (similarity, ssim_map):
+        with pytest.raises(ValueError, match=message):
+            function(image, reference)

@@ -1,0 +1,146 @@
+from itertools import combinations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import check_layer_bins, layer_mask
+from snowsim.metrics.edges import suppress
+from snowsim.metrics.picks import match_picks, pick_layers, score_picks
+
+
+def draw_layers(rng, n_layers=8, n_lines=120):
+    """Wavy layers 12 to 30 bins apart."""
+    phase, amplitude = rng.uniform(0, 2 * np.pi, (n_layers, 1)), rng.uniform(0, 3, (n_layers, 1))
+    base = 30 + np.cumsum(rng.uniform(18, 30, (n_layers, 1)), axis=0)
+    return base + amplitude * np.sin(np.arange(n_lines) / 25 + phase)
+
+
+def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins(rng):
+    layer_bins = draw_layers(rng)
+    picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
+    assert_array_equal(picks, np.rint(layer_bins))
+
+
+def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(rng):
+    layer_bins = draw_layers(rng)
+    rows = np.arange(320)[:, None]
+    edges = suppress(sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1))
+    picks = pick_layers(edges, threshold=0.3)
+    assert picks.shape == layer_bins.shape
+    assert np.nanmax(np.abs(picks - layer_bins)) < 1
+    assert np.isfinite(picks).mean() > 0.9
+
+
+def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(rng):
+    layer_bins = draw_layers(rng)
+    mask = layer_mask(layer_bins, 320)
+    mask[:, 40:60] = False
+    bridged = pick_layers(mask, threshold=0.5, max_gap_lines=20)
+    assert bridged.shape == layer_bins.shape
+    assert np.isnan(bridged[:, 40:60]).all()
+    broken = pick_layers(mask, threshold=0.5, max_gap_lines=19)
+    assert broken.shape[0] == 2 * layer_bins.shape[0]
+    check_layer_bins(broken)
+
+
+def test_layers_that_begin_late_take_their_place_in_depth(rng):
+    layer_bins = draw_layers(rng)
+    layer_bins[3, :50] = np.nan
+    layer_bins[5, 60:] = np.nan
+    picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
+    assert_array_equal(picks, np.rint(layer_bins))
+
+
+def test_picks_never_cross_whatever_the_map(rng):
+    for share in (0.01, 0.05, 0.3):
+        picks = pick_layers((rng.random((80, 60)) < share) * 0.9, threshold=0.5, min_lines=1)
+        check_layer_bins(picks)
+        assert picks.shape[0] > 10
+
+
+def test_specks_are_dropped():
+    edges = np.zeros((50, 60))
+    edges[20] = 1
+    edges[35, 10:29] = 1
+    assert pick_layers(edges, threshold=0.5, min_lines=20).shape == (1, 60)
+    assert pick_layers(edges, threshold=0.5, min_lines=19).shape == (2, 60)
+    assert pick_layers(np.zeros((50, 60)), threshold=0.5).shape == (0, 60)
+
+
+def best_saving(true, found, reach):
+    """Most that any order-keeping assignment saves, by enumeration."""
+    best = 0.0
+    for n in range(1, min(len(true), len(found)) + 1):
+        for layers in combinations(range(len(true)), n):
+            for picks in combinations(range(len(found)), n):
+                distance = np.abs(true[list(layers)] - found[list(picks)])
+                if (distance < reach).all():
+                    best = max(best, (reach - distance).sum())
+    return best
+
+
+def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
+    for _ in range(60):
+        true, found = (np.sort(rng.uniform(0, 40, rng.integers(1, 6))) for _ in range(2))
+        error, used = match_picks(found[:, None], true[:, None], max_distance_bins=8)
+        kept = np.isfinite(error)
+        assert kept.sum() == used.sum()
+        assert_allclose((8 - np.abs(error[kept])).sum(), best_saving(true, found, 8), atol=1e-9)
+
+
+def test_planted_errors_come_back(rng):
+    layer_bins = draw_layers(rng)
+    picks = layer_bins + 1.5
+    picks[2] += 1.5
+    scores = score_picks(picks, layer_bins, bin_size_m=0.0433)
+    assert_allclose(scores["mean_absolute_error_bins"], 1.5 + 1.5 / 8)
+    assert_allclose(scores["mean_absolute_error_m"], (1.5 + 1.5 / 8) * 0.0433)
+    assert_allclose(scores["bias_bins"], 1.5 + 1.5 / 8)
+    assert_allclose(scores["share_within"], 7 / 8)
+    assert scores["n_found"] == scores["n_true"] == scores["n_picks"] == layer_bins.size
+    # Two of seven slabs are wrong, by +1.5 and -1.5.
+    assert_allclose(scores["thickness_mean_absolute_error_bins"], 3 / 7)
+    assert_allclose(scores["thickness_bias_m"], 0, atol=1e-12)
+    assert scores["n_missed_layers"] == scores["n_false_layers"] == 0
+
+
+def test_missed_and_false_layers_are_counted(rng):
+    layer_bins = draw_layers(rng)
+    picks = np.vstack([layer_bins, np.full((1, 120), 300.0)])  # 300 lies below every layer's reach
+    picks[4] = np.nan
+    picks[6, :61] = np.nan
+    picks[7, :60] = np.nan
+    scores = score_picks(picks, layer_bins)
+    assert scores["n_layers"] == 8
+    assert scores["n_missed_layers"] == 2  # the absent one and the one with 59 of 120 range lines
+    assert scores["n_false_layers"] == 1
+    assert scores["mean_absolute_error_bins"] == 0
+    # A slab counts where both of its bounds have a pick: three whole slabs above layer 4, one below it, one in part.
+    assert scores["n_thickness"] == 3 * 120 + 59 + 59
+
+
+def test_no_picks_score_nan_and_miss_every_layer(rng):
+    layer_bins = draw_layers(rng)
+    scores = score_picks(np.empty((0, 120)), layer_bins)
+    assert np.isnan(scores["mean_absolute_error_bins"])
+    assert scores["n_missed_layers"] == 8
+    assert scores["n_found"] == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: pick_layers(np.full((4, 4), 2.0), threshold=0.5, where="scene_7"), r"^scene_7: .*\[0, 1\]"),
+        (lambda: pick_layers(np.full((4, 4), np.nan), threshold=0.5), r"\[0, 1\]"),
+        (lambda: pick_layers(np.ones((4, 4)), threshold=0), "above 0"),
+        (lambda: match_picks(np.ones((1, 4)), np.ones((1, 5))), "4 range lines, the layers 5"),
+        (lambda: match_picks(np.ones((2, 4)), np.ones((1, 4))), "increase strictly"),
+        (lambda: match_picks(np.ones((1, 4)), np.ones((1, 4)), max_distance_bins=0), "above 0"),
+        (lambda: score_picks(np.ones((1, 4)), np.full((1, 4), np.nan)), "must hold a layer"),
+        (lambda: score_picks(np.ones((1, 4)), np.ones((1, 4)), bin_size_m=0), "above 0"),
+    ],
+)
+def test_bad_input_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
