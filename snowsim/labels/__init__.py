@@ -1,0 +1,6 @@
+"""Synthetic layer geometries drawn from flight statistics."""
+
+from snowsim.labels.draw import LabelModel, draw, draw_scene, prepare
+from snowsim.labels.summary import summarise_labels
+
+__all__ = ["LabelModel", "draw", "draw_scene", "prepare", "summarise_labels"]

@@ -1,0 +1,127 @@
+"""Correlated Gaussian series whose block periodograms have a given mean, without the period of the block."""
+
+from functools import lru_cache
+
+import numpy as np
+
+ITERATIONS = 20  # of Richardson-Lucy
+
+
+@lru_cache(maxsize=4)
+def leakage_matrix(n_lines, n_long):
+    """Expected periodogram of `n_lines` cut from a series of `n_long`, per unit variance at each of its wavenumbers.
+
+    Returns
+    -------
+    ndarray, (wavenumber, long wavenumber)
+        One-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from ``j / n_long``, j = 1 ... n_long / 2.
+
+    Notes
+    -----
+    A cosine of random phase has ``E|X_k|^2 = (|D(f_j - f_k)|^2 + |D(f_j + f_k)|^2) / 2`` per unit variance, with the
+    Dirichlet kernel D of the cut; the block's mean does not reach k >= 1.
+    """
+    wavenumber = np.arange(1, n_lines // 2 + 1) / n_lines
+    long_wavenumber = np.arange(1, n_long // 2 + 1) / n_long
+    matrix = np.zeros((wavenumber.size, long_wavenumber.size))
+    for sign in (-1, 1):
+        half_turn = np.pi * (long_wavenumber + sign * wavenumber[:, None])
+        at_pole = np.abs(np.sin(half_turn)) < 1e-12
+        kernel = np.sin(n_lines * half_turn) / np.where(at_pole, 1, np.sin(half_turn))
+        matrix += np.where(at_pole, n_lines, kernel) ** 2 / 2
+    matrix *= 2 / n_lines
+    if n_lines % 2 == 0:
+        matrix[-1] /= 2
+    return matrix
+
+
+def line_variances(psd, n_long):
+    """Variance at each wavenumber of a long series whose cut blocks have the mean periodogram `psd`.
+
+    Parameters
+    ----------
+    psd : ndarray, (..., wavenumber)
+        One-sided mean periodogram of blocks about their mean, from wavenumber 0 to 1/2.
+    n_long : int
+        Length of the long series, at least twice that of a block.
+
+    Returns
+    -------
+    ndarray, (..., long wavenumber)
+        From ``1 / n_long`` to 1/2.
+
+    Notes
+    -----
+    A series built on the block's own wavenumbers would end where it began. A longer one does not, but cutting it leaks
+    low wavenumbers into high ones a second time. Richardson-Lucy iterations (Richardson 1972, J. Opt. Soc. Am. 62, 55)
+    find positive variances whose leaked periodogram is the one observed.
+    """
+    n_lines = 2 * (psd.shape[-1] - 1)
+    matrix = leakage_matrix(n_lines, n_long)
+    target = psd[..., 1:]
+    at = np.arange(1, n_long // 2 + 1) * (n_lines / n_long) - 1
+    variances = np.maximum(_interpolated(target, at), 0) / n_long
+    weight = matrix.sum(axis=0)
+    for _ in range(ITERATIONS):
+        leaked = variances @ matrix.T
+        ratio = np.divide(target, leaked, out=np.zeros_like(target), where=leaked > 0)
+        variances = variances * (ratio @ matrix) / weight
+    return variances
+
+
+def lengthened(variances, n_long):
+    """Variances of a longer series: the same density on more wavenumbers, held constant below the lowest."""
+    n_old = 2 * variances.shape[-1]
+    old, new = np.arange(1, n_old // 2 + 1) / n_old, np.arange(1, n_long // 2 + 1) / n_long
+    return np.array([np.interp(new, old, row) for row in variances]) * (n_old / n_long)
+
+
+def draw_series(variances, mixing, n_lines, *, rng):
+    """Gaussian series about their means, correlated between rows by band of wavenumber.
+
+    Parameters
+    ----------
+    variances : ndarray, (row, long wavenumber)
+        Of `line_variances`.
+    mixing : list of (slice, ndarray (row, row))
+        For each band of long wavenumbers a factor C of its correlation matrix, C C^T.
+    n_lines : int
+        Lines to cut.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    ndarray, (row, range_line)
+        Each row has mean zero over the lines cut.
+    """
+    n_rows, n_wavenumbers = variances.shape
+    normal = rng.standard_normal((2, n_rows, n_wavenumbers))
+    spectrum = normal[0] + 1j * normal[1]
+    for band, factor in mixing:
+        spectrum[:, band] = factor @ spectrum[:, band]
+    n_long = 2 * n_wavenumbers
+    # irfft halves all but the last; there one real normal must carry the variance.
+    spectrum *= np.sqrt(variances) * (n_long / 2)
+    spectrum[:, -1] = spectrum[:, -1].real * 2
+    series = np.fft.irfft(np.concatenate([np.zeros((n_rows, 1)), spectrum], axis=1), n_long)[:, :n_lines]
+    return series - series.mean(axis=1, keepdims=True)
+
+
+def correlation_factor(correlation_by_separation, n_rows):
+    """Factor C of the correlation matrix of rows, C C^T, from correlation by separation; the last value goes on.
+
+    Measured correlations need not form a valid matrix: negative eigenvalues become zero, the diagonal one again.
+    """
+    separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
+    matrix = correlation_by_separation[np.minimum(separation, len(correlation_by_separation) - 1)].astype(float)
+    np.fill_diagonal(matrix, 1.0)
+    values, vectors = np.linalg.eigh(matrix)
+    factor = vectors * np.sqrt(np.maximum(values, 0))
+    return factor / np.sqrt((factor**2).sum(axis=1, keepdims=True))
+
+
+def _interpolated(values, at):
+    """Linear interpolation along the last axis at fractional indices, held constant beyond the ends."""
+    at = np.clip(at, 0, values.shape[-1] - 1)
+    low = np.minimum(at.astype(int), values.shape[-1] - 2)
+    return values[..., low] + (at - low) * (values[..., low + 1] - values[..., low])

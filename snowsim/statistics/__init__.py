@@ -1,0 +1,43 @@
+"""Flight statistics from annotated frames: summarise each, merge in any order, estimate once."""
+
+from snowsim.statistics.estimate import ESTIMATORS, estimate
+from snowsim.statistics.frames import summarise
+from snowsim.statistics.merge import merge, summary_from_dataset, summary_to_dataset
+from snowsim.statistics.speckle import doppler_spectra
+
+__all__ = [
+    "ESTIMATORS",
+    "doppler_spectra",
+    "estimate",
+    "fit",
+    "merge",
+    "summarise",
+    "summary_from_dataset",
+    "summary_to_dataset",
+]
+
+
+def fit(frames, *, estimator="deblended"):
+    """Statistics of a flight.
+
+    Frames are read one at a time, in any order; of each, some 0.4 kB a range line are kept.
+
+    Parameters
+    ----------
+    frames : iterable of (xarray.Dataset, xarray.Dataset)
+        Echogram and layers of each frame (Open Polar Radar convention), one bin size throughout.
+    estimator : {"deblended", "paper"}
+        `deblended` solves for overlapping layers and noise jointly; `paper` is the recipe of Yari et al. (2021) as
+        printed.
+
+    Returns
+    -------
+    xarray.Dataset
+        See `estimate`.
+
+    Raises
+    ------
+    ValueError
+        If there is no frame, bin sizes differ, a dataset breaks the convention, or what `estimate` refuses.
+    """
+    return estimate(merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)), estimator=estimator)

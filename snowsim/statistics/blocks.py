@@ -1,0 +1,85 @@
+"""Blocks of 256 lines: thickness of slabs, spectra of one block, and how much snow a block has."""
+
+import numpy as np
+
+BLOCK_LINES = 256
+MOST_SWEEPS = 200
+LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
+
+
+def thickness_blocks(summary, n_layers):
+    """Slab thickness in the whole blocks of all frames, float64 (block, slab, range_line), NaN in gaps."""
+    parts = []
+    for frame in summary:
+        n_blocks = frame.depth_bins.shape[1] // BLOCK_LINES
+        depth = np.full((n_layers, n_blocks * BLOCK_LINES), np.nan)
+        held = frame.depth_bins[:n_layers, : n_blocks * BLOCK_LINES]
+        depth[: len(held)] = held
+        parts.append(np.diff(depth, axis=0).reshape(n_layers - 1, n_blocks, BLOCK_LINES).swapaxes(0, 1))
+    return np.concatenate(parts)
+
+
+def block_means(thickness):
+    """Mean thickness by block and slab, (block, slab), over the lines that have it; NaN where fewer than half do."""
+    known = np.isfinite(thickness)
+    n = known.sum(axis=2)
+    mean = np.where(known, thickness, 0).sum(axis=2) / np.maximum(n, 1)
+    return np.where(2 * n >= thickness.shape[2], mean, np.nan)
+
+
+def block_levels(mean):
+    """Mean thickness of slab 0 in every block, from its picks or, where they are missing, from the other slabs.
+
+    Parameters
+    ----------
+    mean : ndarray, (block, slab)
+        Block means; NaN where a slab was not picked.
+
+    Returns
+    -------
+    level : ndarray, (block,)
+        [bins]; NaN for a block that shares no slab with the others.
+    own : ndarray of bool, (block,)
+        Whether slab 0 itself was picked.
+
+    Notes
+    -----
+    Where slab 0 is missing, thickness is taken as a level of the block times a factor of the slab: both follow by
+    least squares of the logarithms, in alternating sweeps from the blocks that do have slab 0.
+    """
+    known = np.isfinite(mean)
+    own = known[:, 0]
+    logarithm = np.log(np.where(known, mean, 1))
+    level = np.where(own, logarithm[:, 0], np.nan)
+    for _ in range(MOST_SWEEPS):
+        placed = known & np.isfinite(level)[:, None]
+        factor = _mean_where(placed, logarithm - level[:, None], axis=0)
+        rated = known & np.isfinite(factor)
+        swept = np.where(own, logarithm[:, 0], _mean_where(rated, logarithm - factor, axis=1))
+        settled = np.array_equal(np.isnan(swept), np.isnan(level))
+        settled = settled and np.nanmax(np.abs(swept - level), initial=0) < LEVEL_TOLERANCE
+        level = swept
+        if settled:
+            break
+    return np.exp(level), own
+
+
+def periodogram(series):
+    """One-sided power spectral density along the last axis, about the mean, per cycle per line.
+
+    ``P_k = 2 |X_k|^2 / N`` (without the 2 at the Nyquist wavenumber), so that ``sum_k P_k / N`` is the variance; no
+    window. NaN in, NaN out.
+    """
+    n = series.shape[-1]
+    spectrum = np.fft.rfft(series - series.mean(axis=-1, keepdims=True))
+    density = 2 * np.abs(spectrum) ** 2 / n
+    density[..., 0] = 0
+    if n % 2 == 0:
+        density[..., -1] /= 2
+    return density
+
+
+def _mean_where(held, values, axis):
+    """Mean of the values held, NaN where there is none."""
+    n = held.sum(axis=axis)
+    return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)

@@ -1,0 +1,148 @@
+"""Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known."""
+
+import numpy as np
+from scipy.linalg import cho_solve
+
+from snowsim.statistics.frames import FIRST_ROW
+from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powers, waveform_columns
+from snowsim.statistics.literal import nan_moments
+
+SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
+MAX_STEPS = 25
+STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
+LONGEST_STEP = np.array([0.5, 0.7, 2.0])
+FIRST_GUESS = np.array([np.log(0.07), np.log(8.0)])
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about the flight's median; peak offset [bins]
+RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
+LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
+UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
+
+
+def deblend(groups):
+    """Powers and shapes of all layers of a flight.
+
+    Parameters
+    ----------
+    groups : Groups
+
+    Returns
+    -------
+    shape : ndarray, (layer, 3)
+        Log decay rate, log variance, and distance of the waveform's peak below the pick [bins].
+    shape_error : ndarray, (layer, 3)
+        Standard errors from the scatter of the groups (sandwich).
+    peak_power : ndarray, (group, layer)
+        Power of the waveform's peak above noise and neighbours; NaN where absent.
+    peak_power_error : ndarray, (layer,)
+        Standard error of its mean over groups: their scatter, and the errors of the shapes.
+
+    Notes
+    -----
+    Mean of a group: ``P(x) = noise + sum_l p_l w(x - x_l - c_l; d_l + v_l, alpha_l)``, w of eq. (1) of Yari et al.
+    (2021), averaged over the parts of a group: the rows of a layer differ within a part by a variance v_l, which to
+    second order widens the Gaussian, and nothing else. Powers are free in every group and linear, so they are
+    eliminated (variable projection, Kaufman 1975, BIT 15, 49-57); decay rate, variance and offset of a layer are shared
+    by the flight, found by Gauss-Newton steps. Residuals weigh 1 / P^2, as speckle asks. A broad prior
+    (`PRIOR_DEVIATION`) ties layers the data say nothing about to the median of the others. A layer that gaps hide
+    between two others is kept as a nuisance at an interpolated row. Lines are used down to half a slab below their last
+    pick: what lies deeper was not annotated.
+    """
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    n_layers = groups.present.shape[1]
+    lines = [line for group in _spread_out(groups.present) if (line := prepare_line(groups, rows, group)) is not None]
+    shape = np.tile([*FIRST_GUESS, 0.0], (n_layers, 1))
+    last = np.inf
+    for _ in range(MAX_STEPS):
+        hessian, gradient, scores, residual_variance, leverage = _normal_equations(shape, lines, n_layers)
+        information = residual_variance / np.tile(PRIOR_DEVIATION, n_layers) ** 2
+        centre = np.column_stack([np.tile(np.median(shape[:, :2], axis=0), (n_layers, 1)), np.zeros(n_layers)])
+        hessian[np.diag_indices_from(hessian)] += information
+        step = np.linalg.solve(hessian, gradient - information * (shape - centre).ravel()).reshape(n_layers, 3)
+        # A step cut as a whole keeps its direction; layers apart, so that one bad layer does not hold up the others.
+        step /= np.maximum(1, (np.abs(step) / LONGEST_STEP).max(axis=1, keepdims=True))
+        moved = np.clip(shape + step, LOWER, UPPER) - shape
+        shape = shape + moved
+        if np.abs(moved).max() < STEP_TOLERANCE or abs(last - residual_variance) < RESIDUAL_TOLERANCE * last:
+            break
+        last = residual_variance
+    covariance = np.linalg.solve(hessian, np.linalg.solve(hessian, scores.T @ scores).T)
+    shape_error = np.sqrt(np.maximum(np.diag(covariance), 0)).reshape(n_layers, 3)
+    powers = _powers(shape, groups, rows)
+    _, scatter, _ = nan_moments(powers)
+    return shape, shape_error, powers, np.sqrt(scatter**2 + np.einsum("li,ij,lj->l", leverage, covariance, leverage))
+
+
+def model_lines(shape, groups):
+    """Averaged lines of the fitted model with its noise, (group, row), in the rows the fit used; NaN elsewhere."""
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    lines = np.full(groups.power.shape, np.nan)
+    described = describe(shape)
+    for group in range(len(lines)):
+        line = prepare_line(groups, rows, group)
+        if line is not None:
+            columns = waveform_columns(described, line)
+            lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
+    return lines
+
+
+def _spread_out(present):
+    """Groups to fit shapes to, sorted: for each layer, deepest first, evenly spaced ones until it has enough."""
+    chosen = np.zeros(len(present), dtype=bool)
+    for layer in reversed(range(present.shape[1])):
+        missing = SHAPE_GROUPS - int((chosen & present[:, layer]).sum())
+        spare = np.flatnonzero(present[:, layer] & ~chosen)
+        if missing > 0 and spare.size:
+            take = np.linspace(0, spare.size - 1, min(missing, spare.size)).round().astype(int)
+            chosen[spare[take]] = True
+    return np.flatnonzero(chosen)
+
+
+def _normal_equations(shape, lines, n_layers):
+    """What a Gauss-Newton step needs.
+
+    Returns
+    -------
+    Matrix and gradient of all shapes, gradient of each line, variance of weighted residuals, and mean change of the
+    powers with the shapes, (layer, 3 layer).
+    """
+    hessian = np.zeros((3 * n_layers, 3 * n_layers))
+    scores = np.zeros((len(lines), 3 * n_layers))
+    leverage, n_lines = np.zeros((n_layers, 3 * n_layers)), np.zeros(n_layers)
+    squares, freedom = 0.0, 0
+    described = describe(shape)
+    for i, line in enumerate(lines):
+        columns = waveform_columns(described, line, with_slopes=True)
+        powers, factor = solve_powers(columns[0], line)
+        model = powers @ columns[0]
+        residual = (line.signal - model) / line.scale
+        # Layers between picks help to explain the line; where they are guessed, they say nothing on their shape.
+        slopes = (columns[1:] * powers[:, None] / line.scale)[:, line.picked]
+        slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
+        weighted = columns[0] / line.scale
+        mixed = weighted @ slopes.T
+        at = (3 * line.layers[line.picked, None] + np.arange(3)).ravel()
+        by_shape = cho_solve(factor, mixed)
+        hessian[np.ix_(at, at)] += slopes @ slopes.T - mixed.T @ by_shape
+        leverage[np.ix_(line.layers[line.picked], at)] -= by_shape[line.picked]
+        n_lines[line.layers[line.picked]] += 1
+        scores[i, at] = slopes @ residual
+        squares += residual @ residual
+        freedom += line.rows.size - line.layers.size
+        rescale(line, model)
+    leverage /= np.maximum(n_lines, 1)[:, None]
+    return hessian, scores.sum(axis=0), scores, squares / max(freedom, 1), leverage
+
+
+def _powers(shape, groups, rows):
+    """Peak powers of all groups, (group, layer), NaN where a layer was not picked."""
+    powers = np.full(groups.present.shape, np.nan)
+    described = describe(shape)
+    for group in range(len(powers)):
+        line = prepare_line(groups, rows, group)
+        if line is None:
+            continue
+        columns = waveform_columns(described, line)
+        first, _ = solve_powers(columns, line)
+        rescale(line, first @ columns)
+        powers[group, line.layers] = solve_powers(columns, line)[0]
+    return np.where(groups.present, powers, np.nan)
