@@ -4,6 +4,7 @@ import matplotlib as mpl
 import numpy as np
 
 mpl.use("Agg")
+mpl.rcParams["svg.hashsalt"] = "snowsim"  # otherwise names of SVG elements differ from run to run
 
 from matplotlib import pyplot as plt  # noqa: E402 - the backend comes first
 
@@ -34,7 +35,6 @@ NAMES = {
     "fuse": "fuse",
 }
 STYLE = {
-    "svg.hashsalt": "snowsim",  # otherwise element names differ from run to run
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -47,7 +47,6 @@ STYLE = {
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
     """Figure and axes array (row, column) in the house style; sizes in inches."""
     with plt.style.context(STYLE):
-        mpl.rcParams["svg.hashsalt"] = STYLE["svg.hashsalt"]
         figure, axes = plt.subplots(n_rows, n_columns, figsize=(width, height), squeeze=False, **keywords)
     return figure, axes
 

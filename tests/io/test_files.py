@@ -1,0 +1,74 @@
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from pandas.testing import assert_frame_equal
+
+from snowsim.io.figures import write_figure
+from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
+from snowsim.plotting import new_figure
+
+
+def test_a_file_appears_only_when_it_is_whole(tmp_path):
+    path = tmp_path / "deep" / "a.txt"
+    with written_whole(path) as aside:
+        aside.write_text("half")
+        assert not path.exists()
+    assert path.read_text() == "half"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_writer_that_fails_leaves_the_old_file(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def fail():
+        with written_whole(path) as aside:
+            aside.write_text("new")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".parquet"])
+def test_a_table_comes_back_and_repeats_to_the_byte(tmp_path, rng, ending):
+    table = pd.DataFrame({"scene": ["a", "b"], "n": [1, 2], "value": rng.random(2).round(9)})
+    paths = [tmp_path / f"{name}{ending}" for name in "xy"]
+    for path in paths:
+        write_table(path, table)
+    assert_frame_equal(read_table(paths[0]), table, check_dtype=False)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_a_dataset_comes_back_bit_by_bit(tmp_path, rng):
+    dataset = xr.Dataset({"x": ("line", np.append(rng.random(4), np.nan).astype("f4"))}, attrs={"n_looks": 5})
+    write_dataset(tmp_path / "a.nc", dataset)
+    xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), dataset)
+
+
+def test_a_truncated_dataset_is_refused_by_name(tmp_path, rng):
+    write_dataset(tmp_path / "a.nc", xr.Dataset({"x": ("line", rng.random(10_000))}))
+    content = (tmp_path / "a.nc").read_bytes()
+    (tmp_path / "a.nc").write_bytes(content[:5_000])
+    with pytest.raises(ValueError, match=r"a\.nc: expected a NetCDF-4 file"):
+        read_dataset(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("ending", [".svg", ".png"])
+def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
+    paths = [tmp_path / f"{name}{ending}" for name in "xy"]
+    for path in paths:
+        figure, axes = new_figure()
+        axes[0, 0].plot([1, 2], label="line")
+        axes[0, 0].legend()
+        write_figure(path, figure)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_a_figure_of_another_kind_is_refused(tmp_path):
+    figure, _ = new_figure()
+    with pytest.raises(ValueError, match=r"ends in \.svg or \.png"):
+        write_figure(tmp_path / "a.jpg", figure)

@@ -1,0 +1,46 @@
+"""Bad files stop the job that meets them, in one line, and leave nothing behind."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+from runs import run_snakemake
+
+
+@pytest.fixture
+def broken_run(tiny_run, tmp_path):
+    """A copy of the finished run's flight, for a test to break."""
+    shutil.copytree(tiny_run / "results/flight", tmp_path / "results/flight")
+    return tmp_path
+
+
+def error_lines(done):
+    return [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("error: ")]
+
+
+def run_from_the_flight(folder, target):
+    """Make a target from the flight as it lies there, however old or broken."""
+    return run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target)
+
+
+def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
+    path = broken_run / "results/flight/0001.nc"
+    path.write_bytes(path.read_bytes()[:20_000])
+    done = run_from_the_flight(broken_run, "results/statistics/0001.nc")
+    assert done.returncode != 0
+    assert error_lines(done) == [line for line in error_lines(done) if "results/flight/0001.nc: expected" in line]
+    assert len(error_lines(done)) == 1
+    assert not (broken_run / "results/statistics/0001.nc").exists()
+
+
+def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
+    for path in sorted((broken_run / "results/flight").glob("*_layers.nc")):
+        layers = xr.load_dataset(path)
+        layers["twtt"][:] = np.nan
+        layers.to_netcdf(path)
+    done = run_from_the_flight(broken_run, "results/statistics.nc")
+    assert done.returncode != 0
+    assert len(error_lines(done)) == 1
+    assert "a flight needs the surface picked" in error_lines(done)[0]
+    assert not (broken_run / "results/statistics.nc").exists()
