@@ -1,0 +1,117 @@
+"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's, picked or complete."""
+
+import numpy as np
+
+from snowsim.echogram import ROWS_BELOW_LAST_LAYER, SURFACE_ROW, Scene, scene_height, to_uint8
+from snowsim.reference.column import draw_column
+from snowsim.reference.echo import draw_echo
+from snowsim.reference.line import line_length_km
+from snowsim.reference.picks import n_visible_layers, pick_peaks, rise_db
+from snowsim.reference.radar import draw_surface_row
+
+SPLITS = ("train", "validation", "test")
+SLOTS = 160  # scenes of one track
+PERCOLATION_SHARE = 0.12  # of a track's scenes, in the last part of the line: more than the flight has
+PERCOLATION_START = 0.95  # of the line
+STRIDE = 61  # coprime to SLOTS, near its golden section: any number of scenes spreads over the line
+SPARE_KM = 1.0
+
+
+def scene_position(index, split, length_km):
+    """Track and start of a scene, disjoint from every other scene and from the sample flight.
+
+    Each split flies tracks of its own, parallel to the sample flight; a track has 160 places.
+
+    Parameters
+    ----------
+    index : int
+    split : str
+        `train`, `validation` or `test`.
+    length_km : float
+        Of the line.
+
+    Returns
+    -------
+    track : str
+    start_km : float
+    """
+    if split not in SPLITS or index < 0:
+        msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, got {split!r} and {index}"
+        raise ValueError(msg)
+    track, place = divmod(index, SLOTS)
+    slot = (place * STRIDE + SLOTS // 4) % SLOTS
+    n_dry = round(SLOTS * (1 - PERCOLATION_SHARE))
+    if slot < n_dry:
+        fraction = slot / n_dry * PERCOLATION_START
+    else:
+        fraction = PERCOLATION_START + (slot - n_dry) / (SLOTS - n_dry) * (1 - PERCOLATION_START)
+    return f"{split}_{track}", fraction * (length_km - SPARE_KM)
+
+
+def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, rng):
+    """One scene of the benchmark.
+
+    Complete layers are all autumn horizons down to where they fade: where their expected rise over the snow above them
+    falls below `visible_db`, a matter of contrast and noise at the place, see `n_visible_layers`.
+
+    Parameters
+    ----------
+    index : int
+    split : str
+        In `train`, `layer_bins` is what a semi-automatic picker found on the image, and `complete_layer_bins` the
+        truth; in `validation` and `test` both are the truth.
+    climate : Climate
+    settings : Settings
+    n_looks : int
+        Looks averaged into a range line.
+    n_range_lines : int
+    rng : numpy.random.Generator
+        Of this scene alone.
+
+    Returns
+    -------
+    Scene
+        Surface near row 50, cropped 100 rows below the deepest complete layer, at least 300 rows.
+
+    Raises
+    ------
+    ValueError
+        If the split is unknown or a scene would not fit its place.
+    """
+    radar = settings.radar
+    track, start_km = scene_position(index, split, line_length_km())
+    position_km = start_km + np.arange(n_range_lines) * radar.line_spacing_m / 1e3
+    room_km = (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM) / round(SLOTS * PERCOLATION_SHARE)
+    if n_range_lines * radar.line_spacing_m / 1e3 > room_km:
+        msg = f"a scene must be shorter than {room_km:.2f} km, got {n_range_lines} lines of {radar.line_spacing_m} m"
+        raise ValueError(msg)
+    depth_bins = radar.n_range_bins - radar.surface_bin
+    surface_row = draw_surface_row(n_range_lines, SURFACE_ROW, radar, rng=rng)
+    column = draw_column(climate, track, position_km, depth_bins, rng=rng)
+    n_rows = SURFACE_ROW + depth_bins
+    echo = draw_echo(column, surface_row, n_rows, settings.firn, radar, rng=rng)
+    truth = column.layer_bins(surface_row)
+    n_visible = n_visible_layers(rise_db(echo.mean(), truth, 1)[:, 0], settings.picks.visible_db)
+    truth = truth[:n_visible]
+    truth = truth[truth.max(axis=1) < n_rows - ROWS_BELOW_LAST_LAYER - 1]
+    height = scene_height(truth)
+    power = echo.cropped(height).draw(n_looks, rng=rng)
+    image, noise_floor_db, maximum_db = to_uint8(power)
+    picked = pick_peaks(power, truth, settings.picks) if split == "train" else truth
+    return Scene(
+        name=f"{split}_{index:04d}",
+        n_range_bins=height,
+        layer_bins=picked,
+        image=image,
+        complete_layer_bins=truth,
+        noise_floor_db=noise_floor_db,
+        maximum_db=maximum_db,
+        notes={
+            "track": track,
+            "start_km": start_km,
+            "accumulation_m": column.place.accumulation_m,
+            "percolation": column.percolation,
+            "fade_depth_m": column.fade_depth_m,
+            "n_looks": n_looks,
+        },
+    )

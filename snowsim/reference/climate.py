@@ -1,0 +1,163 @@
+"""What the weather left along the line: one climate, shared by every frame and scene."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from snowsim.reference.line import accumulation_m, line_length_km
+from snowsim.seeding import random_stream
+
+N_YEARS = 160  # more than a window of 1500 range bins can hold at 0.15 m w.e. / yr
+N_WAVES = 48
+FADE_WAVELENGTHS_KM = (15.0, 200.0)
+MOST_CRUSTS = 4
+
+
+@dataclass(frozen=True)
+class Waves:
+    """A smooth random function of position of zero mean and unit variance: a sum of cosines."""
+
+    wavenumber_rad_km: np.ndarray
+    phase: np.ndarray
+
+    def __call__(self, position_km):
+        """Value at positions [km], of their shape."""
+        position_km = np.asarray(position_km, dtype=float)
+        angle = np.multiply.outer(position_km, self.wavenumber_rad_km) + self.phase
+        return np.sqrt(2 / self.phase.size) * np.cos(angle).sum(axis=-1)
+
+
+def draw_waves(shortest_km, longest_km, *, rng):
+    """Unit-variance `Waves`, wavelengths spread evenly in their logarithm."""
+    edges = np.linspace(np.log(shortest_km), np.log(longest_km), N_WAVES + 1)
+    wavelength_km = np.exp(rng.uniform(edges[:-1], edges[1:]))
+    return Waves(2 * np.pi / wavelength_km, rng.uniform(0, 2 * np.pi, N_WAVES))
+
+
+@dataclass(frozen=True)
+class Climate:
+    """What all frames and scenes share; see `draw_climate`.
+
+    Attributes
+    ----------
+    anomaly : ndarray, (2, year)
+        Standard normal anomalies of accumulation at either end of the line, last year first.
+    horizon_strength : ndarray, (year,)
+        Standard normal: how marked each autumn is.
+    crust_age, crust_strength : ndarray, (year, crust)
+        Where in the year crusts lie, in (0, 1), and how marked they are, standard normal; NaN for no crust.
+    track_seed : int
+        Seed of everything that differs between parallel tracks.
+    settings : Settings
+    """
+
+    anomaly: np.ndarray
+    horizon_strength: np.ndarray
+    crust_age: np.ndarray
+    crust_strength: np.ndarray
+    track_seed: int
+    settings: object
+
+    def percolation(self, place):
+        """How far percolation shapes the firn, 0 (dry) to 1."""
+        firn = self.settings.firn
+        return float(1 / (1 + np.exp((place.elevation_m - firn.percolation_elevation_m) / firn.percolation_width_m)))
+
+    def fade_depth_m(self, track, place):
+        """Depth over which density steps fall to 1/e at a place of a track."""
+        firn = self.settings.firn
+        waves = track_waves(self.track_seed, track, "fade", *FADE_WAVELENGTHS_KM)
+        above_least_m = (firn.fade_depth_m - firn.fade_least_m) * np.exp(firn.fade_sd * waves(place.position_km))
+        return float(firn.fade_least_m + above_least_m)
+
+    def draw_accumulation(self, track, position_km, n_years, *, rng):
+        """Water equivalent of the slabs between autumn horizons, youngest first.
+
+        Parameters
+        ----------
+        track : str
+            Which of the parallel tracks: undulations differ between them, years do not.
+        position_km : ndarray, (range_line,)
+            Along the line, evenly spaced.
+        n_years : int
+            Slabs wanted; the first is the open year.
+        rng : numpy.random.Generator
+
+        Returns
+        -------
+        ndarray, (slab, range_line)
+            [m w.e.], positive because every factor is an exponential.
+        """
+        if n_years > N_YEARS:
+            msg = f"n_years must be at most {N_YEARS}, got {n_years}"
+            raise ValueError(msg)
+        settings = self.settings.climate
+        mean_m = accumulation_m(position_km)
+        undulation = track_waves(
+            self.track_seed, track, "undulation", settings.undulation_min_km, settings.undulation_max_km
+        )(position_km)
+        turn = np.pi / 2 * position_km / line_length_km()
+        anomaly = np.outer(self.anomaly[0, :n_years], np.cos(turn)) + np.outer(self.anomaly[1, :n_years], np.sin(turn))
+        spacing_m = 1e3 * (position_km[1] - position_km[0])
+        n_lines = position_km.size
+        drift = draw_along_track(n_years, n_lines, settings.drift_length_m / spacing_m, rng=rng)
+        relief = draw_along_track(n_years + 1, n_lines, settings.relief_length_m / spacing_m, rng=rng)
+        variance = settings.undulation_sd**2 + settings.anomaly_sd**2 + settings.drift_sd**2 + 2 * settings.relief_sd**2
+        log_factor = (
+            settings.undulation_sd * undulation
+            + settings.anomaly_sd * anomaly
+            + settings.drift_sd * drift
+            # A hollow of an old surface is filled by the snow above: relief does not add up with depth.
+            + settings.relief_sd * np.diff(relief, axis=0)
+            - variance / 2
+        )
+        water_m = mean_m * np.exp(log_factor)
+        water_m[0] *= settings.open_year
+        return water_m
+
+
+def draw_climate(settings, *, rng):
+    """Climate of a flight and its benchmark.
+
+    Parameters
+    ----------
+    settings : Settings
+    rng : numpy.random.Generator
+        ``random_stream(seed, "climate")``, the same for every frame and scene.
+
+    Returns
+    -------
+    Climate
+    """
+    anomaly = rng.standard_normal((2, N_YEARS))
+    horizon_strength = rng.standard_normal(N_YEARS)
+    n_crusts = np.minimum(rng.poisson(settings.firn.crusts_per_year, N_YEARS), MOST_CRUSTS)
+    crust_age = rng.uniform(0.15, 0.85, (N_YEARS, MOST_CRUSTS))
+    crust_strength = rng.standard_normal((N_YEARS, MOST_CRUSTS))
+    absent = np.arange(MOST_CRUSTS) >= n_crusts[:, None]
+    crust_age[absent] = np.nan
+    track_seed = int(rng.integers(2**62))
+    return Climate(anomaly, horizon_strength, crust_age, crust_strength, track_seed, settings)
+
+
+@lru_cache(maxsize=64)
+def track_waves(track_seed, track, what, shortest_km, longest_km):
+    """`Waves` of one track, the same whenever they are asked for."""
+    return draw_waves(shortest_km, longest_km, rng=random_stream(track_seed, what, track))
+
+
+def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
+    """Smooth stationary series of zero mean and unit variance, (series, range_line).
+
+    Gaussian correlation ``exp(-(lag / correlation_lines)^2)``; white where the length is below half a range line.
+    """
+    width = correlation_lines / 2  # smoothing white noise by a Gaussian of this s.d. gives that correlation
+    margin = int(np.ceil(4 * width))
+    noise = rng.standard_normal((n_series, n_lines + 2 * margin))
+    impulse = np.zeros(2 * margin + 1)
+    impulse[margin] = 1
+    gain = np.sqrt((gaussian_filter1d(impulse, width, mode="constant") ** 2).sum())
+    smooth = gaussian_filter1d(noise, width, axis=1, mode="constant") / gain
+    return smooth[:, margin : margin + n_lines]

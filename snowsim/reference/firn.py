@@ -1,0 +1,179 @@
+"""Densification, permittivity and travel time of dry firn, and the fine layering of its density."""
+
+import numpy as np
+from scipy.signal import lfilter
+
+from snowsim.constants import GAS_CONSTANT_J_MOL_K, ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+
+CRITICAL_DENSITY_KG_M3 = 550.0  # between the two stages of Herron & Langway (1980)
+KOVACS_M3_KG = 0.845e-3
+
+
+def rates_herron_langway80(temperature_k):
+    """Rate constants of the two stages of densification, k0 [per m w.e.] and k1 [per m w.e.^1/2 yr^1/2].
+
+    Notes
+    -----
+    ``k0 = 11 exp(-10160 / RT)``, ``k1 = 575 exp(-21400 / RT)``, densities in Mg m-3: Herron & Langway (1980),
+    J. Glaciol. 25, 373-385.
+    """
+    if np.any(np.asarray(temperature_k) <= 0):
+        msg = f"temperature_k must be positive, got {np.min(temperature_k):g}"
+        raise ValueError(msg)
+    thermal = GAS_CONSTANT_J_MOL_K * np.asarray(temperature_k, dtype=float)
+    return 11 * np.exp(-10160 / thermal), 575 * np.exp(-21400 / thermal)
+
+
+def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
+    """Steady-state density under a given mass of snow.
+
+    Parameters
+    ----------
+    water_m : array_like
+        Mass above [m w.e.]: accumulation times age.
+    accumulation_m : float
+        Mean accumulation [m w.e. / yr].
+    temperature_k, surface_density_kg_m3 : float
+
+    Returns
+    -------
+    ndarray
+        Density [kg m-3], of the shape of `water_m`.
+
+    Raises
+    ------
+    ValueError
+        If accumulation is not positive, a mass is negative, or the surface is not below the critical density.
+
+    Notes
+    -----
+    ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1 A^1/2 (rho_ice - rho)`` above: Herron & Langway
+    (1980), J. Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice.
+    """
+    water_m = np.asarray(water_m, dtype=float)
+    k0, k1, ratio, critical_water_m = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
+    if (water_m < 0).any():
+        msg = f"water_m must not be negative, got {water_m.min():g}"
+        raise ValueError(msg)
+    first = ICE_DENSITY_KG_M3 - (ICE_DENSITY_KG_M3 - surface_density_kg_m3) * np.exp(-k0 * water_m)
+    beyond_m = np.maximum(water_m - critical_water_m, 0)
+    second = ICE_DENSITY_KG_M3 - (ICE_DENSITY_KG_M3 - CRITICAL_DENSITY_KG_M3) * np.exp(-k1 * ratio * beyond_m)
+    return np.where(water_m < critical_water_m, first, second)
+
+
+def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
+    """Depth under which a given mass of snow lies, the closed depth-age relation.
+
+    Arguments and refusals as for `density_herron_langway80`.
+
+    Returns
+    -------
+    ndarray
+        Depth [m], of the shape of `water_m`; the age is ``water_m / accumulation_m`` years.
+
+    Notes
+    -----
+    Herron & Langway (1980), eqs for stage 1 and 2: ``ln(rho / (rho_ice - rho))`` grows linearly with depth, at
+    ``rho_ice k0`` above the critical density and ``rho_ice k1 / A^1/2`` below, densities in Mg m-3.
+    """
+    density = density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3)
+    k0, k1, ratio, critical_water_m = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
+    ice = ICE_DENSITY_KG_M3 / WATER_DENSITY_KG_M3
+    critical_depth_m = (_logit(CRITICAL_DENSITY_KG_M3) - _logit(surface_density_kg_m3)) / (ice * k0)
+    first = (_logit(density) - _logit(surface_density_kg_m3)) / (ice * k0)
+    second = critical_depth_m + (_logit(density) - _logit(CRITICAL_DENSITY_KG_M3)) / (ice * k1 * ratio)
+    return np.where(np.asarray(water_m) < critical_water_m, first, second)
+
+
+def _stages(accumulation_m, temperature_k, surface_density_kg_m3):
+    """Rate constants, A^-1/2, and the mass above the critical density."""
+    if not accumulation_m > 0:
+        msg = f"accumulation_m must be positive, got {accumulation_m:g}"
+        raise ValueError(msg)
+    if not 0 < surface_density_kg_m3 < CRITICAL_DENSITY_KG_M3:
+        msg = f"surface_density_kg_m3 must lie in (0, {CRITICAL_DENSITY_KG_M3:g}), got {surface_density_kg_m3:g}"
+        raise ValueError(msg)
+    k0, k1 = rates_herron_langway80(temperature_k)
+    span = (ICE_DENSITY_KG_M3 - surface_density_kg_m3) / (ICE_DENSITY_KG_M3 - CRITICAL_DENSITY_KG_M3)
+    return k0, k1, accumulation_m**-0.5, np.log(span) / k0
+
+
+def _logit(density_kg_m3):
+    return np.log(density_kg_m3 / (ICE_DENSITY_KG_M3 - density_kg_m3))
+
+
+def refractive_index_kovacs95(density_kg_m3):
+    """Refractive index of dry snow, of the shape of the densities [kg m-3]; ValueError outside [0, 917].
+
+    Notes
+    -----
+    ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in g cm-3: Kovacs, Gow & Morey (1995), Cold Reg.
+    Sci. Technol. 23, 245-256.
+    """
+    density_kg_m3 = np.asarray(density_kg_m3, dtype=float)
+    outside = (density_kg_m3 < 0) | (density_kg_m3 > ICE_DENSITY_KG_M3)
+    if outside.any():
+        msg = f"density_kg_m3 must lie in [0, {ICE_DENSITY_KG_M3:g}], got {density_kg_m3[outside][0]:g}"
+        raise ValueError(msg)
+    return 1 + KOVACS_M3_KG * density_kg_m3
+
+
+def travel_time_s(depth_m, water_m):
+    """Two-way travel time from the snow surface down to a depth and back [s], straight down.
+
+    Parameters
+    ----------
+    depth_m, water_m : array_like
+        Depth [m] and the mass above it [m w.e.].
+
+    Notes
+    -----
+    ``(2 / c) integral n dz`` with the n of Kovacs et al. (1995), linear in density, is ``(2 / c) (depth + 0.845
+    water)`` for any profile: no step size, and fine layering of zero mean changes nothing.
+    """
+    optical_m = np.asarray(depth_m) + KOVACS_M3_KG * WATER_DENSITY_KG_M3 * np.asarray(water_m)
+    return 2 * optical_m / SPEED_OF_LIGHT_M_S
+
+
+def reflectivity(jump_kg_m3, density_kg_m3):
+    """Power reflected by a small density step, seen straight down; broadcasts.
+
+    Notes
+    -----
+    Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995): the next term is a factor
+    ``1 - dn / n``, below 0.3 dB for steps up to 100 kg m-3.
+    """
+    index = 1 + KOVACS_M3_KG * density_kg_m3
+    return (KOVACS_M3_KG * jump_kg_m3 / (2 * index)) ** 2
+
+
+def surface_reflectivity(density_kg_m3):
+    """Power reflected where air meets snow of this density, Fresnel at normal incidence."""
+    index = refractive_index_kovacs95(density_kg_m3)
+    return ((index - 1) / (index + 1)) ** 2
+
+
+def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
+    """Fine layering of density about its trend, as logs of snow pits show it.
+
+    Parameters
+    ----------
+    n_profiles, n_samples : int
+        Logs, and samples of each.
+    spacing_m : float
+        Between samples.
+    sd_kg_m3, length_m : float
+        Standard deviation and vertical 1/e length of the autocorrelation.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    ndarray of float32, (profile, sample)
+        Gaussian, exponential autocorrelation [kg m-3]. float32: its rounding is 1e-7 of a field known to percents.
+    """
+    persistence = np.float32(np.exp(-spacing_m / length_m))
+    noise = rng.standard_normal((n_profiles, n_samples), dtype=np.float32)
+    # The first sample keeps unit variance: the series starts stationary.
+    noise[:, 1:] *= np.sqrt(1 - persistence**2)
+    one = np.ones(1, dtype=np.float32)
+    return np.float32(sd_kg_m3) * lfilter(one, np.array([1, -persistence], dtype=np.float32), noise, axis=1)

@@ -1,0 +1,104 @@
+"""The line over Greenland: where it runs, and the mean climate along it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+# The great circle from central Greenland to the north-west: (degrees north, degrees east).
+LINE_START = (69.0, -38.5)
+LINE_END = (76.7, -64.6)
+EARTH_RADIUS_KM = 6371.0
+
+# Schematic profiles along the line. Accumulation [m w.e. / yr]: south-central plateau, dry interior north of Summit,
+# wet north-west flank, in the range of Koenig et al. (2016), Cryosphere 10, 1739-1752. Ice surface [m]: rounded.
+PROFILE_FRACTION = np.array([0.0, 0.25, 0.5, 0.7, 0.85, 0.95, 1.0])
+ACCUMULATION_M = np.array([0.40, 0.29, 0.23, 0.20, 0.28, 0.42, 0.55])
+ELEVATION_M = np.array([2550.0, 3000.0, 2900.0, 2650.0, 2250.0, 1800.0, 1300.0])
+
+SECONDS_PER_KM = 1 / 0.12  # at 120 m/s
+
+
+@dataclass(frozen=True)
+class Place:
+    """Climate at one point of the line.
+
+    Attributes
+    ----------
+    position_km : float
+    latitude, longitude : float
+        [degrees]
+    elevation_m : float
+        Of the ice surface.
+    accumulation_m : float
+        Long-term mean [m w.e. / yr], without undulations.
+    temperature_k : float
+        Annual mean.
+    """
+
+    position_km: float
+    latitude: float
+    longitude: float
+    elevation_m: float
+    accumulation_m: float
+    temperature_k: float
+
+
+def place_at(position_km):
+    """Climate at one position along the line, a `Place`; ValueError outside the line."""
+    length_km = line_length_km()
+    if not 0 <= position_km <= length_km:
+        msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
+        raise ValueError(msg)
+    latitude, longitude = (float(x) for x in line_coordinates(position_km))
+    elevation_m = float(PchipInterpolator(PROFILE_FRACTION, ELEVATION_M)(position_km / length_km))
+    return Place(
+        position_km=float(position_km),
+        latitude=latitude,
+        longitude=longitude,
+        elevation_m=elevation_m,
+        accumulation_m=float(accumulation_m(position_km)),
+        temperature_k=temperature_fausto09(elevation_m, latitude, longitude),
+    )
+
+
+def accumulation_m(position_km):
+    """Long-term mean accumulation at positions along the line [m w.e. / yr], of their shape."""
+    return PchipInterpolator(PROFILE_FRACTION, ACCUMULATION_M)(np.asarray(position_km) / line_length_km())
+
+
+def temperature_fausto09(elevation_m, latitude, longitude):
+    """Annual mean near-surface air temperature over Greenland [K].
+
+    Parameters
+    ----------
+    elevation_m, latitude, longitude : float
+        [m], degrees north, degrees east.
+
+    Notes
+    -----
+    ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van As, Boggild &
+    Johnsen (2009), J. Glaciol. 55, 95-105.
+    """
+    return 273.15 + 41.83 - 6.309e-3 * elevation_m - 0.7189 * latitude + 0.0672 * -longitude
+
+
+def line_length_km():
+    """Length of the great circle from `LINE_START` to `LINE_END` on a sphere."""
+    start, end = (_unit_vector(*point) for point in (LINE_START, LINE_END))
+    return float(EARTH_RADIUS_KM * np.arctan2(np.linalg.norm(np.cross(start, end)), start @ end))
+
+
+def line_coordinates(position_km):
+    """Latitude and longitude [degrees] at positions along the line [km], of their shape."""
+    start, end = (_unit_vector(*point) for point in (LINE_START, LINE_END))
+    angle = line_length_km() / EARTH_RADIUS_KM
+    along = np.asarray(position_km, dtype=float) / EARTH_RADIUS_KM
+    weights = np.sin(angle - along) / np.sin(angle), np.sin(along) / np.sin(angle)
+    x, y, z = (weights[0] * a + weights[1] * b for a, b in zip(start, end, strict=True))
+    return np.degrees(np.arctan2(z, np.hypot(x, y))), np.degrees(np.arctan2(y, x))
+
+
+def _unit_vector(latitude, longitude):
+    latitude, longitude = np.radians(latitude), np.radians(longitude)
+    return np.array([np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)])

@@ -1,0 +1,230 @@
+"""What the radar makes of a point: range response of the sweep, off-nadir tail, looks, and faults along the flight."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter, upfirdn
+
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+
+RESPONSE_WIDTH = 4  # half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB
+TAIL_END = 1e-4  # the off-nadir tail is cut where it falls below this share of its peak
+SATURATION_NOISE = 10.0  # an overloaded receiver's noise, relative to a sound one's
+SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
+
+
+def hann_response(delay_s, bandwidth_hz):
+    """Amplitude of an FMCW radar's answer to a point, its beat signal weighted by a Hann window.
+
+    Parameters
+    ----------
+    delay_s : array_like
+        Two-way travel time from the point [s].
+    bandwidth_hz : float
+
+    Returns
+    -------
+    ndarray
+        1 at zero delay.
+
+    Notes
+    -----
+    Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with
+    ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an
+    equivalent width of 1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there and back, half of that in range.
+    """
+    x = np.asarray(delay_s, dtype=float) * bandwidth_hz
+    return np.sinc(x) + 0.5 * (np.sinc(x - 1) + np.sinc(x + 1))
+
+
+def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
+    """Angular pattern of the backscatter of a gently rough interface, not normalised, 1 at nadir.
+
+    Notes
+    -----
+    Geometric optics with Gaussian slopes, ``exp(-tan^2 / 2 s^2) / cos^4``, s the slope along one axis: Ulaby, Moore &
+    Fung (1982), Microwave Remote Sensing II, section 12-5; plus a diffuse share that follows the cosine.
+    """
+    angle_rad = np.asarray(angle_rad, dtype=float)
+    facets = np.exp(-(np.tan(angle_rad) ** 2) / (2 * rms_slope**2)) / np.cos(angle_rad) ** 4
+    return (1 - diffuse_share) * facets + diffuse_share * np.cos(angle_rad)
+
+
+def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
+    """Power from the annulus that a pulse lights up at a delay after the nadir point, relative to zero delay.
+
+    Parameters
+    ----------
+    delay_s : array_like
+        Two-way travel time after nadir [s], not negative.
+    height_m : float
+        Of the antenna over the interface. Refraction in the firn above a buried interface is neglected: over 20 m it
+        moves the annuli by 1 %.
+    rms_slope, diffuse_share : float
+        See `backscatter_geometric_optics`.
+    beamwidth_deg : float
+        Two-sided 3 dB width of one antenna, Gaussian.
+
+    Notes
+    -----
+    Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay ``2 pi R dR/dt``,
+    spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane form of Brown (1977), IEEE Trans.
+    Antennas Propag. 25, 67-74, before his convolution with pulse and heights.
+    """
+    range_m = height_m + SPEED_OF_LIGHT_M_S * np.asarray(delay_s, dtype=float) / 2
+    angle = np.arccos(height_m / range_m)
+    two_way_gain = np.exp(-4 * np.log(2) * (angle / np.radians(beamwidth_deg)) ** 2) ** 2
+    return two_way_gain * backscatter_geometric_optics(angle, rms_slope, diffuse_share) * (height_m / range_m) ** 3
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """Mean echo of one interface on the sub-bin grid, before the range response.
+
+    Attributes
+    ----------
+    power : ndarray of float32, (sub_bin,)
+        Sums to 1: a rougher interface spreads its power, it does not add any.
+    lead : float
+        Sub-bins from the first sample to the peak of the waveform as it is received.
+    peak : float
+        Height of that peak.
+    """
+
+    power: np.ndarray
+    lead: float
+    peak: float
+
+
+@lru_cache(maxsize=32)
+def range_response(radar):
+    """Range response on the sub-bin grid, float32 (tap,), centred; its squares sum to 1."""
+    step_s = radar.bin_size_s / radar.n_sub_bins
+    half = int(np.ceil(RESPONSE_WIDTH / radar.bandwidth_hz / step_s))
+    taps = hann_response(np.arange(-half, half + 1) * step_s, radar.bandwidth_hz)
+    return (taps / np.sqrt((taps**2).sum())).astype(np.float32)
+
+
+@lru_cache(maxsize=256)
+def interface_waveform(radar, rms_slope, roughness_m):
+    """`Waveform` of an interface: annuli of the off-nadir tail, spread by the roughness within the footprint.
+
+    Parameters
+    ----------
+    radar : RadarSettings
+    rms_slope : float
+    roughness_m : float
+        Standard deviation of height; refraction in snow is put at 1.3.
+    """
+    step_s = radar.bin_size_s / radar.n_sub_bins
+    finer = 8
+    n_samples = radar.n_range_bins * radar.n_sub_bins  # the diffuse share reaches beyond any window
+    delay_s = (np.arange(n_samples * finer) + 0.5) * step_s / finer
+    tail = annulus_power(delay_s, radar.height_m, rms_slope, radar.diffuse_share, radar.beamwidth_deg)
+    tail = tail.reshape(-1, finer).mean(axis=1)
+    tail = tail[: int(np.argmax(tail < TAIL_END * tail[0])) or n_samples]
+    spread = roughness_m * 1.3 * 2 / SPEED_OF_LIGHT_M_S / step_s
+    margin = int(np.ceil(4 * spread)) + 1
+    power = gaussian_filter1d(np.pad(tail, margin), spread, mode="constant") if spread > 0 else np.pad(tail, margin)
+    power /= power.sum()
+    received = np.convolve(power, range_response(radar).astype(float) ** 2, mode="same")
+    top = int(np.argmax(received))
+    left, middle, right = received[top - 1 : top + 2]
+    lead = top + 0.5 * (left - right) / (left - 2 * middle + right)
+    return Waveform(power.astype(np.float32), float(lead), float(middle))
+
+
+def received_mean(sub_bin_power, radar, margin):
+    """Mean detected power at range bins of a sub-bin field, (range_line, range_bin).
+
+    Parameters
+    ----------
+    sub_bin_power : ndarray of float32, (range_line, sub_bin)
+        Variance of the scatterers, `margin` sub-bins of them before bin 0 and after the last.
+    radar : RadarSettings
+    margin : int
+        At least half the length of `range_response`.
+    """
+    return _filtered(sub_bin_power, range_response(radar) ** 2, radar.n_sub_bins, margin)
+
+
+def draw_look(amplitude, radar, margin, *, rng):
+    """Complex echo of one look at range bins, complex64 (range_line, range_bin).
+
+    Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian; the range response
+    makes neighbouring bins alike. float32: rounding is 1e-7 of a quantity that scatters by itself.
+
+    Parameters
+    ----------
+    amplitude : ndarray of float32, (range_line, sub_bin)
+        Square root of half the scatterers' mean power.
+    radar : RadarSettings
+    margin : int
+        Sub-bins before bin 0 and after the last.
+    rng : numpy.random.Generator
+    """
+    parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
+    parts *= amplitude
+    real, imaginary = (_filtered(part, range_response(radar), radar.n_sub_bins, margin) for part in parts)
+    return real + np.complex64(1j) * imaginary
+
+
+def draw_detected(sub_bin_power, radar, margin, n_looks, *, rng):
+    """Power of `n_looks` looks averaged, float32 (range_line, range_bin); arguments as for `draw_look`."""
+    amplitude = np.sqrt(sub_bin_power / 2)
+    total = np.float32(0)
+    response = range_response(radar)
+    for _ in range(n_looks):
+        for _ in range(2):
+            part = rng.standard_normal(amplitude.shape, dtype=np.float32)
+            part *= amplitude
+            total = total + _filtered(part, response, radar.n_sub_bins, margin) ** 2
+    return total / np.float32(n_looks)
+
+
+def _filtered(field, taps, n_sub_bins, margin):
+    """Convolution with centred, symmetric taps, kept at every range bin."""
+    half = taps.size // 2
+    early = -2 * half % n_sub_bins  # so that the first value kept is a multiple of n_sub_bins
+    n_bins = (field.shape[1] - 2 * margin) // n_sub_bins
+    first = margin - half - early
+    inside = field[:, first : margin + half + (n_bins - 1) * n_sub_bins + 1]
+    start = (2 * half + early) // n_sub_bins
+    return upfirdn(taps, inside, down=n_sub_bins, axis=1)[:, start : start + n_bins]
+
+
+def draw_roll_gain(n_lines, radar, *, rng):
+    """Power gain of roll fades, (range_line,): a two-state Markov chain that starts level."""
+    uniform = rng.random(n_lines)
+    gain = np.ones(n_lines)
+    rolled = False
+    for line in range(n_lines):
+        rolled = uniform[line] >= radar.roll_leave if rolled else uniform[line] < radar.roll_enter
+        if rolled:
+            gain[line] = radar.roll_gain
+    return gain
+
+
+def draw_receiver_gain(n_lines, radar, *, rng):
+    """Receiver gain with brightness jumps, (range_line,), linear power; lasting until the next jump."""
+    jumps_db = np.where(rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
+    return 10 ** (np.cumsum(jumps_db) / 10)
+
+
+def draw_surface_row(n_lines, surface_bin, radar, *, rng):
+    """Row of the surface after elevation compensation, (range_line,).
+
+    The aircraft's movement is taken out in whole range bins, as the product does, which leaves its fraction; the
+    tracker that steers the compensation adds a slow error.
+    """
+    bin_m = radar.bin_size_s * SPEED_OF_LIGHT_M_S / 2
+    persistence = np.exp(-radar.line_spacing_m / 200)
+    movement = rng.standard_normal(n_lines)
+    movement[1:] *= np.sqrt(1 - persistence**2)
+    movement = gaussian_filter1d(lfilter([1], [1, -persistence], movement), 5) * radar.jitter_m / bin_m
+    width, margin = 20, 100
+    error = gaussian_filter1d(rng.standard_normal(n_lines + 2 * margin), width)[margin : margin + n_lines]
+    error *= np.sqrt(2 * width * np.sqrt(np.pi))  # unit variance
+    return surface_bin + movement - np.rint(movement) + radar.tracking_sd_bins * error

@@ -1,0 +1,101 @@
+"""Scenes of the benchmark."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from snowsim.echogram import check_layer_bins, scene_height
+from snowsim.reference import checked_settings, draw_climate, draw_scene
+from snowsim.reference.benchmark import SLOTS, scene_position
+from snowsim.reference.line import line_length_km
+from snowsim.seeding import random_stream
+
+SETTINGS = checked_settings({})
+
+
+@pytest.fixture(scope="module")
+def climate():
+    return draw_climate(SETTINGS, rng=random_stream(1, "climate"))
+
+
+def scene(climate, index, split):
+    rng = random_stream(1, "scenes", split, index)
+    return draw_scene(index, split, climate=climate, settings=SETTINGS, n_looks=16, rng=rng)
+
+
+@pytest.fixture(scope="module")
+def scenes(climate):
+    return {split: [scene(climate, index, split) for index in range(8)] for split in ("train", "test")}
+
+
+def test_scenes_of_all_splits_are_disjoint():
+    scene_km = 256 * 5.47e-3
+    for split in ("train", "validation", "test"):
+        places = [scene_position(index, split, line_length_km()) for index in range(SLOTS + 20)]
+        for track in {track for track, _ in places}:
+            assert track.startswith(split)
+            starts = np.sort([start for other, start in places if other == track])
+            assert starts[-1] + scene_km < line_length_km()
+            assert np.diff(starts).min() > scene_km
+
+
+def test_few_scenes_cover_the_line_as_many_do():
+    starts = np.sort([scene_position(index, "test", 1200.0)[1] for index in range(20)])
+    assert starts[0] < 150
+    assert starts[-1] > 1100
+    assert np.diff(starts).max() < 150
+
+
+def test_images_follow_the_rules_of_the_published_benchmark(scenes):
+    for one in (*scenes["train"], *scenes["test"]):
+        assert one.image.dtype == np.uint8
+        assert one.image.shape == (one.n_range_bins, 256)
+        assert one.image.max() == 255
+        assert one.n_range_bins == scene_height(one.complete_layer_bins)
+        assert one.n_range_bins >= 300
+        assert abs(np.mean(one.complete_layer_bins[0]) - 50) < 3
+        check_layer_bins(one.layer_bins)
+
+
+def test_test_scenes_are_fully_annotated(scenes):
+    for one in scenes["test"]:
+        assert np.isfinite(one.layer_bins).all()
+        assert_array_equal(one.layer_bins, one.complete_layer_bins)
+
+
+def test_training_picks_miss_pixels_but_invent_none(scenes):
+    picked = np.concatenate([one.layer_bins.ravel() for one in scenes["train"]])
+    truth = np.concatenate([one.complete_layer_bins.ravel() for one in scenes["train"]])
+    found = np.isfinite(picked)
+    assert 0.3 < found.mean() < 0.95
+    error = np.abs(picked - truth)[found]
+    assert error.max() <= 3
+    assert (error <= 2).mean() > 0.85
+    for one in scenes["train"]:
+        assert np.isfinite(one.layer_bins[0]).mean() > 0.9  # the surface is hard to miss
+
+
+def test_scenes_differ_in_how_deep_layers_are_seen(climate):
+    n_layers = [len(scene(climate, index, "test").layer_bins) - 1 for index in range(20)]
+    few = np.mean(np.array(n_layers) < 6)
+    assert 0.25 < few < 0.8  # 57 % in the paper; 20 scenes leave 0.11 of standard error
+    assert max(n_layers) > 15
+
+
+def test_scene_does_not_depend_on_what_was_drawn_before(climate, scenes):
+    again = scene(climate, 3, "train")
+    one = scenes["train"][3]
+    assert_array_equal(again.image, one.image)
+    assert_array_equal(again.layer_bins, one.layer_bins)
+    assert again.notes == one.notes
+
+
+@pytest.mark.parametrize(("index", "split"), [(-1, "train"), (0, "dev")])
+def test_unknown_scene_is_refused(climate, rng, index, split):
+    with pytest.raises(ValueError, match="expected a split"):
+        draw_scene(index, split, climate=climate, settings=SETTINGS, n_looks=16, rng=rng)
+
+
+def test_scene_too_long_for_its_place_is_refused(climate, rng):
+    with pytest.raises(ValueError, match="a scene must be shorter"):
+        draw_scene(0, "test", climate=climate, settings=SETTINGS, n_looks=1, n_range_lines=2000, rng=rng)

@@ -1,0 +1,119 @@
+"""The line, and accumulation along it."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from snowsim.reference import checked_settings, draw_climate
+from snowsim.reference.climate import draw_along_track, draw_waves
+from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
+from snowsim.seeding import random_stream
+
+
+@pytest.fixture
+def climate():
+    return draw_climate(checked_settings({}), rng=random_stream(1, "climate"))
+
+
+def test_line_is_1200_km_from_central_to_north_west_greenland():
+    assert_allclose(line_length_km(), 1200, rtol=0.02)
+    latitude, longitude = line_coordinates(np.linspace(0, line_length_km(), 50))
+    assert (np.diff(latitude[:40]) > 0).all()
+    assert (np.diff(longitude) < 0).all()
+
+
+def test_positions_along_the_line_are_distances():
+    latitude, longitude = (np.radians(x) for x in line_coordinates(np.array([300.0, 310.0])))
+    cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * np.cos(np.diff(longitude)[0])
+    # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
+    assert_allclose(6371 * np.arccos(cosine), 10, rtol=1e-8)
+
+
+def test_summit_is_as_cold_as_it_is():
+    # GISP2, 72.6 N 38.5 W, 3200 m: mean annual air temperature near -30 C; the fit's own error is a few K.
+    assert abs(temperature_fausto09(3200, 72.6, -38.5) - 243.5) < 3
+
+
+def test_percolation_is_at_the_low_end_and_rare(climate):
+    share = [climate.percolation(place_at(km)) for km in (np.arange(20) + 0.5) / 20 * line_length_km()]
+    assert 1 <= np.sum(np.array(share) > 0.5) <= 2
+    assert share[-1] > 0.5
+    assert max(share[:-2]) < 0.01
+
+
+def test_every_frame_has_the_same_years(climate, rng):
+    far = [climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng) for km in (500, 504)]
+    yearly = [np.log(water_m).mean(axis=1) for water_m in far]
+    # Drift (0.06, some six independent lengths in 2 km) beside anomalies of 0.2 leaves a correlation of 0.985.
+    assert np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] > 0.95
+
+
+def test_undulations_stay_in_place_on_a_track_and_differ_between_tracks(climate, rng):
+    position_km = 400 + np.arange(1000) * 5.47e-3
+
+    def undulation(track):
+        return np.log(climate.draw_accumulation(track, position_km, 60, rng=rng)).mean(axis=0)
+
+    again = np.corrcoef(undulation("flight"), undulation("flight"))[0, 1]
+    assert again > 0.98
+    assert abs(np.corrcoef(undulation("flight"), undulation("test_0"))[0, 1]) < 0.9
+
+
+def test_accumulation_is_positive_and_in_the_range_of_the_ice_sheet(climate, rng):
+    means = []
+    for km in np.linspace(5, line_length_km() - 5, 40):
+        water_m = climate.draw_accumulation("flight", km + np.arange(64) * 5.47e-3, 100, rng=rng)
+        assert (water_m > 0).all()
+        means.append(water_m[1:].mean())
+    assert 0.13 < min(means) < 0.25
+    assert 0.4 < max(means) < 0.75
+
+
+def test_relief_does_not_add_up_with_depth(rng):
+    drift_free = {"climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.05}}
+    climate = draw_climate(checked_settings(drift_free), rng=rng)
+    # About the least of the profile along the line: no trend of the mean.
+    position_km = 0.7 * line_length_km() + np.arange(-1000, 1000) * 5.47e-3
+    water_m = climate.draw_accumulation("flight", position_km, 80, rng=rng)
+    spread = np.cumsum(water_m, axis=0).std(axis=1) / water_m.mean()
+    # A random walk would be sqrt(79 / 9) = 3 times as rough at the bottom; levelled, only exp's second order grows.
+    assert spread[-1] < 1.5 * spread[9]
+
+
+def test_waves_have_unit_variance():
+    values = [draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)]
+    assert_allclose(np.std(values), 1, rtol=4 / np.sqrt(2 * 8000))
+
+
+def test_series_along_track_are_stationary_with_the_correlation_asked_for(rng):
+    series = draw_along_track(4000, 40, 8.0, rng=rng)
+    assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))
+    correlation = (series[:, 5] * series[:, 13]).mean()
+    assert_allclose(correlation, np.exp(-1), atol=4 / np.sqrt(4000))
+
+
+def test_position_off_the_line_is_refused():
+    with pytest.raises(ValueError, match="position_km must lie in"):
+        place_at(-1)
+
+
+@pytest.mark.parametrize(
+    ("reference", "message"),
+    [
+        ({"weather": {}}, "reference: unknown key weather"),
+        ({"firn": {"densty": 3}}, "reference.firn: unknown key densty"),
+        ({"firn": {"surface_density_kg_m3": 950.0}}, "firn.surface_density_kg_m3 must lie in"),
+        ({"firn": {"fade_depth_m": 0.5}}, "firn.fade_depth_m must exceed fade_least_m"),
+        ({"climate": {"anomaly_sd": -0.1}}, "climate.anomaly_sd must lie in"),
+        ({"climate": {"undulation_max_km": 1.0}}, "climate.undulation_max_km must exceed"),
+        ({"radar": {"n_looks": 0}}, "radar.n_looks must be an integer of at least 1"),
+        ({"radar": {"n_sub_bins": 1}}, "radar.n_sub_bins must be at least 1.73"),
+        ({"radar": {"bin_size_s": float("nan")}}, "radar.bin_size_s must be positive"),
+        ({"radar": {"surface_bin": 790}}, "radar.surface_bin must leave 100"),
+        ({"radar": {"bandwidth_hz": "6e9"}}, "radar.bandwidth_hz must be a number, got '6e9'"),
+        ({"picks": {"picker_lines": 0}}, "picks.picker_lines must lie in"),
+    ],
+)
+def test_settings_out_of_range_are_refused_by_name(reference, message):
+    with pytest.raises(ValueError, match=message):
+        checked_settings(reference)

@@ -1,0 +1,120 @@
+"""Densification, permittivity, travel time and layering."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import quad, solve_ivp
+
+from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
+from snowsim.reference.firn import (
+    density_herron_langway80,
+    depth_herron_langway80,
+    draw_layering,
+    rates_herron_langway80,
+    reflectivity,
+    refractive_index_kovacs95,
+    surface_reflectivity,
+    travel_time_s,
+)
+
+PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
+
+
+def integrated_profile(age_yr):
+    """Density and depth at an age by integrating both stages' rates of densification in time."""
+    accumulation_m, temperature_k, surface_density = PROFILE
+    k0, k1 = rates_herron_langway80(temperature_k)
+
+    def rates(_, state):
+        density = state[0]
+        rate = k0 * accumulation_m if density < 550 else k1 * np.sqrt(accumulation_m)
+        return [rate * (ICE_DENSITY_KG_M3 - density), accumulation_m * 1000 / density]
+
+    def critical(_, state):
+        return state[0] - 550
+
+    critical.terminal = True
+    first = solve_ivp(rates, (0, age_yr), [surface_density, 0], rtol=1e-11, atol=1e-11, events=critical)
+    if first.status == 0:
+        return first.y[:, -1]
+    start = first.y[:, -1] + [1e-9, 0]  # just across the critical density
+    return solve_ivp(rates, (first.t[-1], age_yr), start, rtol=1e-11, atol=1e-11).y[:, -1]
+
+
+@pytest.mark.parametrize("age_yr", [3, 20, 35, 120])
+def test_depth_age_relation_equals_integrated_densification(age_yr):
+    density, depth_m = integrated_profile(age_yr)
+    water_m = PROFILE[0] * age_yr
+    # Integrator tolerance 1e-11 per step, some hundred steps.
+    assert_allclose(density_herron_langway80(water_m, *PROFILE), density, rtol=1e-8)
+    assert_allclose(depth_herron_langway80(water_m, *PROFILE), depth_m, rtol=1e-8)
+
+
+def test_both_stages_are_among_the_ages_tested():
+    assert integrated_profile(20)[0] < 550 < integrated_profile(120)[0]
+
+
+def test_depth_and_density_hold_the_mass_above():
+    water_m = np.linspace(0, 12, 40_001)
+    depth_m = depth_herron_langway80(water_m, *PROFILE)
+    density = density_herron_langway80(water_m, *PROFILE)
+    # Trapezoids of 3e-4 m w.e.: error of order (step / scale)^2 = 1e-8.
+    assert_allclose(np.trapezoid(density, depth_m) / 1000, 12, rtol=1e-7)
+
+
+def test_travel_time_equals_integral_of_refractive_index():
+    water_m = 9.0
+    depth_m = float(depth_herron_langway80(water_m, *PROFILE))
+    grid_water_m = np.linspace(0, water_m, 20_001)
+    grid_depth_m = depth_herron_langway80(grid_water_m, *PROFILE)
+    index = refractive_index_kovacs95(density_herron_langway80(grid_water_m, *PROFILE))
+    numerical_s = 2 / SPEED_OF_LIGHT_M_S * np.trapezoid(index, grid_depth_m)
+    assert_allclose(travel_time_s(depth_m, water_m), numerical_s, rtol=1e-7)  # as above
+
+
+def test_travel_time_knows_nothing_of_layering_of_zero_mean():
+    wavy, _ = quad(lambda z: refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)), 0, 0.1, limit=200)
+    assert_allclose(travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
+
+
+def test_permittivity_of_ice_is_that_of_kovacs():
+    # Kovacs et al. (1995) find 3.15 for ice.
+    assert_allclose(refractive_index_kovacs95(917) ** 2, 3.15, atol=0.005)
+
+
+def test_small_step_reflects_as_fresnel_does():
+    above, below = refractive_index_kovacs95([400 - 5, 400 + 5])
+    fresnel = ((below - above) / (below + above)) ** 2
+    assert_allclose(reflectivity(10, 400), fresnel, rtol=1e-12)
+    assert_allclose(surface_reflectivity(340), ((1.2873 - 1) / (1.2873 + 1)) ** 2, rtol=1e-4)
+
+
+def test_layering_has_the_standard_deviation_and_length_of_the_logs(rng):
+    spacing_m, length_m = 0.005, 0.0225
+    layering = draw_layering(400, 2000, spacing_m, 50, length_m, rng=rng)
+    # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow four standard errors.
+    assert_allclose(layering.std(), 50, rtol=4 / np.sqrt(2 * 1.7e5))
+    lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
+    correlation = (layering[:, :-lag] * layering[:, lag:]).mean() / layering.var()
+    assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
+
+
+def test_first_samples_of_layering_are_as_spread_as_the_others(rng):
+    layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
+    assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: depth_herron_langway80(1.0, -0.2, 245, 340), "accumulation_m must be positive, got -0.2"),
+        (lambda: density_herron_langway80(-1.0, 0.2, 245, 340), "water_m must not be negative"),
+        (lambda: depth_herron_langway80(1.0, 0.2, 245, 600), "surface_density_kg_m3 must lie in"),
+        (lambda: depth_herron_langway80(1.0, 0.2, -3, 340), "temperature_k must be positive"),
+        (lambda: refractive_index_kovacs95([300, 930]), "got 930"),
+        (lambda: refractive_index_kovacs95(-1.0), "got -1"),
+    ],
+)
+def test_impossible_firn_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()

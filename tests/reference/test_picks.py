@@ -1,0 +1,90 @@
+"""What is annotated."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from snowsim.echogram import check_layer_bins
+from snowsim.reference.groups import PickSettings
+from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
+
+SETTINGS = PickSettings()
+
+
+def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
+    """Mean power of layers with exponential tails over noise of 1, and where they are."""
+    rows = np.arange(260)[:, None]
+    layer_bins = (np.array([50.0, 85, 120, 160])[:, None] + slope * np.arange(n_lines))[: len(peaks_db)]
+    power = np.ones((260, n_lines))
+    for layer, peak_db in zip(layer_bins, peaks_db, strict=True):
+        below = rows - layer
+        power += 10 ** (peak_db / 10) * np.where(below >= 0, np.exp(-np.abs(below) / 10), np.exp(-np.abs(below) / 1.5))
+    return power, layer_bins
+
+
+def test_rise_is_that_of_a_layer_over_the_tail_above():
+    power, layer_bins = planted()
+    rise = rise_db(power, layer_bins, 1)
+    assert np.isinf(rise[0]).all()
+    # Peak: 100, noise, and layer 2's tail after 40 bins. Valley, at the eighth of ten steps, 32 bins down: the same
+    # tail, noise, and the foot of layer 3 itself; layer 1 is 1 % of either.
+    valley = 1 + 100 * (np.exp(-3.2) + np.exp(-8 / 1.5))
+    assert_allclose(rise[3], 10 * np.log10((101 + 100 * np.exp(-4)) / valley), atol=0.2)
+
+
+def test_record_ends_at_the_deepest_horizon_that_rises():
+    assert n_visible_layers(np.array([np.inf, 3, 0.2, 2, 0.5, np.nan]), 1.0) == 4
+    assert n_visible_layers(np.array([np.inf, 0.5, 0.2]), 1.0) == 1
+    assert n_visible_layers(np.array([np.inf]), 1.0) == 1
+
+
+def test_layer_without_rise_is_not_picked_there():
+    layer_bins = np.array([[50.0] * 100, [70.0] * 100])
+    picked = pick_visible(np.array([[np.inf, np.inf], [3, -1]]), layer_bins, 0.5)
+    assert np.isfinite(picked[0]).all()
+    assert np.isfinite(picked[1, :40]).all()
+    assert np.isnan(picked[1, 75:]).all()
+
+
+def test_clear_layers_are_found_to_the_bin(rng):
+    power, layer_bins = planted(slope=0.05)
+    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    assert np.isfinite(picked).mean() > 0.95
+    found = np.isfinite(picked)
+    assert np.abs((picked - layer_bins)[found]).mean() < 1
+
+
+def test_weak_layer_is_lost_and_nothing_invented(rng):
+    power, layer_bins = planted(peaks_db=(30, 20, -10, 20))
+    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    assert np.isfinite(picked[2]).mean() < 0.2
+    assert np.isfinite(picked[[0, 1, 3]]).mean() > 0.95
+
+
+def test_steep_layer_is_lost_before_a_level_one(rng):
+    found = {}
+    for slope in (0.0, 1.2):
+        power, layer_bins = planted(n_lines=60, peaks_db=(30, 12, 12, 12), slope=slope)
+        picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+        found[slope] = np.isfinite(picked[1:]).mean()
+    assert found[1.2] < found[0.0]
+
+
+def test_layer_that_breaks_off_is_picked_up_to_the_break(rng):
+    power, layer_bins = planted()
+    without, _ = planted(peaks_db=(30, 20, -20, 20))
+    power[:, 100:] = without[:, 100:]
+    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    found = np.isfinite(picked[2])
+    assert found[:85].mean() > 0.95
+    assert found[115:].mean() < 0.2
+
+
+@pytest.mark.parametrize("threshold_db", [0.0, 2.0, 6.0])
+def test_picks_are_a_part_of_the_truth_in_order_and_near_it(rng, threshold_db):
+    power, layer_bins = planted(peaks_db=(30, 12, 9, 6), slope=0.1)
+    settings = PickSettings(picker_db=threshold_db)
+    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
+    assert picked.shape == layer_bins.shape
+    check_layer_bins(picked)
+    assert np.nanmax(np.abs(picked - layer_bins)) <= 3
