@@ -46,7 +46,7 @@ def paper_values(measured):
 
 def deblended_values(measured, groups):
     """Values by layer of the joint solution, with mean waveforms observed, modelled and alone."""
-    shape, error, powers, power_error = deblend(groups)
+    shape, error, powers, power_error = deblend(groups, measured.decay)
     decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
     power, _, n_groups = nan_moments(powers)
     reliable = (n_groups > 0) & (power > 2 * power_error)

@@ -12,18 +12,22 @@ MAX_STEPS = 25
 STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
 LONGEST_STEP = np.array([0.5, 0.7, 2.0])
 FIRST_GUESS = np.array([np.log(0.07), np.log(8.0)])
+FIRST_DECAY = np.log([0.02, 0.5])  # range of starts, log of per bin
 PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about the flight's median; peak offset [bins]
 RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 
 
-def deblend(groups):
+def deblend(groups, decay_rate):
     """Powers and shapes of all layers of a flight.
 
     Parameters
     ----------
     groups : Groups
+    decay_rate : ndarray, (group, layer)
+        Of eq. (2), read off the averaged lines; NaN where there is none. Their medians are where the solution starts:
+        one start for all layers can end where a layer's neighbour takes over its echo.
 
     Returns
     -------
@@ -51,6 +55,9 @@ def deblend(groups):
     n_layers = groups.present.shape[1]
     lines = [line for group in _spread_out(groups.present) if (line := prepare_line(groups, rows, group)) is not None]
     shape = np.tile([*FIRST_GUESS, 0.0], (n_layers, 1))
+    measured = np.isfinite(decay_rate) & (decay_rate > 0)
+    for layer in np.flatnonzero(measured.any(axis=0)):
+        shape[layer, 0] = np.clip(np.log(np.median(decay_rate[measured[:, layer], layer])), *FIRST_DECAY)
     last = np.inf
     for _ in range(MAX_STEPS):
         hessian, gradient, scores, residual_variance, leverage = _normal_equations(shape, lines, n_layers)
