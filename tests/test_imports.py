@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
-CORE = {"constants", "echogram", "seeding", "patches", "flatten"}
+CORE = {"constants", "echogram", "seeding", "patches", "flatten", "timing"}
 # A stage never imports another stage, but for these.
 ALLOWED = {("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")}
 ONLY = {

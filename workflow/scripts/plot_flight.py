@@ -7,7 +7,9 @@ from job import job
 from snowsim.echogram import layer_bins_of, to_uint8
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_dataset, write_table
-from snowsim.plotting import new_figure, note_source, plot_echogram, plot_picks, plot_positions
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.flight import plot_picks, plot_positions
+from snowsim.plotting.similarity import plot_echogram
 
 
 def positions(paths_to_echograms, paths_to_layers):

@@ -4,14 +4,8 @@ from job import job
 
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import (
-    new_figure,
-    note_source,
-    plot_correlation,
-    plot_layer_counts,
-    plot_spectra,
-    plot_thickness,
-)
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.labels import plot_correlation, plot_layer_counts, plot_spectra, plot_thickness
 
 
 def plot(path_to_layers, path_to_moments, path_to_spectra, path_to_correlation, path_to_figure, source):

@@ -6,7 +6,8 @@ from job import job
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_table
 from snowsim.io.scenes import SceneSet
-from snowsim.plotting import new_figure, note_source, plot_echogram, plot_layers
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.similarity import plot_echogram, plot_layers
 
 
 def choose_scenes(images, n_scenes=3):

@@ -4,7 +4,8 @@ from job import job
 
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source, plot_boxes, plot_ssim_depth
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.similarity import plot_boxes, plot_ssim_depth
 
 
 def plot(path_to_images, path_to_ssim_depth, path_to_boxplots, path_to_depth_figure, source):

@@ -4,7 +4,8 @@ from job import job
 
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_dataset
-from snowsim.plotting import new_figure, note_source, plot_layer_powers, plot_looks, plot_track_spectra, plot_waveform
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.flight import plot_layer_powers, plot_looks, plot_track_spectra, plot_waveform
 
 
 def plot(path_to_statistics, path_to_waveforms, path_to_spectra, source):

@@ -1,0 +1,53 @@
+"""The one style of all figures: colours, names, sizes, and where the data come from."""
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+mpl.rcParams["svg.hashsalt"] = "snowsim"  # otherwise names of SVG elements differ from run to run
+
+from matplotlib import pyplot as plt  # noqa: E402 - the backend comes first
+
+# Okabe & Ito (2008): told apart by colour-blind readers too.
+COLOURS = {
+    "cgan": "#D55E00",
+    "phy": "#0072B2",
+    "rd": "#000000",
+    "rd_gd": "#D55E00",
+    "rd_pd": "#0072B2",
+    "rd_pd_gd": "#009E73",
+}
+NAMES = {
+    "cgan": "cGAN",
+    "phy": "PHY",
+    "rd": "RD",
+    "rd_gd": "RD+GD",
+    "rd_pd": "RD+PD",
+    "rd_pd_gd": "RD+PD+GD",
+    "rmse": "RMSE",
+    "psnr": "PSNR [dB]",
+    "ssim": "SSIM",
+    "ods": "ODS",
+    "ois": "OIS",
+    "ap": "AP",
+    "fuse": "fuse",
+}
+STYLE = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "figure.constrained_layout.use": True,
+    "legend.frameon": False,
+    "image.cmap": "gray",
+}
+
+
+def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
+    """Figure and axes array (row, column) in the house style; sizes in inches."""
+    with plt.style.context(STYLE):
+        figure, axes = plt.subplots(n_rows, n_columns, figsize=(width, height), squeeze=False, **keywords)
+    return figure, axes
+
+
+def note_source(figure, source):
+    """State what the data are in a corner of the figure: every figure of synthetic data says so."""
+    figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
