@@ -1,1 +1,71 @@
 """Files to datasets and back; the only package that opens files."""
+
+
+def read_echogram(path, *, compensated=False):
+    """Echogram dataset of a file, whose format is told from its content.
+
+    Parameters
+    ----------
+    path : path_like
+        IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar dataset (NetCDF, Zarr).
+    compensated : bool
+        Keep elevation compensation where a file has it; by default it is undone, so that travel times are those to
+        the antenna at `Elevation`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Coordinates `slow_time` [UTC] and `twtt` [s]; `Data` (twtt, slow_time) in linear power, NaN where nothing was
+        recorded; `Latitude`, `Longitude`, `Elevation`, `Surface` along slow_time, and what else the file has.
+
+    Raises
+    ------
+    ValueError
+        One line, with file, variable, expected and found, for any file that is not a sound echogram.
+    """
+    from snowsim.io import cresis, nsidc, sniff, xopr
+    from snowsim.io.guard import refusal
+
+    _, kind = sniff.sniff(path)
+    if kind == "nsidc":
+        return nsidc.read_nsidc(path, compensated=compensated)
+    if kind == "cresis":
+        return cresis.read_cresis(path, compensated=compensated)
+    if kind == "opr":
+        return xopr.read_opr(path)
+    raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.IN_WORDS[kind])
+
+
+def read_layers(path, *, names=None):
+    """Layers dataset of a file, whose format is told from its content.
+
+    Parameters
+    ----------
+    path : path_like
+        CReSIS layer file, new (names from the organizer file beside it) or old, or an Open Polar Radar layers dataset.
+    names : iterable of str, optional
+        Read these layers only, such as ``["surface", "Koenig_2"]``.
+
+    Returns
+    -------
+    xarray.Dataset
+        `twtt` [s], `quality`, `type` on (layer, slow_time), from the snow surface down; `layer` holds the names.
+
+    Raises
+    ------
+    ValueError
+        One line, with file, variable, expected and found, for any file that is not a sound set of layers; also where
+        no layer has a pick, or where layers cross.
+    """
+    from snowsim.io import layers, sniff, xopr
+    from snowsim.io.guard import refusal
+
+    names = [names] if isinstance(names, str) else names
+    _, kind = sniff.sniff(path)
+    if kind == "cresis_layer":
+        return layers.read_cresis_layers(path, names=names)
+    if kind == "cresis_layer_data":
+        return layers.read_cresis_layer_data(path, names=names)
+    if kind == "opr_layers":
+        return xopr.read_opr_layers(path, names=names)
+    raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.IN_WORDS[kind])

@@ -1,0 +1,168 @@
+"""A flight as a table of frames: which echogram goes with which layers, and what for; read one frame at a time."""
+
+import io
+from pathlib import Path
+
+import pandas as pd
+
+from snowsim.echogram import bin_size_s
+from snowsim.flatten import align_layers, flatten, resample_range
+from snowsim.io import read_echogram, read_layers
+from snowsim.io.guard import existing, library_errors, one_line, refusal
+from snowsim.io.layers import surface_among
+
+COLUMNS = ("frame", "echogram", "layers", "role")
+ROLES = ("statistics", "train", "test")
+
+
+def read_frames(path, *, root=None):
+    """The table of frames, checked as far as it goes without opening the files it names.
+
+    Parameters
+    ----------
+    path : path_like
+        Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files), `role` ("statistics",
+        "train" or "test"). Lines that begin with # are remarks.
+    root : path_like, optional
+        What relative file names are relative to; by default the table's own folder.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The four columns as text, paths made absolute.
+
+    Raises
+    ------
+    ValueError
+        If a column is missing, unknown or double; else with one line for every row that fails: an empty cell, a frame
+        that comes twice, an unknown role, a file that is not there, a test echogram that has another role too.
+    """
+    path = existing(path)
+    root = path.parent if root is None else Path(root)
+    with library_errors(path, "table", "tab-separated text"):
+        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+        table = pd.read_csv(io.StringIO("\n".join(lines)), sep="\t", dtype=str, keep_default_na=False)
+    if sorted(table.columns) != sorted(COLUMNS):
+        raise refusal(path, "columns", ", ".join(COLUMNS), one_line(", ".join(map(str, table.columns)), 200))
+    if table.empty:
+        raise refusal(path, "frames", "at least one row", "none")
+    table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
+    for name in ("echogram", "layers"):
+        table[name] = [str((root / file).absolute()) if file else "" for file in table[name]]
+    troubles = [(row.frame or f"row {i + 1}", _trouble(row, table)) for i, row in enumerate(table.itertuples())]
+    _report(path, [(frame, trouble) for frame, trouble in troubles if trouble], len(table))
+    return table
+
+
+def check_frames(table, *, bin_s=None, **options):
+    """Read every frame once, one at a time; one ValueError tells of all that fail.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of `read_frames`.
+    bin_s, **options
+        As for `read_frame`. Without `bin_s`, all frames must have the bin size most of them have.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The table with `n_range_lines`, `n_range_bins`, `n_layers` and `bin_size_s`.
+
+    Raises
+    ------
+    ValueError
+        With one line for every frame that fails.
+    """
+    rows, failed = [], []
+    for row in table.itertuples():
+        try:
+            echogram, layers = read_frame(row, bin_s=bin_s, **options)
+        except ValueError as error:
+            failed.append((row.frame, str(error)))
+            continue
+        n_range_lines, n_range_bins = echogram.sizes["slow_time"], echogram.sizes["twtt"]
+        rows.append((row.frame, n_range_lines, n_range_bins, layers.sizes["layer"], bin_size_s(echogram)))
+    found = pd.DataFrame(rows, columns=["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s"])
+    if len(found):
+        # Of bin sizes equal to a millionth, the one most frames have.
+        usual = found["bin_size_s"].groupby(found["bin_size_s"].map("{:.6e}".format)).agg(["size", "first"])
+        usual = usual.sort_values("size", kind="stable")["first"].iloc[-1]
+        for row in found[(found["bin_size_s"] / usual - 1).abs() > 1e-6].itertuples():
+            failed.append((row.frame, f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s"))
+    _report("frames", failed, len(table))
+    return table.merge(found, on="frame", validate="one_to_one")
+
+
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None):
+    """Echogram and layers of one row of the table, fit for statistics and blocks.
+
+    Parameters
+    ----------
+    row : object
+        With attributes `echogram` and `layers`, such as `table.itertuples()` gives.
+    bin_s : float, optional
+        Bring the echogram to this bin size [s]; by default it keeps its own.
+    flattening : {"surface", "elevation", "none"}
+        See `snowsim.flatten.flatten`; a frame that is level already is not changed.
+    layer_names : iterable of str, optional
+        Read these layers only; the surface must be among them.
+
+    Returns
+    -------
+    echogram, layers : xarray.Dataset
+        On the same range lines, the snow surface as layer 0.
+
+    Raises
+    ------
+    ValueError
+        One line with file, variable, expected and found: a file is not sound, no layer is named surface, layers do
+        not cover the echogram, leave its window or cross.
+    """
+    echogram = read_echogram(row.echogram)
+    layers = read_layers(row.layers, names=layer_names)
+    labels = layers["layer"].values if "layer" in layers.coords else []
+    named = getattr(labels, "dtype", None) is not None and labels.dtype.kind in "OUS"
+    if named and surface_among([str(label) for label in labels]) != 0:
+        found = one_line(", ".join(map(str, labels)), 200)
+        raise refusal(row.layers, "layer", "one named surface (from the organizer file beside it)", found)
+    layers = align_layers(layers, echogram, where=str(row.layers))
+    if bin_s is not None:
+        echogram = resample_range(echogram, bin_s)
+    return flatten(echogram, layers, method=flattening)
+
+
+def each_frame(table, role=None, **options):
+    """Yield (echogram, layers) of every frame with a role, or of all; one is read when it is asked for.
+
+    `**options` are those of `read_frame`.
+    """
+    for row in table.itertuples():
+        if role is None or row.role == role:
+            yield read_frame(row, **options)
+
+
+def _trouble(row, table):
+    """What is wrong with a row, or nothing."""
+    empty = [name for name in COLUMNS if not getattr(row, name)]
+    if empty:
+        return f"{', '.join(empty)}: expected a value, found none"
+    if (table["frame"] == row.frame).sum() > 1:
+        return f"frame: expected names that differ, found {row.frame} more than once"
+    if row.role not in ROLES:
+        return f"role: expected {', '.join(ROLES)}, found {row.role}"
+    for name in ("echogram", "layers"):
+        file = Path(getattr(row, name))
+        # A Zarr store is a directory.
+        if not file.exists():
+            return f"{name}: expected a file, found nothing at {file}"
+    roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]))
+    if "test" in roles and len(roles) > 1:
+        return f"echogram: expected a test frame to have no other role, found {' and '.join(roles)}"
+    return None
+
+
+def _report(path, failed, n_frames):
+    if failed:
+        lines = [f"{path}: {len(failed)} of {n_frames} frames fail", *(f"{name}: {line}" for name, line in failed)]
+        raise ValueError("\n".join(lines))

@@ -1,0 +1,97 @@
+"""What every reader of foreign files shares: one-line refusals, a size limit, and the library errors it stands for."""
+
+import struct
+import zlib
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+# A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32, 0.6 GB.
+MAXIMUM_BYTES = 2**30
+
+# What h5py, scipy.io, xarray and Pillow were seen to raise on truncated and bit-flipped files.
+LIBRARY_ERRORS = (
+    ArithmeticError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    MemoryError,
+    NameError,
+    OSError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    zlib.error,
+)
+
+
+def refusal(path, what, expected, found):
+    """The one ValueError of a bad file: file, variable, what was expected, what was found; on one line."""
+    return ValueError(one_line(f"{path}: {what}: expected {expected}, found {found}"))
+
+
+def one_line(text, limit=400):
+    """Text on one line of printable characters, cut after `limit` of them."""
+    text = " ".join("".join(c if c.isprintable() else " " for c in str(text)).split())
+    return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+@contextmanager
+def library_errors(path, what, expected):
+    """Turn an error a library raises on a damaged file into the one-line ValueError; nothing else belongs inside."""
+    try:
+        yield
+    except LIBRARY_ERRORS as error:
+        if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
+            raise  # already the one line
+        raise refusal(path, what, expected, f"{type(error).__name__} {error}") from error
+
+
+def existing(path, *, directory=False):
+    """The path as `Path`; ValueError if nothing is there, or a directory where a file belongs."""
+    path = Path(path)
+    if not path.exists() or (path.is_dir() and not directory):
+        raise refusal(path, "path", "a file", "a directory" if path.is_dir() else "nothing")
+    return path
+
+
+def check_size(path, what, shape, itemsize):
+    """Refuse an array whose declared size is beyond `MAXIMUM_BYTES`, before a byte of it is read."""
+    n_bytes = itemsize
+    for length in shape:
+        n_bytes *= int(length)
+    if n_bytes > MAXIMUM_BYTES:
+        raise refusal(path, what, f"at most {MAXIMUM_BYTES} bytes", f"{n_bytes} declared by shape {tuple(shape)}")
+
+
+def numeric(path, what, array):
+    """A real numeric array, or ValueError; booleans count as integers."""
+    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiub":
+        found = "a function handle or object" if array is None else getattr(array, "dtype", type(array).__name__)
+        raise refusal(path, what, "real numbers", found)
+    return np.asarray(array)  # sheds subclasses
+
+
+def vector(path, what, array, length=None):
+    """A row, a column or a 1-D array as float64 (length,); ValueError for any other shape."""
+    array = numeric(path, what, array)
+    if array.ndim > 2 or max(array.shape, default=0) != array.size:
+        raise refusal(path, what, "a row or a column", f"shape {array.shape}")
+    if length is not None and array.size != length:
+        raise refusal(path, what, f"{length} values", f"shape {array.shape}")
+    return array.ravel().astype(float)
+
+
+def matrix(path, what, array, n_rows, n_columns):
+    """A 2-D array as (n_rows, n_columns), transposed where only that fits; ValueError for any other shape."""
+    array = numeric(path, what, array)
+    if array.ndim == 1 and array.size == n_rows * n_columns and 1 in (n_rows, n_columns):
+        array = array.reshape(n_rows, n_columns)
+    if array.shape == (n_rows, n_columns):
+        return array
+    if array.shape == (n_columns, n_rows):
+        return array.T
+    raise refusal(path, what, f"shape ({n_rows}, {n_columns})", f"shape {array.shape}")

@@ -1,0 +1,228 @@
+"""Small files of every format, written to the published field tables: no real echogram may be shipped with the tests.
+
+Names, units, orientations and traps are those of the CReSIS toolbox and of the IRSNO1B files: MATLAB writes NetCDF
+dimensions the other way round, v7.3 files are HDF5 with transposed arrays, text as numbers and cells as references.
+"""
+
+import h5py
+import netCDF4
+import numpy as np
+import scipy.io
+import xarray as xr
+
+BIN_S = 2.886e-10
+SPEED_OF_LIGHT = 299_792_458.0
+GPS_START = 1_333_065_600.0 + 15  # 2012-03-30 00:00:00 UTC, 15 leap seconds then
+N_BINS, N_LINES = 120, 40
+SURFACE_BIN = 30
+
+
+def truth(rng, n_bins=N_BINS, n_lines=N_LINES):
+    """Linear power with a bright surface, and everything along track, as an L1B file holds it."""
+    power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
+    surface_bins = SURFACE_BIN + np.arange(n_lines) % 3
+    power[surface_bins, np.arange(n_lines)] = 1.0
+    time = 3e-6 + BIN_S * np.arange(n_bins)
+    return {
+        "Data": power,
+        "Time": time,
+        "GPS_time": GPS_START + 0.05 * np.arange(n_lines),
+        "Latitude": 70 + 1e-5 * np.arange(n_lines),
+        "Longitude": -40 + 1e-5 * np.arange(n_lines),
+        "Elevation": np.full(n_lines, 2500.0),
+        "Roll": np.full(n_lines, 0.01),
+        "Pitch": np.full(n_lines, 0.02),
+        "Heading": np.full(n_lines, 1.5),
+        "Surface": time[surface_bins],
+    }
+
+
+def slow_time(content):
+    """UTC of the lines of `truth`, to the nanosecond as far as float64 seconds hold them."""
+    return np.datetime64("2012-03-30", "ns") + np.rint((np.asarray(content["GPS_time"]) - GPS_START) * 1e9).astype(
+        "timedelta64[ns]"
+    )
+
+
+def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"):
+    """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as Python sees MATLAB's."""
+    seconds = np.asarray(content["GPS_time"]) - GPS_START if seconds is None else seconds
+    with netCDF4.Dataset(path, "w", format=format) as file:
+        file.createDimension("time", content["Data"].shape[1])
+        file.createDimension("fasttime", content["Data"].shape[0])
+        file.setncattr("min_time_bound", "20120330T00:00:15 GPS")
+
+        def put(name, dims, values, **attributes):
+            if name not in drop:
+                variable = file.createVariable(name, np.asarray(values).dtype, dims)
+                variable[:] = values
+                variable.setncatts(attributes)
+
+        with np.errstate(divide="ignore"):
+            amplitude = 10 * np.log10(content["Data"])
+        if transposed:
+            put("amplitude", ("fasttime", "time"), amplitude, units="counts in dB")
+        else:
+            put("amplitude", ("time", "fasttime"), amplitude.T, units="counts in dB", matlab_class="single")
+        put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
+        put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
+        for ours, theirs in {"Latitude": "lat", "Longitude": "lon", "Elevation": "altitude"}.items():
+            put(theirs, ("time",), content[ours])
+        for ours in ("Roll", "Pitch", "Heading"):
+            put(ours.lower(), ("time",), np.degrees(content[ours]), units="degrees")
+        put("Surface", ("time",), content["Surface"], units="seconds")
+        for name, values in (extra or {}).items():
+            put(name, ("time",), values)
+        file.createDimension("text", 24)
+        season = np.frombuffer(b"2012_Greenland_P3".ljust(24, b"\0"), dtype="S1")
+        put("param_records.season_name", ("text",), season)
+        put("param_records.radar.wfs(1).f0", ("text",), np.zeros(24))
+
+
+def write_supplement(path, **flags):
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("unit", 1)
+        for name, value in flags.items():
+            size = np.size(value)
+            if f"n{size}" not in file.dimensions:
+                file.createDimension(f"n{size}", size)
+            file.createVariable(name, "u1", (f"n{size}",))[:] = value
+
+
+def as_matlab(content, *, time_as="column"):
+    """Rows, columns and matrices as MATLAB keeps them."""
+    values = {}
+    for name, value in content.items():
+        value = np.asarray(value) if not isinstance(value, dict | str | list) else value
+        if isinstance(value, np.ndarray) and value.ndim == 1:
+            column = name in ("Time", "Truncate_Bins") and time_as == "column"
+            value = value[:, None] if column else value[None, :]
+        values[name] = value
+    return values
+
+
+def write_mat5(path, content, *, time_as="column", compress=True):
+    scipy.io.savemat(path, as_matlab(content, time_as=time_as), do_compression=compress)
+
+
+def write_mat73(path, content, *, time_as="column"):
+    """HDF5 as MATLAB writes it: a user block, transposed arrays, text as uint16, cells as references."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, value in as_matlab(content, time_as=time_as).items():
+            _put73(file, file, name, value)
+    with open(path, "r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124, b" ") + b"\x00\x02IM")
+
+
+def _put73(file, group, name, value):
+    if isinstance(value, str):
+        node = group.create_dataset(name, data=np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None])
+        node.attrs["MATLAB_class"] = np.bytes_("char")
+        node.attrs["MATLAB_int_decode"] = np.int32(2)
+    elif isinstance(value, dict):
+        node = group.create_group(name)
+        node.attrs["MATLAB_class"] = np.bytes_("struct")
+        for key, item in value.items():
+            _put73(file, node, key, item)
+    elif isinstance(value, list):
+        refs = file.require_group("#refs#")
+        links = []
+        for item in value:
+            key = f"r{len(refs)}"
+            _put73(file, refs, key, item)
+            links.append(refs[key].ref)
+        node = group.create_dataset(name, (len(links), 1), dtype=h5py.ref_dtype)
+        node[:, 0] = links
+        node.attrs["MATLAB_class"] = np.bytes_("cell")
+    else:
+        value = np.atleast_2d(np.asarray(value))
+        if value.size == 0:
+            node = group.create_dataset(name, data=np.array(value.shape, dtype="u8"))
+            node.attrs["MATLAB_empty"] = np.uint8(1)
+        else:
+            node = group.create_dataset(name, data=value.T)
+        node.attrs["MATLAB_class"] = np.bytes_(
+            {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
+        )
+
+
+def compensated(content, correction, *, n_kept, first=0, truncate_time=False):
+    """What the toolbox's compression makes of an echogram: traces pushed down, zeros above, NaN below."""
+    correction = np.asarray(correction)
+    n_bins, n_lines = content["Data"].shape
+    padded = np.full((n_bins + correction.max(), n_lines), np.nan, dtype=content["Data"].dtype)
+    for line, bins in enumerate(correction):
+        padded[:bins, line] = 0
+        padded[bins : bins + n_bins, line] = content["Data"][:, line]
+    time = content["Time"][0] + BIN_S * np.arange(padded.shape[0])
+    kept = slice(first, first + n_kept)
+    out = dict(content)
+    out["Data"] = padded[kept]
+    out["Time"] = time[kept] if truncate_time else time
+    out["Elevation"] = content["Elevation"] + correction * BIN_S * SPEED_OF_LIGHT / 2
+    out["Surface"] = content["Surface"] + correction * BIN_S
+    out["Elevation_Correction"] = correction.astype(float)
+    out["Truncate_Bins"] = np.arange(first, first + n_kept) + 1.0
+    return out
+
+
+def layer_content(twtt, ids, gps_time, *, elevation=2500.0):
+    """A new layer file: twtt (Nl, Nx)."""
+    twtt = np.atleast_2d(twtt)
+    n_lines = np.size(gps_time)
+    return {
+        "gps_time": np.asarray(gps_time),
+        "lat": np.full(n_lines, 70.0),
+        "lon": np.full(n_lines, -40.0),
+        "elev": np.broadcast_to(np.asarray(elevation, dtype=float), (n_lines,)).copy(),
+        "id": np.asarray(ids, dtype=float),
+        "twtt": twtt,
+        "quality": np.ones(twtt.shape, dtype=np.uint8),
+        "type": np.full(twtt.shape, 2, dtype=np.uint8),
+    }
+
+
+def organizer_content(ids, names, groups=None):
+    cells = np.empty((1, len(names)), dtype=object)
+    cells[0] = names
+    group_cells = np.empty((1, len(names)), dtype=object)
+    group_cells[0] = groups or [""] * len(names)
+    return {
+        "lyr_id": np.asarray(ids, float),
+        "lyr_name": cells,
+        "lyr_group_name": group_cells,
+        "lyr_order": np.asarray(ids),
+    }
+
+
+def old_layer_content(twtt, gps_time, names):
+    """An old layer file: a cell of structs."""
+    entries = np.empty((1, len(twtt)), dtype=object)
+    for i, (row, name) in enumerate(zip(twtt, names, strict=True)):
+        values = np.empty((1, 2), dtype=object)
+        manual = np.full(row.size, np.nan)
+        manual[0] = row[0]
+        values[0] = [{"data": manual[None]}, {"data": row[None]}]
+        entries[0, i] = {"value": values, "quality": np.ones((1, row.size))} | ({"name": name} if name else {})
+    n_lines = np.size(gps_time)
+    along = {
+        name: np.full(n_lines, value)
+        for name, value in (("Latitude", 70.0), ("Longitude", -40.0), ("Elevation", 2500.0))
+    }
+    return {"GPS_time": np.asarray(gps_time), "layerData": entries, **along}
+
+
+def opr_dataset(content):
+    """The same echogram as an Open Polar Radar dataset."""
+    along = ("Latitude", "Longitude", "Elevation", "Surface", "Roll", "Pitch", "Heading")
+    return xr.Dataset(
+        {"Data": (("twtt", "slow_time"), content["Data"]), **{n: ("slow_time", content[n]) for n in along}},
+        coords={"twtt": ("twtt", content["Time"], {"units": "s"}), "slow_time": slow_time(content)},
+    )
+
+
+def opr_layers(twtt, times, names=None):
+    twtt = np.atleast_2d(twtt)
+    coords = {"slow_time": times} | ({} if names is None else {"layer": np.asarray(names, dtype=str)})
+    flags = {name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)) for name in ("quality", "type")}
+    return xr.Dataset({"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords)

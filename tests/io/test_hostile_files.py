@@ -1,0 +1,245 @@
+"""Files made to harm: code objects, bombs, links out of the file, endless nesting; and readers held against others."""
+
+import struct
+import zlib
+
+import formats
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+from numpy.testing import assert_array_equal
+
+from snowsim.io import read_echogram, read_layers
+from snowsim.io.guard import MAXIMUM_BYTES
+from snowsim.io.hdf5 import check_heaps, names_in_hdf5
+from snowsim.io.mat5 import MATRIX, names_in_mat5, read_mat5
+from snowsim.io.matlab import read_mat73
+from snowsim.io.netcdf import read_netcdf
+
+HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+
+
+def element(kind, data):
+    return struct.pack("<II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+
+def array(name, array_class, *contents, shape=(1, 1), flags=0):
+    head = element(6, struct.pack("<II", array_class | flags << 8, 0)) + element(5, struct.pack("<2i", *shape))
+    return element(MATRIX, head + element(1, name.encode()) + b"".join(contents))
+
+
+def refused(call, path, message):
+    with pytest.raises(ValueError, match=message) as error:
+        call(path)
+    assert "\n" not in str(error.value)
+    assert str(error.value).startswith(str(path))
+
+
+@pytest.fixture
+def content(rng):
+    return formats.truth(rng)
+
+
+@pytest.mark.parametrize("array_class", [3, 16, 17], ids=["object", "function handle", "opaque"])
+def test_code_objects_are_never_made_and_named_where_data_belong(tmp_path, content, array_class):
+    path = tmp_path / "f.mat"
+    formats.write_mat5(path, {k: v for k, v in content.items() if k != "Data"}, compress=False)
+    inner = array("", 4, element(16, b"system('true')"), shape=(1, 14))
+    if array_class == 3:
+        harmful = array("Data", 3, element(1, b"inline"), inner)
+    else:
+        flags = element(6, struct.pack("<II", array_class, 0))
+        harmful = element(MATRIX, flags + element(1, b"Data") + inner)
+    path.write_bytes(path.read_bytes() + harmful)
+    assert read_mat5(path, ["Data"]) == {"Data": None}
+    refused(read_echogram, path, "Data: expected real numbers, found a function handle or object")
+
+
+def test_function_handles_among_parameters_do_no_harm(tmp_path, content):
+    path = tmp_path / "f.mat"
+    formats.write_mat73(path, content)
+    with h5py.File(path, "r+") as file:
+        handle = file.create_group("param_records/radar/lever_arm_fh")
+        handle.attrs["MATLAB_class"] = np.bytes_("function_handle")
+        handle.attrs["MATLAB_object_decode"] = np.int32(1)
+    assert read_echogram(path)["Data"].shape == content["Data"].shape
+    assert read_mat73(path, ["param_records"])["param_records"] == {"radar": {"lever_arm_fh": None}}
+
+
+def test_real_files_with_function_handles_are_read(shared_data):
+    path = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
+    assert read_mat5(path, ["param"])["param"]["radar"] == {"lever_arm_fh": None}
+
+
+def test_mat5_values_are_those_scipy_reads(tmp_path, shared_data, rng):
+    written = tmp_path / "written.mat"
+    content = {
+        **{f"x_{kind}": rng.integers(0, 100, (3, 4)).astype(kind) for kind in ("i1", "u2", "i4", "u8", "f4", "f8")},
+        "x_3d": rng.normal(size=(2, 3, 4)),
+        "x_empty": np.zeros((0, 3)),
+        "x_logical": np.array([[True, False]]),
+    }
+    scipy.io.savemat(written, content, do_compression=True)
+    real = sorted(shared_data.glob("cresis_layers/20181030_01/*.mat")) + sorted(shared_data.glob("mat/*.mat"))
+    for path in (written, *real):
+        theirs = {k: v for k, v in scipy.io.loadmat(path, mat_dtype=True).items() if not k.startswith("__")}
+        ours = read_mat5(path, list(theirs))
+        assert names_in_mat5(path) == set(theirs) == set(ours)
+        for name, value in theirs.items():
+            if value.dtype.kind in "biufc":
+                assert_array_equal(ours[name], value)
+            elif value.dtype.kind == "U":
+                assert ours[name] == "".join(value.ravel())
+
+
+def test_complex_numbers_keep_both_parts(tmp_path, rng):
+    # scipy drops the imaginary part where types are asked to be MATLAB's.
+    values = rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
+    scipy.io.savemat(tmp_path / "f.mat", {"x": values})
+    assert_array_equal(read_mat5(tmp_path / "f.mat", ["x"])["x"], values)
+
+
+def test_big_endian_files_are_read(tmp_path):
+    data = struct.pack(">4d", 1, 2, 3, 4)
+    parts = struct.pack(">II", 6, 8) + struct.pack(">II", 6, 0) + struct.pack(">II2i", 5, 8, 2, 2)
+    parts += struct.pack(">HH4s", 1, 1, b"x") + struct.pack(">II", 9, 32) + data
+    (tmp_path / "f.mat").write_bytes(HEADER[:124] + b"\x01\x00MI" + struct.pack(">II", 14, len(parts)) + parts)
+    assert_array_equal(read_mat5(tmp_path / "f.mat", ["x"])["x"], [[1, 3], [2, 4]])
+
+
+@pytest.mark.parametrize("name", ["Data", "anything"])
+def test_compressed_bombs_are_not_inflated(tmp_path, name):
+    # 3 GB of zeros in 3 MB, whether or not a reader would want the variable.
+    n_bytes = 3 * 2**30
+    n_rows = n_bytes // 8 // 1024
+    head = (
+        element(6, struct.pack("<II", 6, 0)) + element(5, struct.pack("<2i", n_rows, 1024)) + element(1, name.encode())
+    )
+    squeeze = zlib.compressobj(9)
+    packed = squeeze.compress(
+        struct.pack("<II", MATRIX, len(head) + 8 + n_bytes) + head + struct.pack("<II", 9, n_bytes)
+    )
+    packed += b"".join(squeeze.compress(bytes(2**24)) for _ in range(4)) + squeeze.flush()
+    path = tmp_path / "f.mat"
+    path.write_bytes(HEADER + struct.pack("<II", 15, len(packed)) + packed)
+    refused(lambda path: read_mat5(path, ["Data"]), path, f"of at most {MAXIMUM_BYTES} bytes, found type 14 of")
+
+
+def test_a_small_header_over_a_large_stream_is_refused(tmp_path):
+    inside = array("Data", 6, element(9, struct.pack("<d", 1.0)))
+    packed = zlib.compress(inside + bytes(2**27), 9)
+    path = tmp_path / "f.mat"
+    path.write_bytes(HEADER + struct.pack("<II", 15, len(packed)) + packed)
+    refused(lambda path: read_mat5(path, ["Data"]), path, "Data: expected a compressed variable of 72 bytes")
+
+
+def test_declared_sizes_are_checked_before_anything_is_read(tmp_path, content):
+    path = tmp_path / "f.mat"
+    formats.write_mat73(path, {k: v for k, v in content.items() if k != "Data"})
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000), compression="gzip")
+    refused(read_echogram, path, f"Data: expected at most {MAXIMUM_BYTES} bytes, found 4000000000000 declared")
+
+
+def test_cells_that_claim_more_members_than_bytes_are_refused(tmp_path):
+    path = tmp_path / "f.mat"
+    path.write_bytes(HEADER + array("layerData", 1, shape=(2**30, 2**30)))
+    refused(lambda path: read_mat5(path, ["layerData"]), path, "layerData: expected at most 0 members")
+
+
+def test_endless_nesting_is_refused(tmp_path):
+    nested = array("", 6, element(9, bytes(8)))
+    for _ in range(200):
+        nested = array("", 1, nested)
+    path = tmp_path / "f.mat"
+    path.write_bytes(HEADER + array("layerData", 1, nested))
+    refused(lambda path: read_mat5(path, ["layerData"]), path, "at most 32 nested values")
+
+
+def test_references_in_circles_are_refused(tmp_path):
+    path = tmp_path / "f.mat"
+    with h5py.File(path, "w") as file:
+        for name in ("layerData", "b"):
+            file.create_dataset(name, (1000, 1), dtype=h5py.ref_dtype)
+        file["layerData"][...] = file["b"].ref
+        file["b"][...] = file["layerData"].ref
+        file["GPS_time"] = np.zeros((3, 1))
+    # Followed to the end it would take 1000^32 steps.
+    refused(read_layers, path, "nested 32 deep, found more")
+
+
+@pytest.mark.parametrize("kind", ["external", "soft", "storage", "virtual"])
+def test_variables_kept_elsewhere_are_refused(tmp_path, content, kind):
+    path, other = tmp_path / "f.mat", tmp_path / "other.h5"
+    formats.write_mat73(path, {k: v for k, v in content.items() if k != "Data"})
+    with h5py.File(other, "w") as file:
+        file["Data"] = content["Data"].T
+    shape = content["Data"].T.shape
+    with h5py.File(path, "r+") as file:
+        if kind == "external":
+            file["Data"] = h5py.ExternalLink(str(other), "/Data")
+        elif kind == "soft":
+            file["Data"] = h5py.SoftLink("/elsewhere")
+        elif kind == "storage":
+            file.create_dataset("Data", shape, "f4", external=[(str(other), 0, h5py.h5f.UNLIMITED)])
+        else:
+            layout = h5py.VirtualLayout(shape, "f4")
+            layout[...] = h5py.VirtualSource(str(other), "Data", shape)
+            file.create_virtual_dataset("Data", layout)
+    refused(read_echogram, path, "Data: expected a variable of this file")
+
+
+def test_heaps_the_library_would_walk_for_ever_are_refused(tmp_path):
+    path = tmp_path / "f.nc"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("layer", data=["surface", "Koenig_2"], dtype=h5py.string_dtype())
+    check_heaps(path)
+    content = bytearray(path.read_bytes())
+    at = content.index(b"GCOL") + 16
+    # A length that, rounded up to 8 and added to its header, comes to nothing in 64 bits.
+    content[at + 8 : at + 16] = struct.pack("<q", -16)
+    path.write_bytes(content)
+    refused(names_in_hdf5, path, "HDF5 heap at byte .*: expected objects that end by byte")
+
+
+def test_texts_longer_than_the_file_are_refused(tmp_path):
+    path = tmp_path / "f.nc"
+    with h5py.File(path, "w") as file:
+        node = file.create_dataset("layer", data=["surface", "Koenig_2"], dtype=h5py.string_dtype())
+        at = node.id.get_offset()
+    content = bytearray(path.read_bytes())
+    content[at : at + 4] = struct.pack("<I", 2**31)
+    path.write_bytes(content)
+    refused(read_netcdf, path, "layer: expected texts within .* bytes, found")
+
+
+@pytest.mark.parametrize("call", [read_echogram, read_layers])
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "path: expected a file, found nothing"),
+        (b"", "content: expected MAT v5"),
+        (b"\x89HDF\r\n\x1a\n", "HDF5: expected a readable file"),
+        (HEADER, "variables: expected those of an echogram or of layers, found none"),
+        (b"CDF\x01" + bytes(4), "variables: expected|NetCDF: expected"),
+        (b"GIF89a", "content: expected MAT v5, MAT v7.3, NetCDF, PNG or Zarr, found first bytes b'GIF89a'"),
+    ],
+    ids=["missing", "empty", "hdf5 head", "mat head", "netcdf head", "gif"],
+)
+def test_what_is_no_data_file_is_refused(tmp_path, call, content, message):
+    path = tmp_path / "frame.mat"
+    if content is not None:
+        path.write_bytes(content)
+    refused(call, path, message)
+
+
+def test_a_folder_is_no_file(tmp_path):
+    refused(read_echogram, tmp_path, "path: expected a file or a Zarr store, found a directory")
+
+
+def test_netcdf3_files_are_read_as_netcdf4(tmp_path, content):
+    formats.write_nsidc(tmp_path / "a.nc", content)
+    formats.write_nsidc(tmp_path / "b.nc", content, format="NETCDF3_64BIT_OFFSET")
+    assert (tmp_path / "b.nc").read_bytes()[:4] == b"CDF\x02"
+    assert read_echogram(tmp_path / "a.nc").equals(read_echogram(tmp_path / "b.nc"))

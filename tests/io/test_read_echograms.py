@@ -1,0 +1,330 @@
+"""Echograms of every format, from files written to the field tables (`formats`), with the traps those formats hold."""
+
+import formats
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import check_echogram
+from snowsim.io import read_echogram
+from snowsim.io.cresis import read_cresis
+from snowsim.io.files import write_dataset
+from snowsim.io.times import from_gps_seconds, leap_seconds, unwrap_midnight
+
+# dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
+DB_ROUND_TRIP = 1e-5
+
+
+@pytest.fixture
+def content(rng):
+    return formats.truth(rng)
+
+
+def written(kind, path, content):
+    writers = {
+        "nsidc": formats.write_nsidc,
+        "mat5": formats.write_mat5,
+        "mat73": formats.write_mat73,
+        "opr": lambda path, content: write_dataset(path, formats.opr_dataset(content)),
+    }
+    writers[kind](path, content)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["nsidc", "mat5", "mat73", "opr"])
+def test_every_format_gives_the_same_echogram(tmp_path, content, kind):
+    # The ending says nothing: the format is told from the content.
+    echogram = read_echogram(written(kind, tmp_path / "frame.bin", content))
+    check_echogram(echogram)
+    assert echogram["Data"].dims == ("twtt", "slow_time")
+    assert_allclose(echogram["Data"], content["Data"], rtol=DB_ROUND_TRIP)
+    # Microseconds and back: two roundings of a double.
+    assert_allclose(echogram["twtt"], content["Time"], rtol=4e-16)
+    assert_allclose(echogram["Surface"], content["Surface"], rtol=4e-16)
+    assert_allclose(echogram["Heading"], content["Heading"], rtol=4e-16)
+    # Seconds since 1970 are doubles of 2.4e-7 s.
+    late = np.abs(echogram["slow_time"].values - formats.slow_time(content))
+    assert (late <= np.timedelta64(300, "ns")).all()
+
+
+@pytest.mark.parametrize("kind", ["nsidc", "mat5", "mat73", "opr"])
+def test_brightest_bin_lies_at_the_surface(tmp_path, content, kind):
+    echogram = read_echogram(written(kind, tmp_path / "frame", content))
+    brightest = echogram["twtt"].values[echogram["Data"].values.argmax(axis=0)]
+    # Within a hundredth of a bin.
+    assert_allclose(brightest, echogram["Surface"], atol=formats.BIN_S / 100)
+
+
+def test_transposed_amplitude_is_told_by_its_dimensions(tmp_path, content):
+    formats.write_nsidc(tmp_path / "a.nc", content)
+    formats.write_nsidc(tmp_path / "b.nc", content, transposed=True)
+    assert read_echogram(tmp_path / "a.nc").identical(read_echogram(tmp_path / "b.nc"))
+
+
+def test_square_amplitude_is_not_guessed_by_shape(tmp_path, rng):
+    content = formats.truth(rng, n_bins=40, n_lines=40)
+    formats.write_nsidc(tmp_path / "a.nc", content)
+    formats.write_nsidc(tmp_path / "b.nc", content, transposed=True)
+    for name in ("a.nc", "b.nc"):
+        assert_allclose(read_echogram(tmp_path / name)["Data"], content["Data"], rtol=DB_ROUND_TRIP)
+
+
+def test_fast_time_survives_bins_below_a_nanosecond(tmp_path, content):
+    # xarray would make timedelta64[ns] of it, in which a bin of 0.0866 ns is nothing.
+    content["Time"] = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
+    formats.write_nsidc(tmp_path / "f.nc", content)
+    steps = np.diff(read_echogram(tmp_path / "f.nc")["twtt"].values)
+    # Doubles near 3 us are 4e-22 s apart.
+    assert_allclose(steps, 0.0866e-9, atol=2e-21)
+
+
+def test_inserted_bins_and_padding_become_nan(tmp_path, content):
+    content["Data"][:5] = 0  # -inf dB
+    content["Data"][-3:] = np.nan
+    formats.write_nsidc(tmp_path / "f.nc", content)
+    data = read_echogram(tmp_path / "f.nc")["Data"].values
+    assert np.isnan(data[:5]).all()
+    assert np.isnan(data[-3:]).all()
+    assert np.isfinite(data[5:-3]).all()
+
+
+def test_seconds_of_day_go_on_past_midnight(tmp_path, content):
+    seconds = (86399.0 + 0.05 * np.arange(formats.N_LINES)) % 86400
+    formats.write_nsidc(tmp_path / "f.nc", content, seconds=seconds)
+    echogram = read_echogram(tmp_path / "f.nc")
+    times = echogram["slow_time"].values
+    assert times[0] == np.datetime64("2012-03-30T23:59:59")
+    assert times[-1] > np.datetime64("2012-03-31T00:00:00")
+    assert_allclose(np.diff(times) / np.timedelta64(1, "ms"), 50, atol=1e-3)
+    assert echogram.attrs["midnights_passed"] == 1
+
+
+def test_unwrapping_keeps_what_is_in_order():
+    seconds, n_crossings = unwrap_midnight([1.0, 2.0, 86400.5])
+    assert_array_equal(seconds, [1.0, 2.0, 86400.5])
+    assert n_crossings == 0
+
+
+@pytest.mark.parametrize(
+    ("date", "offset"),
+    [("2009-06-01", 15), ("2012-06-30", 15), ("2012-07-01", 16), ("2016-12-31", 17), ("2018-01-01", 18)],
+)
+def test_gps_time_loses_the_leap_seconds_of_its_day(date, offset):
+    noon = np.datetime64(f"{date}T12:00:00", "ns")
+    gps_seconds = noon.astype(np.int64) / 1e9 + offset
+    assert leap_seconds(gps_seconds) == offset
+    assert from_gps_seconds("f.mat", "GPS_time", [gps_seconds])[0] == noon
+
+
+def test_a_frame_over_a_leap_second_stays_in_order():
+    midnight = np.datetime64("2012-07-01", "s").astype(np.int64) + 15
+    times = from_gps_seconds("f.mat", "GPS_time", midnight + np.arange(-3, 4) * 0.5)
+    assert_array_equal(np.diff(times), np.timedelta64(500, "ms"))
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("time_as", ["row", "column"])
+def test_time_may_be_a_row_or_a_column(tmp_path, content, kind, time_as):
+    write = {"mat5": formats.write_mat5, "mat73": formats.write_mat73}[kind]
+    write(tmp_path / "f.mat", content, time_as=time_as)
+    assert_array_equal(read_echogram(tmp_path / "f.mat")["twtt"], content["Time"])
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_missing_attitude_is_no_fault(tmp_path, content, kind):
+    for name in ("Roll", "Pitch", "Heading"):
+        del content[name]
+    echogram = read_echogram(written(kind, tmp_path / "f.mat", content))
+    assert "Roll" not in echogram
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("struct", ["param_records", "param_qlook", "param_get_heights", "param_csarp"])
+def test_parameters_are_found_under_newer_and_older_names(tmp_path, content, kind, struct):
+    content[struct] = {"season_name": "2012_Greenland_P3", "day_seg": "20120330_04"}
+    echogram = read_echogram(written(kind, tmp_path / "f.mat", content))
+    assert echogram.attrs["season_name"] == "2012_Greenland_P3"
+    assert echogram.attrs["day_seg"] == "20120330_04"
+
+
+def test_flattened_parameters_of_netcdf_lose_their_padding(tmp_path, content):
+    formats.write_nsidc(tmp_path / "f.nc", content)
+    assert read_echogram(tmp_path / "f.nc").attrs["season_name"] == "2012_Greenland_P3"
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_scaled_integers_come_back_as_power_to_half_a_step(tmp_path, content, kind, dtype):
+    power_db = 10 * np.log10(content["Data"].astype(float))
+    lowest_db = power_db.min()
+    span_db = power_db.max() - lowest_db
+    largest = np.iinfo(dtype).max
+    coded = content | {
+        "Data": np.rint((power_db - lowest_db) * largest / span_db).astype(dtype),
+        "minData": np.array([lowest_db]),
+        "maxData": np.array([span_db]),
+    }
+    echogram = read_echogram(written(kind, tmp_path / "f.mat", coded))
+    found_db = 10 * np.log10(echogram["Data"].values)
+    # Half a step of the code, and float32 decibels.
+    assert_allclose(found_db, power_db, atol=span_db / largest / 2 + 1e-4)
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("truncate_time", [False, True])
+def test_undone_compensation_gives_back_the_recorded_traces(tmp_path, content, kind, truncate_time):
+    correction = np.arange(formats.N_LINES) % 7
+    stored = formats.compensated(content, correction, n_kept=100, first=10, truncate_time=truncate_time)
+    echogram = read_echogram(written(kind, tmp_path / "f.mat", stored))
+    for line in (0, 3, 6, 39):
+        seen = echogram["Data"].values[:, line]
+        known = np.isfinite(seen)
+        # Kept rows 10 to 109 of the compensated trace are recorded bins 10 - EC to 109 - EC.
+        bins = np.rint((echogram["twtt"].values[known] - content["Time"][0]) / formats.BIN_S).astype(int)
+        assert_array_equal(seen[known], content["Data"][bins, line])
+        assert_array_equal(bins, np.arange(10 - correction[line], 110 - correction[line]))
+        assert bins.size == 100
+    assert_allclose(echogram["Surface"], content["Surface"], rtol=1e-15)
+    assert_allclose(echogram["Elevation"], content["Elevation"], rtol=1e-12)
+
+
+def test_inserted_zeros_do_not_pass_for_measurements(tmp_path, content):
+    correction = np.full(formats.N_LINES, 4)
+    correction[0] = 0
+    stored = formats.compensated(content, correction, n_kept=formats.N_BINS + 4)
+    formats.write_mat73(tmp_path / "f.mat", stored)
+    data = read_echogram(tmp_path / "f.mat")["Data"].values
+    assert not (data == 0).any()
+    assert np.isfinite(data).sum() == formats.N_BINS * formats.N_LINES
+
+
+def test_compensation_of_netcdf_is_undone_too_and_kept_on_request(tmp_path, content):
+    correction = np.arange(formats.N_LINES) % 5
+    stored = formats.compensated(content, correction, n_kept=100, truncate_time=True)
+    extra = {"Elevation_Correction": stored.pop("Elevation_Correction")}
+    stored.pop("Truncate_Bins")
+    formats.write_nsidc(tmp_path / "f.nc", stored, extra=extra)
+    undone = read_echogram(tmp_path / "f.nc")
+    assert_allclose(undone["Surface"], content["Surface"], rtol=1e-15)
+    brightest = undone["twtt"].values[np.nanargmax(undone["Data"].values, axis=0)]
+    assert_allclose(brightest, undone["Surface"], atol=formats.BIN_S / 100)
+    kept = read_echogram(tmp_path / "f.nc", compensated=True)
+    assert_array_equal(kept["Elevation_Correction"], correction)
+    assert_allclose(kept["Surface"], stored["Surface"], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "name", ["IRSNO1B_20120330_04_017_supplement.nc", "IRSNO1B_20120330_04_017_deconv_supplement.nc"]
+)
+def test_supplement_flags_become_a_quality_mask(tmp_path, content, name):
+    formats.write_nsidc(tmp_path / "IRSNO1B_20120330_04_017_deconv.nc", content)
+    low = (np.arange(formats.N_LINES) == 7).astype(np.uint8)
+    formats.write_supplement(tmp_path / name, deconvolution_artifact=1, low_SNR=low)
+    mask = read_echogram(tmp_path / "IRSNO1B_20120330_04_017_deconv.nc")["quality_mask"]
+    meanings = mask.attrs["flag_meanings"].split()
+    assert (mask.values & (1 << meanings.index("deconvolution_artifact")) > 0).all()
+    assert_array_equal(mask.values & (1 << meanings.index("low_SNR")) > 0, low > 0)
+    assert not (mask.values & (1 << meanings.index("land_ice"))).any()
+
+
+def test_without_a_supplement_there_is_no_mask(tmp_path, content):
+    formats.write_nsidc(tmp_path / "f.nc", content)
+    assert "quality_mask" not in read_echogram(tmp_path / "f.nc")
+
+
+def test_real_integer_file_is_read_as_it_is(shared_data):
+    # ImpDAR's fixture: constant power, whole-number latitude, no surface picked.
+    echogram = read_echogram(shared_data / "mat" / "zeros_mcords_mat.mat")
+    assert echogram["Data"].shape == (951, 41)
+    assert (echogram["Data"] == 1).all()
+    assert (echogram["Latitude"] == 60).all()
+    assert echogram["Surface"].isnull().all()
+
+
+def test_real_matrix_without_time_is_refused(shared_data):
+    with pytest.raises(ValueError, match="Time: expected variables .*, found Data, Elevation"):
+        read_echogram(shared_data / "mat" / "mat_reader_test.mat")
+
+
+def refused(path, message):
+    with pytest.raises(ValueError, match=message) as error:
+        read_echogram(path)
+    assert "\n" not in str(error.value)
+    assert str(error.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("kind", ["nsidc", "mat5", "mat73", "opr"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda c: c.update(Time=c["Time"][::-1].copy()), "twtt must increase, falls at range_bin 1"),
+        (lambda c: c.update(Time=c["Time"] + formats.BIN_S * (np.arange(formats.N_BINS) > 60)), "twtt must be evenly"),
+        (lambda c: c.update(GPS_time=c["GPS_time"][::-1].copy()), "slow_time must increase"),
+        (lambda c: c.update(GPS_time=c["GPS_time"] * np.nan), "time: expected|slow_time must"),
+        (lambda c: c.update(Latitude=c["Latitude"] + 100), "Latitude: expected degrees"),
+    ],
+    ids=["time falls", "time jumps", "lines fall", "no time", "off the earth"],
+)
+def test_bad_values_are_refused_in_one_line(tmp_path, content, kind, change, message):
+    change(content)
+    refused(written(kind, tmp_path / "f", content), message)
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("name", ["Data", "Time", "GPS_time", "Latitude", "Surface"])
+def test_a_missing_variable_is_named(tmp_path, content, kind, name):
+    del content[name]
+    refused(written(kind, tmp_path / "f", content), f"{name}: expected variables .*, found")
+
+
+@pytest.mark.parametrize("name", ["amplitude", "time", "fasttime", "lat", "Surface"])
+def test_a_missing_variable_of_netcdf_is_named(tmp_path, content, name):
+    formats.write_nsidc(tmp_path / "f", content, drop=(name,))
+    refused(tmp_path / "f", f"{name}: expected variables .*, found")
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("name", ["Data", "Latitude", "GPS_time", "Time"])
+def test_a_wrong_shape_is_named(tmp_path, content, kind, name):
+    content[name] = content[name][:-1]
+    refused(written(kind, tmp_path / "f", content), "(Data|Latitude): expected .*, found shape")
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("value", ["text", {"a": np.ones(3)}, ["a", "b"], np.ones((2, 3, 4))], ids=type)
+def test_a_wrong_type_is_named(tmp_path, content, kind, value):
+    content["Elevation"] = np.array(value, dtype=object) if isinstance(value, list) and kind == "mat5" else value
+    refused(written(kind, tmp_path / "f", content), "Elevation: expected")
+
+
+@pytest.mark.parametrize(
+    ("extra", "message"),
+    [
+        ({"Elevation_Correction": np.full(formats.N_LINES, -1.0)}, "Elevation_Correction: expected whole numbers"),
+        ({"Elevation_Correction": np.full(formats.N_LINES, 1e12)}, "Elevation_Correction: expected at most"),
+        ({"Truncate_Bins": np.array([0.0, 1.0])}, "Truncate_Bins: expected consecutive"),
+        ({"minData": np.array([1.0])}, "Data: expected integers scaled by minData and maxData"),
+        ({"GPS_time": np.arange(1.0, 41.0)}, "GPS_time: expected seconds since"),
+    ],
+)
+def test_impossible_cresis_fields_are_named(tmp_path, content, extra, message):
+    formats.write_mat73(tmp_path / "f.mat", content | extra)
+    with pytest.raises(ValueError, match=message):
+        read_cresis(tmp_path / "f.mat")
+
+
+def test_zarr_without_its_package_is_refused_plainly(tmp_path, monkeypatch):
+    (tmp_path / "f.zarr").mkdir()
+    (tmp_path / "f.zarr" / ".zgroup").write_text("{}")
+    for name in ("Data", "slow_time", "twtt", "Surface"):
+        (tmp_path / "f.zarr" / name).mkdir()
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(ValueError, match="expected package zarr to read it, found it is not installed"):
+        read_echogram(tmp_path / "f.zarr")
+
+
+def test_zarr_reads_as_netcdf_does(tmp_path, content):
+    pytest.importorskip("zarr")
+    dataset = formats.opr_dataset(content)
+    dataset.to_zarr(tmp_path / "f.zarr")
+    assert_array_equal(read_echogram(tmp_path / "f.zarr")["Data"], content["Data"])

@@ -1,0 +1,199 @@
+"""Layer files, old and new: real ones where there are any, else written to the field tables (`formats`)."""
+
+import formats
+import numpy as np
+import pytest
+import scipy.io
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import check_layers
+from snowsim.io import read_layers
+from snowsim.io.files import write_dataset
+from snowsim.io.layers import order_from_surface
+
+N_LINES = 30
+GPS_TIME = formats.GPS_START + 0.05 * np.arange(N_LINES)
+SURFACE = np.full(N_LINES, 3.0e-6)
+KOENIG_2 = SURFACE + 2e-8
+KOENIG_3 = SURFACE + 5e-8
+SEGMENT = "20120330_04"
+
+
+def write(kind, folder, content, name=f"Data_{SEGMENT}_001.mat"):
+    writer = {"mat5": formats.write_mat5, "mat73": formats.write_mat73}[kind]
+    if kind == "mat73":
+        # A cell is a list there.
+        content = {k: list(v.ravel()) if np.asarray(v).dtype.kind == "O" else v for k, v in content.items()}
+    writer(folder / name, content)
+    return folder / name
+
+
+def write_with_organizer(kind, folder, twtt, names, ids=None, groups=None):
+    ids = ids or [7 * (i + 1) for i in range(len(names))]
+    write(kind, folder, formats.organizer_content(ids, names, groups), f"layer_{SEGMENT}.mat")
+    return write(kind, folder, formats.layer_content(twtt, ids, GPS_TIME))
+
+
+def refused(path, message):
+    with pytest.raises(ValueError, match=message) as error:
+        read_layers(path)
+    assert "\n" not in str(error.value)
+    assert str(error.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(tmp_path, kind):
+    # The surface is neither the first row nor id 1.
+    path = write_with_organizer(kind, tmp_path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
+    layers = read_layers(path)
+    check_layers(layers)
+    assert_array_equal(layers["layer"], ["surface", "Koenig_2", "Koenig_3"])
+    assert_allclose(layers["twtt"].sel(layer="Koenig_3"), KOENIG_3, rtol=0)
+    late = np.abs(layers["slow_time"].values - formats.slow_time({"GPS_time": GPS_TIME}))
+    assert (late <= np.timedelta64(300, "ns")).all()
+
+
+def test_layers_are_selected_by_name(tmp_path):
+    path = write_with_organizer("mat5", tmp_path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
+    assert_array_equal(read_layers(path, names=["Koenig_2", "surface"])["layer"], ["surface", "Koenig_2"])
+    with pytest.raises(ValueError, match="expected one named Koenig_9, found Koenig_3, surface, Koenig_2"):
+        read_layers(path, names=["Koenig_9"])
+
+
+def test_names_that_come_twice_carry_their_group(tmp_path):
+    path = write_with_organizer(
+        "mat5", tmp_path, [SURFACE, KOENIG_2, KOENIG_3], ["surface", "deep", "deep"], groups=["standard", "a", "b"]
+    )
+    assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_without_organizer_ids_are_no_names(tmp_path, kind):
+    path = write(kind, tmp_path, formats.layer_content([KOENIG_2, SURFACE], [1, 2], GPS_TIME))
+    assert_array_equal(read_layers(path)["layer"], ["id 2", "id 1"])
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_a_single_layer_may_be_one_dimensional(tmp_path, kind):
+    content = formats.layer_content(SURFACE, [1], GPS_TIME)
+    for name in ("twtt", "quality", "type"):
+        content[name] = content[name].ravel()
+    layers = read_layers(write(kind, tmp_path, content))
+    assert layers["twtt"].shape == (1, N_LINES)
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_layers_without_picks_are_left_out_and_listed(tmp_path, kind):
+    path = write_with_organizer(kind, tmp_path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"])
+    layers = read_layers(path)
+    assert_array_equal(layers["layer"], ["surface", "Koenig_2"])
+    assert layers.attrs["empty_layers"] == "empty"
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_a_file_without_a_single_pick_is_refused(tmp_path, kind):
+    path = write_with_organizer(kind, tmp_path, [SURFACE * np.nan] * 2, ["surface", "bottom"])
+    refused(path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
+
+
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@pytest.mark.parametrize("names", [("surface", "Koenig_2"), ("", "")])
+def test_old_files_hold_picks_in_the_second_value(tmp_path, kind, names):
+    content = formats.old_layer_content([SURFACE, KOENIG_2], GPS_TIME, names)
+    if kind == "mat73":
+        for entry in content["layerData"].ravel():
+            entry["value"] = list(entry["value"].ravel())
+    layers = read_layers(write(kind, tmp_path, content))
+    # Entries without names are the surface and the bottom.
+    assert_array_equal(layers["layer"], names if names[0] else ("surface", "bottom"))
+    assert_array_equal(layers["twtt"], [SURFACE, KOENIG_2])
+    assert_array_equal(layers["type"][:, :2], [[1, 2], [1, 2]])
+
+
+@pytest.mark.parametrize("names", [None, ["surface", "Koenig_2"], ["Koenig_2", "surface"]])
+def test_open_polar_radar_layers_read_back(tmp_path, names):
+    rows = [SURFACE, KOENIG_2] if names is None or names[0] == "surface" else [KOENIG_2, SURFACE]
+    dataset = formats.opr_layers(np.array(rows), formats.slow_time({"GPS_time": GPS_TIME}), names)
+    write_dataset(tmp_path / "l.nc", dataset)
+    assert_array_equal(read_layers(tmp_path / "l.nc")["twtt"], [SURFACE, KOENIG_2])
+
+
+def test_a_single_open_polar_radar_layer_gets_its_dimension(tmp_path):
+    dataset = formats.opr_layers(SURFACE, formats.slow_time({"GPS_time": GPS_TIME})).isel(layer=0)
+    write_dataset(tmp_path / "l.nc", dataset)
+    assert read_layers(tmp_path / "l.nc")["twtt"].dims == ("layer", "slow_time")
+
+
+def test_layers_that_share_no_line_are_ordered_by_depth():
+    first, second = SURFACE + 9e-8, SURFACE + 2e-8
+    first[15:] = np.nan
+    second[:15] = np.nan
+    assert_array_equal(order_from_surface([first, second, SURFACE], ["deep", "shallow", "surface"]), [2, 1, 0])
+
+
+def test_order_follows_what_lies_above_what_and_not_the_mean():
+    # Snow is thin where only `low` is picked: by its mean it would come first, yet a third layer lies between.
+    surface = np.zeros(4)
+    high = np.array([5.0, 5.0, np.nan, np.nan])
+    between = np.array([np.nan, 6.0, 2.0, np.nan])
+    low = np.array([np.nan, np.nan, 3.0, 3.0])
+    assert_array_equal(order_from_surface([low, high, surface, between], ["l", "h", "surface", "b"]), [2, 1, 3, 0])
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([SURFACE, KOENIG_2, KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)], "b and c cross or touch"),
+        ([SURFACE, SURFACE - 1e-8], "expected the surface above all layers, found b above it"),
+        ([SURFACE, KOENIG_2, KOENIG_2], "b and c cross or touch"),
+        ([SURFACE, KOENIG_2 * np.inf], "expected finite travel times or NaN"),
+    ],
+    ids=["crossing", "above the surface", "equal", "infinite"],
+)
+def test_impossible_layers_are_refused(tmp_path, rows, message):
+    refused(write_with_organizer("mat5", tmp_path, rows, ["surface", "b", "c"][: len(rows)]), message)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"twtt": np.ones((2, N_LINES - 1))}, r"twtt: expected shape \(2, 30\), found shape \(2, 29\)"),
+        ({"gps_time": GPS_TIME * np.nan}, "gps_time: expected GPS seconds since 1970, found no finite value"),
+        ({"gps_time": GPS_TIME[::-1]}, "slow_time must increase"),
+        ({"quality": np.full((2, N_LINES), 999.0)}, "quality: expected flags within 0 to 255, found 999"),
+        ({"twtt": "text"}, "twtt: expected real numbers"),
+        ({"id": np.empty((0, 0))}, "found no layer"),
+    ],
+    ids=["shape", "no time", "time falls", "flags", "text", "no id"],
+)
+@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+def test_damaged_layer_files_are_refused(tmp_path, kind, change, message):
+    content = formats.layer_content([SURFACE, KOENIG_2], [1, 2], GPS_TIME) | change
+    refused(write(kind, tmp_path, content), message)
+
+
+def test_real_layer_file_gives_its_named_layers(shared_data):
+    layers = read_layers(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat")
+    assert_array_equal(layers["layer"], ["surface", "bottom"])
+    assert_array_equal(layers["group"], ["standard", "standard"])
+    assert layers.attrs["empty_layers"] == "test, test1"
+    assert layers["twtt"].isnull().sum("slow_time").values.tolist() == [0, 2]
+    # 18 leap seconds in 2018, against the file's own numbers.
+    raw = scipy.io.loadmat(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat")["gps_time"][0]
+    assert abs(layers["slow_time"].values[0].astype(np.int64) / 1e9 - (raw[0] - 18)) < 1e-6
+    assert layers["slow_time"].values[0].astype("datetime64[D]") == np.datetime64("2018-10-30")
+
+
+def test_real_layers_are_ordered_though_their_ids_are_not(shared_data):
+    layers = read_layers(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_002.mat")
+    assert_array_equal(layers["layer"], ["surface", "test", "test1", "bottom"])
+
+
+def test_real_degenerate_file_is_refused(shared_data):
+    for name in ("Data_20181103_01_001.mat", "Data_20181103_01_016.mat"):
+        refused(shared_data / "cresis_layers" / "20181103_01" / name, r"found no layer \(MATLAB_empty\)")
+
+
+def test_organizers_and_images_are_no_layers(shared_data):
+    refused(shared_data / "cresis_layers" / "20181030_01" / "layer_20181030_01.mat", "found a CReSIS layer organizer")
+    refused(shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png", "found a PNG image")
