@@ -11,7 +11,7 @@ from snowsim.statistics.literal import measure_groups
 
 def solution(groups):
     """Joint solution, started from decay rates read off the averaged lines."""
-    return deblend(groups, measure_groups(groups.power, groups.position, groups.present)[0])
+    return deblend(groups, measure_groups(groups.power, groups.position.mean(axis=2), groups.present)[0])
 
 
 def crowded(rng, planted, n_groups=60):
