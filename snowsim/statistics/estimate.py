@@ -64,6 +64,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     if estimator not in ESTIMATORS:
         msg = f"estimator must be one of {', '.join(ESTIMATORS)}, got {estimator!r}"
         raise ValueError(msg)
+    if not any(np.isfinite(frame.depth_bins).any() for frame in summary):
+        msg = f"a flight needs layers, none of its {len(summary)} frames has the surface picked"
+        raise ValueError(msg)
     noise_power, noise_error, noise_looks = _noise(summary)
     groups, n_seen = _groups(summary, noise_power)
     n_layers = groups.present.shape[1]

@@ -42,5 +42,5 @@ def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
     done = run_from_the_flight(broken_run, "results/statistics.nc")
     assert done.returncode != 0
     assert len(error_lines(done)) == 1
-    assert "a flight needs the surface picked" in error_lines(done)[0]
+    assert "a flight needs layers, none of its 3 frames" in error_lines(done)[0]
     assert not (broken_run / "results/statistics.nc").exists()
