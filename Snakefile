@@ -13,6 +13,8 @@ include: "workflow/rules/cgan.smk"
 include: "workflow/rules/similarity.smk"
 include: "workflow/rules/tracker.smk"
 include: "workflow/rules/charts.smk"
+include: "workflow/rules/phy_charts.smk"
+include: "workflow/rules/stability.smk"
 
 
 localrules:
@@ -22,6 +24,9 @@ localrules:
     renders,
     similarity,
     trackers,
+    charts,
+    charts_phy,
+    stability,
 
 
 rule all:
@@ -32,3 +37,5 @@ rule all:
         rules.labels.input,
         rules.renders.input,
         rules.charts.input,
+        rules.charts_phy.input,
+        rules.stability.input,

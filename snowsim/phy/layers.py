@@ -10,6 +10,9 @@ from snowsim.phy.waveform import waveform_peak
 NORMALISE = ("peak", "none")
 ALIGN = ("peak", "gaussian")
 
+# Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
+EXACT_BOUND_DB = 1e-11
+
 
 @dataclass(frozen=True)
 class Waveforms:
@@ -107,12 +110,15 @@ def checked_power(name, value):
 
 
 def checked_tolerance(tolerance_db):
-    """A tolerance [dB] as float, or None; ValueError unless it is positive and finite."""
+    """A tolerance [dB] as float, or None; ValueError unless it is finite and the closed form can keep it."""
     if tolerance_db is None:
         return None
     tolerance_db = float(tolerance_db)
     if not (tolerance_db > 0 and np.isfinite(tolerance_db)):
         msg = f"tolerance_db must be positive and finite, or None for exact, got {tolerance_db}"
+        raise ValueError(msg)
+    if tolerance_db < EXACT_BOUND_DB:
+        msg = f"tolerance_db must be at least {EXACT_BOUND_DB:g}, the rounding of the closed form, got {tolerance_db}"
         raise ValueError(msg)
     return tolerance_db
 

@@ -4,14 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from snowsim.phy.layers import Waveforms, checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.layers import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.speckle import check_method, checked_looks
 from snowsim.phy.supports import LARGEST_ERROR, Supports, find_supports
 
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
-
-# Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
-EXACT_BOUND_DB = 1e-11
 
 # Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to other machines.
 COST_NORMAL = 8.6

@@ -1,0 +1,55 @@
+# Where PHY's methods fail, and that its public functions do not.
+
+
+rule stress_phy:
+    input:
+        code=package("phy", "io.files"),
+    output:
+        atlas="results/tables/stability_phy.csv",
+        regions="results/tables/stability_phy_regions.csv",
+    log:
+        "logs/stress_phy.log",
+    benchmark:
+        "results/benchmarks/stress_phy/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+    message:
+        "stability atlas of PHY"
+    script:
+        "../scripts/stress_phy.py"
+
+
+rule plot_phy_stability:
+    input:
+        atlas="results/tables/stability_phy.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report(
+            "results/figures/stability_phy.svg", caption="../report/stability_phy.rst"
+        ),
+    log:
+        "logs/plot_phy_stability.log",
+    benchmark:
+        "results/benchmarks/plot_phy_stability/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "figure of the stability atlas"
+    script:
+        "../scripts/plot_phy_stability.py"
+
+
+rule stability:
+    input:
+        rules.stress_phy.output,
+        rules.plot_phy_stability.output,
+    message:
+        "stability atlas of PHY and its figure"

@@ -1,0 +1,20 @@
+"""The stability atlas of PHY: a panel per sweep."""
+
+from job import job
+
+from snowsim.io.figures import write_figure
+from snowsim.io.files import read_table
+from snowsim.plotting import new_figure, note_source
+from snowsim.plotting.phy import plot_atlas
+
+
+def plot(path_to_atlas, path_to_figure):
+    figure, axes = new_figure(3, 3, width=10, height=9)
+    plot_atlas(figure, axes, read_table(path_to_atlas))
+    note_source(figure, "planted layers, no observed data")
+    write_figure(path_to_figure, figure)
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        plot(snakemake.input.atlas, *snakemake.output)
