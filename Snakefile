@@ -15,6 +15,8 @@ include: "workflow/rules/tracker.smk"
 include: "workflow/rules/charts.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/stability.smk"
+include: "workflow/rules/closed_loop.smk"
+include: "workflow/rules/realism.smk"
 
 
 localrules:
@@ -27,6 +29,8 @@ localrules:
     charts,
     charts_phy,
     stability,
+    closed_loop,
+    realism,
 
 
 rule all:
@@ -39,3 +43,5 @@ rule all:
         rules.charts.input,
         rules.charts_phy.input,
         rules.stability.input,
+        rules.closed_loop.input,
+        rules.realism.input,

@@ -50,4 +50,5 @@ def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
 
 def note_source(figure, source):
     """State what the data are in a corner of the figure: every figure of synthetic data says so."""
+    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
     figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")

@@ -8,6 +8,8 @@ from runs import run_snakemake
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
 
+STAGES = ("labels", "renders", "similarity", "trackers", "charts", "stability", "closed_loop", "realism")
+
 
 def test_both_tables_are_complete(tiny_run):
     table2 = pd.read_csv(tiny_run / "results/tables/table2.csv")
@@ -48,7 +50,8 @@ def test_nothing_half_written_is_left(tiny_run):
 
 
 def test_one_core_gives_the_same_bytes_as_two(tiny_run, tmp_path):
-    done = run_snakemake(tmp_path, cores=1)
+    # All but the charts of speed, whose results are times.
+    done = run_snakemake(tmp_path, "--", *STAGES, "results/figures/phy_plan.svg", cores=1)
     assert done.returncode == 0, done.stderr[-4000:]
     assert reproducible.digests(tmp_path / "results") == reproducible.digests(tiny_run / "results")
 

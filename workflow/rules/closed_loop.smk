@@ -1,0 +1,186 @@
+# What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
+
+# One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
+LOOP_STRIDE = 6
+# Label shards come in parts, for a job takes longer to start than to render a shard. All conventions of PHY go through
+# the first part, the one it uses through all of them.
+LOOP_FIRST, LOOP_SHARDS = 4, 13
+LOOP_PARTS = [
+    shards("labels")[:LOOP_FIRST],
+    *[
+        shards("labels")[shard : shard + LOOP_SHARDS]
+        for shard in range(LOOP_FIRST, len(shards("labels")), LOOP_SHARDS)
+    ],
+]
+LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
+    config["statistics"]["estimator"], **config["phy"]
+)
+LOOP_CONVENTIONS = list(
+    dict.fromkeys(
+        [
+            LOOP_DEFAULT,
+            "deblended_peak_peak_fitted",
+            "deblended_none_peak_fitted",
+            "deblended_peak_gaussian_fitted",
+            "deblended_peak_peak_paper",
+            "paper_none_gaussian_paper",  # as printed, estimates and all
+        ]
+    )
+)
+
+
+wildcard_constraints:
+    convention="(deblended|paper)_(peak|none)_(peak|gaussian)_(fitted|paper)",
+    estimator="deblended|paper",
+    part=r"\d+",
+    parts="first|all",
+
+
+def loop_statistics(wildcards):
+    """The flight's statistics by the estimator of a convention."""
+    estimator = wildcards.convention.split("_")[0]
+    if estimator == config["statistics"]["estimator"]:
+        return "results/statistics.nc"
+    return f"results/closed_loop/flight_{estimator}.nc"
+
+
+def loop_summaries(wildcards):
+    """Summaries of the renders of one convention, of the first part or of all."""
+    n_parts = 1 if wildcards.parts == "first" else len(LOOP_PARTS)
+    return expand(
+        "results/closed_loop/{convention}/{part}.nc",
+        convention=wildcards.convention,
+        part=range(n_parts),
+    )
+
+
+use rule fit_statistics as fit_other_statistics with:
+    output:
+        statistics="results/closed_loop/flight_{estimator}.nc",
+    log:
+        "logs/fit_other_statistics/{estimator}.log",
+    benchmark:
+        "results/benchmarks/fit_other_statistics/{estimator}.tsv"
+    params:
+        estimator=lambda wildcards: wildcards.estimator,
+    message:
+        "flight statistics by the estimator {wildcards.estimator}"
+
+
+rule render_closed_loop:
+    input:
+        layers=lambda wildcards: expand(
+            "results/labels/{shard}.nc", shard=LOOP_PARTS[int(wildcards.part)]
+        ),
+        statistics=loop_statistics,
+        code=package("phy", "statistics", "io.files", "io.scenes"),
+    output:
+        summary=temp("results/closed_loop/{convention}/{part}.nc"),
+    log:
+        "logs/render_closed_loop/{convention}/{part}.log",
+    benchmark:
+        "results/benchmarks/render_closed_loop/{convention}/{part}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        seed=config["seed"],
+        tolerance_db=config["phy"]["tolerance_db"],
+        first=lambda wildcards: shard_range(
+            "labels", LOOP_PARTS[int(wildcards.part)][0]
+        )[0],
+        stride=LOOP_STRIDE,
+    message:
+        "sums over renders by {wildcards.convention}, part {wildcards.part}"
+    script:
+        "../scripts/render_closed_loop.py"
+
+
+rule estimate_closed_loop:
+    input:
+        summaries=loop_summaries,
+        statistics=loop_statistics,
+        code=package("statistics", "phy.waveform", "io.files"),
+    output:
+        statistics="results/closed_loop/{convention}_{parts}.nc",
+        table="results/closed_loop/{convention}_{parts}.csv",
+    log:
+        "logs/estimate_closed_loop/{convention}_{parts}.log",
+    benchmark:
+        "results/benchmarks/estimate_closed_loop/{convention}_{parts}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    message:
+        "statistics of renders by {wildcards.convention}, {wildcards.parts} of them"
+    script:
+        "../scripts/estimate_closed_loop.py"
+
+
+rule tabulate_closed_loop:
+    input:
+        table=f"results/closed_loop/{LOOP_DEFAULT}_all.csv",
+        tables=expand(
+            "results/closed_loop/{convention}_first.csv", convention=LOOP_CONVENTIONS
+        ),
+        statistics=expand(
+            "results/closed_loop/{convention}_first.nc", convention=LOOP_CONVENTIONS
+        ),
+        code=package("statistics", "phy.waveform", "io.files"),
+    output:
+        table="results/tables/closed_loop.csv",
+        summary="results/tables/closed_loop_summary.csv",
+        conventions="results/tables/closed_loop_conventions.csv",
+    log:
+        "logs/tabulate_closed_loop.log",
+    benchmark:
+        "results/benchmarks/tabulate_closed_loop/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        conventions=LOOP_CONVENTIONS,
+    message:
+        "tables of the closed loop"
+    script:
+        "../scripts/tabulate_closed_loop.py"
+
+
+rule plot_closed_loop:
+    input:
+        table="results/tables/closed_loop.csv",
+        conventions="results/tables/closed_loop_conventions.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report(
+            "results/figures/closed_loop.svg", caption="../report/closed_loop.rst"
+        ),
+    log:
+        "logs/plot_closed_loop.log",
+    benchmark:
+        "results/benchmarks/plot_closed_loop/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figure of the closed loop"
+    script:
+        "../scripts/plot_closed_loop.py"
+
+
+rule closed_loop:
+    input:
+        rules.tabulate_closed_loop.output,
+        rules.plot_closed_loop.output,
+    message:
+        "statistics that went into PHY beside those its renders give back"

@@ -1,0 +1,20 @@
+"""Statistics of renders, zone by zone as the flight's, and their table beside those that went in."""
+
+from job import job
+
+from snowsim.io.files import read_dataset, write_dataset, write_table
+from snowsim.statistics import estimate, merge, summary_from_dataset
+from snowsim.statistics.loop import compare
+
+
+def estimate_loop(paths_to_summaries, path_to_statistics, path_to_recovered, path_to_table):
+    given = read_dataset(path_to_statistics)
+    summary = merge(summary_from_dataset(read_dataset(path)) for path in paths_to_summaries)
+    recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
+    write_dataset(path_to_recovered, recovered.assign_attrs(synthetic="renders by PHY, not observed data"))
+    write_table(path_to_table, compare(given, recovered))
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        estimate_loop(snakemake.input.summaries, snakemake.input.statistics, *snakemake.output)

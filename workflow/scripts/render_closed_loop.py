@@ -1,0 +1,44 @@
+"""Render a part of the label sets as linear power and reduce it to what the statistics need."""
+
+from job import job, progress
+
+from snowsim.io.files import read_dataset, write_dataset
+from snowsim.io.scenes import SceneSet
+from snowsim.phy import draw_parameters, plan, render_plan
+from snowsim.seeding import random_stream
+from snowsim.statistics import merge, summarise, summary_to_dataset
+from snowsim.statistics.rendered import as_frame, thinned
+
+
+def render_power(scene, statistics, tolerance_db, normalise, align, width, rng):
+    # As many looks as the flight, so that 20 lines average as many here as there.
+    parameters = draw_parameters(statistics, scene.layer_bins.shape[0], width=width, rng=rng)
+    options = {"tolerance_db": tolerance_db, "speckle": "gamma", "normalise": normalise, "align": align}
+    return render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
+
+
+def summarise_part(paths_to_layers, path_to_statistics, path_to_summary, convention, seed, tolerance_db, first, stride):
+    statistics = read_dataset(path_to_statistics)
+    geometry = {name: statistics.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
+    _, *conventions = convention.split("_")
+    summaries = []
+    with SceneSet(paths_to_layers) as scenes:
+        for index, scene in enumerate(progress(scenes, "closed loop"), start=first):
+            # By scene, never by part; where no width is drawn, the same speckle for every convention.
+            rng = random_stream(seed, "closed_loop", scene.name)
+            power = render_power(scene, statistics, tolerance_db, *conventions, rng)
+            frame = as_frame(power, scene.layer_bins, index, **geometry)
+            summaries.append(thinned(summarise(*frame, where=scene.name), stride))
+    dataset = summary_to_dataset(merge(summaries))
+    write_dataset(path_to_summary, dataset.assign_attrs(synthetic="renders by PHY, not observed data"))
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        summarise_part(
+            snakemake.input.layers,
+            snakemake.input.statistics,
+            snakemake.output.summary,
+            snakemake.wildcards.convention,
+            **snakemake.params,
+        )
