@@ -175,5 +175,6 @@ rule charts_phy:
         rules.summarise_phy_plan.output,
         rules.plot_phy_charts.output,
         rules.plot_phy_plan.output,
+        rules.stability.input,
     message:
-        "speed-accuracy charts of PHY"
+        "speed-accuracy charts and stability atlas of PHY"
