@@ -42,7 +42,8 @@ format: setup
 	.venv/bin/snakefmt Snakefile workflow
 
 benchmarks: setup
-	.venv/bin/python -m pytest benchmarks -m "" --benchmark-only
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_phy.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 
 # Results, logs and caches; `git clean -fdx` also removes .venv.
 clean:
