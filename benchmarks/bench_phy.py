@@ -1,4 +1,4 @@
-"""PHY beside the literal form, in one process and one thread: ``OMP_NUM_THREADS=1 python benchmarks/phy.py``.
+"""PHY beside the literal form, in one process and one thread: ``OMP_NUM_THREADS=1 python benchmarks/bench_phy.py``.
 
 Writes nanoseconds per pixel and ratios, medians of repeats. Times include checks, plan and 8-bit scaling.
 """
