@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
-CORE = {"constants", "echogram", "seeding", "patches", "flatten", "timing"}
+CORE = {"constants", "echogram", "seeding", "patches", "flatten", "timing", "weights"}
 # A stage never imports another stage, but for these.
 ALLOWED = {("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")}
 ONLY = {
     "matplotlib": {"plotting"},
-    "torch": {"cgan", "tracker", "patches", "io"},
+    "torch": {"cgan", "tracker", "patches", "weights"},
     "snakemake": set(),
     "netCDF4": {"io"},
     "h5py": {"io"},

@@ -154,17 +154,6 @@ def initialise(network, *, rng):
             parameter.copy_(torch.from_numpy(np.float32(mean) + np.float32(0.02) * drawn))
 
 
-def load_weights(network, weights, name):
-    """Copy weights (dict of arrays) into a network; ValueError, with `name`, where names or shapes differ."""
-    expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
-    got = {key: tuple(value.shape) for key, value in weights.items()}
-    for key in sorted(expected.keys() | got.keys()):
-        if expected.get(key) != got.get(key):
-            msg = f"{name}: expected {key} of shape {expected.get(key)}, got {got.get(key)}: other settings made it"
-            raise ValueError(msg)
-    network.load_state_dict({key: torch.as_tensor(value) for key, value in weights.items()})
-
-
 def _halving(n_in, n_out, *, bias=False):
     return nn.Conv2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
 

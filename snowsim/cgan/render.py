@@ -3,8 +3,9 @@
 import numpy as np
 import torch
 
-from snowsim.cgan.networks import UNetGenerator, load_weights
+from snowsim.cgan.networks import UNetGenerator
 from snowsim.patches import from_signed, to_signed
+from snowsim.weights import load_weights
 
 STATISTICS = ("training", "scene")
 

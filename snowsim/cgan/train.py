@@ -5,9 +5,10 @@ from functools import lru_cache
 import torch
 from torch.nn import functional
 
-from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise, load_weights
+from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
+from snowsim.weights import load_weights, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
 N_STATISTICS_CROPS = 64
@@ -50,7 +51,7 @@ class Training:
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
         networks = {"generator": self.generator.state_dict(), "discriminator": self.discriminator.state_dict()}
         moments = {name: optimiser.state_dict()["state"] for name, optimiser in self._optimisers.items()}
-        return _on_cpu(networks | moments)
+        return on_cpu(networks | moments)
 
     def restore(self, state, step):
         """Take over a `state`, read back as nested dicts of arrays, and the number of steps it had taken.
@@ -209,8 +210,3 @@ def _restore_adam(optimiser, state, name):
             )
             for key, value in values.items()
         }
-
-
-def _on_cpu(state):
-    """Nested dicts of tensors, brought to main memory where they are not there."""
-    return {key: _on_cpu(value) if isinstance(value, dict) else value.detach().cpu() for key, value in state.items()}

@@ -72,14 +72,3 @@ def initialise(network, *, rng):
                 spread = np.sqrt(2 / n_inputs) if name.startswith("stages") else 0.01
                 drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
                 parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
-
-
-def load_weights(network, weights):
-    """Copy weights (dict of arrays) into a network; ValueError where names or shapes differ."""
-    expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
-    got = {key: tuple(value.shape) for key, value in weights.items()}
-    for key in sorted(expected.keys() | got.keys()):
-        if expected.get(key) != got.get(key):
-            msg = f"tracker: expected {key} of shape {expected.get(key)}, got {got.get(key)}: other settings made it"
-            raise ValueError(msg)
-    network.load_state_dict({key: torch.as_tensor(value) for key, value in weights.items()})

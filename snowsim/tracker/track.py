@@ -4,7 +4,8 @@ import numpy as np
 import torch
 
 from snowsim.patches import to_signed
-from snowsim.tracker.network import MultiScaleNetwork, load_weights
+from snowsim.tracker.network import MultiScaleNetwork
+from snowsim.weights import load_weights
 
 
 def track(network, image, *, precision="float32"):
@@ -44,5 +45,5 @@ def track(network, image, *, precision="float32"):
 def trained_network(weights, settings, *, device="cpu"):
     """Network for `track`, of weights (dict of arrays) and the `Settings` they were trained with."""
     network = MultiScaleNetwork(settings.width)
-    load_weights(network, weights)
+    load_weights(network, weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()

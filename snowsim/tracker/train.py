@@ -7,7 +7,8 @@ from torch.nn import functional
 
 from snowsim.patches import draw_patches, to_signed
 from snowsim.seeding import random_stream
-from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork, initialise, load_weights
+from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork, initialise
+from snowsim.weights import load_weights, on_cpu
 
 WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
 # Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate.
@@ -43,7 +44,7 @@ class Training:
 
     def state(self):
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
-        return _on_cpu(
+        return on_cpu(
             {
                 "network": self.network.state_dict(),
                 "optimiser": self._optimiser.state_dict()["state"],
@@ -59,7 +60,7 @@ class Training:
         ValueError
             If the state is not one of a training with these settings.
         """
-        load_weights(self.network, state.get("network", {}))
+        load_weights(self.network, state.get("network", {}), "tracker")
         parameters = [parameter for group in self._optimiser.param_groups for parameter in group["params"]]
         moments = state.get("optimiser", {})
         if len(moments) not in (0, len(parameters)):
@@ -185,8 +186,3 @@ def _optimiser(network, settings):
     if settings.optimiser == "sgd":
         return torch.optim.SGD(groups, lr=settings.learning_rate, momentum=0.9)
     return torch.optim.AdamW(groups, lr=settings.learning_rate, fused=True)
-
-
-def _on_cpu(state):
-    """Nested dicts of tensors, brought to main memory where they are not there."""
-    return {key: _on_cpu(value) if isinstance(value, dict) else value.detach().cpu() for key, value in state.items()}

@@ -4,7 +4,7 @@
 rule train_cgan:
     input:
         train=benchmark_files("train"),
-        code=package("cgan", "patches", "io.files", "io.models", "io.scenes"),
+        code=package("cgan", "patches", "weights", "io.files", "io.models", "io.scenes"),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
@@ -32,7 +32,7 @@ rule render_cgan:
     input:
         layers=layers_of,
         generator="results/cgan/generator.safetensors",
-        code=package("cgan", "patches", "io.files", "io.models", "io.scenes"),
+        code=package("cgan", "patches", "weights", "io.files", "io.models", "io.scenes"),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",
     log:

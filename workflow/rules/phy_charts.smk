@@ -54,7 +54,9 @@ rule measure_phy_speckle:
 
 rule measure_scenes:
     input:
-        code=package("phy", "cgan", "reference", "patches", "timing", "io.files"),
+        code=package(
+            "phy", "cgan", "reference", "patches", "weights", "timing", "io.files"
+        ),
     output:
         scenes="results/tables/speed_accuracy_scenes.csv",
         growth="results/tables/speed_accuracy_growth.csv",

@@ -14,7 +14,9 @@ rule train_tracker:
     input:
         real=benchmark_files("train"),
         added=added_scenes,
-        code=package("tracker", "patches", "io.files", "io.models", "io.scenes"),
+        code=package(
+            "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
+        ),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -46,7 +48,13 @@ rule score_tracker:
         test=benchmark_files("test"),
         network="results/tracker/{training_set}/{replica}.safetensors",
         code=package(
-            "tracker", "patches", "metrics", "io.files", "io.models", "io.scenes"
+            "tracker",
+            "patches",
+            "weights",
+            "metrics",
+            "io.files",
+            "io.models",
+            "io.scenes",
         ),
     output:
         counts="results/tracker/{training_set}/{replica}_counts.parquet",
