@@ -42,7 +42,8 @@ format: setup
 	.venv/bin/snakefmt Snakefile workflow
 
 benchmarks: setup
-	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_phy.py
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
+		--benchmark-columns=median,min,rounds --benchmark-sort=mean
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 
 # Results, logs and caches; `git clean -fdx` also removes .venv.

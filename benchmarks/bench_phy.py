@@ -1,18 +1,20 @@
-"""PHY beside the literal form, in one process and one thread: ``OMP_NUM_THREADS=1 python benchmarks/bench_phy.py``.
+"""PHY beside the literal form, one process and one thread: ``make benchmarks``.
 
-Writes nanoseconds per pixel and ratios, medians of repeats. Times include checks, plan and 8-bit scaling.
+Each group of the printed table holds the literal form and its faster ones; the numbers in brackets are ratios to the
+fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include checks, plan and 8-bit scaling.
 """
 
-import sys
-import time
-
 import numpy as np
+import pytest
 
 from snowsim.echogram import to_uint8
-from snowsim.phy import draw_speckle, mean_power, plan, render
+from snowsim.phy import draw_speckle, mean_power, render
 from snowsim.phy.literal import mean_power_by, render_literal
 
 TOLERANCE_DB = 0.05
+N_BINS = N_LINES = 256
+N_LAYERS = 15
+SHAPES = ("peak_power", "variance_bins2", "decay_rate")
 
 
 def planted_scene(n_layers, n_range_lines, n_range_bins, rng):
@@ -29,63 +31,49 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, rng):
     return layer_bins, parameters
 
 
-def nanoseconds(work, n_pixels, repeats):
-    """Median time of one call per pixel, after one call that is not counted."""
-    work()
-    seconds = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        work()
-        seconds.append(time.perf_counter() - start)
-    return np.median(seconds) / n_pixels * 1e9
+@pytest.fixture
+def rng():
+    return np.random.default_rng(1)
 
 
-def say(text):
-    sys.stdout.write(text + "\n")
+@pytest.fixture
+def scene(rng):
+    return planted_scene(N_LAYERS, N_LINES, N_BINS, rng)
 
 
-def compare(n_layers=15, n_range_lines=256, n_range_bins=256):
-    rng = np.random.default_rng(1)
-    layer_bins, parameters = planted_scene(n_layers, n_range_lines, n_range_bins, rng)
-    shape = (n_range_bins, n_range_lines)
-    n_pixels = n_range_bins * n_range_lines
-    normal = nanoseconds(lambda: rng.standard_normal(shape, dtype=np.float32), n_pixels, 200)
-    say(f"{n_layers} layers, {n_range_bins} x {n_range_lines} pixels; one float32 normal: {normal:.2f} ns per pixel")
+@pytest.mark.benchmark(group="whole scene, 8-bit scaling included")
+@pytest.mark.parametrize("method", ["one float32 normal per pixel", "literal", "gamma", "cube", "quantile"])
+def test_scene(benchmark, scene, rng, method):
+    layer_bins, parameters = scene
+    if method == "one float32 normal per pixel":
+        benchmark(rng.standard_normal, (N_BINS, N_LINES), dtype=np.float32)
+        return
 
-    literal = nanoseconds(lambda: to_uint8(render_literal(layer_bins, parameters, n_range_bins, rng=rng)), n_pixels, 3)
-    say(f"scene, literal: {literal:.0f} ns per pixel")
-    for speckle in ("quantile", "cube", "gamma"):
+    def make():
+        if method == "literal":
+            return to_uint8(render_literal(layer_bins, parameters, N_BINS, rng=rng))
+        options = {"tolerance_db": TOLERANCE_DB, "speckle": method}
+        return to_uint8(render(layer_bins, parameters, N_BINS, rng=rng, **options))
 
-        def scene(speckle=speckle):
-            power = render(layer_bins, parameters, n_range_bins, tolerance_db=TOLERANCE_DB, rng=rng, speckle=speckle)
-            return to_uint8(power)
+    image, _, _ = benchmark(make)
+    assert image.shape == (N_BINS, N_LINES)
 
-        fast = nanoseconds(scene, n_pixels, 200)
-        predicted = plan(layer_bins, parameters, n_range_bins, tolerance_db=TOLERANCE_DB, speckle=speckle).cost_normals
-        say(
-            f"scene, {TOLERANCE_DB} dB, {speckle}: {fast:.1f} ns per pixel, {fast / normal:.2f} normals "
-            f"(plan without 8 bits: {predicted:.2f}), {literal / fast:.0f} times faster than literal"
-        )
 
-    shapes = [parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate")]
+@pytest.mark.benchmark(group="mean power")
+@pytest.mark.parametrize("way", ["convolved", "closed_form", "closed_form_in_support", "recursive", "table"])
+def test_mean_power(benchmark, scene, way):
+    layer_bins, parameters = scene
+    shapes = [parameters[name] for name in SHAPES]
     options = {"tolerance_db": TOLERANCE_DB, "noise_power": parameters["noise_power"]}
-    exact = mean_power(layer_bins, *shapes, n_range_bins) + parameters["noise_power"]
-    for way in ("convolved", "closed_form", "closed_form_in_support", "recursive", "table"):
-
-        def power(way=way):
-            return mean_power_by(way, layer_bins, *shapes, n_range_bins, **options)
-
-        cost = nanoseconds(power, n_pixels, 200 if way == "table" else 5)
-        error_db = np.abs(10 * np.log10((power() + parameters["noise_power"]) / exact)).max()
-        say(f"mean power, {way}: {cost:.1f} ns per pixel, error {error_db:.1e} dB")
-
-    for method in ("looks", "gamma", "cube", "quantile"):
-        mean = exact.astype(np.float32)
-        repeats = 3 if method == "looks" else 200
-        cost = nanoseconds(lambda m=method, p=mean: draw_speckle(p, 100, method=m, rng=rng), n_pixels, repeats)
-        say(f"speckle, {method}: {cost:.1f} ns per pixel")
+    power = benchmark(mean_power_by, way, layer_bins, *shapes, N_BINS, **options)
+    exact = mean_power(layer_bins, *shapes, N_BINS)
+    error_db = 10 * np.log10((power + parameters["noise_power"]) / (exact + parameters["noise_power"]))
+    benchmark.extra_info["largest_error_db"] = float(np.abs(error_db).max())
 
 
-if __name__ == "__main__":
-    compare()
-    compare(n_layers=30, n_range_bins=1024)
+@pytest.mark.benchmark(group="speckle")
+@pytest.mark.parametrize("method", ["looks", "gamma", "cube", "quantile"])
+def test_speckle(benchmark, scene, rng, method):
+    layer_bins, parameters = scene
+    mean = mean_power(layer_bins, *(parameters[name] for name in SHAPES), N_BINS) + parameters["noise_power"]
+    benchmark(draw_speckle, mean.astype(np.float32), 100, method=method, rng=rng)

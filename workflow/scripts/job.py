@@ -22,12 +22,12 @@ def job(snakemake):
     try:
         yield logger
     except (ValueError, OSError) as error:
-        logger.error(traceback.format_exc())  # noqa: TRY400 - the line below is what the log ends with
+        logger.error(traceback.format_exc())
         logger.error("error: %s", error)
         sys.stderr.write(f"error: {snakemake.rule}: {error}\n")
         sys.exit(1)
     except BaseException:
-        logger.error(traceback.format_exc())  # noqa: TRY400
+        logger.error(traceback.format_exc())
         raise
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
