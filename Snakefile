@@ -5,7 +5,7 @@ configfile: f"{workflow.basedir}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/flight.smk"
+include: f"workflow/rules/{FLIGHT_RULES[SOURCE]}.smk"
 include: "workflow/rules/statistics.smk"
 include: "workflow/rules/labels.smk"
 include: "workflow/rules/phy.smk"
@@ -17,6 +17,7 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
+include: "workflow/rules/export.smk"
 
 
 localrules:
@@ -31,6 +32,7 @@ localrules:
     stability,
     closed_loop,
     realism,
+    export,
 
 
 rule all:
@@ -44,4 +46,4 @@ rule all:
         rules.charts_phy.input,
         rules.stability.input,
         rules.closed_loop.input,
-        rules.realism.input,
+        *([] if "realism" in LEFT_OUT[SOURCE] else rules.realism.input),

@@ -6,13 +6,14 @@ from pathlib import Path
 import pandas as pd
 
 from snowsim.echogram import bin_size_s
-from snowsim.flatten import align_layers, flatten, resample_range
-from snowsim.io import read_echogram, read_layers
+from snowsim.flatten import align_layers, cut_blocks, flatten, resample_range
+from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
 
 COLUMNS = ("frame", "echogram", "layers", "role")
-ROLES = ("statistics", "train", "test")
+ROLES = ("statistics", "train", "validation", "test")
+HELD_OUT = ("validation", "test")
 
 
 def read_frames(path, *, root=None):
@@ -22,7 +23,7 @@ def read_frames(path, *, root=None):
     ----------
     path : path_like
         Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files), `role` ("statistics",
-        "train" or "test"). Lines that begin with # are remarks.
+        "train", "validation" or "test"). Lines that begin with # are remarks.
     root : path_like, optional
         What relative file names are relative to; by default the table's own folder.
 
@@ -35,7 +36,8 @@ def read_frames(path, *, root=None):
     ------
     ValueError
         If a column is missing, unknown or double; else with one line for every row that fails: an empty cell, a frame
-        that comes twice, an unknown role, a file that is not there, a test echogram that has another role too.
+        that comes twice, an unknown role, a file that is not there, an echogram held out for validation or test that
+        has another role too.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)
@@ -54,7 +56,7 @@ def read_frames(path, *, root=None):
     return table
 
 
-def check_frames(table, *, bin_s=None, **options):
+def check_frames(table, *, bin_s=None, blocks=False, **options):
     """Read every frame once, one at a time; one ValueError tells of all that fail.
 
     Parameters
@@ -63,11 +65,14 @@ def check_frames(table, *, bin_s=None, **options):
         Of `read_frames`.
     bin_s, **options
         As for `read_frame`. Without `bin_s`, all frames must have the bin size most of them have.
+    blocks : bool
+        Cut the frames of the benchmark into scenes, too: a frame that gives none fails.
 
     Returns
     -------
     pandas.DataFrame
-        The table with `n_range_lines`, `n_range_bins`, `n_layers` and `bin_size_s`.
+        The table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, and how many scenes a frame was cut
+        into (`n_scenes`) and how many of its blocks are none (`n_skipped`).
 
     Raises
     ------
@@ -78,12 +83,15 @@ def check_frames(table, *, bin_s=None, **options):
     for row in table.itertuples():
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
+            cut = blocks and row.role != "statistics"
+            scenes, skipped = scenes_of_frame(row, echogram, layers) if cut else ([], {})
         except ValueError as error:
             failed.append((row.frame, str(error)))
             continue
-        n_range_lines, n_range_bins = echogram.sizes["slow_time"], echogram.sizes["twtt"]
-        rows.append((row.frame, n_range_lines, n_range_bins, layers.sizes["layer"], bin_size_s(echogram)))
-    found = pd.DataFrame(rows, columns=["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s"])
+        sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
+        rows.append((row.frame, *sizes, bin_size_s(echogram), len(scenes), len(skipped)))
+    columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
+    found = pd.DataFrame(rows, columns=columns)
     if len(found):
         # Of bin sizes equal to a millionth, the one most frames have.
         usual = found["bin_size_s"].groupby(found["bin_size_s"].map("{:.6e}".format)).agg(["size", "first"])
@@ -94,7 +102,16 @@ def check_frames(table, *, bin_s=None, **options):
     return table.merge(found, on="frame", validate="one_to_one")
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None):
+def scenes_of_frame(row, echogram, layers):
+    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no block is a scene."""
+    scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
+    if not scenes:
+        reasons = one_line("; ".join(f"{name}: {reason}" for name, reason in skipped.items()), 200)
+        raise refusal(row.echogram, "blocks", "at least one that is a scene", f"none ({reasons})")
+    return scenes, skipped
+
+
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, source=None):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
     Parameters
@@ -107,6 +124,8 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None):
         See `snowsim.flatten.flatten`; a frame that is level already is not changed.
     layer_names : iterable of str, optional
         Read these layers only; the surface must be among them.
+    source : {"nsidc", "cresis", "opr"}, optional
+        Format the echogram must have; by default any.
 
     Returns
     -------
@@ -119,6 +138,10 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None):
         One line with file, variable, expected and found: a file is not sound, no layer is named surface, layers do
         not cover the echogram, leave its window or cross.
     """
+    if source is not None:
+        _, kind = sniff.sniff(row.echogram)
+        if kind != source:
+            raise refusal(row.echogram, "format", sniff.IN_WORDS[source], sniff.IN_WORDS[kind])
     echogram = read_echogram(row.echogram)
     layers = read_layers(row.layers, names=layer_names)
     labels = layers["layer"].values if "layer" in layers.coords else []
@@ -157,8 +180,9 @@ def _trouble(row, table):
         if not file.exists():
             return f"{name}: expected a file, found nothing at {file}"
     roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]))
-    if "test" in roles and len(roles) > 1:
-        return f"echogram: expected a test frame to have no other role, found {' and '.join(roles)}"
+    if len(roles) > 1 and set(roles) & set(HELD_OUT):
+        held_out = next(role for role in reversed(HELD_OUT) if role in roles)
+        return f"echogram: expected a {held_out} frame to have no other role, found {' and '.join(roles)}"
     return None
 
 

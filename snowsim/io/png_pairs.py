@@ -63,6 +63,12 @@ class PairSet(Sequence):
     def __getitem__(self, item):
         return read_pair(self._paths[item], data_scale=self._data_scale)
 
+    def files(self, item):
+        """Files a scene, or a slice of scenes, is read from: images and labels."""
+        paths = self._paths[item] if isinstance(item, slice) else [self._paths[item]]
+        beside = [_beside(path, prefix) for path in paths for prefix in ("layer_", "layer_binary_")]
+        return [*paths, *(path for path in beside if path is not None)]
+
     @property
     def heights(self):
         """Height of every scene in range bins, without its pixels being read."""
@@ -71,20 +77,35 @@ class PairSet(Sequence):
     def check(self):
         """Read every scene once; one ValueError names all that fail.
 
+        Returns
+        -------
+        list of dict
+            Of each scene `name`, `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
+
         Raises
         ------
         ValueError
-            With one line for every scene that cannot be read.
+            With one line for every scene that cannot be read, or is not as wide as most are.
         """
-        failed = []
+        rows, failed = [], []
         for path in self._paths:
             try:
-                read_pair(path, data_scale=self._data_scale)
+                scene = read_pair(path, data_scale=self._data_scale)
             except ValueError as error:
                 failed.append(str(error))
+                continue
+            sizes = {"n_range_bins": scene.n_range_bins, "n_range_lines": scene.n_range_lines}
+            tells_db = bool(np.isfinite([scene.noise_floor_db, scene.maximum_db]).all())
+            rows.append({"name": scene.name, **sizes, "n_layers": len(scene.layer_bins), "tells_db": tells_db})
+        usual = Counter(row["n_range_lines"] for row in rows).most_common(1)
+        for row in rows:
+            if row["n_range_lines"] != usual[0][0]:
+                expected = f"{usual[0][0]} range lines as in most"
+                failed.append(str(refusal(row["name"], "width", expected, row["n_range_lines"])))
         if failed:
             msg = "\n".join([f"{len(failed)} of {len(self)} scenes fail:", *failed])
             raise ValueError(msg)
+        return rows
 
 
 def scene_name(path):

@@ -61,7 +61,11 @@ rule plot_statistics:
 
 rule charts:
     input:
-        rules.plot_flight.output,
+        *(
+            []
+            if "map and echogram of the flight" in LEFT_OUT[SOURCE]
+            else rules.plot_flight.output
+        ),
         rules.plot_statistics.output,
     message:
         "figures of the flight and of its statistics"

@@ -43,19 +43,12 @@ def check_config(config):
 
 check_config(config)
 
-# What files and figures say of where their data come from.
-SYNTHETIC = (
-    "synthetic reference flight, not observed data"
-    if config["source"] == "reference"
-    else "no"
-)
-NOTE = (
-    "synthetic reference flight"
-    if config["source"] == "reference"
-    else config["source"]
-)
-
 SPLITS = ("train", "validation", "test")
+
+
+include: "sources.smk"
+
+
 TRAINING_SETS = {
     "rd": [],
     "rd_gd": ["cgan"],
@@ -63,12 +56,11 @@ TRAINING_SETS = {
     "rd_pd_gd": ["phy", "cgan"],
 }
 METHODS = ("cgan", "phy")
-N_SCENES = {**config["benchmark"]["n_scenes"], "labels": config["labels"]["n_scenes"]}
+N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
 SHARD_SIZE = {
-    **dict.fromkeys(SPLITS, config["benchmark"]["shard_size"]),
+    **dict.fromkeys(SPLITS, OBSERVED_PER_SHARD),
     "labels": config["labels"]["shard_size"],
 }
-FRAMES = [f"{frame:04d}" for frame in range(config["flight"]["n_frames"])]
 SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 

@@ -26,7 +26,7 @@ rule summarise_frame:
 rule fit_statistics:
     input:
         summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
-        segment="results/flight/segment.nc",
+        segment=SEGMENT,
         code=package("statistics", "phy.waveform", "io.files"),
     output:
         statistics="results/statistics.nc",

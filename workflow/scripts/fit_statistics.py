@@ -1,4 +1,4 @@
-"""Statistics of the flight from the sums over its frames, with the Doppler spectrum of its complex segment."""
+"""Statistics of the flight from the sums over its frames, with the Doppler spectrum of a complex segment if any."""
 
 from job import job
 
@@ -18,10 +18,11 @@ def doppler(path_to_segment):
     return {dim: wavenumber, "doppler_layer_1": (dim, first), "doppler_layer_mean": (dim, mean)}
 
 
-def fit_statistics(paths_to_summaries, path_to_segment, path_to_statistics, estimator):
+def fit_statistics(paths_to_summaries, paths_to_segments, path_to_statistics, estimator):
     datasets = [read_dataset(path) for path in paths_to_summaries]
     statistics = estimate(merge(summary_from_dataset(dataset) for dataset in datasets), estimator=estimator)
-    statistics = statistics.assign(doppler(path_to_segment))
+    for path in paths_to_segments:
+        statistics = statistics.assign(doppler(path))
     write_dataset(path_to_statistics, statistics.assign_attrs(synthetic=datasets[0].attrs["synthetic"]))
 
 

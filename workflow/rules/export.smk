@@ -1,0 +1,56 @@
+# Scene sets for other people's code, in the published benchmark's layout and for xarray.
+
+# Of each set its lists, and the scene set they show with who rendered it.
+EXPORTS = {
+    "rd": {split: benchmark_files(split) for split in SPLITS if N_SCENES[split]},
+    "pd": {"train": rendered_files("phy", "labels")},
+    "gd": {"train": rendered_files("cgan", "labels")},
+}
+WHAT = {
+    "rd": f"observed scenes ({NOTE})",
+    "pd": f"label sets rendered by PHY, drawn from statistics of {NOTE}",
+    "gd": f"label sets rendered by cGAN, drawn from statistics of {NOTE}",
+}
+
+
+wildcard_constraints:
+    export_set="|".join(EXPORTS),
+    format="pairs|netcdf",
+
+
+rule export_scenes:
+    input:
+        scenes=lambda wildcards: [
+            file for files in EXPORTS[wildcards.export_set].values() for file in files
+        ],
+        code=package("io"),
+    output:
+        folder=directory("results/export/{format}/{export_set}"),
+    log:
+        "logs/export_scenes/{format}/{export_set}.log",
+    benchmark:
+        "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        lists=lambda wildcards: EXPORTS[wildcards.export_set],
+        layers=config["export"]["layers"],
+        what=lambda wildcards: WHAT[wildcards.export_set],
+    message:
+        "{wildcards.export_set} as {wildcards.format}"
+    script:
+        "../scripts/export_scenes.py"
+
+
+rule export:
+    input:
+        expand(
+            "results/export/{format}/{export_set}",
+            format=config["export"]["formats"],
+            export_set=config["export"]["sets"],
+        ),
+    message:
+        "scenes for other code"

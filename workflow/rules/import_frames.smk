@@ -1,0 +1,107 @@
+# Own frames (IRSNO1B, CReSIS L1B, Open Polar Radar) as the flight and, cut into blocks, as the benchmark.
+
+READING = {
+    "source": SOURCE,
+    **{key: OWN[key] for key in ("bin_s", "flattening", "layer_names")},
+}
+
+
+def own_frame(role, number):
+    """Row of the table: the frame of a role with a number."""
+    return OWN_FRAMES[role][int(number)]
+
+
+rule check_frames:
+    input:
+        table=OWN["frames"],
+        files=sorted(
+            {
+                row[file]
+                for rows in OWN_FRAMES.values()
+                for row in rows
+                for file in ("echogram", "layers")
+            }
+        ),
+        code=package("flatten", "io"),
+    output:
+        table="results/tables/frames.csv",
+    log:
+        "logs/check_frames.log",
+    benchmark:
+        "results/benchmarks/check_frames/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=4000,
+    params:
+        reading=READING,
+    message:
+        "check of all frames"
+    script:
+        "../scripts/check_frames.py"
+
+
+rule import_frame:
+    input:
+        echogram=lambda wildcards: own_frame("statistics", wildcards.frame)["echogram"],
+        layers=lambda wildcards: own_frame("statistics", wildcards.frame)["layers"],
+        # A new line of the table must not read all the others again.
+        checked=ancient("results/tables/frames.csv"),
+        code=package("flatten", "io"),
+    output:
+        echogram="results/flight/{frame}.nc",
+        layers="results/flight/{frame}_layers.nc",
+    log:
+        "logs/import_frame/{frame}.log",
+    benchmark:
+        "results/benchmarks/import_frame/{frame}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=4000,
+    params:
+        name=lambda wildcards: own_frame("statistics", wildcards.frame)["frame"],
+        reading=READING,
+    message:
+        "frame {params.name} of the flight"
+    script:
+        "../scripts/import_frame.py"
+
+
+rule import_blocks:
+    input:
+        echogram=lambda wildcards: own_frame(wildcards.split, wildcards.shard)[
+            "echogram"
+        ],
+        layers=lambda wildcards: own_frame(wildcards.split, wildcards.shard)["layers"],
+        checked=ancient("results/tables/frames.csv"),
+        code=package("flatten", "io"),
+    output:
+        scenes="results/benchmark/{split}/{shard}.nc",
+    log:
+        "logs/import_blocks/{split}/{shard}.log",
+    benchmark:
+        "results/benchmarks/import_blocks/{split}/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=4000,
+    params:
+        name=lambda wildcards: own_frame(wildcards.split, wildcards.shard)["frame"],
+        reading=READING,
+    message:
+        "{wildcards.split} scenes of frame {params.name}"
+    script:
+        "../scripts/import_blocks.py"
+
+
+rule flight:
+    input:
+        "results/tables/frames.csv",
+        expand("results/flight/{frame}.nc", frame=FRAMES),
+        *[benchmark_files(split) for split in SPLITS],
+    message:
+        "the flight and the benchmark from own frames"

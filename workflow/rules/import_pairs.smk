@@ -1,0 +1,102 @@
+# A folder in the published benchmark's layout as the benchmark; the statistics come from its train scenes.
+
+
+# Both could make results/statistics/{frame}.nc, from scenes and from frames; there are no frames here.
+ruleorder: summarise_scenes > summarise_frame
+
+
+rule check_pairs:
+    input:
+        files=[file for scenes in PAIRS.values() for file in scenes.files(slice(None))],
+        lists=[
+            Path(OWN["pairs"]["folder"]) / OWN["pairs"]["lists"][split]
+            for split in PAIRS
+        ],
+        code=package("io"),
+    output:
+        table="results/tables/scenes.csv",
+    log:
+        "logs/check_pairs.log",
+    benchmark:
+        "results/benchmarks/check_pairs/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        lists={
+            split: str(Path(OWN["pairs"]["folder"]) / OWN["pairs"]["lists"][split])
+            for split in PAIRS
+        },
+        data_scale=OWN["pairs"]["data_scale"],
+        contrast_db=OWN["pairs"]["contrast_db"],
+    message:
+        "check of all scenes"
+    script:
+        "../scripts/check_pairs.py"
+
+
+rule import_pairs:
+    input:
+        files=lambda wildcards: PAIRS[wildcards.split].files(
+            slice(*shard_range(wildcards.split, wildcards.shard))
+        ),
+        # A new name in a list must not read all the others again.
+        listing=ancient(
+            lambda wildcards: Path(OWN["pairs"]["folder"])
+            / OWN["pairs"]["lists"][wildcards.split]
+        ),
+        checked=ancient("results/tables/scenes.csv"),
+        code=package("io"),
+    output:
+        scenes="results/benchmark/{split}/{shard}.nc",
+    log:
+        "logs/import_pairs/{split}/{shard}.log",
+    benchmark:
+        "results/benchmarks/import_pairs/{split}/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+        data_scale=OWN["pairs"]["data_scale"],
+    message:
+        "{wildcards.split} scenes, shard {wildcards.shard}"
+    script:
+        "../scripts/import_pairs.py"
+
+
+rule summarise_scenes:
+    input:
+        scenes="results/benchmark/train/{frame}.nc",
+        code=package("statistics", "phy.waveform", "flatten", "io.files", "io.scenes"),
+    output:
+        summary="results/statistics/{frame}.nc",
+    log:
+        "logs/summarise_scenes/{frame}.log",
+    benchmark:
+        "results/benchmarks/summarise_scenes/{frame}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        bin_s=OWN["bin_s"],
+        line_spacing_m=OWN["pairs"]["line_spacing_m"],
+        contrast_db=OWN["pairs"]["contrast_db"],
+    message:
+        "sums over train scenes, shard {wildcards.frame}"
+    script:
+        "../scripts/summarise_scenes.py"
+
+
+rule flight:
+    input:
+        "results/tables/scenes.csv",
+        *[benchmark_files(split) for split in SPLITS],
+    message:
+        "the benchmark from own images"

@@ -1,0 +1,17 @@
+"""Read every frame of the table once: all that fail are told together, before anything is computed from one."""
+
+from job import job
+
+from snowsim.io.files import write_table
+from snowsim.io.frames import check_frames, read_frames
+
+
+def check(path_to_frames, path_to_table, reading):
+    table = check_frames(read_frames(path_to_frames), blocks=True, **reading)
+    # Files by name: results must not depend on where the data lie.
+    write_table(path_to_table, table.drop(columns=["echogram", "layers"]))
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        check(snakemake.input.table, snakemake.output.table, **snakemake.params)

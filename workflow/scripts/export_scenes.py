@@ -1,0 +1,30 @@
+"""One scene set in one format for other people's code: a folder with a list for each of its parts."""
+
+from pathlib import Path
+
+from job import job, progress
+
+from snowsim.io.export import export_netcdf, export_pairs
+from snowsim.io.files import written_whole
+from snowsim.io.scenes import SceneSet
+
+
+def export(folder, wanted, lists, layers, what):
+    lines = [what]
+    for name, paths in lists.items():
+        list_name = f"{name}.lst"
+        with SceneSet(paths) as scenes:
+            scenes = progress(scenes, f"export of {name}")
+            if wanted == "pairs":
+                counts = export_pairs(folder, scenes, list_name=list_name, layers=layers)
+            else:
+                counts = export_netcdf(folder, scenes, list_name=list_name)
+        told = ", ".join(f"{key} {count}" for key, count in counts.items())
+        lines.append(f"{list_name}: {told}")
+    with written_whole(Path(folder) / "about.txt") as aside:
+        aside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        export(snakemake.output.folder, snakemake.wildcards.format, **snakemake.params)
