@@ -36,7 +36,7 @@ def read_echogram(path, *, compensated=False):
     raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.IN_WORDS[kind])
 
 
-def read_layers(path, *, names=None):
+def read_layers(path, *, names=None, missing="refuse"):
     """Layers dataset of a file, whose format is told from its content.
 
     Parameters
@@ -45,6 +45,8 @@ def read_layers(path, *, names=None):
         CReSIS layer file, new (names from the organizer file beside it) or old, or an Open Polar Radar layers dataset.
     names : iterable of str, optional
         Read these layers only, such as ``["surface", "Koenig_2"]``.
+    missing : {"refuse", "skip"}
+        What becomes of a file that has no layer of one of the `names`.
 
     Returns
     -------
@@ -61,11 +63,12 @@ def read_layers(path, *, names=None):
     from snowsim.io.guard import refusal
 
     names = [names] if isinstance(names, str) else names
+    options = {"names": names, "missing": missing}
     _, kind = sniff.sniff(path)
     if kind == "cresis_layer":
-        return layers.read_cresis_layers(path, names=names)
+        return layers.read_cresis_layers(path, **options)
     if kind == "cresis_layer_data":
-        return layers.read_cresis_layer_data(path, names=names)
+        return layers.read_cresis_layer_data(path, **options)
     if kind == "opr_layers":
-        return xopr.read_opr_layers(path, names=names)
+        return xopr.read_opr_layers(path, **options)
     raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.IN_WORDS[kind])

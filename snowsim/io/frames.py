@@ -3,6 +3,7 @@
 import io
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from snowsim.echogram import bin_size_s
@@ -80,9 +81,12 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
         With one line for every frame that fails.
     """
     rows, failed = [], []
+    names = options.get("layer_names") or ()
+    picked = set()
     for row in table.itertuples():
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
+            picked |= {name for name in names if np.isfinite(layers["twtt"].sel(layer=name)).any()}
             cut = blocks and row.role != "statistics"
             scenes, skipped = scenes_of_frame(row, echogram, layers) if cut else ([], {})
         except ValueError as error:
@@ -98,6 +102,11 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
         usual = usual.sort_values("size", kind="stable")["first"].iloc[-1]
         for row in found[(found["bin_size_s"] / usual - 1).abs() > 1e-6].itertuples():
             failed.append((row.frame, f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s"))
+    failed += [
+        (name, "layer_names: expected layers that some frame has, found it in none")
+        for name in names
+        if name not in picked and not failed
+    ]
     _report("frames", failed, len(table))
     return table.merge(found, on="frame", validate="one_to_one")
 
@@ -123,7 +132,8 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, sourc
     flattening : {"surface", "elevation", "none"}
         See `snowsim.flatten.flatten`; a frame that is level already is not changed.
     layer_names : iterable of str, optional
-        Read these layers only; the surface must be among them.
+        Layers from the surface down: layer i is then the same one in all frames, a row of NaN where a frame lacks it.
+        By default, all layers with picks that the frame has.
     source : {"nsidc", "cresis", "opr"}, optional
         Format the echogram must have; by default any.
 
@@ -143,12 +153,14 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, sourc
         if kind != source:
             raise refusal(row.echogram, "format", sniff.IN_WORDS[source], sniff.IN_WORDS[kind])
     echogram = read_echogram(row.echogram)
-    layers = read_layers(row.layers, names=layer_names)
+    layers = read_layers(row.layers, names=layer_names, missing="skip")
     labels = layers["layer"].values if "layer" in layers.coords else []
     named = getattr(labels, "dtype", None) is not None and labels.dtype.kind in "OUS"
     if named and surface_among([str(label) for label in labels]) != 0:
         found = one_line(", ".join(map(str, labels)), 200)
         raise refusal(row.layers, "layer", "one named surface (from the organizer file beside it)", found)
+    if layer_names is not None:
+        layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
     layers = align_layers(layers, echogram, where=str(row.layers))
     if bin_s is not None:
         echogram = resample_range(echogram, bin_s)

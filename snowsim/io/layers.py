@@ -15,7 +15,7 @@ SURFACE = "surface"
 OLD_NAMES = ("surface", "bottom")
 
 
-def read_cresis_layers(path, *, names=None, organizer=None):
+def read_cresis_layers(path, *, names=None, missing="refuse", organizer=None):
     """Layers of a new CReSIS layer file (`CSARP_layer`); names come from the organizer file beside it.
 
     Parameters
@@ -23,6 +23,8 @@ def read_cresis_layers(path, *, names=None, organizer=None):
     path : path_like
     names : iterable of str, optional
         Read these layers only ("surface", "Koenig_2"); by default all.
+    missing : {"refuse", "skip"}
+        What becomes of a file that has no layer of one of the `names`.
     organizer : path_like, optional
         `layer_YYYYMMDD_SS.mat`; by default the one beside `path`. Without one, layers are named "id 1", "id 2", ...
 
@@ -55,10 +57,10 @@ def read_cresis_layers(path, *, names=None, organizer=None):
         flags = np.full((n_layers, n_lines), default) if absent else matrix(path, name, flags, n_layers, n_lines)
         content[name] = _flags(path, name, flags)
     content["names"], content["groups"] = _organized(path, ids, organizer)
-    return _finished(path, content, values, ("lat", "lon", "elev"), names, "CReSIS layer")
+    return _finished(path, content, values, ("lat", "lon", "elev"), (names, missing), "CReSIS layer")
 
 
-def read_cresis_layer_data(path, *, names=None):
+def read_cresis_layer_data(path, *, names=None, missing="refuse"):
     """Layers of an old CReSIS layer file (`CSARP_layerData`); as `read_cresis_layers`.
 
     Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else 2. Entries without
@@ -79,7 +81,9 @@ def read_cresis_layer_data(path, *, names=None):
     content["names"] = [part["name"] for part in parts]
     content["groups"] = [part["group"] for part in parts]
     content["slow_time"] = from_gps_seconds(path, "GPS_time", gps_time)
-    return _finished(path, content, values, ("Latitude", "Longitude", "Elevation"), names, "CReSIS layerData")
+    return _finished(
+        path, content, values, ("Latitude", "Longitude", "Elevation"), (names, missing), "CReSIS layerData"
+    )
 
 
 def order_from_surface(twtt, names, path="layers"):
@@ -207,7 +211,7 @@ def _entry(path, number, entry, n_lines):
     }
 
 
-def _finished(path, content, values, positions, names, source):
+def _finished(path, content, values, positions, wanted, source):
     """Drop layers without picks, select by name, order from the surface down, and hand on to the validator."""
     if np.isinf(content["twtt"]).any():
         raise refusal(path, "twtt", "finite travel times or NaN", "infinite ones")
@@ -217,8 +221,9 @@ def _finished(path, content, values, positions, names, source):
     layer_names = [f"{group}:{n}" if n in twice else n for n, group in zip(layer_names, groups, strict=True)]
     if len(set(layer_names)) < len(layer_names):
         raise refusal(path, "layers", "names that differ", one_line(", ".join(layer_names), 200))
+    names, missing = wanted
     for name in names or ():
-        if name not in layer_names:
+        if name not in layer_names and missing == "refuse":
             raise refusal(path, "layers", f"one named {name}", one_line(", ".join(layer_names), 200))
     picked = np.isfinite(content["twtt"]).any(axis=1)
     empty = [name for name, has in zip(layer_names, picked, strict=True) if not has]

@@ -26,11 +26,12 @@ def read_opr(path):
     return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
 
 
-def read_opr_layers(path, *, names=None):
+def read_opr_layers(path, *, names=None, missing="refuse"):
     """Layers dataset as it stands on disk, (layer, slow_time); checked.
 
     A single layer without a `layer` dimension gets one. Layers with names are ordered from the surface down; numbered
-    ones keep their order, the first being the surface. `names` selects layers by the values of `layer`.
+    ones keep their order, the first being the surface. `names` selects layers by the values of `layer`; a name the
+    file does not have is refused, or left out where `missing` is "skip".
     """
     path = existing(path, directory=True)
     dataset = _load(path)
@@ -48,7 +49,7 @@ def read_opr_layers(path, *, names=None):
     if names is not None:
         labels = [str(label) for label in dataset["layer"].values]
         for name in names:
-            if str(name) not in labels:
+            if str(name) not in labels and missing == "refuse":
                 raise refusal(path, "layer", f"one named {name}", ", ".join(labels))
         dataset = dataset.isel(layer=[i for i, label in enumerate(labels) if label in set(map(str, names))])
     if labelled:

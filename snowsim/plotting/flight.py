@@ -2,7 +2,26 @@
 
 import numpy as np
 
+from snowsim.echogram import to_uint8
 from snowsim.plotting.style import COLOURS
+
+
+def image_with_gaps(power):
+    """8-bit image of a frame, uint8 (range_bin, range_line), black where nothing was measured.
+
+    Levelled frames have ragged ends: rows that fewer than half of the lines reach are black whole, and in the others a
+    gap counts as the row's median where `to_uint8` looks for the noise floor.
+    """
+    measured = np.isfinite(power) & (power > 0)
+    rows = np.flatnonzero(2 * measured.sum(axis=1) >= power.shape[1])
+    if rows.size == 0:
+        msg = "an image needs a row that half of the range lines reach, got none"
+        raise ValueError(msg)
+    held = np.where(measured[rows], power[rows], np.nan)
+    image = np.zeros(power.shape, dtype=np.uint8)
+    image[rows] = to_uint8(np.where(measured[rows], held, np.nanmedian(held, axis=1, keepdims=True)))[0]
+    image[~measured] = 0
+    return image
 
 
 def plot_picks(ax, layer_bins):

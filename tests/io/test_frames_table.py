@@ -76,7 +76,7 @@ def test_rows_that_fail_are_told_together_before_a_file_is_opened(flight):
         HEADER
         + "one\ta.nc\tnowhere.mat\ttrain\n"
         + "two\ta.nc\tData_20120330_04_001.mat\ttest\n"
-        + "three\tb.mat\tData_20120330_04_001.mat\tvalidation\n"
+        + "three\tb.mat\tData_20120330_04_001.mat\tholdout\n"
         + "four\t\tData_20120330_04_001.mat\ttrain\n"
         + "five\tc.mat\tData_20120330_04_001.mat\ttrain\n"
         + "five\tb.mat\tData_20120330_04_001.mat\ttrain\n"
@@ -90,7 +90,7 @@ def test_rows_that_fail_are_told_together_before_a_file_is_opened(flight):
         (
             "one: layers: expected a file, found nothing at",
             "two: echogram: expected a test frame to have no other role, found test and train",
-            "three: role: expected statistics, train, test, found validation",
+            "three: role: expected statistics, train, validation, test, found holdout",
             "four: echogram: expected a value, found none",
             "five: frame: expected names that differ",
             "five: frame: expected names that differ",
@@ -118,6 +118,55 @@ def test_frames_of_another_bin_size_are_told(flight, rng):
     with pytest.raises(ValueError, match="three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"):
         check_frames(table)
     check_frames(table, bin_s=5e-10)
+
+
+def test_named_layers_have_the_same_row_in_every_frame(flight):
+    row = next(read_frames(flight / "frames.tsv").itertuples())
+    names = ["surface", "Koenig_1", "Koenig_2"]
+    echogram, layers = read_frame(row, layer_names=names)
+    bins = layer_bins_of(layers, echogram)
+    assert layers["layer"].values.tolist() == names
+    assert np.isnan(bins[1]).all()
+    assert_allclose(bins[2] - bins[0], 40, atol=1e-6)
+
+
+def test_names_that_no_frame_has_are_told(flight):
+    table = read_frames(flight / "frames.tsv")
+    with pytest.raises(
+        ValueError, match="Koenig_3: layer_names: expected layers that some frame has, found it in none"
+    ):
+        check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"])
+
+
+def test_frames_of_another_source_are_told(flight):
+    table = read_frames(flight / "frames.tsv")
+    with pytest.raises(ValueError, match="2 of 3 frames fail") as error:
+        check_frames(table, source="nsidc")
+    for line, name in zip(str(error.value).splitlines()[1:], ("two", "three"), strict=True):
+        assert line.startswith(f"{name}: ")
+        assert line.endswith("format: expected an IRSNO1B echogram, found a CReSIS L1B echogram")
+
+
+def test_frames_that_give_no_scene_are_told_with_the_others(flight, rng):
+    content = formats.truth(rng, n_bins=400, n_lines=520)
+    layers = formats.layer_content([content["Surface"]], [9], content["GPS_time"])
+    formats.write_mat5(flight / "Data_20120330_04_001.mat", layers)
+    # One has rows above the surface for blocks, one begins 30 rows above it, one is narrower than a block.
+    above = formats.BIN_S * np.arange(-40, 0) + content["Time"][0]
+    air = np.full((40, 520), 1e-3, dtype=np.float32)
+    whole = content | {"Data": np.vstack([air, content["Data"]]), "Time": np.concatenate([above, content["Time"]])}
+    formats.write_nsidc(flight / "a.nc", whole)
+    formats.write_mat5(flight / "b.mat", content)
+    formats.write_mat73(flight / "c.mat", {k: v[..., :200] if k != "Time" else v for k, v in content.items()})
+    table = read_frames(flight / "frames.tsv").assign(role=["train", "train", "test"])
+    with pytest.raises(ValueError, match="2 of 3 frames fail") as error:
+        check_frames(table, blocks=True)
+    two, three = str(error.value).splitlines()[1:]
+    assert "blocks: expected at least one that is a scene, found none (two_000: rows -" in two
+    assert "a block has 256 range lines, the frame only 200" in three
+    checked = check_frames(table[:1], blocks=True)
+    assert checked["n_scenes"].tolist() == [2]
+    assert checked["n_skipped"].tolist() == [0]
 
 
 @pytest.mark.parametrize("text", ["frame\techogram\tlayers\n", HEADER.replace("role", "roles"), "", HEADER])

@@ -230,6 +230,26 @@ def test_all_failing_scenes_are_reported_together(tmp_path, scenes):
     assert len(str(error.value).splitlines()) == 3
 
 
+def test_scenes_of_another_width_are_reported_with_the_damaged(tmp_path, scenes):
+    export_pairs(tmp_path / "set", scenes)
+    narrow = Scene("narrow", 300, scenes[0].layer_bins[:, :200], image=scenes[0].image[:, :200])
+    export_pairs(tmp_path / "set", [narrow], list_name="narrow.lst")
+    (tmp_path / "set" / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
+    with pytest.raises(ValueError, match="2 of 4 scenes fail") as error:
+        PairSet(tmp_path / "set").check()
+    assert "narrow: width: expected 256 range lines as in most, found 200" in str(error.value)
+
+
+def test_checked_scenes_tell_their_sizes_and_files(tmp_path, scenes):
+    export_pairs(tmp_path / "set", scenes)
+    pairs = PairSet(tmp_path / "set")
+    assert [row["n_range_bins"] for row in pairs.check()] == [300, 320, 301]
+    assert all(row["tells_db"] and row["n_range_lines"] == 256 and row["n_layers"] == 6 for row in pairs.check())
+    written = {f"{part}_{scene.name}.png" for part in ("data", "layer", "layer_binary") for scene in scenes[1:]}
+    assert {path.name for path in pairs.files(slice(1, 3))} == written
+    assert len(pairs.files(0)) == 3
+
+
 def bomb(columns, rows):
     """A PNG of a few kilobytes that says it is this large."""
 

@@ -2,6 +2,8 @@
 
 import sys
 
+from snakemake.logging import logger
+
 # Tables and lists of own data are read by the package that the jobs use, too.
 sys.path.insert(0, str(ROOT))
 
@@ -92,6 +94,8 @@ if SOURCE == "reference":
     FRAMES = [f"{frame:04d}" for frame in range(config["flight"]["n_frames"])]
     SEGMENT = ["results/flight/segment.nc"]
 else:
+    for what, reason in LEFT_OUT[SOURCE].items():
+        logger.info(f"source {SOURCE}: left out: {what}: {reason}")
     SYNTHETIC = "no"
     NOTE = OWN["description"] or f"source: {SOURCE}"
     SEGMENT = []

@@ -4,11 +4,11 @@ import numpy as np
 import pandas as pd
 from job import job
 
-from snowsim.echogram import layer_bins_of, to_uint8
+from snowsim.echogram import layer_bins_of
 from snowsim.io.figures import write_figure
 from snowsim.io.files import read_dataset, write_table
 from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.flight import plot_picks, plot_positions
+from snowsim.plotting.flight import image_with_gaps, plot_picks, plot_positions
 from snowsim.plotting.similarity import plot_echogram
 
 
@@ -18,11 +18,12 @@ def positions(paths_to_echograms, paths_to_layers):
     for path, path_to_layers in zip(paths_to_echograms, paths_to_layers, strict=True):
         echogram = read_dataset(path)
         layer_bins = layer_bins_of(read_dataset(path_to_layers), echogram)
+        first_slab = np.diff(layer_bins[:2], axis=0)  # empty where the surface alone is picked
         rows.append(
             {
                 "latitude_deg": float(echogram["Latitude"].mean()),
                 "longitude_deg": float(echogram["Longitude"].mean()),
-                "first_slab_bins": float(np.nanmean(layer_bins[1] - layer_bins[0])),
+                "first_slab_bins": float(np.nanmean(first_slab)) if np.isfinite(first_slab).any() else np.nan,
                 "n_range_lines": echogram.sizes["slow_time"],
                 "picked": float(np.isfinite(layer_bins).mean()),
             }
@@ -37,8 +38,9 @@ def plot(paths_to_echograms, paths_to_layers, path_to_table, path_to_echogram_fi
     echogram = read_dataset(paths_to_echograms[middle])
     layer_bins = layer_bins_of(read_dataset(paths_to_layers[middle]), echogram)
     figure, axes = new_figure(1, 2, width=8, height=4, sharey=True)
+    image = image_with_gaps(echogram["Data"].transpose("twtt", "slow_time").values)
     for ax, title in zip(axes[0], ("echogram", "with picks"), strict=True):
-        plot_echogram(ax, to_uint8(echogram["Data"].values)[0], title)
+        plot_echogram(ax, image, title)
     plot_picks(axes[0, 1], layer_bins)
     axes[0, 0].set_ylabel("range bin")
     note_source(figure, source)

@@ -1,0 +1,245 @@
+"""The workflow on files that are not the embedded flight's: every source, worked examples, export and back."""
+
+import json
+import shutil
+
+import jsonschema
+import numpy as np
+import own_files
+import pandas as pd
+import pytest
+import xarray as xr
+import yaml
+from numpy.testing import assert_allclose, assert_array_equal
+from runs import ROOT, run_snakemake
+
+from snowsim.io.frames import COLUMNS, read_frames
+from snowsim.io.png_pairs import PairSet
+from snowsim.io.scenes import SceneSet
+from snowsim.statistics import fit
+
+EXAMPLES = sorted((ROOT / "config/examples").glob("*.yaml"))
+
+
+def merged(base, over):
+    """Settings of `base` with those of `over` put in, all the way down."""
+    both = dict(base)
+    for key, value in over.items():
+        both[key] = merged(base[key], value) if isinstance(value, dict) and isinstance(base.get(key), dict) else value
+    return both
+
+
+def test_there_is_a_worked_example_for_every_source():
+    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    sources = {yaml.safe_load(path.read_text())["source"] for path in EXAMPLES}
+    assert sources | {"reference"} == set(schema["properties"]["source"]["enum"])
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_worked_examples_pass_the_schema_and_explain_every_setting(path):
+    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    default = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+    jsonschema.validate(merged(default, yaml.safe_load(path.read_text())), schema)
+    settings = [line for line in path.read_text().splitlines() if ": " in line and not line.startswith(("#", "source"))]
+    assert settings
+    assert all("#" in line for line in settings)
+
+
+def test_the_example_table_lacks_nothing_but_the_files():
+    with pytest.raises(ValueError, match="5 of 5 frames fail") as error:
+        read_frames(ROOT / "config/frames.tsv")
+    assert all("echogram: expected a file, found nothing at" in line for line in str(error.value).splitlines()[1:])
+
+
+def refused(folder, settings):
+    """Lines a dry run says of a configuration it refuses."""
+    folder.mkdir(exist_ok=True)
+    (folder / "own.yaml").write_text(yaml.safe_dump(settings))
+    done = run_snakemake(folder, "--dry-run", "--quiet", configs=("config.yaml", folder / "own.yaml"))
+    assert done.returncode != 0
+    assert not (folder / "results").exists()
+    text = done.stdout + done.stderr
+    assert "Traceback" not in text
+    return text
+
+
+@pytest.mark.parametrize(
+    ("table", "expected"),
+    [
+        (None, "frames.tsv: path: expected a file, found nothing"),
+        ("frame\techogram\tlayers\n1\ta\tb\n", "frames.tsv: columns: expected frame, echogram, layers, role, found"),
+        ("frame\techogram\tlayers\trole\trole\n1\ta\tb\ttest\ttest\n", "found frame, echogram, layers, role, role.1"),
+        (
+            "frame\techogram\tlayers\trole\n1\ta\ta\ttrain\n2\ta\ta\ttest\n",
+            "1: echogram: expected a test frame to have",
+        ),
+        ("frame\techogram\tlayers\trole\n1\ta\ta\ttrain\n", "role: expected at least one frame for statistics"),
+    ],
+    ids=["missing", "column missing", "column twice", "frame held out and not", "role missing"],
+)
+def test_a_bad_table_stops_before_any_job(tmp_path, table, expected):
+    if table is not None:
+        (tmp_path / "frames.tsv").write_text(table)
+    (tmp_path / "a").touch()
+    text = refused(tmp_path, {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}})
+    assert sum(expected in line for line in text.splitlines()) == 1, text
+
+
+def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path):
+    (tmp_path / "data_1.png").touch()
+    for name in ("train.lst", "test.lst"):
+        (tmp_path / name).write_text("data_1.png\n")
+    for folder, expected in (
+        (tmp_path, "test.lst: expected scenes that are in no other list, found 1 in train.lst too"),
+        (tmp_path / "none", "none/train.lst: path: expected a file, found nothing"),
+        (None, "import.pairs.folder: expected a folder of the published benchmark, got null"),
+    ):
+        pairs = {"folder": None if folder is None else str(folder)}
+        text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": pairs}})
+        assert sum(expected in line for line in text.splitlines()) == 1, text
+
+
+@pytest.fixture(scope="module")
+def exported(tiny_run, tmp_path_factory):
+    """A copy of the finished tiny run with all its sets exported."""
+    folder = tmp_path_factory.mktemp("exported") / "run"
+    shutil.copytree(tiny_run, folder)
+    done = run_snakemake(folder, "--rerun-triggers", "mtime", "--", "export")
+    assert done.returncode == 0, done.stderr[-4000:]
+    return folder / "results"
+
+
+@pytest.fixture(scope="module")
+def own_config(exported, tmp_path_factory):
+    """Settings that make the exported folder the benchmark."""
+    path = tmp_path_factory.mktemp("own") / "own.yaml"
+    pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
+    path.write_text(yaml.safe_dump({"source": "png_pairs", "import": {"pairs": pairs}}))
+    return path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["rd", "pd", "gd"])
+def test_exported_sets_are_those_of_the_run(exported, name):
+    files = {
+        "rd": {split: f"benchmark/{split}" for split in ("train", "validation", "test")},
+        "pd": {"train": "phy/labels"},
+        "gd": {"train": "cgan/labels"},
+    }[name]
+    for part, folder in files.items():
+        scenes = SceneSet(sorted((exported / folder).glob("*.nc")))
+        pairs = PairSet(exported / f"export/pairs/{name}/{part}.lst")
+        assert pairs.names == [scene.name for scene in scenes]
+        for found, scene in zip(pairs, scenes, strict=True):
+            assert_array_equal(found.image, scene.image)
+            assert_array_equal(found.mask(), scene.mask())
+            dataset = xr.load_dataset(exported / f"export/netcdf/{name}/scene_{scene.name}.nc")
+            assert_array_equal(dataset["image"], scene.image)
+            assert_array_equal(dataset["layer_bins"], scene.layer_bins)
+        assert f"{part}.lst: n_scenes {len(scenes)}" in (exported / f"export/pairs/{name}/about.txt").read_text()
+
+
+@pytest.mark.slow
+def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, own_config, tmp_path):
+    targets = ("similarity", "trackers", "labels", "charts", "closed_loop", "flight")
+    done = run_snakemake(tmp_path, "--", *targets, configs=("config.yaml", "tiny.yaml", own_config))
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert "left out: realism: it holds the synthetic flight against observed values" in done.stdout + done.stderr
+    results = tmp_path / "results"
+    # Images and masks are those of the reference run, so what never saw the statistics is the same to the byte.
+    for table in ("table2", "table3"):
+        ours, theirs = (pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported))
+        assert list(ours.columns) == list(theirs.columns)
+        assert len(ours) == len(theirs)
+        assert ours.drop(columns=ours.columns[0]).select_dtypes("number").notna().all(axis=None)
+    ours, theirs = (pd.read_csv(folder / "tables/table3.csv") for folder in (results, exported))
+    real_alone = ["rd_ods", "rd_ois", "rd_ap"]
+    assert_allclose(ours[real_alone], theirs[real_alone], rtol=1e-9)
+    for path in (*results.rglob("*.svg"), *results.rglob("*.csv"), *results.rglob("*.nc")):
+        assert b"synthetic reference flight" not in path.read_bytes(), path
+    assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
+    assert not (results / "figures/flight_line.svg").exists()
+
+
+@pytest.fixture
+def own_flight(tiny_run, tmp_path):
+    """A function that writes the tiny flight's frames as files of a source, with a table; gives settings."""
+
+    def write(source, kinds, old):
+        rows = []
+        for number, (kind, roles) in enumerate(
+            zip(kinds, (("statistics", "train"), ("statistics",), ("test",)), strict=True)
+        ):
+            echogram, layers = (
+                xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers")
+            )
+            content = own_files.content_of(echogram, number * echogram.sizes["slow_time"])
+            name = f"20120330_04_{number + 1:03d}"
+            file = own_files.write_echogram(tmp_path, f"echogram_{number}", content, kind)
+            picks = own_files.write_layers(tmp_path, name, layers, content, old=old)
+            rows += [(name if role != "train" else f"{name}t", file.name, picks.name, role) for role in roles]
+        lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows)]
+        (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
+        settings = {"source": source, "import": {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}}
+        (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+        return ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
+
+    return write
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("source", "kinds", "old"),
+    [
+        ("nsidc", ("nsidc", "nsidc", "nsidc"), False),
+        ("cresis", ("mat73", "mat5", "mat73"), False),
+        ("cresis", ("mat5", "mat73", "mat5"), True),
+    ],
+    ids=["nsidc", "cresis", "cresis old layers"],
+)
+def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
+    tiny_run, tmp_path, own_flight, source, kinds, old
+):
+    configs = own_flight(source, kinds, old)
+    done = run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=configs)
+    assert done.returncode == 0, done.stderr[-4000:]
+    results = tmp_path / "run/results"
+    flight = [
+        tuple(xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers"))
+        for number in range(2)
+    ]
+    expected, found = fit(flight), xr.load_dataset(results / "statistics.nc")
+    assert found.attrs["synthetic"] == "no"
+    assert found.sizes["layer"] == expected.sizes["layer"]
+    # Decibels in float32 keep power to 1e-6; levelling by whole bins moves nothing.
+    for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
+        assert_allclose(found[name], expected[name], rtol=1e-3, err_msg=name)
+    for split in ("train", "test"):
+        scenes = list(SceneSet(results / f"benchmark/{split}/0000.nc"))
+        assert len(scenes) == 2  # lines 0 to 255 and 250 to 505 of 512
+        for scene in scenes:
+            assert_allclose(np.nanmedian(scene.layer_bins[0]), 50, atol=0.5)
+            # The surface is bright where the layers say it is: nothing slipped against anything.
+            rows = np.rint(scene.layer_bins[0]).astype(int)
+            lines = np.flatnonzero(np.isfinite(scene.layer_bins[0]))
+            on = scene.image[rows[lines], lines].mean()
+            assert on > scene.image[rows[lines] - 12, lines].mean() + 50
+    assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 2, 0, 2]
+    for path in (*results.rglob("*.svg"), *results.rglob("*.csv"), *results.rglob("*.nc")):
+        assert b"synthetic reference flight" not in path.read_bytes(), path
+    assert "own frames" in (results / "figures/flight_line.svg").read_text()
+
+
+@pytest.mark.slow
+def test_frames_that_fail_are_all_told_in_one_go(tmp_path, own_flight):
+    configs = own_flight("nsidc", ("nsidc", "mat5", "nsidc"), False)
+    first = tmp_path / "echogram_0"
+    first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])
+    done = run_snakemake(tmp_path / "run", "--", "results/statistics.nc", configs=configs)
+    assert done.returncode != 0
+    text = done.stdout + done.stderr
+    assert "error: check_frames: frames: 3 of 4 frames fail" in text
+    for name in ("20120330_04_001: ", "20120330_04_001t: ", "20120330_04_002: "):
+        assert any(line.startswith(name) for line in text.splitlines())
+    assert "found a CReSIS L1B echogram" in text
+    assert not (tmp_path / "run/results").joinpath("flight").exists()
