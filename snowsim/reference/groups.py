@@ -88,7 +88,7 @@ class FirnSettings:
     layering_length_m: float = 0.0225
     layering_lateral_m: float = 0.8
     fade_least_m: float = 0.9
-    fade_depth_m: float = 2.1
+    fade_depth_m: float = 1.85
     fade_sd: float = 1.1
     percolation_elevation_m: float = 1800.0
     percolation_width_m: float = 60.0
