@@ -208,10 +208,10 @@ def _reason(quantity, where, found, excess, sampling, given):
 
     `sampling`: two standard errors of the renders' own sampling reach back to the bound. `zone drawn evenly`: labels
     draw the first slab uniformly over a zone's range, the flight has it as it snowed, and what came back is what that
-    gives, within the bound and two standard errors (`_drawn_evenly`). `leakage`: the given spectrum falls more steeply than k^-2, as which the ends of any
-    series leak that does not end where it began. `set by align`: PHY takes no offset, its convention is one. `below the
-    noise`: the layer's peak power is less than the noise. `narrower than a bin`: the Gaussian's variance is below
-    `NARROW_BINS2`. `bias`: none.
+    gives, within the bound and two standard errors (`_drawn_evenly`). `leakage`: the given spectrum falls more steeply
+    than k^-2, as which the ends of any series leak that does not end where it began. `set by align`: PHY takes no
+    offset, its convention is one. `below the noise`: the layer's peak power is less than the noise. `narrower than a
+    bin`: the Gaussian's variance is below `NARROW_BINS2`. `bias`: none.
     """
     if excess <= SURE * sampling:
         return "sampling"
