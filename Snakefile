@@ -14,6 +14,7 @@ include: "workflow/rules/similarity.smk"
 include: "workflow/rules/tracker.smk"
 include: "workflow/rules/charts.smk"
 include: "workflow/rules/stability.smk"
+include: "workflow/rules/stability_statistics.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
@@ -30,6 +31,7 @@ localrules:
     charts,
     charts_phy,
     stability,
+    stability_statistics,
     closed_loop,
     realism,
     export,

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height
+from snowsim.labels.beyond import Beyond, draw_beyond
 from snowsim.labels.process import correlation_factor, draw_series, lengthened, line_variances
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
@@ -32,6 +33,8 @@ class LabelModel:
     band_correlation : ndarray, (band, separation)
         Of undulations about the mean.
     band_edge_wavenumber : ndarray, (band_edge,)
+    beyond : Beyond
+        What leaves the paper's stationary process; by default nothing.
     """
 
     n_range_lines: int
@@ -43,6 +46,7 @@ class LabelModel:
     relative_correlation: np.ndarray
     band_correlation: np.ndarray
     band_edge_wavenumber: np.ndarray
+    beyond: Beyond = Beyond()
     _kept: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -77,7 +81,7 @@ class LabelModel:
         return self._kept["bands", n]
 
 
-def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measured"):
+def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measured", beyond=None):
     """Make flight statistics ready to draw many scenes.
 
     Parameters
@@ -89,6 +93,8 @@ def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measur
         Fewest and most layers below the surface.
     correlation : {"measured", "none"}
         Whether thickness of different slabs is correlated as in the flight, or only through slab 0 as in the paper.
+    beyond : Beyond, optional
+        Trends and folds; by default none, as in the paper.
 
     Returns
     -------
@@ -124,6 +130,7 @@ def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measur
         relative_correlation=by_separation,
         band_correlation=by_band,
         band_edge_wavenumber=band_edges,
+        beyond=beyond or Beyond(),
     )
 
 
@@ -165,7 +172,8 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     snowsim.echogram.Scene
         `notes` holds `n_layers` below the surface, `n_slabs_beyond` (deeper than the flight shows), `n_samples` of
         thickness, `n_touched` and `n_means_touched` by the rule for thin slabs, `first_thickness_bins` drawn, and mean
-        and variance of thickness before and after that rule, `thickness_{mean,variance}_{drawn,kept}`.
+        and variance of thickness before and after that rule, `thickness_{mean,variance}_{drawn,kept}`; with trends
+        and folds what `draw_beyond` notes.
     """
     model = statistics if isinstance(statistics, LabelModel) else prepare(statistics, n_range_lines)
     if model.n_range_lines != n_range_lines:
@@ -183,6 +191,8 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     variances = model.variances(zone)[slab]
     series = draw_series(variances, model.band_factors(n_layers, variances.shape[1]), n_range_lines, rng=rng)
     drawn = mean[:, None] + series
+    # Last of all numbers drawn: without trends and folds, scenes are those of the paper to the byte.
+    drawn, beyond = draw_beyond(drawn, model.beyond, rng=rng) if model.beyond.applies(zone) else (drawn, {})
     thickness = _mirrored(drawn)
     surface = np.full((1, n_range_lines), float(SURFACE_ROW))
     layer_bins = np.cumsum(np.concatenate([surface, thickness]), axis=0)
@@ -197,6 +207,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "thickness_variance_drawn": float(drawn.var()),
         "thickness_mean_kept": float(thickness.mean()),
         "thickness_variance_kept": float(thickness.var()),
+        **beyond,
     }
     return Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
 

@@ -24,6 +24,8 @@ def summarise_labels(scenes, statistics):
         (means over scenes, variances within a scene), slabs deeper than the flight shows.
         `spectra`: by zone, slab and wavenumber `observed`, `synthetic` [bins^2 per cycle per line].
         `correlation`: by band (-1: of relative means) and separation `observed`, `synthetic`.
+        `histograms`: by zone, slab and `low_bins`, the lower edge of a bin one range bin wide, number of lines of that
+        thickness, and by zone, slab -1, number of scenes of that mean thickness of slab 0.
 
     Raises
     ------
@@ -36,7 +38,7 @@ def summarise_labels(scenes, statistics):
     moments = np.zeros((3, n_zones, n_slabs))  # number, sum and sum of squares of relative thickness
     edges = np.rint(statistics["band_edge_wavenumber"].values * n_lines).astype(int)
     pairs = np.zeros((3, edges.size, n_slabs))  # products, squares above and below; bands, then relative means
-    counts, rules = [], []
+    counts, rules, histograms = [], [], []
     for scene in scenes:
         if scene.n_range_lines != n_lines:
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
@@ -60,6 +62,7 @@ def summarise_labels(scenes, statistics):
         anomaly = (relative - expected) / np.sqrt(np.where(variance > 0, variance, np.inf))
         _add_pairs(pairs[:, -1], anomaly[1:, None])
         counts.append(scene.notes["n_layers"])
+        histograms.append(_histogram(thickness, zone))
         rules.append({"zone": zone} | {key: value for key, value in scene.notes.items() if key != "n_layers"})
     if not counts:
         msg = "a summary of labels needs at least one scene, got none"
@@ -70,7 +73,24 @@ def summarise_labels(scenes, statistics):
         "rule": _rule_table(pd.DataFrame(rules)),
         "spectra": _spectrum_table(moments[0], spectra, statistics),
         "correlation": _correlation_table(pairs, statistics),
+        "histograms": pd.concat(histograms).groupby(["zone", "slab", "low_bins"]).sum().reset_index(),
     }
+
+
+def _histogram(thickness, zone):
+    """Lines of one scene by slab and whole bins of thickness, and its mean of slab 0 as slab -1."""
+    whole = np.floor(thickness).astype(int)
+    width = whole.max() + 1
+    counts = np.bincount((whole + width * np.arange(len(whole))[:, None]).ravel())
+    held = np.flatnonzero(counts)
+    return pd.DataFrame(
+        {
+            "zone": zone,
+            "slab": np.append(held // width, -1),
+            "low_bins": np.append(held % width, int(thickness[0].mean())),
+            "n": np.append(counts[held], 1),
+        }
+    )
 
 
 def _add_pairs(totals, values):

@@ -1,6 +1,23 @@
 """Synthetic labels beside the flight they were drawn from."""
 
+import numpy as np
 from matplotlib import colormaps
+
+# Okabe & Ito (2008), as in the other figures.
+FAMILY_COLOURS = {
+    "tabulated": "#000000",
+    "white": "#999999",
+    "power_law": "#0072B2",
+    "ar1": "#D55E00",
+    "matern": "#009E73",
+}
+FAMILY_NAMES = {
+    "tabulated": "tabulated",
+    "white": "white",
+    "power_law": "power law",
+    "ar1": "AR(1)",
+    "matern": "Matérn",
+}
 
 
 def plot_layer_counts(ax, layers):
@@ -13,7 +30,7 @@ def plot_layer_counts(ax, layers):
 def plot_thickness(ax, moments):
     """Mean thickness relative to slab 0 by slab and zone: flight as points, synthetic as lines."""
     for zone, rows in moments.groupby("zone"):
-        colour = colormaps["viridis"](zone / 4)
+        colour = _zone_colour(zone, moments)
         ax.plot(rows["slab"], rows["relative_mean_observed"], "o", color=colour, markersize=2.5)
         ax.plot(rows["slab"], rows["relative_mean_synthetic"], color=colour, label=f"zone {zone}")
     ax.set(xlabel="slab", ylabel="thickness / slab 0")
@@ -23,7 +40,7 @@ def plot_thickness(ax, moments):
 def plot_spectra(ax, spectra, slab):
     """Power spectral density of one slab's thickness by zone: flight as points, synthetic as lines."""
     for zone, rows in spectra[spectra["slab"] == slab].groupby("zone"):
-        colour = colormaps["viridis"](zone / 4)
+        colour = _zone_colour(zone, spectra)
         ax.loglog(rows["wavenumber"], rows["observed"], ".", color=colour, markersize=2)
         ax.loglog(rows["wavenumber"], rows["synthetic"], color=colour, linewidth=0.8)
     ax.set(xlabel="wavenumber [cycles per range line]", ylabel=f"PSD of slab {slab} [bins² line]")
@@ -37,3 +54,46 @@ def plot_correlation(ax, correlation):
         ax.plot(rows["separation"], rows["synthetic"], color=colour, label="means" if band < 0 else f"band {band}")
     ax.set(xlabel="slabs apart", ylabel="correlation")
     ax.legend(fontsize=6)
+
+
+def plot_criterion(ax, criteria, criterion):
+    """A criterion above its least against parameters: a line a kind of spectrum, a point a number of zones."""
+    least = criteria[criterion].min()
+    for psd, rows in criteria.groupby("psd", sort=False):
+        above = np.maximum(rows[criterion] - least, 10)
+        ax.plot(rows["n_parameters"], above, "o-", color=FAMILY_COLOURS[psd], markersize=3, label=FAMILY_NAMES[psd])
+        for row, y in zip(rows.itertuples(), above, strict=True):
+            ax.annotate(f"{row.n_zones}", (row.n_parameters, y), xytext=(2, 2), textcoords="offset points", fontsize=5)
+    ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel=f"{criterion.upper()} above its least")
+    ax.legend(fontsize=6)
+
+
+def plot_families(ax, families, zone):
+    """Spectrum of slab 0 in one zone, observed as points, and what each family makes of it."""
+    rows = families[families["zone"] == zone]
+    ax.loglog(rows["wavenumber"], rows["tabulated"], ".", color=FAMILY_COLOURS["tabulated"], markersize=2)
+    for name in list(FAMILY_COLOURS)[1:]:
+        ax.loglog(rows["wavenumber"], rows[name], color=FAMILY_COLOURS[name], linewidth=0.9, label=FAMILY_NAMES[name])
+    ax.set(xlabel="wavenumber [cycles per range line]", ylabel=f"PSD of slab 0, zone {zone} [bins² line]")
+    ax.legend(fontsize=6)
+
+
+def plot_changes(ax, savings):
+    """Thickness statistics of scenes by each label model against those of the first, in per cent."""
+    columns = [name for name in savings.columns if name.endswith("_bins_change")]
+    rows = savings[~savings["model"].isin(("paper", "in use"))]
+    for i, row in enumerate(rows.itertuples()):
+        label = f"{row.model}: {row.n_zones} zones, {FAMILY_NAMES[row.psd]}, {row.n_parameters} parameters"
+        at = np.arange(len(columns)) + 0.25 * (i - (len(rows) - 1) / 2)
+        ax.plot([100 * getattr(row, name) for name in columns], at, "o", markersize=4, label=label)
+    ax.axvline(0, color="0.6", linewidth=0.8)
+    names = [name.removesuffix("_bins_change").replace("_", " ") for name in columns]
+    ax.set_yticks(range(len(columns)), names, fontsize=6)
+    ax.invert_yaxis()
+    ax.set(xlabel="change against the paper's model [%]")
+    ax.legend(fontsize=5.5, loc="upper center", bbox_to_anchor=(0.35, 1.22))
+
+
+def _zone_colour(zone, table):
+    """Colour of a zone among those of a table."""
+    return colormaps["viridis"](zone / max(table["zone"].max() + 1, 4))

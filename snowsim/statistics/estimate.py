@@ -79,7 +79,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     dataset = xr.Dataset(
         {"noise_power": ((), noise_power), "noise_power_standard_error": ((), noise_error)}
         | {name: (("layer", "lag")[: np.ndim(value)], value) for name, value in layer_values.items()}
-        | {name: (_dimensions(name), value) for name, value in zones.items() if np.ndim(value)}
+        | {name: (label_dimensions(name), value) for name, value in zones.items() if np.ndim(value)}
         | _widths(width)
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {
@@ -170,7 +170,8 @@ def _spectra(summary):
     return {name: ("wavenumber", value) for name, value in spectra.items() if value is not None}
 
 
-def _dimensions(name):
+def label_dimensions(name):
+    """Dimensions of a variable of `zone_statistics` or of its standard error."""
     return DIMENSIONS.get(name.removesuffix("_standard_error"), ("zone", "slab"))
 
 

@@ -99,7 +99,7 @@ def largest_errors(table):
         offsets of the median error over its bound.
     """
     magnitude = table["error"].abs()
-    resolved = table["error_standard_error"] < table["bound"] / SURE
+    resolved = _is_resolved(table)
     errors, shares = {}, []
     for quantity, bound in BOUNDS.items():
         of = table["quantity"] == quantity
@@ -118,14 +118,16 @@ def summarise_loop(table):
     Returns
     -------
     pandas.DataFrame
-        `n` values compared and `n_within` their bound, `median` and `largest` magnitude of the error as in
-        `largest_errors`, `median_standard_error`, and `reasons`, how many of those beyond have which.
+        `n` values compared and `n_within` their bound; `n_resolved`, of which sampling resolves the bound, as in
+        `largest_errors`, and `n_resolved_within`; `median` and `largest` magnitude of the error,
+        `median_standard_error`, and `reasons`, how many of those beyond have which.
     """
     errors = largest_errors(table)
     rows = []
     for quantity in table["quantity"].unique():
         part = table[table["quantity"] == quantity]
         reasons = part.loc[~part["within"], "reason"].value_counts()
+        resolved = _is_resolved(part)
         rows.append(
             {
                 "quantity": quantity,
@@ -133,6 +135,8 @@ def summarise_loop(table):
                 "bound": BOUNDS[quantity].largest,
                 "n": len(part),
                 "n_within": int(part["within"].sum()),
+                "n_resolved": int(resolved.sum()),
+                "n_resolved_within": int(part.loc[resolved, "within"].sum()),
                 "median": errors[f"{quantity}_median"],
                 "median_standard_error": part["error_standard_error"].median(),
                 "largest": errors[f"{quantity}_largest"],
@@ -140,6 +144,11 @@ def summarise_loop(table):
             }
         )
     return pd.DataFrame(rows)
+
+
+def _is_resolved(table):
+    """Where two standard errors of sampling are below the bound."""
+    return table["error_standard_error"] < table["bound"] / SURE
 
 
 def _values(statistics, quantity, dims):
@@ -190,24 +199,26 @@ def _row(quantity, bound, where, numbers, given):
         "unit": bound.unit,
         "bound": bound.largest,
         "within": within,
-        "reason": "" if within else _reason(quantity, where, abs(error) - bound.largest, sampling, given),
+        "reason": "" if within else _reason(quantity, where, found, abs(error) - bound.largest, sampling, given),
     }
 
 
-def _reason(quantity, where, excess, sampling, given):
+def _reason(quantity, where, found, excess, sampling, given):
     """Why an error is beyond its bound, the first of these that holds.
 
     `sampling`: two standard errors of the renders' own sampling reach back to the bound. `zone drawn evenly`: labels
-    draw the first slab uniformly over a zone's range, the flight has it as it snowed; thickness relative to the first
-    is what the loop can give back. `leakage`: the given spectrum falls more steeply than k^-2, as which the ends of any
-    series leak that does not end where it began. `set by align`: PHY takes no offset, its convention is one. `below the
-    noise`: the layer's peak power is less than the noise. `narrower than a bin`: the Gaussian's variance is below
-    `NARROW_BINS2`. `bias`: none.
+    draw the first slab uniformly over a zone's range, the flight has it as it snowed, and what came back is what that
+    gives, within the bound and two standard errors (`_drawn_evenly`). `leakage`: the given spectrum falls more steeply
+    than k^-2, as which the ends of any series leak that does not end where it began. `set by align`: PHY takes no
+    offset, its convention is one. `below the noise`: the layer's peak power is less than the noise. `narrower than a
+    bin`: the Gaussian's variance is below `NARROW_BINS2`. `bias`: none.
     """
     if excess <= SURE * sampling:
         return "sampling"
     if quantity in ("thickness_mean_bins", "thickness_variance_bins2"):
-        return "zone drawn evenly"
+        expected = _drawn_evenly(quantity, where, given)
+        evenly = abs(found / expected - 1) <= BOUNDS[quantity].largest + SURE * sampling
+        return "zone drawn evenly" if evenly else "bias"
     if quantity == "thickness_psd" and _falls_steeply(given, where):
         return "leakage"
     if quantity == "offset_bins":
@@ -218,6 +229,18 @@ def _reason(quantity, where, excess, sampling, given):
         if quantity == "variance_bins2" and given["variance_bins2"].values[where["layer"]] < NARROW_BINS2:
             return "narrower than a bin"
     return "bias"
+
+
+def _drawn_evenly(quantity, where, given):
+    """Mean or variance of thickness where slab 0 is uniform over its zone and deeper slabs are it times a Gaussian."""
+    low, high = given["zone_edge_bins"].values[where["zone"] : where["zone"] + 2]
+    mean, variance = (high + low) / 2, (high - low) ** 2 / 12
+    names = ("relative_thickness_mean", "relative_thickness_variance")
+    at = where["zone"], where["slab"]
+    factor, spread = (given[name].transpose("zone", "slab").values[at] for name in names)
+    if quantity == "thickness_mean_bins":
+        return mean * factor
+    return variance * factor**2 + (mean**2 + variance) * spread
 
 
 def _falls_steeply(given, where):

@@ -10,7 +10,7 @@ MINIMUM_BLOCKS = 4  # with fewer a variance has a standard error of its own size
 OWN_ZONE, ALL_ZONES, OTHER_SLABS = 0, 1, 2
 
 
-def zone_statistics(thickness, zone_edge_bins=None):
+def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES):
     """Statistics of thickness by accumulation zone.
 
     Parameters
@@ -18,7 +18,9 @@ def zone_statistics(thickness, zone_edge_bins=None):
     thickness : ndarray, (block, slab, range_line)
         [bins]; NaN in gaps.
     zone_edge_bins : array_like, (edge,), optional
-        Edges of the zones in mean thickness of slab 0; by default its quartiles over all blocks.
+        Edges of the zones in mean thickness of slab 0; by default its quantiles over all blocks.
+    n_zones : int
+        Zones of equally many blocks where no edges are given; quartiles in Yari et al. (2021).
 
     Returns
     -------
@@ -59,9 +61,9 @@ def zone_statistics(thickness, zone_edge_bins=None):
         "n_blocks_not_placed": int((~placed).sum()),
     }
     thickness, mean, whole, level = thickness[placed], mean[placed], whole[placed], level[placed]
-    edges, edges_error = _edges(level, zone_edge_bins)
+    edges, edges_error = _edges(level, zone_edge_bins, n_zones)
     zone = zone_of(level, edges)
-    held = [level[zone == z] for z in range(N_ZONES)]
+    held = [level[zone == z] for z in range(edges.size - 1)]
     typical = np.array([part.mean() if part.size else edges[z : z + 2].mean() for z, part in enumerate(held)])
     result = _moments_by_zone(mean, level, zone, typical)
     result |= _spectra_by_zone(thickness, whole, level, zone, typical)
@@ -76,20 +78,20 @@ def zone_of(first_thickness_bins, zone_edge_bins):
     return np.searchsorted(zone_edge_bins[1:-1], first_thickness_bins, side="right")
 
 
-def _edges(level, given):
+def _edges(level, given, n_zones):
     """Zone edges and their standard errors from the density of order statistics; given ones have none."""
     if given is not None:
-        return np.asarray(given, dtype=float), np.zeros(N_ZONES + 1)
-    at = np.linspace(0, 1, N_ZONES + 1)
+        return np.asarray(given, dtype=float), np.zeros(len(given))
+    at = np.linspace(0, 1, n_zones + 1)
     inner = np.clip(at, 1 / (level.size + 1), level.size / (level.size + 1))
     low, high = np.clip(inner - 0.1, 0, 1), np.clip(inner + 0.1, 0, 1)
     per_probability = (np.quantile(level, high) - np.quantile(level, low)) / (high - low)
     return np.quantile(level, at), np.sqrt(inner * (1 - inner) / level.size) * per_probability
 
 
-def _sources(known, zone):
+def _sources(known, zone, n_zones):
     """Number of blocks and where values come from, two (zone, slab), for blocks `known (block, slab)`."""
-    n = np.array([known[zone == z].sum(axis=0) for z in range(N_ZONES)])
+    n = np.array([known[zone == z].sum(axis=0) for z in range(n_zones)])
     enough_in_all = np.where(n.sum(axis=0) >= MINIMUM_BLOCKS, ALL_ZONES, OTHER_SLABS)
     return n, np.where(n >= MINIMUM_BLOCKS, OWN_ZONE, enough_in_all)
 
@@ -97,11 +99,11 @@ def _sources(known, zone):
 def _moments_by_zone(mean, level, zone, typical):
     """Moments of block-mean thickness, absolute and relative, (zone, slab)."""
     known = np.isfinite(mean)
-    n, source = _sources(known, zone)
+    n, source = _sources(known, zone, len(typical))
     # The thickness of slab 0 is what makes a zone: the placed blocks tell it even where its own picks are few.
     source[:, 0] = np.minimum(source[:, 0], ALL_ZONES)
-    thickness, relative = (np.zeros((4, *n.shape)) for _ in range(2))
-    for z in range(N_ZONES):
+    thickness, relative = (np.zeros((4, *n.shape)) for _ in range(2))  # value and error of two moments
+    for z in range(len(typical)):
         for slab in range(mean.shape[1]):
             if source[z, slab] == OTHER_SLABS:
                 thickness[:, z, slab], relative[:, z, slab] = thickness[:, z, slab - 1], relative[:, z, slab - 1]
@@ -121,13 +123,13 @@ def _moments_by_zone(mean, level, zone, typical):
 
 def _spectra_by_zone(thickness, whole, level, zone, typical):
     """Spectra of thickness about the block mean, (zone, slab, wavenumber)."""
-    n, source = _sources(whole, zone)
+    n, source = _sources(whole, zone, len(typical))
     density = np.zeros((*n.shape, thickness.shape[2] // 2 + 1))
     error = np.zeros(density.shape)
     for slab in range(thickness.shape[1]):
         spectra = periodogram(thickness[whole[:, slab], slab])
         where, first = zone[whole[:, slab]], level[whole[:, slab]]
-        for z in range(N_ZONES):
+        for z in range(len(typical)):
             if source[z, slab] == OTHER_SLABS and slab > 0:
                 density[z, slab], error[z, slab] = density[z, slab - 1], error[z, slab - 1]
                 continue

@@ -58,13 +58,34 @@ def test_what_is_beyond_its_bound_has_a_reason(fitted):
         assert not table.loc["peak_power", "within"].any()
         reasons[factor] = set(table.loc["peak_power", "reason"])
         if factor == 1.5:
-            assert set(table.loc["thickness_mean_bins", "reason"]) == {"zone drawn evenly"}
+            assert set(table.loc["thickness_mean_bins", "reason"]) == {"bias"}
     # Powers are known to half a per cent: 4 % are some of them sampling's beyond a bound of 3 %, 50 % are none.
     assert reasons[1.04] <= {"sampling", "bias"}
     assert reasons[1.5] == {"bias"}
     faint = fitted.assign(noise_power=fitted["noise_power"] * 1e3)
     table = compare(faint, spoiled(faint, decay_rate=2)).set_index("quantity")
     assert set(table.loc["decay_rate", "reason"]) == {"below the noise"}
+
+
+def test_zones_drawn_evenly_are_the_reason_only_where_that_explains_the_error(fitted, rng):
+    low, high = np.array([30.0, 40, 50, 60]), np.array([40.0, 50, 60, 90])
+    first = rng.uniform(low, high, (100_000, 4))
+    factor = 0.8 + 0.1 * rng.standard_normal(first.shape)
+    cells = np.ones((4, 4))
+    given = fitted.assign(
+        zone_edge_bins=("edge", [*low, 90.0]),
+        relative_thickness_mean=(("zone", "slab"), 0.8 * cells),
+        relative_thickness_variance=(("zone", "slab"), 0.01 * cells),
+    )
+    drawn = {"mean_bins": (first * factor).mean(axis=0), "variance_bins2": (first * factor).var(axis=0)}
+    for name, values in drawn.items():
+        # 100,000 scenes know both to a per cent, far below the bounds.
+        evenly = given.assign({f"thickness_{name}": (("zone", "slab"), values[:, None] * cells)})
+        for true, reason in ((evenly, "zone drawn evenly"), (spoiled(evenly, **{f"thickness_{name}": 2}), "bias")):
+            start = given.assign({f"thickness_{name}": fitted[f"thickness_{name}"] * 0 + 1})
+            recovered = true.assign({f"thickness_{name}_standard_error": fitted[f"thickness_{name}"] * 0})
+            table = compare(start, recovered).set_index("quantity")
+            assert set(table.loc[f"thickness_{name}", "reason"]) == {reason}, name
 
 
 def test_what_was_no_measurement_is_left_out(fitted):
@@ -96,6 +117,8 @@ def test_the_short_table_counts_what_the_long_one_holds(fitted):
     assert short.loc["peak_power", "reasons"] == "bias: 5"
     assert_allclose(short.loc["peak_power", ["median", "largest"]].astype(float), 0.5, rtol=1e-10)
     assert short.loc["decay_rate", "reasons"] == ""
+    assert short.loc["peak_power", ["n_resolved", "n_resolved_within"]].to_list() == [5, 0]
+    assert (short["n_resolved_within"] <= short[["n_resolved", "n_within"]].min(axis=1)).all()
 
 
 def test_planted_values_go_round_the_loop(planted, rng):

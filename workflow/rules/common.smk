@@ -39,6 +39,11 @@ def check_config(config):
                 f"config: {section}.{low}: expected at most {section}.{high} = {config[section][high]}, "
                 f"got {config[section][low]}"
             )
+    chosen = {config["labels"][key] for key in ("n_zones", "psd")} & {"aic", "bic"}
+    if len(chosen) > 1:
+        raise WorkflowError(
+            "config: labels: expected n_zones and psd by one criterion, got aic and bic"
+        )
 
 
 check_config(config)

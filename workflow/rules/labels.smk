@@ -1,9 +1,78 @@
 # Flight statistics -> synthetic layer sets.
 
+# Numbers of zones that criteria choose from; the schema allows no others.
+ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
+# What labels are drawn from: the flight statistics as they are, or a model with other zones or spectra.
+LABEL_STATISTICS = (
+    "results/statistics.nc"
+    if (config["labels"]["n_zones"], config["labels"]["psd"]) == (4, "tabulated")
+    else "results/label_model.nc"
+)
+
+
+rule compare_label_models:
+    input:
+        summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
+        statistics="results/statistics.nc",
+        code=package("statistics", "phy.waveform", "labels", "timing", "io.files"),
+    output:
+        model="results/label_model.nc",
+        criteria="results/tables/label_criteria.csv",
+        savings="results/tables/label_savings.csv",
+        spectra="results/tables/label_families.csv",
+        seconds="results/tables/speed_accuracy_labels.csv",
+    log:
+        "logs/compare_label_models.log",
+    benchmark:
+        "results/benchmarks/compare_label_models/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+        n_zones=config["labels"]["n_zones"],
+        psd=config["labels"]["psd"],
+        zone_counts=ZONE_COUNTS,
+        n_range_lines=config["labels"]["n_range_lines"],
+        n_scenes=min(300, config["labels"]["n_scenes"]),
+    message:
+        "label models with fewer parameters, and what they save"
+    script:
+        "../scripts/compare_label_models.py"
+
+
+rule plot_label_models:
+    input:
+        criteria="results/tables/label_criteria.csv",
+        savings="results/tables/label_savings.csv",
+        spectra="results/tables/label_families.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report(
+            "results/figures/label_models.svg", caption="../report/label_models.rst"
+        ),
+    log:
+        "logs/plot_label_models.log",
+    benchmark:
+        "results/benchmarks/plot_label_models/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figure of label models"
+    script:
+        "../scripts/plot_label_models.py"
+
 
 rule draw_labels:
     input:
-        statistics="results/statistics.nc",
+        statistics=LABEL_STATISTICS,
         code=package("labels", "io.files", "io.scenes"),
     output:
         labels="results/labels/{shard}.nc",
@@ -22,6 +91,7 @@ rule draw_labels:
         n_range_lines=config["labels"]["n_range_lines"],
         n_layers=[config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]],
         correlation=config["labels"]["correlation"],
+        beyond=config["labels"]["beyond"],
     message:
         "label sets, shard {wildcards.shard}"
     script:
@@ -30,7 +100,7 @@ rule draw_labels:
 
 rule summarise_labels:
     input:
-        statistics="results/statistics.nc",
+        statistics=LABEL_STATISTICS,
         labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
         code=package("labels", "io.files", "io.scenes"),
     output:
@@ -39,6 +109,7 @@ rule summarise_labels:
         spectra="results/tables/label_spectra.csv",
         correlation="results/tables/label_correlation.csv",
         rule="results/tables/label_rule.csv",
+        histograms="results/tables/label_histograms.csv",
     log:
         "logs/summarise_labels.log",
     benchmark:
@@ -85,5 +156,7 @@ rule labels:
         expand("results/labels/{shard}.nc", shard=shards("labels")),
         rules.summarise_labels.output,
         rules.plot_labels.output,
+        rules.compare_label_models.output,
+        rules.plot_label_models.output,
     message:
         "all label sets and their tables"

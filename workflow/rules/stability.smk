@@ -51,5 +51,7 @@ rule stability:
     input:
         rules.stress_phy.output,
         rules.plot_phy_stability.output,
+        "results/figures/stability_statistics.svg",
+        "results/figures/stability_statistics_borders.svg",
     message:
-        "stability atlas of PHY and its figure"
+        "stability atlases of PHY and of the estimators, with their figures"

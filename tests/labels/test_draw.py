@@ -2,36 +2,12 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from planted_labels import N_LINES, planted
 
 from snowsim.echogram import check_layer_bins, scene_height
 from snowsim.labels import draw, draw_scene, prepare, summarise_labels
 from snowsim.labels.process import correlation_factor, draw_series, leakage_matrix, line_variances
-
-N_LINES = 256
-WAVENUMBER = np.fft.rfftfreq(N_LINES)
-
-
-def planted(n_slabs=20, scale=40.0):
-    """Statistics of a flight with a red spectrum, four zones and slabs that thin with depth."""
-    psd = np.zeros((4, n_slabs, WAVENUMBER.size))
-    psd[:, :, 1:] = scale * np.array([0.7, 0.9, 1.1, 1.3])[:, None, None] / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
-    separation = np.arange(n_slabs)
-    return xr.Dataset(
-        {
-            "thickness_psd": (("zone", "slab", "wavenumber"), psd),
-            "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
-            "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
-            "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
-            "thickness_correlation": (("band", "separation"), np.array([0.9, 0.6, 0.3, 0])[:, None] ** separation),
-            "relative_thickness_correlation": ("separation", 0.5**separation),
-        },
-        coords={
-            "wavenumber": WAVENUMBER,
-            "band_edge_wavenumber": ("band_edge", np.array([1, 3, 9, 27, 129]) / N_LINES),
-        },
-    )
 
 
 def block_density(series):

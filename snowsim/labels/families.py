@@ -1,0 +1,138 @@
+"""Families of thickness spectra with few parameters, fitted by the likelihood of Whittle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import minimize
+
+LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: beyond a block it is not told from none
+
+
+def _white(wavenumber, _):
+    return np.ones(wavenumber.size)
+
+
+def _power_law(wavenumber, shape):
+    return wavenumber ** -shape[0]
+
+
+def _ar1(wavenumber, shape):
+    # (1 - r)^2 + 4 r sin^2: what 1 + r^2 - 2 r cos would lose to cancellation for r close to 1.
+    return 1 / ((1 - shape[0]) ** 2 + 4 * shape[0] * np.sin(np.pi * wavenumber) ** 2)
+
+
+def _matern(wavenumber, shape):
+    return (np.exp(2 * shape[0]) + wavenumber**2) ** -shape[1]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A shape of spectra: density over scale, where its search starts, and between what."""
+
+    shape: object
+    start: tuple = ()
+    bounds: tuple = ()
+
+    @property
+    def n_parameters(self):
+        """Parameters with the scale."""
+        return 1 + len(self.start)
+
+
+FAMILIES = {
+    "white": Family(_white),
+    "power_law": Family(_power_law, (2.0,), ((0.0, 8.0),)),
+    "ar1": Family(_ar1, (0.9,), ((0.0, 0.99999),)),
+    "matern": Family(_matern, (np.log(0.01), 1.0), ((-np.log(LONGEST_PERIOD), 0.0), (0.05, 8.0))),
+}
+
+
+def fit_family(name, psd):
+    """The density of a family that is most likely behind a mean periodogram.
+
+    Parameters
+    ----------
+    name : str
+        ``white``: a. ``power_law``: a k^-b. ``ar1``: a / |1 - r exp(2 pi i k)|^2. ``matern``: a (k0^2 + k^2)^-b.
+    psd : ndarray, (wavenumber,)
+        One-sided mean periodogram from wavenumber 0 to 1/2, as `snowsim.statistics` gives it.
+
+    Returns
+    -------
+    density : ndarray, (wavenumber,)
+        0 at wavenumber 0, half the family's value at 1/2, as periodograms are; all 0 where `psd` is.
+    parameters : ndarray, (parameter,)
+        Scale, then shape.
+
+    Raises
+    ------
+    ValueError
+        If the family is unknown.
+
+    Notes
+    -----
+    Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P of n periodograms.
+    The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out.
+    What is fitted is the expected periodogram of blocks, leakage and all, as the tabulated density is.
+    """
+    if name not in FAMILIES:
+        msg = f"psd must be one of {', '.join(FAMILIES)}, got {name!r}"
+        raise ValueError(msg)
+    family = FAMILIES[name]
+    wavenumber = np.arange(psd.size) / (2 * (psd.size - 1))
+    inside = slice(1, -1)
+    if not (psd[inside] > 0).any():
+        return np.zeros(psd.size), np.zeros(family.n_parameters)
+
+    def unlikelihood(shape):
+        unit = family.shape(wavenumber[inside], shape)
+        return np.log(unit).mean() + np.log((psd[inside] / unit).mean())
+
+    shape = np.array(family.start)
+    if family.start:
+        shape = minimize(unlikelihood, shape, method="L-BFGS-B", bounds=family.bounds).x
+    unit = np.zeros(psd.size)
+    unit[1:] = family.shape(wavenumber[1:], shape)
+    scale = (psd[inside] / unit[inside]).mean()
+    unit[-1] /= 2
+    return scale * unit, np.array([scale, *shape])
+
+
+def whittle_log_likelihood(periodogram, density, n):
+    """Log likelihood of mean periodograms of `n` blocks each for a density, wavenumbers 0 and 1/2 left out.
+
+    Parameters
+    ----------
+    periodogram, density : ndarray, (..., wavenumber)
+    n : ndarray of int, (...)
+
+    Returns
+    -------
+    float
+        Cells without blocks, and those whose density is 0, add nothing.
+    """
+    periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
+    held = density > 0
+    safe = np.where(held, density, 1)
+    return float(-(n[..., None] * np.where(held, np.log(safe) + periodogram / safe, 0)).sum())
+
+
+def tabulate_families(psd):
+    """Spectra of one slab by zone beside what each family makes of them.
+
+    Parameters
+    ----------
+    psd : ndarray, (zone, wavenumber)
+
+    Returns
+    -------
+    pandas.DataFrame
+        `zone`, `wavenumber`, `tabulated` and a column a family [bins^2 per cycle per line].
+    """
+    parts = []
+    for zone, tabulated in enumerate(psd):
+        wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
+        columns = {"zone": zone, "wavenumber": wavenumber, "tabulated": tabulated}
+        parts.append(pd.DataFrame(columns | {name: fit_family(name, tabulated)[0] for name in FAMILIES})[1:])
+    return pd.concat(parts, ignore_index=True)

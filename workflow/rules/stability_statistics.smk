@@ -1,0 +1,63 @@
+# Where the estimators of flight statistics fail, and by which rule they degrade.
+
+# Under half a minute; a flight of test size gets the ends of every sweep alone.
+ATLAS_SHARE = 1.0 if config["flight"]["n_frames"] >= 10 else 0.2
+
+
+rule stress_statistics:
+    input:
+        code=package("statistics", "phy.waveform", "io.files"),
+    output:
+        atlas="results/tables/stability_statistics.csv",
+    log:
+        "logs/stress_statistics.log",
+    benchmark:
+        "results/benchmarks/stress_statistics/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        share=ATLAS_SHARE,
+        seed=config["seed"],
+    message:
+        "stability atlas of the estimators"
+    script:
+        "../scripts/stress_statistics.py"
+
+
+rule plot_statistics_stability:
+    input:
+        atlas="results/tables/stability_statistics.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        sweeps=report(
+            "results/figures/stability_statistics.svg",
+            caption="../report/stability_statistics.rst",
+        ),
+        borders=report(
+            "results/figures/stability_statistics_borders.svg",
+            caption="../report/stability_statistics_borders.rst",
+        ),
+    log:
+        "logs/plot_statistics_stability.log",
+    benchmark:
+        "results/benchmarks/plot_statistics_stability/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "figures of the estimators' stability atlas"
+    script:
+        "../scripts/plot_statistics_stability.py"
+
+
+rule stability_statistics:
+    input:
+        rules.stress_statistics.output,
+        rules.plot_statistics_stability.output,
+    message:
+        "stability atlas of the estimators and its figures"
