@@ -11,7 +11,7 @@ from snowsim.metrics.edges import THRESHOLDS, match_counts, suppress
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
 
 
-def score(paths_to_scenes, path_to_network, path_to_counts, device):
+def score(paths_to_scenes, path_to_network, path_to_counts, device, outputs=OUTPUTS):
     torch.set_num_threads(1)
     weights, metadata = read_model(path_to_network, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
@@ -20,7 +20,8 @@ def score(paths_to_scenes, path_to_network, path_to_counts, device):
     with SceneSet(paths_to_scenes) as scenes:
         for scene in progress(scenes, "edge scores"):
             probabilities = track(network, scene.image, precision=settings.precision)
-            for output, probability in zip(OUTPUTS, probabilities, strict=True):
+            for output in outputs:
+                probability = probabilities[OUTPUTS.index(output)]
                 counts = match_counts(
                     suppress(probability, where=scene.name), scene.mask(), THRESHOLDS, where=scene.name
                 )
@@ -30,4 +31,4 @@ def score(paths_to_scenes, path_to_network, path_to_counts, device):
 
 if __name__ == "__main__":
     with job(snakemake):
-        score(snakemake.input.test, snakemake.input.network, snakemake.output.counts, **snakemake.params)
+        score(snakemake.input.scenes, snakemake.input.network, snakemake.output.counts, **snakemake.params)
