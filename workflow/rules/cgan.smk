@@ -22,6 +22,9 @@ rule train_cgan:
         seed=config["seed"],
         device=config["cgan"]["device"],
         settings=config["cgan"]["training"],
+        checkpoint="results/checkpoints/train_cgan.safetensors",
+        checkpoint_steps=config["checkpoints"]["every_steps"],
+        events="logs/tensorboard/train_cgan",
     message:
         "cGAN training"
     script:

@@ -21,7 +21,7 @@ def job(snakemake):
     begin = time.perf_counter()
     try:
         yield logger
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, FloatingPointError) as error:  # the last: a training diverged
         logger.error(traceback.format_exc())
         logger.error("error: %s", error)
         sys.stderr.write(f"error: {snakemake.rule}: {error}\n")
@@ -32,7 +32,9 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
-def progress(iterable, description, total=None):
+def progress(iterable, description, total=None, initial=0):
     """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
     interval = 0.5 if sys.stderr.isatty() else 15
-    return tqdm(iterable, desc=description, total=total, mininterval=interval, miniters=1, dynamic_ncols=True)
+    return tqdm(
+        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
+    )
