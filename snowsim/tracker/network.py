@@ -98,11 +98,11 @@ class LightNetwork(nn.Module):
             down.append(x)
         logits = []
         for number in reversed(range(len(STAGES))):
-            x = down[number]
+            skip = down[number]
             if number + 1 < len(STAGES):
-                x = x + _doubled(self.stages_across[number](up))[:, :, : x.shape[2], : x.shape[3]]
-            up = functional.relu(self.stages_up[number](x))
-            logit = self.sides[number](up).float()
+                skip = skip + _doubled(self.stages_across[number](x))[:, :, : skip.shape[2], : skip.shape[3]]
+            x = functional.relu(self.stages_up[number](skip))
+            logit = self.sides[number](x).float()
             if number:
                 logit = functional.interpolate(logit, scale_factor=2.0**number, mode="bilinear", align_corners=False)
             logits.insert(0, logit[:, :, :n_range_bins, :n_range_lines])

@@ -38,6 +38,9 @@ rule train_tracker:
         n_epochs=config["tracker"]["n_epochs"],
         data={"added_per_real": config["tracker"]["added_per_real"]},
         settings=config["tracker"]["training"],
+        checkpoint=lambda wildcards: f"results/checkpoints/train_tracker_{wildcards.training_set}_{wildcards.replica}.safetensors",
+        checkpoint_steps=config["checkpoints"]["every_steps"],
+        events=lambda wildcards: f"logs/tensorboard/train_tracker/{wildcards.training_set}/{wildcards.replica}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
