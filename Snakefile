@@ -19,6 +19,7 @@ include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
 include: "workflow/rules/export.smk"
+include: "workflow/rules/study_tracker.smk"
 
 
 localrules:
@@ -35,6 +36,7 @@ localrules:
     closed_loop,
     realism,
     export,
+    study_tracker,
 
 
 rule all:

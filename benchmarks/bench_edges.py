@@ -113,7 +113,7 @@ def compare_with_sparse_assignment():
             start = time.process_time()
             pairs = [sparse_assignment(thin_of_skimage(edges >= threshold), truth) for threshold in some]
             sparse_s = (time.process_time() - start) * THRESHOLDS.size / some.size
-            ours = match_counts(edges, truth, some)["matched_truth"].tolist()
+            ours = match_counts(edges, truth, some, thin="full")["matched_truth"].tolist()
             if ours != pairs:
                 msg = f"{shape}, {name}: expected {pairs} pairs, got {ours}"
                 raise ValueError(msg)

@@ -102,7 +102,7 @@ def scaled(image, layer_bins, scale):
     return smaller[0, 0].numpy(), (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
 
 
-def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, rng):
+def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng):
     """One random crop of each scene, all of one size.
 
     Each crop holds at least one annotated pixel: a pixel is drawn from the mask, then a window from those around it.
@@ -116,19 +116,24 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, fl
         Size of the scenes before they are cut, in (0, 1].
     flip : bool
         Turn left and right about with probability 1/2, scene by scene.
+    known : callable, optional
+        ``known(scene, layer_bins, n_range_bins)``, with the layers as scaled, gives a map of bool (range_bin,
+        range_line); it is cut like the mask and returned third. It consumes nothing of `rng`.
     rng : numpy.random.Generator
 
     Returns
     -------
     images : ndarray of uint8, (patch, range_bin, range_line)
     masks : ndarray of bool, (patch, range_bin, range_line)
+    known : ndarray of bool, (patch, range_bin, range_line)
+        If `known` was given.
 
     Raises
     ------
     ValueError
         If a scene has no image, no contrast or no layer (see `check_trainable`).
     """
-    images, masks = [], []
+    whole = []
     for scene in scenes:
         check_trainable(scene)
         image, layer_bins = scaled(scene.image, scene.layer_bins, scale)
@@ -136,18 +141,18 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, fl
         if not mask.any():
             msg = f"scene {scene.name}: mask without layers once scaled by {scale}"
             raise ValueError(msg)
-        images.append(image)
-        masks.append(mask)
+        whole.append((image, mask) if known is None else (image, mask, known(scene, layer_bins, image.shape[0])))
     size = tuple(
-        min([image.shape[axis] for image in images] + ([] if wanted is None else [wanted]))
+        min([maps[0].shape[axis] for maps in whole] + ([] if wanted is None else [wanted]))
         for axis, wanted in enumerate((n_range_bins, n_range_lines))
     )
-    patches = [_draw_patch(image, mask, size, flip, rng) for image, mask in zip(images, masks, strict=True)]
+    patches = [_draw_patch(maps, size, flip, rng) for maps in whole]
     return tuple(np.stack(arrays) for arrays in zip(*patches, strict=True))
 
 
-def _draw_patch(image, mask, size, flip, rng):
-    """Cut one window of `size` around a drawn pixel of the mask, mirrored or not."""
+def _draw_patch(maps, size, flip, rng):
+    """Cut one window of `size` out of image, mask and so on, around a drawn pixel of the mask, mirrored or not."""
+    mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
     window = []
@@ -155,7 +160,7 @@ def _draw_patch(image, mask, size, flip, rng):
         first = int(rng.integers(max(0, at - length + 1), min(at, whole - length) + 1))
         window.append(slice(first, first + length))
     step = -1 if flip and rng.random() < 0.5 else 1
-    return tuple(array[tuple(window)][:, ::step] for array in (image, mask))
+    return tuple(array[tuple(window)][:, ::step] for array in maps)
 
 
 def to_signed(array):

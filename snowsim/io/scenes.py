@@ -118,7 +118,7 @@ class SceneSet:
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
         self._where = []  # (file, index in file, first pixel row, first layer row)
-        self.heights = []
+        self.heights, self.zones = [], []
         for path in paths:
             self._index(path)
         self.attributes = self._files[0].__dict__ if self._files else {}
@@ -143,6 +143,7 @@ class SceneSet:
             for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
         ]
         self.heights += [int(height) for height in heights]
+        self.zones += [int(zone) for zone in file["zone"][:]]
 
     def __len__(self):
         return len(self._where)

@@ -1,17 +1,22 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
-from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork
-from snowsim.tracker.sampling import TrainingSet
+from snowsim.tracker.annotation import annotated_pixels
+from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork
+from snowsim.tracker.sampling import Chosen, Completed, TrainingSet
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network
 from snowsim.tracker.train import Training, train_steps
 
 __all__ = [
     "OUTPUTS",
+    "Chosen",
+    "Completed",
+    "LightNetwork",
     "MultiScaleNetwork",
     "Settings",
     "Training",
     "TrainingSet",
+    "annotated_pixels",
     "published",
     "track",
     "train_steps",

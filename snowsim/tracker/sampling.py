@@ -1,11 +1,54 @@
 """Training sets: real scenes mixed with synthetic sets in the proportion of the paper."""
 
+import dataclasses
 from functools import lru_cache
 
 from snowsim.patches import draw_index
 
 PAPER_SCENES_PER_REAL = 1500 / 2360  # of each added set; Yari et al. (2021)
 N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
+
+
+class Completed:
+    """Scenes with every layer there is in place of what a picker found, and no longer marked as incomplete.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+        Those that hold no `complete_layer_bins` stay as they are.
+    """
+
+    def __init__(self, scenes):
+        self._scenes = scenes
+
+    def __len__(self):
+        return len(self._scenes)
+
+    def __getitem__(self, item):
+        scene = self._scenes[item]
+        if scene.complete_layer_bins is None:
+            return scene
+        return dataclasses.replace(scene, layer_bins=scene.complete_layer_bins, complete_layer_bins=None)
+
+
+class Chosen:
+    """Some of a sequence of scenes.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene
+    places : sequence of int
+        Their places in it.
+    """
+
+    def __init__(self, scenes, places):
+        self._scenes, self._places = scenes, list(places)
+
+    def __len__(self):
+        return len(self._places)
+
+    def __getitem__(self, item):
+        return self._scenes[self._places[item]]
 
 
 class TrainingSet:
@@ -21,6 +64,9 @@ class TrainingSet:
         Synthetic sets; none for training on real scenes alone.
     added_per_real : float
         Scenes of each added set per real scene.
+    n_draws_synthetic_first : int, optional
+        Draws of the whole training, to show as many synthetic scenes as otherwise but all of them first, real ones
+        last; by default both are mixed in every epoch.
     seed : int
 
     Attributes
@@ -39,7 +85,7 @@ class TrainingSet:
     Scenes are read when drawn; real ones, which return soonest, are kept.
     """
 
-    def __init__(self, real, added=(), *, added_per_real=PAPER_SCENES_PER_REAL, seed):
+    def __init__(self, real, added=(), *, added_per_real=PAPER_SCENES_PER_REAL, n_draws_synthetic_first=None, seed):
         for number, scenes in enumerate((real, *added)):
             if len(scenes) == 0:
                 msg = f"{'set of real scenes' if number == 0 else f'added set {number}'}: expected scenes, got none"
@@ -52,9 +98,15 @@ class TrainingSet:
             raise ValueError(msg)
         self._seed = seed
         self.n_per_epoch = len(real) + len(added) * self._n_added
+        self._n_first = 0
+        if n_draws_synthetic_first is not None:
+            self._n_first = round(n_draws_synthetic_first * len(added) * self._n_added / self.n_per_epoch)
+        self._curriculum = n_draws_synthetic_first is not None
 
     def source(self, position):
         """Which scene the draw at `position` shows, as (set, scene): set 0 is real, then the added ones."""
+        if self._curriculum:
+            return self._source_in_turn(position)
         epoch = position // self.n_per_epoch
         slot = draw_index(self.n_per_epoch, position, self._seed, "training set", "order")
         n_real = len(self._sets[0])
@@ -62,6 +114,13 @@ class TrainingSet:
             return 0, slot
         number, within = divmod(slot - n_real, self._n_added)
         draw = epoch * self._n_added + within
+        return number + 1, draw_index(len(self._sets[number + 1]), draw, self._seed, "training set", number + 1)
+
+    def _source_in_turn(self, position):
+        """Source of a draw where synthetic scenes come first, one of each added set in turn, and real ones after."""
+        if position >= self._n_first:
+            return 0, draw_index(len(self._sets[0]), position - self._n_first, self._seed, "training set", "real")
+        draw, number = divmod(position, len(self._sets) - 1)
         return number + 1, draw_index(len(self._sets[number + 1]), draw, self._seed, "training set", number + 1)
 
     def __getitem__(self, position):

@@ -7,6 +7,7 @@ CHOICES = {
     "schedule": ("one_cycle", "steps"),
     "reduction": ("mean", "sum"),
     "precision": ("float32", "bfloat16"),
+    "network": ("multi_scale", "unet"),
 }
 
 
@@ -42,6 +43,10 @@ class Settings:
         Loss per image: `sum` over its pixels as published, or `mean`.
     precision : str
         `float32` or `bfloat16` arithmetic; weights are float32 in both.
+    mask_unannotated : bool
+        Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background, as published.
+    network : str
+        `multi_scale` as published, or `unet`: see `snowsim.tracker.network`.
     """
 
     width: int = 8
@@ -60,6 +65,8 @@ class Settings:
     published_multipliers: bool = False
     reduction: str = "mean"
     precision: str = "bfloat16"
+    mask_unannotated: bool = False
+    network: str = "multi_scale"
 
     def __post_init__(self):
         object.__setattr__(self, "scales", tuple(self.scales))

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 
 from snowsim.patches import to_signed
-from snowsim.tracker.network import MultiScaleNetwork
+from snowsim.tracker.network import NETWORKS
 from snowsim.weights import load_weights
 
 
@@ -13,7 +13,7 @@ def track(network, image, *, precision="float32"):
 
     Parameters
     ----------
-    network : MultiScaleNetwork
+    network : MultiScaleNetwork or LightNetwork
     image : ndarray of uint8, (range_bin, range_line)
         Any size.
     precision : str
@@ -44,6 +44,6 @@ def track(network, image, *, precision="float32"):
 
 def trained_network(weights, settings, *, device="cpu"):
     """Network for `track`, of weights (dict of arrays) and the `Settings` they were trained with."""
-    network = MultiScaleNetwork(settings.width)
+    network = NETWORKS[settings.network](settings.width)
     load_weights(network, weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()

@@ -7,7 +7,8 @@ from torch.nn import functional
 
 from snowsim.patches import draw_patches, to_signed
 from snowsim.seeding import random_stream
-from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork, initialise
+from snowsim.tracker.annotation import annotated_pixels
+from snowsim.tracker.network import NETWORKS, OUTPUTS, initialise
 from snowsim.weights import load_weights, on_cpu
 
 WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
@@ -29,7 +30,7 @@ class Training:
 
     Attributes
     ----------
-    network : MultiScaleNetwork
+    network : MultiScaleNetwork or LightNetwork
     step : int
         Gradients taken.
     """
@@ -37,7 +38,7 @@ class Training:
     def __init__(self, settings, *, seed, device="cpu"):
         self.settings, self.seed, self.device = settings, seed, device
         self.step = 0
-        self.network = MultiScaleNetwork(settings.width)
+        self.network = NETWORKS[settings.network](settings.width)
         initialise(self.network, rng=random_stream(seed, "tracker", "network"))
         self.network.to(device=device, memory_format=torch.channels_last)
         self._optimiser = _optimiser(self.network, settings)
@@ -112,10 +113,12 @@ def train_steps(training, scenes):
         batch = [scenes[position] for position in drawn]
         rng = random_stream(training.seed, "tracker", "step", training.step)
         scale = settings.scales[rng.integers(len(settings.scales))]
-        images, masks = draw_patches(
-            batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, rng=rng
+        known = annotated_pixels if settings.mask_unannotated else None
+        images, *maps = draw_patches(
+            batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, known=known, rng=rng
         )
-        losses = _step(training, to_signed(images).to(training.device), torch.from_numpy(masks).to(training.device))
+        maps = (torch.from_numpy(array).to(training.device) for array in maps)
+        losses = _step(training, to_signed(images).to(training.device), *maps)
         training.step += 1
         if not math.isfinite(losses["total"]):
             msg = f"training diverged at step {training.step}: loss {losses['total']}"
@@ -123,13 +126,15 @@ def train_steps(training, scenes):
         yield training.step, losses
 
 
-def balanced_cross_entropy(logits, masks):
+def balanced_cross_entropy(logits, masks, known=None):
     """Class-balanced cross-entropy of each output, averaged over the images, (output,).
 
     Parameters
     ----------
     logits : tensor, (output, patch, 1, range_bin, range_line)
     masks : tensor of bool, (patch, range_bin, range_line)
+    known : tensor of bool, (patch, range_bin, range_line), optional
+        Pixels that count, in the loss and in the balance; all of them unless given.
 
     Returns
     -------
@@ -141,8 +146,10 @@ def balanced_cross_entropy(logits, masks):
     Xie & Tu (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1.
     """
     layer = masks[:, None].float()
-    layer_share = layer.mean(dim=(1, 2, 3), keepdim=True)
-    weight = torch.where(masks[:, None], 1 - layer_share, layer_share)
+    counts = torch.ones_like(layer) if known is None else known[:, None].float()
+    n_pixels = counts.sum(dim=(1, 2, 3), keepdim=True)
+    layer_share = (layer * counts).sum(dim=(1, 2, 3), keepdim=True) / n_pixels
+    weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
     loss = weight * functional.softplus((1 - 2 * layer) * logits.float())
     return loss.sum(dim=(1, 2, 3, 4)) / masks.shape[0]
 
@@ -155,12 +162,12 @@ def rate_factor(settings, step):
     return done / WARM_UP if done < WARM_UP else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
 
 
-def _step(training, images, masks):
+def _step(training, images, masks, known=None):
     """Add one gradient and, when enough are there, change the weights; the losses before."""
     settings, optimiser = training.settings, training._optimiser
     with torch.autocast(images.device.type, torch.bfloat16, enabled=settings.precision == "bfloat16"):
         logits = training.network(images)
-    per_output = balanced_cross_entropy(logits, masks)
+    per_output = balanced_cross_entropy(logits, masks, known)
     n_pixels = masks[0].numel()
     share = settings.n_accumulated * (n_pixels if settings.reduction == "mean" else 1)
     (per_output.sum() / share).backward()

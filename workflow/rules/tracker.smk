@@ -1,19 +1,21 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
 
-def added_scenes(wildcards):
-    """Rendered label sets that join the real scenes in a training set."""
-    return [
-        file
-        for method in TRAINING_SETS[wildcards.training_set]
-        for file in rendered_files(method, "labels")
-    ]
+def added_scenes(method):
+    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
+
+    def files(wildcards):
+        joins = method in TRAINING_SETS[wildcards.training_set]
+        return rendered_files(method, "labels") if joins else []
+
+    return files
 
 
 rule train_tracker:
     input:
         real=benchmark_files("train"),
-        added=added_scenes,
+        phy=added_scenes("phy"),
+        cgan=added_scenes("cgan"),
         code=package(
             "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
         ),
@@ -34,9 +36,11 @@ rule train_tracker:
         seed=config["seed"],
         device=config["tracker"]["device"],
         n_epochs=config["tracker"]["n_epochs"],
-        added_per_real=config["tracker"]["added_per_real"],
+        data={"added_per_real": config["tracker"]["added_per_real"]},
         settings=config["tracker"]["training"],
-        methods=lambda wildcards: TRAINING_SETS[wildcards.training_set],
+        checkpoint=lambda wildcards: f"results/checkpoints/train_tracker_{wildcards.training_set}_{wildcards.replica}.safetensors",
+        checkpoint_steps=config["checkpoints"]["every_steps"],
+        events=lambda wildcards: f"logs/tensorboard/train_tracker/{wildcards.training_set}/{wildcards.replica}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
@@ -45,7 +49,7 @@ rule train_tracker:
 
 rule score_tracker:
     input:
-        test=benchmark_files("test"),
+        scenes=benchmark_files("test"),
         network="results/tracker/{training_set}/{replica}.safetensors",
         code=package(
             "tracker",

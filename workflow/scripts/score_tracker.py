@@ -1,5 +1,6 @@
-"""Edge counts of one tracker on the test scenes, every output, every threshold."""
+"""Edge counts of one tracker on a set of scenes, every output, every threshold; picks from its fused output."""
 
+import numpy as np
 import pandas as pd
 import torch
 from job import job, progress
@@ -7,27 +8,53 @@ from job import job, progress
 from snowsim.io.files import write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.edges import THRESHOLDS, match_counts, suppress
+from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.metrics.pick_tables import layer_rows
+from snowsim.metrics.picks import pick_layers
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
 
 
-def score(paths_to_scenes, path_to_network, path_to_counts, device):
+def pick(scenes, edges, threshold):
+    """Rows of every layer of every scene, with the scene's name and the thickness of its first slab."""
+    tables = []
+    for scene, suppressed in zip(scenes, edges, strict=True):
+        picks = pick_layers(suppressed, threshold=threshold, where=scene.name)
+        first = np.diff(scene.layer_bins[:2], axis=0)
+        first = float(np.nanmean(first)) if np.isfinite(first).any() else np.nan
+        rows = layer_rows(picks, scene.layer_bins)
+        tables.append(rows.assign(scene=scene.name, first_thickness_bins=first, threshold=threshold))
+    return pd.concat(tables)
+
+
+def evaluate(paths_to_scenes, path_to_network, path_to_counts, device, path_to_picks=None, outputs=OUTPUTS):
     torch.set_num_threads(1)
     weights, metadata = read_model(path_to_network, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     network = trained_network(weights, settings, device=device)
-    tables = []
+    tables, fused, fused_counts = [], [], []
     with SceneSet(paths_to_scenes) as scenes:
         for scene in progress(scenes, "edge scores"):
             probabilities = track(network, scene.image, precision=settings.precision)
-            for output, probability in zip(OUTPUTS, probabilities, strict=True):
-                counts = match_counts(
-                    suppress(probability, where=scene.name), scene.mask(), THRESHOLDS, where=scene.name
-                )
+            for output in outputs:
+                edges = suppress(probabilities[OUTPUTS.index(output)], where=scene.name)
+                counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
                 tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
+                if output == "fuse" and path_to_picks is not None:
+                    fused.append(edges.astype(np.float32))
+                    fused_counts.append(counts)
+        if path_to_picks is not None:
+            # The threshold of the best F of the set, as for ODS.
+            threshold = score(fused_counts, THRESHOLDS)["ods_threshold"]
+            write_table(path_to_picks, pick(scenes, fused, threshold))
     write_table(path_to_counts, pd.concat(tables))
 
 
 if __name__ == "__main__":
     with job(snakemake):
-        score(snakemake.input.test, snakemake.input.network, snakemake.output.counts, **snakemake.params)
+        evaluate(
+            snakemake.input.scenes,
+            snakemake.input.network,
+            snakemake.output.counts,
+            path_to_picks=snakemake.output.get("picks"),
+            **snakemake.params,
+        )

@@ -24,9 +24,10 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, w
         In any order; counts come back in the same one.
     max_dist : float
         Largest distance of a pair, as a share of the image diagonal.
-    thin : bool or "early"
-        Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. "early" stops where the
-        Python port of the Berkeley benchmark stops, to reproduce its counts.
+    thin : bool or "full"
+        Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True stops where the
+        Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are those of published scores; "full"
+        goes on until nothing changes, as scikit-image and MATLAB do, and leaves a few pixels less.
     where : str
         Name of the image, for errors.
 

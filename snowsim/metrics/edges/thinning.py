@@ -58,13 +58,13 @@ def thin(mask, *, early=False):
 
 
 def check_thin(thin, where):
-    """Whether thinning stops early; ValueError, naming `where`, unless `thin` is True, False or "early"."""
+    """Whether thinning stops early; ValueError, naming `where`, unless `thin` is True, False or "full"."""
     if isinstance(thin, bool | np.bool_):
-        return False
-    if thin != "early":
-        msg = f'{where}: thin must be True, False or "early", got {thin!r}'
+        return True
+    if not (isinstance(thin, str) and thin == "full"):
+        msg = f'{where}: thin must be True, False or "full", got {thin!r}'
         raise ValueError(msg)
-    return True
+    return False
 
 
 @njit(cache=True)

@@ -26,7 +26,7 @@ def draw_map(rng, shape):
     return prediction, rng.random(shape) < rng.uniform(0.02, 0.4)
 
 
-@pytest.mark.parametrize("thin", [True, False])
+@pytest.mark.parametrize("thin", ["full", False])
 def test_every_threshold_has_the_maximum_matching(rng, thin):
     thresholds = np.linspace(0.05, 1, 9)
     for _ in range(40):
@@ -131,7 +131,7 @@ GOOD = np.full((4, 5), 0.5)
         (GOOD, GOOD > 0, {"thresholds": [np.nan]}, "one or more finite"),
         (GOOD, GOOD > 0, {"max_dist": -1}, "max_dist"),
         (GOOD, GOOD > 0, {"max_dist": np.nan}, "max_dist"),
-        (GOOD, GOOD > 0, {"thin": "later"}, "early"),
+        (GOOD, GOOD > 0, {"thin": "later"}, "full"),
     ],
 )
 def test_bad_input_is_refused_by_the_name_of_its_image(prediction, truth, options, message):

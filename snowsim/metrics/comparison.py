@@ -1,0 +1,137 @@
+"""Edge scores of two ways to train, paired by image and by replica: difference, interval, what could be resolved."""
+
+import numpy as np
+import pandas as pd
+from scipy.stats import t as student
+
+from snowsim.metrics.edges import score, stack_counts
+
+METRICS = ("ods", "ois", "ap")
+LEVEL, POWER = 0.05, 0.8  # of a two-sided test, as usual
+
+
+def compare(counts, pairs, *, n_bootstrap, rng):
+    """Differences of edge scores between pairs of trainings, with intervals and smallest detectable differences.
+
+    Parameters
+    ----------
+    counts : dict
+        Name -> list over replicas of lists over images of count dicts. Replicas and images are in one order: replica r
+        of every name began from the same weights.
+    pairs : sequence of (str, str)
+        What is compared, and with what.
+    n_bootstrap : int
+        Resamples of the images, the same for every name.
+    rng : numpy.random.Generator
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `name, base, metric, mean, base_mean, difference, low, high, p_value, verdict, seed_spread,
+        image_error, detectable, seeds_to_resolve, n_replicas, n_images`, see `paired_difference`.
+
+    Raises
+    ------
+    ValueError
+        If a name of a pair has no counts, or two have unlike numbers of replicas or images.
+    """
+    stacked = {name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()}
+    for name, base in pairs:
+        sizes = [
+            [replica["n_truth"].shape[0] for replica in stacked[which]] if which in stacked else "no counts"
+            for which in (name, base)
+        ]
+        if sizes[0] != sizes[1] or sizes[0] == "no counts":
+            msg = f"{name} and {base}: expected counts of the same images by as many replicas, got {sizes}"
+            raise ValueError(msg)
+    n_images = next(iter(stacked.values()))[0]["n_truth"].shape[0]
+    draws = rng.integers(n_images, size=(n_bootstrap, n_images))
+    points = {name: _scores(replicas) for name, replicas in stacked.items()}
+    resampled = {
+        name: np.array([_scores(replicas, images).mean(axis=0) for images in draws])
+        for name, replicas in stacked.items()
+    }
+    rows = []
+    for name, base in pairs:
+        for index, metric in enumerate(METRICS):
+            here, there = points[name][:, index], points[base][:, index]
+            image_error = float(np.std(resampled[name][:, index] - resampled[base][:, index], ddof=1))
+            rows.append(
+                {"name": name, "base": base, "metric": metric, "mean": here.mean(), "base_mean": there.mean()}
+                | paired_difference(here - there, image_error, n_images)
+            )
+    return pd.DataFrame(rows)
+
+
+def paired_difference(differences, image_error, n_images):
+    """Mean of paired differences with its 95 % interval, its test, and what such a comparison could resolve.
+
+    Parameters
+    ----------
+    differences : array_like, (replica,)
+        Two or more, or one: then only the images' share of the error is known.
+    image_error : float
+        Standard error of the mean difference that comes from the choice of images.
+    n_images : int
+
+    Returns
+    -------
+    dict
+        `difference`; `low` and `high`; `p_value`, two-sided; `verdict`: `higher`, `lower` or `not resolved`;
+        `seed_spread`, the standard deviation between replicas (NaN for one); `image_error`; `detectable`, the smallest
+        true difference that such a comparison finds in 80 % of cases; `seeds_to_resolve`, the replicas that would find
+        a true difference as large as this one in 80 % of cases, -1 where no number does; `n_replicas`, `n_images`.
+
+    Notes
+    -----
+    ``e^2 = s^2 / n + e_images^2``, with degrees of freedom of Welch & Satterthwaite (1946), Biometrics Bulletin 2; the
+    detectable difference is ``(t_0.975 + t_0.8) e``.
+    """
+    differences = np.asarray(differences, dtype=float)
+    n = differences.size
+    mean = float(differences.mean())
+    spread = float(differences.std(ddof=1)) if n > 1 else float("nan")
+    error, freedom = _error(spread, n, image_error, n_images)
+    reach = student.ppf(1 - LEVEL / 2, freedom) * error
+    verdict = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
+    return {
+        "difference": mean,
+        "low": mean - reach,
+        "high": mean + reach,
+        "p_value": float(2 * student.sf(abs(mean) / error, freedom)) if error > 0 else float(mean == 0),
+        "verdict": verdict,
+        "seed_spread": spread,
+        "image_error": image_error,
+        "detectable": _detectable(error, freedom),
+        "seeds_to_resolve": _seeds_to_resolve(abs(mean), spread, image_error, n_images),
+        "n_replicas": n,
+        "n_images": n_images,
+    }
+
+
+def _error(spread, n, image_error, n_images):
+    """Standard error of a mean difference and its degrees of freedom."""
+    of_seeds = 0.0 if n == 1 else spread**2 / n
+    squared = of_seeds + image_error**2
+    parts = (of_seeds**2 / (n - 1) if n > 1 else 0.0) + image_error**4 / max(n_images - 1, 1)
+    return float(np.sqrt(squared)), squared**2 / parts if parts > 0 else np.inf
+
+
+def _detectable(error, freedom):
+    return float((student.ppf(1 - LEVEL / 2, freedom) + student.ppf(POWER, freedom)) * error)
+
+
+def _seeds_to_resolve(difference, spread, image_error, n_images, most=1000):
+    """Least number of replicas, from 2, whose detectable difference is at most `difference`; -1 for none up to most."""
+    if not np.isfinite(spread):
+        return -1
+    for n in range(2, most + 1):
+        if _detectable(*_error(spread, n, image_error, n_images)) <= difference:
+            return n
+    return -1
+
+
+def _scores(replicas, images=slice(None)):
+    """Scores of every replica on some images, (replica, metric)."""
+    scores = [score({name: values[images] for name, values in replica.items()}) for replica in replicas]
+    return np.array([[one[metric] for metric in METRICS] for one in scores])

@@ -1,0 +1,141 @@
+"""Picks of many scenes in sums that can be pooled: by training set, by accumulation zone, against depth."""
+
+import numpy as np
+import pandas as pd
+
+from snowsim.metrics.picks import match_picks
+
+SUMS = (
+    "n_true",
+    "n_found",
+    "error",
+    "absolute_error",
+    "n_within",
+    "n_thickness",
+    "thickness_error",
+    "thickness_absolute_error",
+    "n_picks",
+    "n_layers",
+    "n_missed_layers",
+    "n_false_layers",
+)
+
+
+def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
+    """What became of every true layer of a scene, and every picked layer that is none, as sums over range lines.
+
+    Parameters
+    ----------
+    picks, layer_bins : array_like, (pick, range_line) and (layer, range_line)
+        Fractional range bins, NaN where absent; layer 0 is the snow surface.
+    max_distance_bins : float
+        See `snowsim.metrics.picks.match_picks` [range bins].
+    within_bins : float
+        What counts as a small error [range bins].
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `layer` (-1: a picked layer of which less than half belongs to any true one), `depth_bins` (mean below
+        the surface) and `SUMS`: true pixels, those with a pick, sum of errors (pick less truth) and of their absolute
+        values [range bins], errors of at most `within_bins`; the same of the thickness of the slab above the layer,
+        where both of its bounds have a pick; picks of false layers; 1 or 0 for a layer, for one missed (a pick in less
+        than half of its range lines) and for a false one.
+
+    Raises
+    ------
+    ValueError
+        As `match_picks`; if the surface is absent.
+    """
+    picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
+    error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
+    if not np.isfinite(layer_bins[:1]).any():
+        msg = "layer_bins: expected the snow surface in row 0, it is absent"
+        raise ValueError(msg)
+    surface_bin = np.nanmean(layer_bins[0])
+    thickness_error = np.diff(error_bins, axis=0, prepend=np.nan)
+    rows = []
+    for layer, truth in enumerate(layer_bins):
+        n_true = int(np.isfinite(truth).sum())
+        if n_true == 0:
+            continue
+        found = error_bins[layer][np.isfinite(error_bins[layer])]
+        thickness = thickness_error[layer][np.isfinite(thickness_error[layer])]
+        rows.append(
+            {
+                "layer": layer,
+                "depth_bins": np.nanmean(truth) - surface_bin,
+                "n_true": n_true,
+                "n_found": found.size,
+                "error": found.sum(),
+                "absolute_error": np.abs(found).sum(),
+                "n_within": int((np.abs(found) <= within_bins).sum()),
+                "n_thickness": thickness.size,
+                "thickness_error": thickness.sum(),
+                "thickness_absolute_error": np.abs(thickness).sum(),
+                "n_picks": 0,
+                "n_layers": 1,
+                "n_missed_layers": int(2 * found.size < n_true),
+                "n_false_layers": 0,
+            }
+        )
+    picked = np.isfinite(picks)
+    for pick in np.flatnonzero(2 * used.sum(axis=1) < picked.sum(axis=1)):
+        depth_bins = np.nanmean(picks[pick]) - surface_bin
+        none = dict.fromkeys(SUMS, 0) | {"n_picks": int(picked[pick].sum()), "n_false_layers": 1}
+        rows.append({"layer": -1, "depth_bins": depth_bins, **none})
+    return pd.DataFrame(rows, columns=["layer", "depth_bins", *SUMS])
+
+
+def pool_picks(rows, by, *, bin_size_m):
+    """Errors of picks, pooled over all pixels of a group.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        Rows of `layer_rows` of any number of scenes, and the columns of `by`.
+    by : list of str
+        What to group by; groups in the order of first appearance.
+    bin_size_m : float
+        Thickness of a range bin in snow [m].
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns of `by`, then `mean_absolute_error_bins`, `_m`, `bias_bins`, `_m`, `share_within` and `share_found` of
+        the true pixels, `thickness_mean_absolute_error_bins`, `_m`, `thickness_bias_bins`, `_m`, `n_layers`,
+        `n_missed_layers`, `n_false_layers`, `n_true`, `n_found`; NaN where nothing was found.
+
+    Raises
+    ------
+    ValueError
+        If there is no row, or `bin_size_m` is not above 0.
+    """
+    if len(rows) == 0 or not bin_size_m > 0:
+        msg = f"expected rows of picks and bin_size_m above 0, got {len(rows)} and {bin_size_m}"
+        raise ValueError(msg)
+    sums = rows.groupby(by, sort=False)[list(SUMS)].sum().reset_index()
+    # NaN, not a warning, where a group has none.
+    n_found, n_thickness, n_true = (sums[n].where(sums[n] > 0) for n in ("n_found", "n_thickness", "n_true"))
+    table = sums[by].copy()
+    for name, total, n in (
+        ("mean_absolute_error", "absolute_error", n_found),
+        ("bias", "error", n_found),
+        ("thickness_mean_absolute_error", "thickness_absolute_error", n_thickness),
+        ("thickness_bias", "thickness_error", n_thickness),
+    ):
+        table[f"{name}_bins"] = sums[total] / n
+        table[f"{name}_m"] = sums[total] / n * bin_size_m
+    table["share_within"] = sums["n_within"] / n_found
+    table["share_found"] = sums["n_found"] / n_true
+    return table.join(sums[["n_layers", "n_missed_layers", "n_false_layers", "n_true", "n_found"]])
+
+
+def zone_of(first_thickness_bins, zone_edge_bins):
+    """Accumulation zone, 0 to 3, of thicknesses of the first slab [range bins], by the flight's quartiles; -1 for NaN.
+
+    Thicknesses beyond the flight's fall in the outermost zones.
+    """
+    thickness = np.asarray(first_thickness_bins, dtype=float)
+    zone = np.searchsorted(np.asarray(zone_edge_bins)[1:-1], thickness, side="right")
+    return np.where(np.isnan(thickness), -1, zone)
