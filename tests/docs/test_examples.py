@@ -26,7 +26,7 @@ def test_the_example_of_a_public_function_runs(name, tmp_path, monkeypatch):
     module, _, function = name.rpartition(".")
     public = getattr(importlib.import_module(module), function)
     home = importlib.import_module(public.__module__)
-    (example,) = doctest.DocTestFinder(recurse=False).find(public, name, module=home, globs={})
+    (example,) = doctest.DocTestFinder(recurse=False).find(public, name, module=home)
     assert example.examples, f"{name} has no example"
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     shown = []
