@@ -6,7 +6,7 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run test test-all setup lint format clean benchmarks
+.PHONY: run test test-all setup lint format clean benchmarks docs
 
 run: setup
 	$(SNAKEMAKE)
@@ -45,6 +45,10 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
+
+# The documentation, to build/docs/index.html; a warning fails.
+docs: setup
+	.venv/bin/python -m sphinx -b html -n -W --keep-going -d build/doctrees docs build/docs
 
 # Results, logs and caches; `git clean -fdx` also removes .venv.
 clean:

@@ -22,6 +22,20 @@ def read_echogram(path, *, compensated=False):
     ------
     ValueError
         One line, with file, variable, expected and found, for any file that is not a sound echogram.
+
+    Examples
+    --------
+    A frame of the synthetic reference flight, written as Open Polar Radar dataset:
+
+    >>> import numpy as np
+    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
+    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
+    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
+    >>> drawn, layers = draw_frame(0, 1, 64, **common, rng=np.random.default_rng(1))
+    >>> _ = drawn.to_netcdf("frame.nc")
+    >>> echogram = read_echogram("frame.nc")
+    >>> dict(echogram.sizes), echogram["twtt"].attrs["units"]
+    ({'twtt': 300, 'slow_time': 64}, 's')
     """
     from snowsim.io import cresis, nsidc, sniff, xopr
     from snowsim.io.guard import refusal
@@ -58,6 +72,18 @@ def read_layers(path, *, names=None, missing="refuse"):
     ValueError
         One line, with file, variable, expected and found, for any file that is not a sound set of layers; also where
         no layer has a pick, or where layers cross.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
+    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
+    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
+    >>> echogram, drawn = draw_frame(0, 1, 64, **common, rng=np.random.default_rng(1))
+    >>> _ = drawn.to_netcdf("layers.nc")
+    >>> layers = read_layers("layers.nc")
+    >>> layers["twtt"].dims, int(layers["layer"][0])
+    (('layer', 'slow_time'), 0)
     """
     from snowsim.io import layers, sniff, xopr
     from snowsim.io.guard import refusal

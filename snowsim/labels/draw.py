@@ -160,6 +160,21 @@ def draw(statistics, n_range_lines, *, rng):
     fixes the zone; mean of deeper slabs = slab 0 x a factor from the zone's Gaussian; thickness = mean + Gaussian
     process of that slab's spectrum in that zone. Slabs deeper than the flight shows take its last. Thickness below
     `MINIMUM_THICKNESS_BINS`, and a mean below it, is mirrored at that value.
+
+    Examples
+    --------
+    From two frames of the synthetic reference flight:
+
+    >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
+    >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
+    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
+    >>> frames = (draw_frame(i, 2, 512, **common, rng=np.random.default_rng(i)) for i in range(2))
+    >>> from snowsim.statistics import fit
+    >>> layer_bins = draw(fit(frames, estimator="paper"), 256, rng=np.random.default_rng(0))
+    >>> layer_bins.shape[1], float(layer_bins[0, 0])
+    (256, 50.0)
+    >>> bool((np.diff(layer_bins, axis=0) >= 1).all())  # layers never share a pixel
+    True
     """
     return draw_scene(statistics, n_range_lines, name="", rng=rng).layer_bins
 

@@ -31,6 +31,14 @@ def similarity(image, reference):
     RMSE eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14:
     ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels, whose windows reach
     over the border.
+
+    Examples
+    --------
+    >>> image = np.arange(400, dtype=np.uint8).reshape(20, 20)
+    >>> similarity(image, image)
+    {'rmse': 0.0, 'psnr': inf, 'ssim': 1.0}
+    >>> round(similarity(image // 2, image)["rmse"], 1)
+    64.2
     """
     _check_images(image, reference)
     difference = image.astype(np.int32) - reference

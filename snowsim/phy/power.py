@@ -62,6 +62,18 @@ def mean_power(
     -----
     ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved continuously in bins:
     Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept: `snowsim.phy.supports`.
+
+    Examples
+    --------
+    >>> layer_bins = np.array([[50.0, 50.0], [70.0, 72.0]])
+    >>> power = mean_power(layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120)
+    >>> power.shape
+    (120, 2)
+    >>> power[50].round(3)  # the waveform of the surface peaks at 1
+    array([1., 1.])
+    >>> rough = mean_power(layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120, tolerance_db=0.05, noise_power=1e-3)
+    >>> bool(np.abs(10 * np.log10((rough + 1e-3) / (power + 1e-3))).max() < 0.05)
+    True
     """
     waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
     if noise_power is not None:

@@ -36,6 +36,18 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     Notes
     -----
     ``render(...)`` is ``render_plan(plan(...))``: plan first to keep the plan's notes.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> parameters = {"peak_power": [1.0, 0.1], "variance_bins2": [2.0, 2.0], "decay_rate": [0.3, 0.1]}
+    >>> parameters |= {"noise_power": 1e-3, "n_looks": 16}
+    >>> layer_bins = np.array([[50.0] * 64, [70.0] * 64])
+    >>> power = render(layer_bins, parameters, 120, tolerance_db=0.05, rng=np.random.default_rng(1))
+    >>> power.shape
+    (120, 64)
+    >>> int(power.mean(axis=1).argmax())  # the range bin of the surface
+    50
     """
     scene_plan = plan(
         layer_bins,

@@ -50,6 +50,17 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, w
     with outliers is replaced by the exact maximum-cardinality matching: the largest number of pairs with ``d^2 <=
     (max_dist diagonal)^2``. Thresholds are worked through from the highest down and the matching is repaired, not begun
     again, so a map in which nothing is thinned away costs little more than its lowest threshold.
+
+    Examples
+    --------
+    >>> truth = np.zeros((40, 60), dtype=bool)
+    >>> truth[20, 5:55] = True
+    >>> prediction = np.zeros((40, 60))
+    >>> prediction[19, 5:55] = 0.9  # one range bin off, within 0.03 of the diagonal
+    >>> prediction[30, 20:30] = 0.4  # nothing there
+    >>> counts = match_counts(prediction, truth, [0.3, 0.8], max_dist=0.03)
+    >>> counts["matched_prediction"], counts["n_prediction"], counts["n_truth"]
+    (array([50, 50]), array([60, 50]), array([50, 50]))
     """
     prediction = check_prediction(prediction, where)
     truth = _check_truth(truth, prediction.shape, where)

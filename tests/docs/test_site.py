@@ -1,0 +1,69 @@
+"""The documentation builds, says what is there, and fetches nothing."""
+
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Folder of the documentation, built with every warning an error."""
+    folder = tmp_path_factory.mktemp("site")
+    options = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-d", folder / "doctrees"]
+    command = [sys.executable, "-m", "sphinx", *options, ROOT / "docs", folder / "html"]
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=600, check=False)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
+    return folder / "html"
+
+
+class Outside(HTMLParser):
+    """Collects what a page would fetch from elsewhere, and pictures without a text in their place."""
+
+    def __init__(self):
+        super().__init__()
+        self.fetched, self.without_text = [], []
+
+    def handle_starttag(self, tag, attributes):
+        given = dict(attributes)
+        for name in ("src", "href"):
+            if name in given and tag != "a" and re.match(r"(https?:)?//", given[name] or ""):
+                self.fetched.append((tag, given[name]))
+        if tag == "img" and not given.get("alt"):
+            self.without_text.append(given.get("src"))
+
+
+@pytest.mark.slow
+def test_pages_fetch_nothing_and_describe_their_pictures(site):
+    pages = sorted(site.rglob("*.html"))
+    assert len(pages) > 15
+    for page in pages:
+        parser = Outside()
+        parser.feed(page.read_text())
+        assert parser.fetched == [], page
+        assert parser.without_text == [], page
+    for style in site.rglob("*.css"):
+        assert not re.search(r"url\(\s*['\"]?(https?:)?//", style.read_text()), style
+
+
+@pytest.mark.slow
+def test_equations_and_graphs_are_drawn(site):
+    assert "<math" in (site / "stages/phy.html").read_text()
+    concept = (site / "start/concept.html").read_text()
+    assert concept.count("<svg") >= 2
+    assert "render_phy" in concept
+    assert "generated:" not in concept
+
+
+@pytest.mark.slow
+def test_every_function_of_the_public_interface_has_an_entry(site):
+    from test_examples import PUBLIC
+
+    api = (site / "api.html").read_text()
+    for name in PUBLIC:
+        assert f'id="{name}"' in api, name
