@@ -17,6 +17,7 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
+include: "workflow/rules/evidence.smk"
 
 
 localrules:
@@ -31,6 +32,8 @@ localrules:
     stability,
     closed_loop,
     realism,
+    evidence,
+    report,
 
 
 rule all:
@@ -45,3 +48,8 @@ rule all:
         rules.stability.input,
         rules.closed_loop.input,
         rules.realism.input,
+        rules.evidence.input,
+        "results/report.html",
+
+
+include: "workflow/rules/report.smk"
