@@ -20,6 +20,7 @@ include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/study_tracker.smk"
+include: "workflow/rules/evidence.smk"
 
 
 localrules:
@@ -37,6 +38,8 @@ localrules:
     realism,
     export,
     study_tracker,
+    evidence,
+    report,
 
 
 rule all:
@@ -51,3 +54,8 @@ rule all:
         rules.stability.input,
         rules.closed_loop.input,
         *([] if "realism" in LEFT_OUT[SOURCE] else rules.realism.input),
+        rules.evidence.input,
+        "results/report.html",
+
+
+include: "workflow/rules/report.smk"

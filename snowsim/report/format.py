@@ -1,0 +1,91 @@
+"""Numbers, names and settings as the page writes them."""
+
+import math
+
+# Stages by the name of their file of rules, in the order of the page; others follow, named by their file.
+STAGES = {
+    "flight": "Flight and benchmark",
+    "charts": "The flight and its statistics",
+    "statistics": "Flight statistics",
+    "realism": "Realism",
+    "labels": "Synthetic layer sets",
+    "phy": "PHY renders",
+    "cgan": "The conditional GAN",
+    "similarity": "Similarity of renders to observed scenes",
+    "tracker": "Layer trackers",
+    "phy_charts": "Speed against accuracy of PHY",
+    "stability": "Stability atlas",
+    "closed_loop": "Closed loop",
+    "convolution": "How good is the convolution model?",
+    "evidence": "Evidence on the paper's claims",
+    "report": "Report",
+}
+
+
+def stage_name(stage):
+    """A stage as a heading."""
+    name = STAGES.get(stage, stage.removeprefix("study_").replace("_", " "))
+    return name[:1].upper() + name[1:]
+
+
+def duration(seconds):
+    """Seconds as "45 s", "3 min 20 s" or "2 h 5 min"."""
+    if seconds < 60:
+        return f"{seconds:.1f} s" if seconds < 10 else f"{seconds:.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s"
+    return f"{minutes // 60} h {minutes % 60} min"
+
+
+def size(n_bytes):
+    """Bytes as "820 B", "12 kB" or "1.3 MB"."""
+    for unit, scale in (("MB", 1e6), ("kB", 1e3)):
+        if n_bytes >= scale:
+            value = n_bytes / scale
+            return f"{value:.1f} {unit}" if value < 10 else f"{value:.0f} {unit}"
+    return f"{n_bytes} B"
+
+
+def cell(value):
+    """A table's value: floats with four digits, nothing where there is none."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def signed3(value):
+    """A difference with three decimals and a real minus sign."""
+    return f"{value:+.3f}".replace("-", "\N{MINUS SIGN}")
+
+
+def config_lines(config, prefix=""):
+    """Settings as "section.key" and value, in the order of the configuration."""
+    lines = []
+    for key, value in config.items():
+        name = f"{prefix}{key}"
+        lines += config_lines(value, f"{name}.") if isinstance(value, dict) and value else [(name, str(value))]
+    return lines
+
+
+def verdict_class(verdict):
+    """A verdict as the name of its style."""
+    return verdict.replace(" ", "-")
+
+
+def groupby_stage(figures):
+    """Figures of each stage, (stage, figures) in the order of `STAGES`, others last."""
+    present = dict.fromkeys(figure["stage"] for figure in figures)
+    stages = [*(stage for stage in STAGES if stage in present), *(stage for stage in present if stage not in STAGES)]
+    return [(stage, [figure for figure in figures if figure["stage"] == stage]) for stage in stages]
+
+
+FILTERS = {
+    "groupby_stage": groupby_stage,
+    "stage_name": stage_name,
+    "duration": duration,
+    "size": size,
+    "cell": cell,
+    "signed3": signed3,
+    "verdict_class": verdict_class,
+}
