@@ -8,8 +8,15 @@ from pathlib import Path
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.export import read_scene
 from snowsim.io.images import read_image
+from snowsim.io.png_pairs import read_pair
 
-READERS = {"echogram": read_echogram, "layers": read_layers, "image": read_image, "scene": read_scene}
+READERS = {
+    "echogram": read_echogram,
+    "layers": read_layers,
+    "image": read_image,
+    "pair": read_pair,
+    "scene": read_scene,
+}
 
 
 def values_of(result):

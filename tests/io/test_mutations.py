@@ -5,6 +5,7 @@ of its payload from data: there, at most the value that was hit may differ.
 """
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,7 @@ import scipy.io
 from PIL import Image
 
 from snowsim.echogram import Scene
-from snowsim.io.export import export_netcdf, export_pairs
+from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
 from snowsim.io.files import write_dataset
 
 SECONDS_PER_FILE = 2
@@ -33,6 +34,7 @@ KINDS = (
     "layers-old-mat73",
     "layers-opr",
     "image-png",
+    "pair-mat73",
     "scene-netcdf",
 )
 
@@ -54,6 +56,8 @@ def write_sound(kind, path, rng):
     elif kind == "image-png":
         export_pairs(path.parent / "pairs", [scene])
         (path.parent / "pairs" / "data_s.png").rename(path)
+    elif kind == "pair-mat73":
+        formats.write_mat73(path, {"data": scene.image, "layer": layer_numbers(scene.layer_bins, 300)[0]})
     elif kind == "scene-netcdf":
         export_netcdf(path.parent / "scenes", [scene])
         (path.parent / "scenes" / "scene_s.nc").rename(path)
@@ -196,6 +200,41 @@ def test_damaged_files_give_one_line(tmp_path, rng, kind):
     assert len(outcomes) == n_files
     check_outcomes(damaged, outcomes)
     check_cuts(kind, outcomes)
+
+
+def damage_stores(folder, n_stores, rng):
+    """Zarr stores of one echogram, each with one of its files damaged or gone; and the sound one."""
+    sound = folder / "echogram-zarr-sound"
+    formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(sound)
+    files = [path.relative_to(sound) for path in sorted(sound.rglob("*")) if path.is_file()]
+    for number in range(n_stores):
+        store = folder / f"echogram-zarr-{number:04d}"
+        shutil.copytree(sound, store)
+        file = store / files[rng.integers(len(files))]
+        damages = [*DAMAGES.values(), None]
+        damage_file = damages[number % len(damages)]
+        if damage_file is None:
+            file.unlink()
+        else:
+            file.write_bytes(damage_file(file.read_bytes(), rng))
+    return n_stores + 1
+
+
+def check_stores(folder, n_stores, rng):
+    n_stores = damage_stores(folder, n_stores, rng)
+    outcomes = read_all(folder, n_stores)
+    assert len(outcomes) == n_stores
+    check_outcomes(folder, outcomes)
+    assert sum("error" in outcome for outcome in outcomes.values()) > n_stores / 10
+
+
+def test_a_few_damaged_stores_give_one_line(tmp_path, rng):
+    check_stores(tmp_path, 20, rng)
+
+
+@pytest.mark.slow
+def test_damaged_stores_give_one_line(tmp_path, rng):
+    check_stores(tmp_path, 300, rng)
 
 
 @pytest.mark.parametrize(

@@ -21,10 +21,15 @@ def content_of(echogram, first_line):
     }
 
 
+def layer_names(n_layers):
+    """Names of layers from the surface down."""
+    return ["surface", *[f"Koenig_{number + 1}" for number in range(1, n_layers)]]
+
+
 def write_layers(folder, name, layers, content, *, old=False):
     """Layer file beside its organizer; ids do not tell the order, and one layer has no pick."""
     twtt = layers["twtt"].transpose("layer", "slow_time").values
-    names = ["surface", *[f"Koenig_{number + 1}" for number in range(1, len(twtt))]]
+    names = layer_names(len(twtt))
     path = folder / f"Data_{name}.mat"
     if old:
         values = formats.old_layer_content(twtt, content["GPS_time"], names)
@@ -34,8 +39,7 @@ def write_layers(folder, name, layers, content, *, old=False):
     ids = [NO_PICKS_ID, *(SURFACE_ID - np.arange(len(names)))[::-1]]
     formats.write_mat5(path, formats.layer_content(twtt, ids, content["GPS_time"], elevation=content["Elevation"]))
     # One organizer for all frames of a segment.
-    all_names = ["surface", *[f"Koenig_{number + 1}" for number in range(1, 40)], "Koenig_99"]
-    organizer = formats.organizer_content([*(SURFACE_ID - np.arange(40)), NO_PICKS_ID], all_names)
+    organizer = formats.organizer_content([*(SURFACE_ID - np.arange(40)), NO_PICKS_ID], [*layer_names(40), "Koenig_99"])
     formats.write_mat5(folder / f"layer_{name.rpartition('_')[0]}.mat", organizer)
     return path
 

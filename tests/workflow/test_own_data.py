@@ -67,15 +67,10 @@ def refused(folder, settings):
     ("table", "expected"),
     [
         (None, "frames.tsv: path: expected a file, found nothing"),
-        ("frame\techogram\tlayers\n1\ta\tb\n", "frames.tsv: columns: expected frame, echogram, layers, role, found"),
         ("frame\techogram\tlayers\trole\trole\n1\ta\tb\ttest\ttest\n", "found frame, echogram, layers, role, role.1"),
-        (
-            "frame\techogram\tlayers\trole\n1\ta\ta\ttrain\n2\ta\ta\ttest\n",
-            "1: echogram: expected a test frame to have",
-        ),
         ("frame\techogram\tlayers\trole\n1\ta\ta\ttrain\n", "role: expected at least one frame for statistics"),
     ],
-    ids=["missing", "column missing", "column twice", "frame held out and not", "role missing"],
+    ids=["missing", "column twice", "role missing"],
 )
 def test_a_bad_table_stops_before_any_job(tmp_path, table, expected):
     if table is not None:
@@ -92,10 +87,8 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
     for folder, expected in (
         (tmp_path, "test.lst: expected scenes that are in no other list, found 1 in train.lst too"),
         (tmp_path / "none", "none/train.lst: path: expected a file, found nothing"),
-        (None, "import.pairs.folder: expected a folder of the published benchmark, got null"),
     ):
-        pairs = {"folder": None if folder is None else str(folder)}
-        text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": pairs}})
+        text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": {"folder": str(folder)}}})
         assert sum(expected in line for line in text.splitlines()) == 1, text
 
 
@@ -142,16 +135,18 @@ def test_exported_sets_are_those_of_the_run(exported, name):
 @pytest.mark.slow
 def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, own_config, tmp_path):
     targets = ("similarity", "trackers", "labels", "charts", "closed_loop", "flight")
-    done = run_snakemake(tmp_path, "--", *targets, configs=("config.yaml", "tiny.yaml", own_config))
+    done = run_snakemake(tmp_path, "--", *targets, configs=("config.yaml", "tiny.yaml", own_config), timeout=1800)
     assert done.returncode == 0, done.stderr[-4000:]
     assert "left out: realism: it holds the synthetic flight against observed values" in done.stdout + done.stderr
     results = tmp_path / "results"
-    # Images and masks are those of the reference run, so what never saw the statistics is the same to the byte.
     for table in ("table2", "table3"):
         ours, theirs = (pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported))
         assert list(ours.columns) == list(theirs.columns)
         assert len(ours) == len(theirs)
         assert ours.drop(columns=ours.columns[0]).select_dtypes("number").notna().all(axis=None)
+    # Images and masks are those of the reference run, so what never saw the statistics scores the same.
+    ours, theirs = (pd.read_csv(folder / "tables/table2.csv") for folder in (results, exported))
+    assert_allclose(ours["cgan"], theirs["cgan"], rtol=1e-9)
     ours, theirs = (pd.read_csv(folder / "tables/table3.csv") for folder in (results, exported))
     real_alone = ["rd_ods", "rd_ois", "rd_ap"]
     assert_allclose(ours[real_alone], theirs[real_alone], rtol=1e-9)
@@ -166,13 +161,14 @@ def own_flight(tiny_run, tmp_path):
     """A function that writes the tiny flight's frames as files of a source, with a table; gives settings."""
 
     def write(source, kinds, old):
-        rows = []
+        rows, n_layers = [], 0
         for number, (kind, roles) in enumerate(
             zip(kinds, (("statistics", "train"), ("statistics",), ("test",)), strict=True)
         ):
             echogram, layers = (
                 xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers")
             )
+            n_layers = max(n_layers, layers.sizes["layer"])
             content = own_files.content_of(echogram, number * echogram.sizes["slow_time"])
             name = f"20120330_04_{number + 1:03d}"
             file = own_files.write_echogram(tmp_path, f"echogram_{number}", content, kind)
@@ -180,8 +176,10 @@ def own_flight(tiny_run, tmp_path):
             rows += [(name if role != "train" else f"{name}t", file.name, picks.name, role) for role in roles]
         lines = ["\t".join(COLUMNS), *("\t".join(row) for row in rows)]
         (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
-        settings = {"source": source, "import": {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}}
-        (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+        own = {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}
+        # One frame has no pick of the first horizon: only names tell that its first layer is the second one.
+        own["layer_names"] = own_files.layer_names(n_layers)
+        (tmp_path / "own.yaml").write_text(yaml.safe_dump({"source": source, "import": own}))
         return ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
 
     return write
@@ -211,9 +209,9 @@ def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
     expected, found = fit(flight), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"
     assert found.sizes["layer"] == expected.sizes["layer"]
-    # Decibels in float32 keep power to 1e-6; levelling by whole bins moves nothing.
+    # Decibels in float32, eps 6e-8 of some 30 dB, keep power to 4e-7; levelling by whole bins moves nothing.
     for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
-        assert_allclose(found[name], expected[name], rtol=1e-3, err_msg=name)
+        assert_allclose(found[name], expected[name], rtol=1e-5 if source == "nsidc" else 1e-12, err_msg=name)
     for split in ("train", "test"):
         scenes = list(SceneSet(results / f"benchmark/{split}/0000.nc"))
         assert len(scenes) == 2  # lines 0 to 255 and 250 to 505 of 512
