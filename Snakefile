@@ -17,6 +17,7 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/stability_statistics.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
+include: "workflow/rules/validation.smk"
 include: "workflow/rules/realism.smk"
 
 
@@ -32,6 +33,7 @@ localrules:
     stability,
     stability_statistics,
     closed_loop,
+    validation,
     realism,
 
 
@@ -46,4 +48,5 @@ rule all:
         rules.charts_phy.input,
         rules.stability.input,
         rules.closed_loop.input,
+        rules.validation.input,
         rules.realism.input,
