@@ -17,6 +17,7 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/stability_statistics.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
+include: "workflow/rules/validation.smk"
 include: "workflow/rules/realism.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/study_tracker.smk"
@@ -35,6 +36,7 @@ localrules:
     stability,
     stability_statistics,
     closed_loop,
+    validation,
     realism,
     export,
     study_tracker,
@@ -59,3 +61,5 @@ rule all:
 
 
 include: "workflow/rules/report.smk"
+        rules.validation.input,
+        rules.realism.input,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from planted import as_frame, peak_of, width_of
+from planted import as_frame, peak_of, waveform, width_of
 
 from snowsim import statistics
 from snowsim.statistics.blocks import block_levels, periodogram
@@ -74,23 +74,90 @@ def test_eq_2_is_read_off_a_line_as_printed():
     assert_allclose(fitted["width_bins"].values[0], 10, atol=2e-3)
 
 
-def test_thickness_moments_and_spectrum_come_back_from_200_blocks(rng):
-    n_blocks, n_lines = 200, 256
+def planted_blocks(rng, n_blocks, n_slabs=3, n_lines=256):
+    """Blocks of slabs 25 bins thick on average, variance 10 from block to block, and a red spectrum about that."""
     wavenumber = np.fft.rfftfreq(n_lines)
     psd = 300 / (1 + (wavenumber / 0.02) ** 2)
     psd[0] = 0
-    white = rng.standard_normal((n_blocks, 3, n_lines))
+    white = rng.standard_normal((n_blocks, n_slabs, n_lines))
     shaped = np.fft.irfft(np.fft.rfft(white) * np.sqrt(psd / 2), n_lines)
-    mean = 25 + 3 * rng.standard_normal((n_blocks, 1)) * np.ones(3) + rng.standard_normal((n_blocks, 3))
-    result = zone_statistics(mean[..., None] + shaped, zone_edge_bins=[0, 1, 2, 3, 100])
-    # 200 blocks: means to 3.2 / 25 / sqrt(200) = 0.9 %, variances to 10 % (two of those), a density to 7 % or 0.3 dB.
+    mean = 25 + 3 * rng.standard_normal((n_blocks, 1)) + rng.standard_normal((n_blocks, n_slabs))
+    return mean[..., None] + shaped, psd
+
+
+def test_thickness_means_variances_and_spectra_come_back(rng):
+    thickness, psd = planted_blocks(rng, 6400, n_slabs=2)
+    result = zone_statistics(thickness, zone_edge_bins=[0, 1, 2, 3, 100])
+    # 6400 blocks: means to 3.2 / 25 / 80 = 0.16 %, variances to sqrt(2 / 6400) = 1.8 %: bounds of 3 and 10 % are five
+    # and more of those. Densities to 1.3 % or 0.05 dB a wavenumber; the last, of period 2, is not doubled.
     assert_allclose(result["thickness_mean_bins"][3], 25, rtol=0.03)
-    assert_allclose(result["thickness_variance_bins2"][3], 10, rtol=0.25)
+    assert_allclose(result["thickness_variance_bins2"][3], 10, rtol=0.1)
+    assert_allclose(result["thickness_mean_bins_standard_error"][3], 10**0.5 / 80, rtol=0.05)
+    assert_allclose(result["thickness_variance_bins2_standard_error"][3], 10 * (2 / 6400) ** 0.5, rtol=0.1)
+    assert np.abs(10 * np.log10(result["thickness_psd"][3, :, 1:-1] / psd[1:-1])).max() < 1
+    assert_allclose(result["thickness_psd"][3, :, -1], psd[-1] / 2, rtol=0.1)
+    assert (result["n_samples"][3] == 6400).all()
+
+
+def test_relative_thickness_comes_back(rng):
+    level = rng.uniform(15, 35, (6400, 1))
+    share = np.hstack([np.ones((6400, 1)), 0.8 + 0.1 * rng.standard_normal((6400, 2))])
+    result = zone_statistics(np.repeat((level * share)[..., None], 256, axis=2))
+    # 1600 blocks a zone: means to 0.3 %, variances to 3.5 %; of 8 of each, the bounds of 3 and 10 %.
+    assert_allclose(result["relative_thickness_mean"][:, 1:], 0.8, rtol=0.03)
+    assert_allclose(result["relative_thickness_variance"][:, 1:], 0.01, rtol=0.1)
+
+
+def test_spectrum_comes_back_from_200_blocks(rng):
+    thickness, psd = planted_blocks(rng, 200)
+    result = zone_statistics(thickness, zone_edge_bins=[0, 1, 2, 3, 100])
+    # 200 blocks: a density to 7 % or 0.31 dB, the mean of 4 wavenumbers to 0.15 dB; of 96 such the largest to 0.5 dB.
     difference_db = 10 * np.log10(result["thickness_psd"][3, :, 1:] / psd[1:])
-    smooth = difference_db.reshape(3, 32, 4).mean(axis=2)  # 4 wavenumbers: 0.15 dB
-    assert np.abs(smooth).max() < 1
+    assert np.abs(difference_db.reshape(3, 32, 4).mean(axis=2)).max() < 1
     assert np.abs(difference_db.mean()) < 0.1
-    assert (result["n_samples"][3] == n_blocks).all()
+
+
+@pytest.mark.slow
+def test_everything_planted_comes_back_from_200_scenes(planted, rng):
+    n_scenes, n_lines = 200, 256
+    thickness, psd = planted_blocks(rng, n_scenes, n_slabs=4)
+    thickness += 19  # 44 bins
+    fine = 1 / 32
+
+    def frames():
+        # Waveforms from tables of 1/32 bin, interpolated: to 1e-4 of the peak; written out they take minutes.
+        lag = np.arange(-120, 400, fine)
+        shapes = zip(planted.variance, planted.decay_rate, strict=True)
+        tables = [waveform(lag, *shape) / peak_of(*shape)[1] for shape in shapes]
+        offsets = [peak_of(*shape)[0] for shape in zip(planted.variance, planted.decay_rate, strict=True)]
+        for index, slabs in enumerate(thickness):
+            surface = 60.3 + np.zeros((1, n_lines))
+            layer_bins = np.cumsum(np.concatenate([surface, slabs]), axis=0)
+            row = np.arange(int(layer_bins.max()) + 60)[:, None]
+            power = np.full((row.size, n_lines), planted.noise_power)
+            for at, peak_power, table, offset in zip(layer_bins, planted.peak_power, tables, offsets, strict=True):
+                power += peak_power * np.interp(row - at + offset, lag, table)
+            yield as_frame(rng.gamma(5, power / 5), layer_bins, index=index)
+
+    summary = statistics.merge(statistics.summarise(*frame) for frame in frames())
+    fitted = statistics.estimate(summary, zone_edge_bins=[0, 1, 2, 3, 100])
+    for name, true, bound in (
+        ("peak_power", planted.peak_power, 0.03),
+        ("decay_rate", planted.decay_rate, 0.05),
+        ("noise_power", planted.noise_power, 0.01),
+        ("variance_bins2", planted.variance, 0.20),
+    ):
+        # The errors claimed are what sampling leaves: below a third of the bound, so that the bound is a test.
+        assert (fitted[f"{name}_standard_error"] / true).max() < bound / 3, name
+        assert_allclose(fitted[name], true, rtol=bound, err_msg=name)
+    width = [width_of(*shape) for shape in zip(planted.variance, planted.decay_rate, strict=True)]
+    assert_allclose(fitted["width_bins"], width, atol=1)
+    assert fitted["width_bins_standard_error"].max() < 1 / 3
+    # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of those.
+    assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)
+    assert_allclose(fitted["thickness_variance_bins2"][3], 10, rtol=0.4)
+    difference_db = 10 * np.log10(fitted["thickness_psd"][3].values[:, 1:] / psd[1:])
+    assert np.abs(difference_db.reshape(4, 32, 4).mean(axis=2)).max() < 1
 
 
 def test_spectrum_integrates_to_the_variance_and_a_sine_stands_at_its_wavenumber(rng):

@@ -5,8 +5,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted import as_frame
 
-from snowsim import statistics
+from snowsim import labels, statistics
 from snowsim.io.files import read_dataset, write_dataset
+from snowsim.phy import draw_parameters, mean_power
+from snowsim.seeding import random_stream
+from snowsim.statistics.stress.borders import border_cases
 
 
 def is_finite(fitted):
@@ -152,3 +155,52 @@ def test_a_year_no_one_picked_lies_between_its_neighbours(planted, flight, estim
     # The layer is there, unpicked: its neighbours must not take it for their own.
     if estimator == "deblended":
         assert_allclose([above, below], planted.peak_power[[1, 3]], rtol=0.05)
+
+
+@pytest.mark.parametrize("estimator", statistics.ESTIMATORS)
+def test_zones_without_data_take_what_the_others_have(flight, estimator):
+    summary = statistics.merge(statistics.summarise(*frame) for frame in flight)
+    fitted = statistics.estimate(summary, estimator=estimator, zone_edge_bins=[10, 20, 30, 35, 90])
+    assert is_finite(fitted)
+    assert_array_equal(fitted["n_samples"], [[0] * 4] * 3 + [[4] * 4])
+    assert_array_equal(fitted["source"], [[1] * 4] * 3 + [[0] * 4])
+    # Shares of the first slab are those of all zones; absolute thickness is theirs times the middle of the zone.
+    assert_allclose(fitted["relative_thickness_mean"][:3], fitted["relative_thickness_mean"].values[[3, 3, 3]])
+    ratio = fitted["thickness_mean_bins"][:3] / fitted["relative_thickness_mean"][:3]
+    assert_allclose(ratio, np.repeat([[15.0], [25], [32.5]], 4, axis=1), rtol=1e-9)
+    assert (fitted["thickness_psd"].isel(wavenumber=slice(1, None)) > 0).all()
+
+
+@pytest.mark.parametrize("estimator", statistics.ESTIMATORS)
+def test_a_layer_in_too_few_lines_for_its_spectrum_takes_the_one_above(flight, estimator):
+    # The deepest layer has a gap in every block: thickness of it is known, no spectrum is.
+    fitted = statistics.fit([with_gaps(frame, [(4, 120, 130)]) for frame in flight], estimator=estimator)
+    assert is_finite(fitted)
+    assert_array_equal(fitted["n_psd_samples"].sum("zone"), [4, 4, 4, 0])
+    assert_array_equal(fitted["n_gap_blocks"], [0, 0, 0, 4])
+    assert_array_equal(fitted["psd_source"][:, 3], 2)
+    assert_array_equal(fitted["thickness_psd"][:, 3], fitted["thickness_psd"][:, 2])
+    assert_array_equal(fitted["source"][:, 3], 1)
+
+
+def test_what_degrades_stays_finite_through_labels_and_renders():
+    cases = border_cases(lambda *keys: random_stream(20120429, *keys))
+    rng = np.random.default_rng(5)
+    n_drawn, refused = 0, {}
+    for name, _, frames, edges in cases:
+        try:
+            summary = statistics.merge(statistics.summarise(*frame) for frame in frames)
+            fitted = statistics.estimate(summary, zone_edge_bins=edges)
+        except ValueError as error:
+            refused[name] = str(error)
+            continue
+        layer_bins = labels.draw(fitted, 32, rng=rng)
+        parameters = draw_parameters(fitted, len(layer_bins), width="fitted", rng=rng)
+        given = [parameters[key] for key in ("peak_power", "variance_bins2", "decay_rate")]
+        power = mean_power(layer_bins, *given, 300, normalise="peak", align="peak")
+        assert np.isfinite(power).all(), name
+        assert power.max() > 0
+        n_drawn += 1
+    assert n_drawn == len(cases) - len(refused) > 0
+    assert "no air above the surface" in refused
+    assert not any("\n" in message for message in refused.values())

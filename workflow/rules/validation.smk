@@ -1,0 +1,77 @@
+# The flight beside what was made of its statistics: labels, and PHY's renders of them.
+
+
+rule tabulate_validation:
+    input:
+        summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
+        statistics="results/statistics.nc",
+        rendered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
+        label_layers="results/tables/label_layers.csv",
+        label_histograms="results/tables/label_histograms.csv",
+        code=package("statistics", "phy.waveform", "io.files"),
+    output:
+        thickness="results/tables/validation_thickness.csv",
+        tests="results/tables/validation_tests.csv",
+        distributions="results/tables/validation_distributions.csv",
+        superposition="results/tables/superposition.csv",
+    log:
+        "logs/tabulate_validation.log",
+    benchmark:
+        "results/benchmarks/tabulate_validation/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+    message:
+        "distributions of the flight beside labels and renders"
+    script:
+        "../scripts/tabulate_validation.py"
+
+
+rule plot_validation:
+    input:
+        thickness="results/tables/validation_thickness.csv",
+        tests="results/tables/validation_tests.csv",
+        distributions="results/tables/validation_distributions.csv",
+        superposition="results/tables/superposition.csv",
+        spectra="results/tables/label_spectra.csv",
+        correlation="results/tables/label_correlation.csv",
+        loop="results/tables/closed_loop.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        thickness=report(
+            "results/figures/validation_thickness.svg",
+            caption="../report/validation_thickness.rst",
+        ),
+        validation=report(
+            "results/figures/validation.svg", caption="../report/validation.rst"
+        ),
+        superposition=report(
+            "results/figures/superposition.svg", caption="../report/superposition.rst"
+        ),
+    log:
+        "logs/plot_validation.log",
+    benchmark:
+        "results/benchmarks/plot_validation/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of the flight beside labels and renders"
+    script:
+        "../scripts/plot_validation.py"
+
+
+rule validation:
+    input:
+        rules.tabulate_validation.output,
+        rules.plot_validation.output,
+    message:
+        "the flight beside what was made of its statistics"
