@@ -17,6 +17,8 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
+include: "workflow/rules/convolution.smk"
+include: "workflow/rules/study_convolution.smk"
 
 
 localrules:
@@ -31,6 +33,8 @@ localrules:
     stability,
     closed_loop,
     realism,
+    convolution,
+    study_convolution,
 
 
 rule all:
@@ -45,3 +49,4 @@ rule all:
         rules.stability.input,
         rules.closed_loop.input,
         rules.realism.input,
+        rules.convolution.input,
