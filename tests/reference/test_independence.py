@@ -1,4 +1,4 @@
-"""The nature run and the renderer it judges share no code but the core, and neither does the solver that judges both."""
+"""The nature run, the renderer it judges, and the solver that judges both share no code but the core."""
 
 import subprocess
 import sys
