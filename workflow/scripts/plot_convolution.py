@@ -16,19 +16,19 @@ SWEEPS = (
 )
 
 
-def plot(path_to_table, path_to_figure, paths_to_studies, source):
-    table = pd.concat([read_table(path) for path in (path_to_table, *paths_to_studies)])
+def plot(path_to_table, path_to_figure, studies, source):
+    table = pd.concat([read_table(path) for path in (path_to_table, *studies)])
     figure, axes = new_figure(2, 3, width=9.5, height=5.5)
     for ax, (sweep, xlabel, scale) in zip(axes.flat, SWEEPS, strict=False):
         plot_stacks(ax, table, sweep, xlabel, scale)
     axes[0, 0].legend(frameon=False, fontsize=6, loc="upper left")
     plot_tails(axes[1, 1], table)
     plot_costs(axes[1, 2], table)
-    studies = "" if paths_to_studies else "; SMRT: not run (target study_convolution)"
-    note_source(figure, f"models beside each other, settings of the {source}{studies}")
+    missing = "" if studies else "; SMRT: not run (target study_convolution)"
+    note_source(figure, f"models beside each other, settings of the {source}{missing}")
     write_figure(path_to_figure, figure)
 
 
 if __name__ == "__main__":
     with job(snakemake):
-        plot(snakemake.input.table, snakemake.output.figure, list(snakemake.input.get("smrt", [])), **snakemake.params)
+        plot(snakemake.input.table, snakemake.output.figure, **snakemake.params)
