@@ -16,6 +16,7 @@ COLOURS = {
 SIMPLER = ("Born", "single scattering", "convolution")
 SPECKLE_DB = 0.43  # standard deviation of the mean of 100 looks: 10 / ln 10 / sqrt(100)
 LEAST_DB = 1e-3  # errors below are drawn there
+ABOVE = ("Born", "nature run", "SMRT", "transfer matrix")
 
 
 def plot_stacks(ax, table, sweep, xlabel, scale="log"):
@@ -55,12 +56,12 @@ def plot_costs(ax, table):
     """Seconds of a scene against the error that belongs to each model; the reference at the left border."""
     rows = table[table["part"] == "scene"]
     points = rows.groupby("method", sort=False).agg({"seconds": "min", "error_db": "first"})
-    for method, point in points.iterrows():  # names of neighbouring points above and below them
-        colour = COLOURS[method.removesuffix(", stack")]
+    for method, point in points.iterrows():
+        name = method.removesuffix(", stack")
         error = max(point["error_db"], LEAST_DB)
-        ax.plot(error, point["seconds"], "o", color=colour, markersize=4)
-        ax.annotate(method.removesuffix(", stack"), (error, point["seconds"]), xytext=(3, 5 if method[0] == "B" else -7),
-                    textcoords="offset points", fontsize=6)  # fmt: skip
+        ax.plot(error, point["seconds"], "o", color=COLOURS[name], markersize=4)
+        offset = 4 if name in ABOVE else -8  # names of neighbouring points lie above and below them
+        ax.annotate(name, (error, point["seconds"]), xytext=(3, offset), textcoords="offset points", fontsize=6)
     ax.set(xscale="log", yscale="log", xlabel="error of the mean [dB rms]", ylabel="seconds per scene")
     ax.set_xlim(LEAST_DB / 2, 20 * np.nanmax(points["error_db"].clip(LEAST_DB)))
     ax.axvspan(LEAST_DB / 2, 1.6 * LEAST_DB, color="0.93", zorder=0)
