@@ -22,6 +22,8 @@ include: "workflow/rules/realism.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/study_tracker.smk"
 include: "workflow/rules/evidence.smk"
+include: "workflow/rules/convolution.smk"
+include: "workflow/rules/study_convolution.smk"
 
 
 localrules:
@@ -42,6 +44,8 @@ localrules:
     study_tracker,
     evidence,
     report,
+    convolution,
+    study_convolution,
 
 
 rule all:
@@ -57,9 +61,9 @@ rule all:
         rules.closed_loop.input,
         *([] if "realism" in LEFT_OUT[SOURCE] else rules.realism.input),
         rules.evidence.input,
+        rules.validation.input,
+        rules.convolution.input,
         "results/report.html",
 
 
 include: "workflow/rules/report.smk"
-        rules.validation.input,
-        rules.realism.input,

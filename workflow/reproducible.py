@@ -1,15 +1,24 @@
 """What "byte-identical" covers, and a digest of it: python workflow/reproducible.py [RESULTS].
 
 The same configuration and seed give the same bytes for everything under results/ but what states times: benchmarks,
-the speed-accuracy tables and figures, and the report that quotes them; and but checkpoints of unfinished trainings,
-which go when these end. Logs lie outside results/.
+the speed-accuracy and convolution tables and figures, and the report that quotes them; and but checkpoints of
+unfinished trainings, which go when these end. Logs lie outside results/.
 """
 
 import hashlib
 import sys
 from pathlib import Path
 
-TIMED = ("benchmarks/*", "checkpoints/*", "tables/speed_accuracy_*", "figures/speed_accuracy_*", "report.html")
+TIMED = (
+    "benchmarks/*",
+    "checkpoints/*",
+    "tables/speed_accuracy_*",
+    "figures/speed_accuracy_*",
+    "tables/convolution_accuracy.csv",
+    "figures/convolution_accuracy.*",
+    "studies/convolution/*",
+    "report.html",
+)
 
 
 def reproducible_files(results):

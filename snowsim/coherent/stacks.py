@@ -4,6 +4,7 @@ import numpy as np
 
 LEAST_DENSITY_KG_M3 = 100.0  # profiles are kept in [100, 917]: fresh snow to ice
 ICE_KG_M3 = 917.0
+MOST_OUTSIDE = 0.02  # share of fluctuating densities that may be set to a border
 
 
 def draw_years(n_looks, n_slabs, contrast_kg_m3, *, mean_density_kg_m3, slab_m, roughness_m, rng):
@@ -84,8 +85,7 @@ def layered(fluctuation_kg_m3, mean_density_kg_m3, cell_m):
     Parameters
     ----------
     fluctuation_kg_m3 : ndarray, (look, cell)
-        About the mean; kept within [100, 917] in all, which moves less than 1 % of the cells up to 2.3 standard
-        deviations from the nearer border.
+        About the mean. Densities beyond [100, 917], at most 2 % of the cells, are set to these.
     mean_density_kg_m3, cell_m : float
 
     Returns
@@ -93,8 +93,19 @@ def layered(fluctuation_kg_m3, mean_density_kg_m3, cell_m):
     density_kg_m3 : ndarray, (look, medium)
         The last cell goes on as the half-space.
     thickness_m : ndarray, (look, layer)
+
+    Raises
+    ------
+    ValueError
+        If more than 2 % of the cells would leave [100, 917].
     """
-    density = np.clip(mean_density_kg_m3 + fluctuation_kg_m3, LEAST_DENSITY_KG_M3, ICE_KG_M3)
+    unbounded = mean_density_kg_m3 + fluctuation_kg_m3
+    density = np.clip(unbounded, LEAST_DENSITY_KG_M3, ICE_KG_M3)
+    outside = np.mean(density != unbounded)
+    if outside > MOST_OUTSIDE:
+        low, high = LEAST_DENSITY_KG_M3, ICE_KG_M3
+        msg = f"densities must lie in [{low:g}, {high:g}] kg m-3 but for {MOST_OUTSIDE:.0%}, {outside:.1%} do not"
+        raise ValueError(msg)
     return density, np.full((density.shape[0], density.shape[1] - 1), cell_m)
 
 

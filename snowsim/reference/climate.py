@@ -94,7 +94,7 @@ class Climate:
             msg = f"n_years must be at most {N_YEARS}, got {n_years}"
             raise ValueError(msg)
         settings = self.settings.climate
-        mean_m = accumulation_m(position_km)
+        mean_m = settings.accumulation_factor * accumulation_m(position_km)
         undulation = track_waves(
             self.track_seed, track, "undulation", settings.undulation_min_km, settings.undulation_max_km
         )(position_km)

@@ -91,7 +91,7 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
         Every horizon that comes above `n_bins_below` in some range line.
     """
     firn, radar = climate.settings.firn, climate.settings.radar
-    place = place_at(float(np.mean(position_km)))
+    place = place_at(float(np.mean(position_km)), climate.settings.climate.accumulation_factor)
     percolation = climate.percolation(place)
     fade_depth_m = climate.fade_depth_m(track, place) * (1 - percolation * (1 - PERCOLATION_FADE))
 

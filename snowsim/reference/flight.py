@@ -105,7 +105,8 @@ def draw_complex_segment(*, climate, settings, rng):
     """
     radar = settings.radar
     length_km = SEGMENT_LINES * radar.line_spacing_m / 1e3
-    places = [place_at(km) for km in SEGMENT_CANDIDATES * line_length_km()]
+    factor = settings.climate.accumulation_factor
+    places = [place_at(km, factor) for km in SEGMENT_CANDIDATES * line_length_km()]
     n_years_seen = [climate.fade_depth_m(FLIGHT_TRACK, place) / place.accumulation_m for place in places]
     start_km = places[int(np.argmax(n_years_seen))].position_km - length_km / 2
     position_km = start_km + np.arange(SEGMENT_LINES) * radar.line_spacing_m / 1e3

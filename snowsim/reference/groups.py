@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from snowsim.constants import BANDWIDTH_HZ, ICE_DENSITY_KG_M3
 from snowsim.reference.checks import check_positive, check_within
 
+DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
+
 
 @dataclass(frozen=True)
 class ClimateSettings:
@@ -12,6 +14,8 @@ class ClimateSettings:
 
     Attributes
     ----------
+    accumulation_factor : float
+        Times the mean accumulation along the line, in [0.5, 3].
     anomaly_sd : float
         Year-to-year anomalies, shared along the flight.
     undulation_sd, undulation_min_km, undulation_max_km : float
@@ -24,6 +28,7 @@ class ClimateSettings:
         Part of a year of accumulation above the youngest autumn horizon, in (0, 1].
     """
 
+    accumulation_factor: float = 1.0
     anomaly_sd: float = 0.2
     undulation_sd: float = 0.12
     undulation_min_km: float = 1.5
@@ -35,6 +40,8 @@ class ClimateSettings:
     open_year: float = 0.7
 
     def __post_init__(self):
+        # Below half, more years lie in a window than a climate has; above three, a year is thicker than anywhere there.
+        check_within(self, 0.5, 3, "accumulation_factor")
         check_within(self, 0, 1, "anomaly_sd", "undulation_sd", "drift_sd", "relief_sd")
         check_positive(self, "undulation_min_km", "undulation_max_km", "drift_length_m", "relief_length_m")
         check_within(self, 0.05, 1, "open_year")
@@ -99,7 +106,7 @@ class FirnSettings:
     lenses_per_km_m: float = 4.0
 
     def __post_init__(self):
-        check_within(self, 50, ICE_DENSITY_KG_M3 - 1, "surface_density_kg_m3")
+        check_within(self, 50, DENSEST_SURFACE_KG_M3, "surface_density_kg_m3")
         check_within(self, 0, ICE_DENSITY_KG_M3, "horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3")
         check_within(self, 0, ICE_DENSITY_KG_M3, "layering_sd_kg_m3")
         check_within(self, 0, 3, "horizon_year_sd", "horizon_local_sd", "crust_sd", "fade_sd")
@@ -111,6 +118,12 @@ class FirnSettings:
             msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, got {self.fade_depth_m}"
             raise ValueError(msg)
         check_positive(self, "percolation_width_m")
+        for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
+            if self.surface_density_kg_m3 + getattr(self, name) > ICE_DENSITY_KG_M3:
+                most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
+                msg = f"firn.{name} must be at most {most:g}: snow of the surface's density plus the step is no denser "
+                msg += f"than ice, got {getattr(self, name):g}"
+                raise ValueError(msg)
         check_within(self, 0, 1, "percolation_gap_share", "percolation_blur_m")
 
 

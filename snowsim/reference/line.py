@@ -44,8 +44,15 @@ class Place:
     temperature_k: float
 
 
-def place_at(position_km):
-    """Climate at one position along the line, a `Place`; ValueError outside the line."""
+def place_at(position_km, accumulation_factor=1.0):
+    """Climate at one position along the line, a `Place`; ValueError outside the line.
+
+    Parameters
+    ----------
+    position_km : float
+    accumulation_factor : float
+        Times the accumulation of the profile, see `ClimateSettings`.
+    """
     length_km = line_length_km()
     if not 0 <= position_km <= length_km:
         msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
@@ -57,7 +64,7 @@ def place_at(position_km):
         latitude=latitude,
         longitude=longitude,
         elevation_m=elevation_m,
-        accumulation_m=float(accumulation_m(position_km)),
+        accumulation_m=float(accumulation_factor * accumulation_m(position_km)),
         temperature_k=temperature_fausto09(elevation_m, latitude, longitude),
     )
 

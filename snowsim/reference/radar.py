@@ -61,7 +61,8 @@ def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
         Two-way travel time after nadir [s], not negative.
     height_m : float
         Of the antenna over the interface. Refraction in the firn above a buried interface is neglected: over 20 m it
-        moves the annuli by 1 %.
+        moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried interface is the one seen
+        from the air, n times its own.
     rms_slope, diffuse_share : float
         See `backscatter_geometric_optics`.
     beamwidth_deg : float

@@ -102,3 +102,5 @@ def test_a_layered_profile_ends_as_a_half_space(rng):
     assert density.shape == (3, 40)
     assert thickness_m.shape == (3, 39)
     assert density.min() >= 100
+    with pytest.raises(ValueError, match=r"but for 2%, \d+.\d% do not"):
+        layered(rng.normal(0, 300, (3, 40)), 340.0, 0.005)

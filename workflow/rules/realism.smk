@@ -1,6 +1,20 @@
 # The flight and the benchmark beside what is published of real echograms.
 
 
+def other_band_images():
+    """Real echograms of another band, sorted: of the configured folder, or of the files tests use; none by default."""
+    folder = config["realism"]["other_band_png"]
+    if folder is None:
+        if "SNOWSIM_TEST_DATA" not in os.environ:
+            return []
+        folder = Path(os.environ["SNOWSIM_TEST_DATA"]) / "accumulation_radar_png"
+    elif not Path(folder).is_dir():
+        raise WorkflowError(
+            f"config: realism.other_band_png: expected a folder of PNG images, got {folder}"
+        )
+    return sorted(str(path) for path in Path(folder).glob("*_ORIGINAL.png"))
+
+
 rule tabulate_realism:
     input:
         echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
@@ -8,7 +22,10 @@ rule tabulate_realism:
         statistics="results/statistics.nc",
         train=benchmark_files("train"),
         test=benchmark_files("test"),
-        code=package("metrics.texture", "io.files", "io.scenes"),
+        other_band=other_band_images(),
+        code=package(
+            "metrics.texture", "reference", "io.files", "io.images", "io.scenes"
+        ),
     output:
         table="results/tables/realism.csv",
         curves="results/tables/realism_curves.csv",
@@ -22,7 +39,9 @@ rule tabulate_realism:
     resources:
         mem_mb=1000,
     params:
+        reference=config["reference"],
         source=NOTE,
+        seed=config["seed"],
     message:
         "flight and benchmark beside published values"
     script:

@@ -1,0 +1,34 @@
+"""The nature run, the renderer it judges, and the solver that judges both share no code but the core."""
+
+import subprocess
+import sys
+
+import pytest
+from test_imports import CORE, MODULES
+
+STAGES = ("reference", "phy", "coherent")
+
+
+def loaded_with(stage):
+    """Parts of snowsim in memory once every module of a stage is imported, in a process of its own."""
+    names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
+    assert names
+    code = f"import sys\nfor name in {names!r}: __import__(name)\nprint(*[n for n in sys.modules if 'snowsim.' in n])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return {name.split(".")[1] for name in done.stdout.split()}
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return {stage: loaded_with(stage) for stage in STAGES}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_stage_loads_itself_and_core_alone(loaded, stage):
+    assert stage in loaded[stage]
+    assert loaded[stage] - {stage, "__init__"} <= CORE
+
+
+@pytest.mark.parametrize(("one", "other"), [("reference", "phy"), ("coherent", "phy"), ("coherent", "reference")])
+def test_two_stages_share_nothing_but_core(loaded, one, other):
+    assert loaded[one] & loaded[other] - {"__init__"} <= CORE

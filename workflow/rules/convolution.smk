@@ -1,0 +1,75 @@
+# How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.
+
+import hashlib
+
+SMRT_TABLE = "results/studies/convolution/smrt.csv"
+
+
+def finished_study(path):
+    """A study's table where it has been made, with a digest of it, and nothing where not.
+
+    No input of a rule: the default run must not start a study, nor judge whether one is up to date.
+    """
+    if not Path(path).is_file():
+        return {}
+    return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
+
+
+rule measure_convolution:
+    input:
+        code=package("coherent", "phy", "reference", "timing", "io.files"),
+    output:
+        table="results/tables/convolution_accuracy.csv",
+    log:
+        "logs/measure_convolution.log",
+    benchmark:
+        "results/benchmarks/measure_convolution/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        reference=config["reference"],
+        n_looks=config["benchmark"]["n_looks"],
+        seed=config["seed"],
+        source=NOTE,
+    message:
+        "errors and cost of the convolution model"
+    script:
+        "../scripts/measure_convolution.py"
+
+
+rule plot_convolution:
+    input:
+        table="results/tables/convolution_accuracy.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report(
+            "results/figures/convolution_accuracy.svg",
+            caption="../report/convolution_accuracy.rst",
+        ),
+    log:
+        "logs/plot_convolution.log",
+    benchmark:
+        "results/benchmarks/plot_convolution/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+        studies=finished_study(SMRT_TABLE),
+    message:
+        "figure of the convolution model's errors and cost"
+    script:
+        "../scripts/plot_convolution.py"
+
+
+rule convolution:
+    input:
+        rules.measure_convolution.output,
+        rules.plot_convolution.output,
+    message:
+        "how good the convolution model is, and where it stops being good enough"
