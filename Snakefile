@@ -17,6 +17,7 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
+include: "workflow/rules/study_cgan.smk"
 
 
 localrules:
@@ -31,6 +32,7 @@ localrules:
     stability,
     closed_loop,
     realism,
+    study_cgan,
 
 
 rule all:

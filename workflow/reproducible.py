@@ -9,7 +9,16 @@ import hashlib
 import sys
 from pathlib import Path
 
-TIMED = ("benchmarks/*", "checkpoints/*", "tables/speed_accuracy_*", "figures/speed_accuracy_*", "report.html")
+TIMED = (
+    "benchmarks/*",
+    "checkpoints/*",
+    "tables/speed_accuracy_*",
+    "figures/speed_accuracy_*",
+    "studies/cgan/speed.csv",
+    "studies/cgan/widths.csv",
+    "studies/cgan/equal_time_*",
+    "report.html",
+)
 
 
 def reproducible_files(results):

@@ -68,3 +68,35 @@ def plot_air(ax, air, quantity, label):
         ax.plot(row.method, row.mean, "o", color=colour)
     ax.set_xticks(range(len(rows)), [NAMES.get(method, method) for method in rows["method"]])
     ax.set_ylabel(label)
+
+
+def plot_widths(ax, widths, metric):
+    """One similarity metric against seconds per render: widths trained for equal steps and equal time, and PHY."""
+    for mode, face, label in (("equal_steps", COLOURS["cgan"], "equal steps"), ("equal_time", "white", "equal time")):
+        rows = widths[widths["mode"] == mode]
+        ax.plot(rows["seconds_per_render"], rows[metric], "o:", color=COLOURS["cgan"], markerfacecolor=face,
+                label=f"cGAN, {label}")  # fmt: skip
+        for row in rows.itertuples():
+            ax.annotate(f"{row.width}", (row.seconds_per_render, getattr(row, metric)), fontsize=7,
+                        xytext=(3, 3), textcoords="offset points")  # fmt: skip
+    phy = widths[widths["method"] == "phy"]
+    ax.plot(phy["seconds_per_render"], phy[metric], "D", color=COLOURS["phy"], label=NAMES["phy"])
+    ax.set_xscale("log")
+    ax.set(xlabel="seconds per render", ylabel=NAMES[metric])
+
+
+def plot_stability(ax, stability):
+    """Share of trainings that end healthy by learning rate and L1 weight, and the faults of the others."""
+    rates, weights = (sorted(stability[name].unique()) for name in ("learning_rate", "l1_weight"))
+    share = np.full((len(weights), len(rates)), np.nan)
+    for (rate, weight), runs in stability.groupby(["learning_rate", "l1_weight"]):
+        at = weights.index(weight), rates.index(rate)
+        healthy = runs["verdict"] == "healthy"
+        share[at] = healthy.mean()
+        kinds = {fault.split(":")[0] for verdict in runs.loc[~healthy, "verdict"] for fault in verdict.split("; ")}
+        text = "\n".join([f"{healthy.sum()} of {len(runs)}", *sorted(kinds)])
+        ax.text(at[1], at[0], text, ha="center", va="center", fontsize=5.5)
+    ax.imshow(share, vmin=0, vmax=1, cmap="RdYlGn", alpha=0.6, origin="lower", aspect="auto")
+    ax.set_xticks(range(len(rates)), [f"{rate:g}" for rate in rates])
+    ax.set_yticks(range(len(weights)), [f"{weight:g}" for weight in weights])
+    ax.set(xlabel="learning rate", ylabel="L1 weight")
