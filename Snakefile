@@ -24,6 +24,7 @@ include: "workflow/rules/study_tracker.smk"
 include: "workflow/rules/evidence.smk"
 include: "workflow/rules/convolution.smk"
 include: "workflow/rules/study_convolution.smk"
+include: "workflow/rules/study_cgan.smk"
 
 
 localrules:
@@ -46,6 +47,7 @@ localrules:
     report,
     convolution,
     study_convolution,
+    study_cgan,
 
 
 rule all:

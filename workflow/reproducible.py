@@ -17,6 +17,9 @@ TIMED = (
     "tables/convolution_accuracy.csv",
     "figures/convolution_accuracy.*",
     "studies/convolution/*",
+    "studies/cgan/speed.csv",
+    "studies/cgan/widths.csv",
+    "studies/cgan/equal_time_*",
     "report.html",
 )
 

@@ -1,17 +1,26 @@
 """The conditional GAN, pix2pix: layer masks to echograms."""
 
+from snowsim.cgan.health import faults, measure_losses, measure_renders
 from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator
 from snowsim.cgan.render import render, trained_generator
 from snowsim.cgan.settings import Settings
-from snowsim.cgan.train import Training, settle_statistics, train_steps
+from snowsim.cgan.train import Training, least_bytes, settle_statistics, train_steps
+from snowsim.cgan.validate import Collapsed, held_out, validate
 
 __all__ = [
+    "Collapsed",
     "PatchDiscriminator",
     "Settings",
     "Training",
     "UNetGenerator",
+    "faults",
+    "held_out",
+    "least_bytes",
+    "measure_losses",
+    "measure_renders",
     "render",
     "settle_statistics",
     "train_steps",
     "trained_generator",
+    "validate",
 ]

@@ -38,6 +38,8 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
     ------
     ValueError
         If the mask is not bool with two dimensions, or holds no layer; if the generator has no statistics yet.
+    FloatingPointError
+        If a pixel is not finite: the weights come from a training that diverged.
 
     Notes
     -----
@@ -63,6 +65,9 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
     noise = generator.draw_noise(1, *mask.shape, dropout=dropout, rng=rng)
     with torch.inference_mode(), torch.autocast(device.type, torch.bfloat16, enabled=precision == "bfloat16"):
         image = generator(to_signed(mask[None]).to(device), noise, own_statistics=statistics == "scene")
+        if not torch.isfinite(image).all():
+            msg = "generator renders values that are not finite: its training diverged"
+            raise FloatingPointError(msg)
         return from_signed(image)[0]
 
 

@@ -19,8 +19,9 @@ class Settings:
         Gradient steps of each network.
     batch_size : int
         Patches a step.
-    n_range_bins, n_range_lines : int
-        Size of the random crops, taken at full resolution.
+    n_range_bins, n_range_lines : int or None
+        Size of random crops, taken at full resolution; None takes whole scenes, as pix2pix does. A generator learns
+        what lies where from where the image ends: trained on crops, it does not know how deep in a scene it is.
     learning_rate, beta1, beta2 : float
         Of Adam; the rate is constant for half the steps, then falls linearly to zero.
     l1_weight : float
@@ -36,10 +37,10 @@ class Settings:
     width: int = 16
     depth: int = 8
     n_strided: int = 3
-    n_steps: int = 4000
+    n_steps: int = 2500
     batch_size: int = 1
-    n_range_bins: int = 256
-    n_range_lines: int = 256
+    n_range_bins: int | None = None
+    n_range_lines: int | None = None
     learning_rate: float = 2e-4
     beta1: float = 0.5
     beta2: float = 0.999
@@ -50,7 +51,7 @@ class Settings:
 
     def __post_init__(self):
         for name in ("n_steps", "batch_size", "n_range_bins", "n_range_lines"):
-            if getattr(self, name) < 1:
+            if getattr(self, name) is not None and getattr(self, name) < 1:
                 msg = f"{name} must be at least 1, got {getattr(self, name)}"
                 raise ValueError(msg)
         if not 0 <= self.dropout < 1:

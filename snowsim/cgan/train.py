@@ -68,6 +68,13 @@ class Training:
         self.step = step
 
 
+def least_bytes(settings):
+    """Memory that weights, gradients and moments of both networks take at least, images and activations left out."""
+    with torch.device("meta"):
+        networks = UNetGenerator(settings.width, settings.depth), PatchDiscriminator(settings.width, settings.n_strided)
+    return 4 * 4 * sum(parameter.numel() for network in networks for parameter in network.parameters())
+
+
 def train_steps(training, scenes):
     """Train from where `training` is to its last step, one step at a time.
 

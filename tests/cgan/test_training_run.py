@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+import train_cgan
 from toy_scenes import toy_scenes
 from train_cgan import train
 from training import TrainingRun, Validation, check_memory, enough_memory
 
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
-from snowsim.io.scenes import write_scenes
+from snowsim.io.scenes import SceneSet, write_scenes
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
@@ -42,9 +43,15 @@ def arguments(folder, **changes):
         "paths_to_scenes": [str(scenes)],
         "path_to_generator": str(folder / "generator.safetensors"),
         "path_to_losses": str(folder / "losses.csv"),
+        "path_to_validation": str(folder / "validation.csv"),
+        "path_to_samples": str(folder / "samples.nc"),
         "seed": 1,
         "device": "cpu",
         "settings": SETTINGS,
+        "statistics": "scene",
+        "validation": {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None},
+        "on_collapse": "fail",
+        "source": "no",
         "checkpoint": str(folder / "unfinished.safetensors"),
         "checkpoint_steps": EVERY_STEPS,
         "events": str(folder / "events"),
@@ -52,9 +59,16 @@ def arguments(folder, **changes):
     }
 
 
-def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path):
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    train(**arguments(whole))
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Folder of an uninterrupted training."""
+    folder = tmp_path_factory.mktemp("trained") / "whole"
+    train(**arguments(folder))
+    return folder
+
+
+def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
+    killed = whole.parent / "killed"
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])}
     command = [sys.executable, "-c", CHILD, repr(arguments(killed))]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
@@ -69,10 +83,92 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tm
     assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
     assert last_told - metadata["step"] <= EVERY_STEPS  # one interval lost at most
     train(**arguments(killed))
-    for name in ("generator.safetensors", "losses.csv"):
+    for name in ("generator.safetensors", "losses.csv", "validation.csv", "samples.nc"):
         assert (killed / name).read_bytes() == (whole / name).read_bytes()
     assert len(read_table(killed / "losses.csv")) == SETTINGS["n_steps"]
-    assert not list(tmp_path.glob("*/unfinished*"))
+    assert read_table(killed / "validation.csv")["step"].tolist() == [50, 100, 150, 200, 240]
+    assert not list(whole.parent.glob("*/unfinished*"))
+
+
+def test_the_weights_written_are_those_of_the_best_validation(whole):
+    scores = read_table(whole / "validation.csv")
+    _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
+    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert metadata["steps_taken"] == SETTINGS["n_steps"]
+
+
+def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_validation(whole):
+    with SceneSet(whole / "samples.nc") as samples:
+        sheets = [(sample.name, sample.notes["step"]) for sample in samples]
+        observed = {scene.name: scene for scene in toy_scenes(6)}
+        assert all((s.image == observed[s.name].image).all() == (s.notes["step"] is None) for s in samples)
+    names = sorted({name for name, _ in sheets})
+    assert len(names) == 2
+    assert sorted(sheets, key=str) == sorted(
+        [(name, step) for name in names for step in (None, 50, 100, 150, 200, 240)], key=str
+    )
+
+
+@pytest.fixture
+def collapse_after(monkeypatch):
+    """Plant a fault in every validation from a step on."""
+
+    def plant(step):
+        def measured(generator, scenes, **options):
+            return {"mask_response": 0.0 if judges[-1].training.step >= step else 1.0}
+
+        class Watched(train_cgan.Judge):
+            def __init__(self, *arguments):
+                super().__init__(*arguments)
+                judges.append(self)
+
+        judges = []
+        monkeypatch.setattr(train_cgan, "measure_renders", measured)
+        monkeypatch.setattr(train_cgan, "Judge", Watched)
+
+    return plant
+
+
+LONGER = {**SETTINGS, "n_steps": 400, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
+
+
+def test_a_collapse_says_so_and_fails(tmp_path, collapse_after):
+    collapse_after(250)
+    with pytest.raises(ValueError, match=r"cGAN training collapsed at step 300: mask ignored") as error:
+        train(**arguments(tmp_path / "run", settings=LONGER))
+    assert "\n" not in str(error.value)
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["events"]
+
+
+def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, collapse_after, caplog):
+    collapse_after(250)
+    with caplog.at_level("WARNING", logger="snowsim"):
+        train(**arguments(tmp_path / "run", settings=LONGER, on_collapse="fall_back"))
+    _, metadata = read_model(tmp_path / "run/generator.safetensors")
+    assert metadata["collapse"].startswith("step 300: mask ignored")
+    assert metadata["step"] <= 200
+    assert f"the weights after step {metadata['step']} are kept" in caplog.text
+    assert read_table(tmp_path / "run/validation.csv")["step"].tolist() == [50, 100, 150, 200, 250]
+
+
+def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(tmp_path, collapse_after):
+    collapse_after(0)
+    # The validations at 50, 100 and 150 are too early to judge losses: those weights count as good.
+    short = {"n_scenes": 2, "every_steps": 200, "by": "psnr", "patience": None}
+    with pytest.raises(ValueError, match="collapsed at step 400"):
+        train(**arguments(tmp_path / "run", settings=LONGER, on_collapse="fall_back", validation=short))
+
+
+def test_setting_every_scene_aside_is_refused(tmp_path):
+    everything = {"n_scenes": 6, "every_steps": 50, "by": "psnr", "patience": None}
+    with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
+        train(**arguments(tmp_path / "run", validation=everything))
+
+
+def test_a_width_that_memory_cannot_hold_is_refused_in_one_line(tmp_path):
+    # 54 million weights at width 64 are 1.2e13 at 470 times that: 190 TB with gradients and moments.
+    with pytest.raises(ValueError, match=r"too little memory for a cGAN of width 30000: it needs at least .* GB"):
+        train(**arguments(tmp_path / "run", settings={**SETTINGS, "width": 30000, "depth": 8}))
 
 
 class Counter:

@@ -4,10 +4,20 @@
 rule train_cgan:
     input:
         train=benchmark_files("train"),
-        code=package("cgan", "patches", "weights", "io.files", "io.models", "io.scenes"),
+        code=package(
+            "cgan",
+            "metrics.image",
+            "patches",
+            "weights",
+            "io.files",
+            "io.models",
+            "io.scenes",
+        ),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
+        validation="results/cgan/validation.csv",
+        samples="results/cgan/samples.nc",
     log:
         "logs/train_cgan.log",
     benchmark:
@@ -22,6 +32,10 @@ rule train_cgan:
         seed=config["seed"],
         device=config["cgan"]["device"],
         settings=config["cgan"]["training"],
+        statistics=config["cgan"]["statistics"],
+        validation=config["cgan"]["validation"],
+        on_collapse=config["cgan"]["on_collapse"],
+        source=SYNTHETIC,
         checkpoint="results/checkpoints/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events="logs/tensorboard/train_cgan",
@@ -29,6 +43,36 @@ rule train_cgan:
         "cGAN training"
     script:
         "../scripts/train_cgan.py"
+
+
+rule plot_cgan_training:
+    input:
+        losses="results/cgan/losses.csv",
+        validation="results/cgan/validation.csv",
+        samples="results/cgan/samples.nc",
+        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+    output:
+        losses=report(
+            "results/figures/cgan_losses.svg", caption="../report/cgan_losses.rst"
+        ),
+        samples=report(
+            "results/figures/cgan_samples.png", caption="../report/cgan_samples.rst"
+        ),
+    log:
+        "logs/plot_cgan_training.log",
+    benchmark:
+        "results/benchmarks/plot_cgan_training/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "losses and sample sheet of the cGAN"
+    script:
+        "../scripts/plot_cgan_training.py"
 
 
 rule render_cgan:
@@ -51,6 +95,7 @@ rule render_cgan:
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
+        statistics=config["cgan"]["statistics"],
         source=SYNTHETIC,
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"

@@ -114,10 +114,108 @@ rule plot_sample:
         "../scripts/plot_sample.py"
 
 
+rule explain_similarity:
+    input:
+        observed=benchmark_files("test"),
+        cgan=rendered_files("cgan", "test"),
+        phy=rendered_files("phy", "test"),
+        train=benchmark_files("train"),
+        generator="results/cgan/generator.safetensors",
+        statistics="results/statistics.nc",
+        code=package(
+            "cgan",
+            "metrics",
+            "patches",
+            "phy",
+            "weights",
+            "io.files",
+            "io.models",
+            "io.scenes",
+        ),
+    output:
+        bounds="results/tables/similarity_bounds.csv",
+        parts="results/tables/similarity_parts.csv",
+    log:
+        "logs/explain_similarity.log",
+    benchmark:
+        "results/benchmarks/explain_similarity/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        seed=config["seed"],
+        n_looks=config["benchmark"]["n_looks"],
+        statistics=config["cgan"]["statistics"],
+        phy=config["phy"],
+        validation=config["cgan"]["validation"],
+        device=config["cgan"]["device"],
+    message:
+        "bounds of similarity and what keeps renders from them"
+    script:
+        "../scripts/explain_similarity.py"
+
+
+rule measure_air:
+    input:
+        observed=benchmark_files("test"),
+        cgan=rendered_files("cgan", "test"),
+        phy=rendered_files("phy", "test"),
+        code=package("metrics", "io.files", "io.scenes"),
+    output:
+        table="results/tables/air_texture.csv",
+    log:
+        "logs/measure_air.log",
+    benchmark:
+        "results/benchmarks/measure_air/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    message:
+        "texture above the snow surface"
+    script:
+        "../scripts/measure_air.py"
+
+
+rule plot_similarity_bounds:
+    input:
+        bounds="results/tables/similarity_bounds.csv",
+        parts="results/tables/similarity_parts.csv",
+        air="results/tables/air_texture.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        figure=report(
+            "results/figures/similarity_bounds.svg",
+            caption="../report/similarity_bounds.rst",
+        ),
+    log:
+        "logs/plot_similarity_bounds.log",
+    benchmark:
+        "results/benchmarks/plot_similarity_bounds/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figure of the bounds of similarity"
+    script:
+        "../scripts/plot_similarity_bounds.py"
+
+
 rule similarity:
     input:
         rules.tabulate_similarity.output,
         rules.plot_similarity.output,
         rules.plot_sample.output,
+        rules.explain_similarity.output,
+        rules.measure_air.output,
+        rules.plot_similarity_bounds.output,
+        rules.plot_cgan_training.output,
     message:
         "Table II and its figures"

@@ -18,13 +18,20 @@ def read_generator(path, device):
     return trained_generator(weights, settings, device=device), settings
 
 
-def render_shard(path_to_layers, path_to_generator, path_to_scenes, seed, device, source):
+def render_shard(path_to_layers, path_to_generator, path_to_scenes, seed, device, statistics, source):
     torch.set_num_threads(1)
     generator, settings = read_generator(path_to_generator, device)
 
     def render_scene(scene):
         rng = random_stream(seed, "render_cgan", scene.name)  # by scene, never by shard
-        image = render(generator, scene.mask(), dropout=settings.dropout, precision=settings.precision, rng=rng)
+        image = render(
+            generator,
+            scene.mask(),
+            dropout=settings.dropout,
+            statistics=statistics,
+            precision=settings.precision,
+            rng=rng,
+        )
         return dataclasses.replace(scene, image=image, complete_layer_bins=None)
 
     with SceneSet(path_to_layers) as layers:

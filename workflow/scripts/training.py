@@ -49,6 +49,8 @@ class Validation:
         () -> dict of arrays or tensors to keep of the best: what is to be written in the end.
     by : str
         The score to go by; higher is better.
+    samples : callable, optional
+        () -> dict of arrays to keep of every validation, called after `score`.
     patience : int, optional
         Validations in a row without a better score after which training stops; None never stops it.
     """
@@ -58,6 +60,7 @@ class Validation:
     weights: Callable[[], dict]
     by: str
     patience: int | None = None
+    samples: Callable[[], dict] = dict
 
 
 class TrainingRun:
@@ -82,6 +85,8 @@ class TrainingRun:
     ----------
     best : dict of arrays, or None
         The weights that `validation` kept, after `best_step` steps.
+    samples : dict
+        Step -> what `validation` kept of it.
 
     Raises
     ------
@@ -93,7 +98,7 @@ class TrainingRun:
         self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None
     ):  # fmt: skip
         self.training, self.validation, self.every_steps = training, validation, every_steps
-        self.best, self.best_step = None, 0
+        self.best, self.best_step, self.samples = None, 0, {}
         self._path, self._events_path = Path(path_to_checkpoint), path_to_events
         self._expected = {**expected, "version": __version__}
         self._losses, self._scores = [], []
@@ -113,9 +118,17 @@ class TrainingRun:
         if kind is None:
             self._path.unlink(missing_ok=True)
 
+    def discard(self):
+        """Forget the checkpoint: what is to come of the training is known, and no better for another try."""
+        self._path.unlink(missing_ok=True)
+
     def losses(self):
         """Losses of every step since the first, those before a resume included: a row a step."""
         return pd.DataFrame(self._losses)
+
+    def late_losses(self, n):
+        """Losses of the last `n` steps, a dict a step."""
+        return self._losses[-n:]
 
     def scores(self):
         """Scores of every validation since the first step: a row each."""
@@ -163,6 +176,7 @@ class TrainingRun:
         self._scores.append({"step": step, **scores})
         self._log("validation", scores, step)
         logger.info("step %d: %s", step, ", ".join(f"{name} {value:.4g}" for name, value in scores.items()))
+        self.samples[step] = self.validation.samples()
         if scores[self.validation.by] > best_before:
             # A copy: the weights go on changing.
             self.best = {name: np.asarray(w).copy() for name, w in on_cpu(self.validation.weights()).items()}
@@ -174,6 +188,7 @@ class TrainingRun:
             "losses": _columns(self._losses),
             "scores": _columns(self._scores),
             "best": self.best or {},
+            "samples": self.samples,
         }
         columns = {"losses": list(self._losses[0]), "scores": list(self._scores[0]) if self._scores else []}
         metadata = {**self._expected, "step": step, "best_step": self.best_step, "columns": columns}
@@ -190,6 +205,8 @@ class TrainingRun:
             _rows(arrays.get(table, {}), names) for table, names in sorted(metadata["columns"].items())
         )
         self.best, self.best_step = arrays.get("best"), metadata["best_step"]
+        samples = {int(step): kept for step, kept in arrays.get("samples", {}).items()}
+        self.samples = dict(sorted(samples.items()))
         logger.info("goes on from %s after %d steps", self._path, metadata["step"])
 
     def _log(self, group, values, step, every=1):

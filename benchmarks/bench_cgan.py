@@ -1,0 +1,147 @@
+"""Cost of training the conditional GAN: against a plain PyTorch loop of the same networks, and at the paper's scale.
+
+``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager, float32, contiguous
+layout, Adam as it comes) on the same scenes, trains both for as many steps from the same weights and prints the ratio of
+their cost beside their losses. It fails where the package is slower.
+
+``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless told) of the training
+that config/paper.yaml asks for, on a GPU where there is one, and prints what the whole would take.
+"""
+
+import dataclasses
+import logging
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+import yaml
+from torch.nn import functional
+
+from snowsim.cgan import Settings, Training, train_steps
+from snowsim.cgan.train import learning_rate
+from snowsim.echogram import Scene
+from snowsim.patches import draw_index, draw_patches, to_signed
+from snowsim.seeding import random_stream
+from snowsim.timing import time_rounds
+
+CONFIG = Path(__file__).parents[1] / "config"
+N_ROUNDS = 12
+N_TRAINED = 150  # steps of both, for their losses
+SEED = 1
+
+log = logging.getLogger(__name__)
+
+
+def draw_scene(number, n_range_bins, n_range_lines=256, n_layers=8):
+    """A scene of wavy layers with tails, 16 looks."""
+    rng = random_stream(SEED, "bench_cgan", number)
+    wave = 3 * np.sin(2 * np.pi * (np.arange(n_range_lines) / n_range_lines + rng.random()))
+    layer_bins = 50 + np.arange(n_layers)[:, None] * rng.uniform(15, 25) + wave
+    below = np.arange(n_range_bins)[:, None] - layer_bins[:, None]
+    strength = rng.uniform(0.3, 1, (n_layers, 1, 1))
+    level = 60 + 150 * (strength * np.exp(-np.where(below < 0, 4 * below**2, below / 12))).max(axis=0)
+    image = np.minimum(np.rint(level * rng.gamma(16, 1 / 16, level.shape)), 255)
+    return Scene(f"scene {number}", n_range_bins, layer_bins, image.astype(np.uint8))
+
+
+def plain_steps(settings, scenes):
+    """The same training as anyone would write it down: draws, losses and schedule as in the package."""
+    start = Training(settings, seed=SEED)
+    networks = generator, discriminator = start.generator, start.discriminator
+    adams = []
+    for network in networks:
+        network.to(memory_format=torch.contiguous_format)
+        betas = (settings.beta1, settings.beta2)
+        adams.append(torch.optim.Adam(network.parameters(), lr=settings.learning_rate, betas=betas))
+    bce = functional.binary_cross_entropy_with_logits
+    for step in range(settings.n_steps):
+        scene = scenes[draw_index(len(scenes), step, SEED, "cgan", "scenes")]
+        rng = random_stream(SEED, "cgan", "step", step)
+        images, masks = draw_patches([scene], settings.n_range_bins, settings.n_range_lines, rng=rng)
+        mask, image = to_signed(masks), to_signed(images)
+        for adam in adams:
+            for group in adam.param_groups:
+                group["lr"] = learning_rate(settings, step)
+        noise = generator.draw_noise(1, *mask.shape[2:], dropout=settings.dropout, rng=rng)
+        fake = generator(mask, noise, own_statistics=True)
+        on_real, on_fake = discriminator(mask, image), discriminator(mask, fake.detach())
+        of_discriminator = 0.5 * (bce(on_real, torch.ones_like(on_real)) + bce(on_fake, torch.zeros_like(on_fake)))
+        adams[1].zero_grad()
+        of_discriminator.backward()
+        adams[1].step()
+        judged = discriminator(mask, fake)
+        l1 = functional.l1_loss(fake, image)
+        adams[0].zero_grad()
+        (bce(judged, torch.ones_like(judged)) + settings.l1_weight * l1).backward()
+        adams[0].step()
+        yield step + 1, {"l1": l1.item(), "discriminator": of_discriminator.item()}
+
+
+def package_steps(settings, scenes):
+    for step, losses in train_steps(Training(settings, seed=SEED), scenes):
+        of_discriminator = (losses["discriminator_real"] + losses["discriminator_fake"]) / 2
+        yield step, {"l1": losses["l1"], "discriminator": of_discriminator}
+
+
+def compare(settings):
+    """Ratio of a plain step's cost to the package's."""
+    scenes = [draw_scene(number, n_range_bins) for number, n_range_bins in enumerate((300, 300, 300, 400, 520))]
+    loops = {"package": package_steps, "plain": plain_steps}
+    for name, loop in loops.items():
+        trained = dataclasses.replace(settings, n_steps=N_TRAINED, precision=precision_of(name, settings))
+        late = [losses for _, losses in loop(trained, scenes)][-N_TRAINED // 3 :]
+        means = {key: np.mean([losses[key] for losses in late]) for key in late[0]}
+        log.info("%-8s %s after %d steps", name, {k: round(float(v), 4) for k, v in means.items()}, N_TRAINED)
+    endless = {
+        name: loop(dataclasses.replace(settings, n_steps=10**9, precision=precision_of(name, settings)), scenes)
+        for name, loop in loops.items()
+    }
+    works = {name: lambda steps=steps: [next(steps) for _ in scenes] for name, steps in endless.items()}
+    # Processor time: other work on the machine does not count.
+    runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
+    cost = {name: np.median([s for run, _, s in runs if run == name]) / len(scenes) for name in works}
+    ratios = [
+        plain / package
+        for (_, _, package), (_, _, plain) in zip(runs[0::2], runs[1::2], strict=True)
+    ]  # fmt: skip
+    log.info("width %d: package %.1f ms a step, plain %.1f ms; plain / package %.2f (quartiles %.2f to %.2f)",
+             settings.width, 1e3 * cost["package"], 1e3 * cost["plain"], np.median(ratios),
+             *np.percentile(ratios, [25, 75]))  # fmt: skip
+    return float(np.median(ratios))
+
+
+def precision_of(name, settings):
+    return "float32" if name == "plain" else settings.precision
+
+
+def project_paper(seconds):
+    """Time a slice of the paper-scale training; the whole is its mean step times their number."""
+    paper = yaml.safe_load((CONFIG / "paper.yaml").read_text())["cgan"]["training"]
+    default = yaml.safe_load((CONFIG / "config.yaml").read_text())["cgan"]["training"]
+    settings = Settings(**{**default, **paper})
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    # Heights as the benchmark has them: half of the scenes 300 rows, the others up to 750.
+    scenes = [draw_scene(number, height) for number, height in enumerate((300, 300, 300, 300, 330, 400, 500, 700))]
+    steps = train_steps(Training(settings, seed=SEED, device=device), scenes)
+    for _ in scenes:  # one of every height to warm up
+        next(steps)
+    n_steps, start = 0, time.perf_counter()
+    while time.perf_counter() - start < seconds or n_steps % len(scenes):
+        next(steps)  # reading the losses waits for the device
+        n_steps += 1
+    per_step = (time.perf_counter() - start) / n_steps
+    hours = per_step * settings.n_steps / 3600
+    log.info("width %d, %s, %s: %d steps, %.3f s a step; %d steps would take %.1f h",
+             settings.width, settings.precision, device, n_steps, per_step, settings.n_steps, hours)  # fmt: skip
+
+
+if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stdout)
+    torch.set_num_threads(1)
+    if "--paper" in sys.argv:
+        given = sys.argv[sys.argv.index("--paper") + 1 :]
+        project_paper(float(given[0]) if given else 60.0)
+    elif compare(Settings()) < 1:
+        sys.exit("a step is slower than a plain loop's")

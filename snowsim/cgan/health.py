@@ -1,0 +1,177 @@
+"""Signs that a training of the conditional GAN has collapsed, and the limits they are judged by.
+
+The limits were set before they were tried, each for a reason stated beside it, and not moved since.
+"""
+
+import numpy as np
+
+from snowsim.cgan.render import render
+from snowsim.seeding import random_stream
+
+UNDECIDED = {"bce": np.log(2), "lsgan": 0.25}  # loss of a discriminator that always says one half
+WINDOW_STEPS = 200  # the loss of one step scatters by about a half: its mean over these is known to 0.04
+N_SCENES = 4
+PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
+
+# Below a tenth of the undecided loss it is right with 93 % confidence everywhere: what it still tells the generator is
+# not worth its noise.
+SATURATED = 0.1
+# A discriminator that has learnt anything beats one that always says one half; 2 % for the scatter of the mean.
+IDLE = 0.98
+# Renders of different masks that differ by less than a quarter of what the observed scenes differ by ignore the mask:
+# speckle alone, equal in none, makes observed scenes differ by about a third of their whole difference.
+MASK_RESPONSE = 0.25
+# Half a grey level is what rounding to 8 bits hides: dropout that does less does nothing.
+DRAW_SPREAD = 0.5
+# A plain grey image of the observed mean errs as much: a render that errs more has learnt nothing.
+ERROR_SHARE = 1.0
+# A pattern of one grey level is the finest that an 8-bit image holds; scenes with flat layers hold some themselves.
+CHECKERBOARD, CHECKERBOARD_OBSERVED = 1.0, 3.0
+
+
+def measure_losses(losses, adversarial):
+    """How decided the discriminator was of late.
+
+    Parameters
+    ----------
+    losses : sequence of dict
+        Of every step so far, as `train_steps` yields them.
+    adversarial : str
+        `bce` or `lsgan`.
+
+    Returns
+    -------
+    dict of float
+        `discriminator_ratio`: its mean loss over the last `WINDOW_STEPS` steps as a share of an undecided one's.
+    """
+    late = losses[-WINDOW_STEPS:]
+    mean = np.mean([(step["discriminator_real"] + step["discriminator_fake"]) / 2 for step in late])
+    return {"discriminator_ratio": float(mean / UNDECIDED[adversarial])}
+
+
+def measure_renders(generator, scenes, *, dropout, statistics="training", precision="float32", seed):
+    """What the renders of a few scenes answer to, and the pattern they carry.
+
+    Parameters
+    ----------
+    generator : UNetGenerator
+    scenes : sequence of Scene
+        Observed; the first `N_SCENES` are used, their masks cut to the smallest of them. Two or more.
+    dropout, statistics, precision
+        As for `render`.
+    seed : int
+
+    Returns
+    -------
+    dict of float
+        `mask_response`: root mean square difference between renders of different masks by the same dropout, as a share
+        of that between the observed images; `draw_spread`: the same between two draws for one mask [grey levels];
+        `error_share`: root mean square error as a share of the observed images' standard deviation; `checkerboard`,
+        `checkerboard_observed` [grey levels], see `checkerboard`. All of renders are NaN if one is not finite.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two scenes.
+    """
+    scenes = [scenes[number] for number in range(min(N_SCENES, len(scenes)))]
+    if len(scenes) < 2:
+        msg = f"health is measured on two or more scenes, got {len(scenes)}"
+        raise ValueError(msg)
+    height = min(scene.n_range_bins for scene in scenes)
+    width = min(scene.n_range_lines for scene in scenes)
+
+    def rendered(draw):
+        try:
+            return np.stack(
+                [
+                    render(
+                        generator, scene.mask()[:height, :width], dropout=dropout, statistics=statistics,
+                        precision=precision, rng=random_stream(seed, "cgan", "health", draw),
+                    )
+                    for scene in scenes
+                ]
+            ).astype(float)  # fmt: skip
+        except FloatingPointError:
+            return np.full((len(scenes), height, width), np.nan)
+
+    first, second = rendered(1), rendered(2)
+    observed = np.stack([scene.image[:height, :width] for scene in scenes]).astype(float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return {
+            "mask_response": _difference(first) / _difference(observed),
+            "draw_spread": float(np.sqrt(np.mean((first - second) ** 2))),
+            "error_share": float(np.sqrt(np.mean((first - observed) ** 2)) / observed.std()),
+            "checkerboard": float(np.mean([checkerboard(image) for image in first])),
+            "checkerboard_observed": float(np.mean([checkerboard(image) for image in observed])),
+        }
+
+
+def checkerboard(image):
+    """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
+
+    Parameters
+    ----------
+    image : array_like, (range_bin, range_line)
+
+    Returns
+    -------
+    float
+        The strongest of the periods: the standard deviation of the median over all cells of a grid of that period, each
+        less its own mean, and less what is the same all along a row: that might be snow. Layers and edges, bright in
+        few cells, do not move a median.
+    """
+    image = np.asarray(image, dtype=float)
+    strengths = []
+    for period in PERIODS:
+        rows, columns = (length // period for length in image.shape)
+        if rows == 0 or columns == 0:
+            continue
+        cells = image[: rows * period, : columns * period].reshape(rows, period, columns, period)
+        cells = cells - cells.mean(axis=(1, 3), keepdims=True)
+        pattern = np.median(cells, axis=(0, 2))
+        strengths.append(float((pattern - pattern.mean(axis=1, keepdims=True)).std()))
+    return max(strengths)
+
+
+def faults(numbers, *, dropout):
+    """What is wrong by the limits of this module, a phrase each; empty for a healthy training.
+
+    Parameters
+    ----------
+    numbers : dict of float
+        Of `measure_losses` and `measure_renders`; those missing are not judged.
+    dropout : float
+        Without dropout draws may be equal.
+
+    Returns
+    -------
+    list of str
+    """
+    found = []
+    ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)
+    spread, pattern = numbers.get("draw_spread", np.inf), numbers.get("checkerboard", 0.0)
+    limit = max(CHECKERBOARD, CHECKERBOARD_OBSERVED * numbers.get("checkerboard_observed", 0.0))
+    if not np.isfinite([ratio, response, pattern]).all() or np.isnan(spread):
+        return ["values that are not finite"]
+    if ratio < SATURATED:
+        found.append(f"discriminator saturated: its loss is {ratio:.3f} of an undecided one's, below {SATURATED}")
+    if ratio > IDLE:
+        found.append(f"discriminator idle: its loss is {ratio:.3f} of an undecided one's, above {IDLE}")
+    if response < MASK_RESPONSE:
+        found.append(f"mask ignored: renders differ by {response:.3f} of what scenes do, below {MASK_RESPONSE}")
+    if numbers.get("error_share", 0.0) > ERROR_SHARE:
+        found.append(
+            f"nothing learnt: renders err by {numbers['error_share']:.2f} of the contrast, above {ERROR_SHARE}"
+        )
+    if dropout > 0 and spread < DRAW_SPREAD:
+        found.append(f"dropout ignored: draws differ by {spread:.3f} grey levels, below {DRAW_SPREAD}")
+    if pattern > limit:
+        found.append(f"checkerboard: a pattern of {pattern:.2f} grey levels, above {limit:.2f}")
+    return found
+
+
+def _difference(images):
+    """Root mean square difference between images of a stack (image, row, column), over all pairs."""
+    # The mean square over pairs is twice the variance over images times n / (n - 1).
+    return float(np.sqrt(2 * np.mean(np.var(images, axis=0, ddof=1))))

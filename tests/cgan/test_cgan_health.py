@@ -1,0 +1,175 @@
+"""The detectors of a collapsed training catch every failure that was planted, and pass what is healthy."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose
+from toy_scenes import toy_scene, toy_scenes
+
+from snowsim.cgan import Settings, Training, health, render, settle_statistics, train_steps
+from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
+
+SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=300)
+
+
+class Planted:
+    """Stands in for a generator: `make(mask, rng)` gives its image in grey levels."""
+
+    def __init__(self, make):
+        self.make = make
+
+    def render(self, generator, mask, *, rng, **options):
+        return self.make(mask, rng)
+
+
+def image_of(mask, rng):
+    """A healthy image: layers with tails, speckle that changes from draw to draw."""
+    level = 60.0 + 120 * np.apply_along_axis(lambda c: np.convolve(c, np.exp(-np.arange(20) / 5))[: c.size], 0, mask)
+    return np.minimum(level, 220) + 6 * rng.standard_normal(mask.shape)
+
+
+def measured(make, monkeypatch):
+    monkeypatch.setattr(health, "render", Planted(make).render)
+    scenes = [toy_scene(number, n_range_bins=256, n_range_lines=192, n_layers=10) for number in range(4)]
+    return measure_renders(None, scenes, dropout=0.5, seed=1)
+
+
+def test_a_healthy_image_has_no_fault(monkeypatch):
+    assert faults(measured(image_of, monkeypatch), dropout=0.5) == []
+
+
+def one_image(mask, rng):
+    return image_of(np.indices(mask.shape)[0] % 25 == 20, rng)
+
+
+def without_draws(mask, rng):
+    return image_of(mask, np.random.default_rng(1))
+
+
+def no_finite(mask, rng):
+    raise FloatingPointError
+
+
+def negative(mask, rng):
+    return 255 - image_of(mask, rng)
+
+
+def chequered(period):
+    def make(mask, rng):
+        phases = np.indices(mask.shape) // (period // 2)
+        return image_of(mask, rng) + 5 * (-1.0) ** phases.sum(axis=0)
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("make", "fault"),
+    [
+        (one_image, "mask ignored"),
+        (lambda mask, rng: 100 + 6 * rng.standard_normal(mask.shape), "mask ignored"),
+        (without_draws, "dropout ignored"),
+        (negative, "nothing learnt"),
+        (chequered(2), "checkerboard"),
+        (chequered(4), "checkerboard"),
+        (chequered(8), "checkerboard"),
+        (no_finite, "values that are not finite"),
+    ],
+)
+def test_a_planted_failure_of_the_generator_is_named(make, fault, monkeypatch):
+    found = faults(measured(make, monkeypatch), dropout=0.5)
+    assert fault in [phrase.split(":")[0] for phrase in found]
+
+
+@pytest.mark.parametrize("adversarial", ["bce", "lsgan"])
+@pytest.mark.parametrize(
+    ("share", "fault"),
+    [(0.05, "discriminator saturated"), (0.7, None), (1.0, "discriminator idle"), (3.0, "discriminator idle")],
+)
+def test_a_planted_failure_of_the_discriminator_is_named(share, fault, adversarial):
+    loss = share * health.UNDECIDED[adversarial]
+    early = [{"discriminator_real": 9.0, "discriminator_fake": 9.0}] * 50  # before the window: counts no more
+    late = [{"discriminator_real": 0.5 * loss, "discriminator_fake": 1.5 * loss}] * health.WINDOW_STEPS
+    numbers = measure_losses(early + late, adversarial)
+    assert_allclose(numbers["discriminator_ratio"], share, rtol=1e-12)
+    assert [found.split(":")[0] for found in faults(numbers, dropout=0.5)] == ([fault] if fault else [])
+
+
+def test_without_dropout_equal_draws_are_no_fault(monkeypatch):
+    assert faults(measured(without_draws, monkeypatch), dropout=0.0) == []
+
+
+def test_a_checkerboard_of_one_grey_level_measures_one():
+    # Whole grey levels up and down by one: the median of each phase is exact, its spread is the amplitude.
+    flat = np.full((64, 48), 100.0)
+    for period in (2, 4, 8):
+        pattern = (-1.0) ** (np.indices(flat.shape) // (period // 2)).sum(axis=0)
+        assert_allclose(checkerboard(flat + pattern), 1, rtol=1e-12)
+    assert checkerboard(flat) == 0
+
+
+def test_edges_and_speckle_make_no_checkerboard(rng):
+    image = np.where(np.arange(320)[:, None] < 50, 60.0, 160.0) + 7 * rng.standard_normal((320, 256))
+    # Medians of 1280 cells scatter by 7 sqrt(pi / 2 / 1280) = 0.25; the largest of three spreads is below twice that.
+    assert checkerboard(image) < 0.5
+
+
+def test_one_scene_is_too_few():
+    with pytest.raises(ValueError, match="two or more scenes, got 1"):
+        measure_renders(None, toy_scenes(1), dropout=0.5, seed=1)
+
+
+def test_weights_that_are_not_finite_are_named():
+    training = Training(replace(SETTINGS, width=2), seed=1)
+    settle_statistics(training, toy_scenes(2))
+    with torch.no_grad():
+        training.generator.out.bias.fill_(torch.nan)
+    with pytest.raises(FloatingPointError, match="not finite"):
+        render(training.generator, toy_scenes(1)[0].mask(), rng=np.random.default_rng(1))
+    numbers = measure_renders(training.generator, toy_scenes(2), dropout=0.5, seed=1)
+    assert faults(numbers, dropout=0.5) == ["values that are not finite"]
+
+
+def trained_faults(settings, seed, *, spoil=lambda training: None):
+    """Train on toy scenes and judge what came out; a training that diverges says so itself."""
+    scenes = toy_scenes(24)
+    training = Training(settings, seed=seed)
+    spoil(training)
+    losses = []
+    try:
+        losses += [step_losses for _, step_losses in train_steps(training, scenes)]
+    except FloatingPointError as error:
+        return [f"values that are not finite: {error}"], {}
+    settle_statistics(training, scenes)
+    numbers = measure_losses(losses, settings.adversarial)
+    numbers |= measure_renders(training.generator, toy_scenes(28)[24:], dropout=settings.dropout, seed=seed)
+    return faults(numbers, dropout=settings.dropout), numbers
+
+
+def freeze_discriminator(training):
+    """The discriminator stays as it was drawn: its rate is zero."""
+    adam = training._optimisers["discriminator_adam"]
+    adam.step = lambda: None
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("seed", range(100, 110))
+def test_ten_unseen_healthy_trainings_have_no_fault(seed):
+    found, numbers = trained_faults(SETTINGS, seed)
+    assert found == [], json.dumps(numbers)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("seed", [100, 101])
+def test_a_rate_a_hundred_times_too_high_is_found(seed):
+    found, numbers = trained_faults(replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate), seed)
+    assert found, json.dumps(numbers)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("seed", [100, 101])
+def test_a_frozen_discriminator_is_found(seed):
+    found, numbers = trained_faults(SETTINGS, seed, spoil=freeze_discriminator)
+    assert [fault for fault in found if fault.startswith("discriminator")], json.dumps(numbers)
