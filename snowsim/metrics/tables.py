@@ -91,11 +91,13 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     -------
     pandas.DataFrame
         Columns `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
-        n_replicas, n_images`; intervals are the 2.5 and 97.5 percentiles.
+        n_replicas, n_images, n_without_truth`; intervals are the 2.5 and 97.5 percentiles. Images without truth put
+        their false positives into OIS at the lowest threshold, see `snowsim.metrics.edges.score`.
     """
     stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
     first = counts[training_sets[0], outputs[0]]
     n_replicas, n_images = len(first), len(first[0])
+    n_without_truth = score(first[0])["n_without_truth"]
     draws = [
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images)) for _ in range(n_bootstrap)
     ]
@@ -128,6 +130,7 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
                         "difference_high": difference_high,
                         "n_replicas": n_replicas,
                         "n_images": n_images,
+                        "n_without_truth": n_without_truth,
                     }
                 )
     return pd.DataFrame(rows)

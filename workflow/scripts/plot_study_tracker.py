@@ -25,11 +25,11 @@ def plot(paths_to_tables, paths_to_figures, source):
     plot_speed(axes[0, 0], speed)
     figures.append(figure)
 
-    figure, axes = new_figure(1, 4, width=11, height=2.8)
+    figure, axes = new_figure(2, 2, width=8, height=5.5)
     plot_panel(axes[0, 0], stability, "loss", "learning rate", "loss after a short training", "log")
     plot_panel(axes[0, 1], stability, "brightness", "shift [grey levels]", "ODS of fuse")
-    plot_panel(axes[0, 2], stability, "rows cut", "rows above a multiple of 16 less", "ODS of fuse")
-    plot_panel(axes[0, 3], stability, "layers", "level layers below the surface", "ODS of fuse")
+    plot_panel(axes[1, 0], stability, "rows cut", "rows above a multiple of 16 less", "ODS of fuse")
+    plot_panel(axes[1, 1], stability, "layers", "level layers below the surface", "ODS of fuse")
     figures.append(figure)
     for path, figure in zip(paths_to_figures, figures, strict=True):
         note_source(figure, source)
