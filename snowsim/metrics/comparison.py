@@ -2,12 +2,14 @@
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import brentq
 from scipy.stats import t as student
 
 from snowsim.metrics.edges import score, stack_counts
 
 METRICS = ("ods", "ois", "ap")
 LEVEL, POWER = 0.05, 0.8  # of a two-sided test, as usual
+MOST_SEEDS = 100
 
 
 def compare(counts, pairs, *, n_bootstrap, rng):
@@ -80,55 +82,65 @@ def paired_difference(differences, image_error, n_images):
         `difference`; `low` and `high`; `p_value`, two-sided; `verdict`: `higher`, `lower` or `not resolved`;
         `seed_spread`, the standard deviation between replicas (NaN for one); `image_error`; `detectable`, the smallest
         true difference that such a comparison finds in 80 % of cases; `seeds_to_resolve`, the replicas that would find
-        a true difference as large as this one in 80 % of cases, -1 where no number does; `n_replicas`, `n_images`.
+        a true difference as large as this one in 80 % of cases, -1 where a hundred do not; `n_replicas`, `n_images`.
 
     Notes
     -----
-    ``e^2 = s^2 / n + e_images^2``, with degrees of freedom of Welch & Satterthwaite (1946), Biometrics Bulletin 2; the
-    detectable difference is ``(t_0.975 + t_0.8) e``.
+    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n + (t_{images-1} e)^2``
+    with the 0.975 quantiles of Student's t. Each part keeps its own degrees of freedom, so that two seeds are not taken
+    for more; the interval covers a little more than 95 %. For the detectable difference each quantile is ``t_0.975 +
+    t_0.8``. The p value is the level at which the interval just reaches zero.
     """
     differences = np.asarray(differences, dtype=float)
     n = differences.size
     mean = float(differences.mean())
     spread = float(differences.std(ddof=1)) if n > 1 else float("nan")
-    error, freedom = _error(spread, n, image_error, n_images)
-    reach = student.ppf(1 - LEVEL / 2, freedom) * error
+    errors = spread, n, image_error, n_images
+    reach = float(_reach([1 - LEVEL / 2], *errors))
     verdict = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
     return {
         "difference": mean,
         "low": mean - reach,
         "high": mean + reach,
-        "p_value": float(2 * student.sf(abs(mean) / error, freedom)) if error > 0 else float(mean == 0),
+        "p_value": _p_value(abs(mean), *errors),
         "verdict": verdict,
         "seed_spread": spread,
         "image_error": image_error,
-        "detectable": _detectable(error, freedom),
+        "detectable": float(_reach([1 - LEVEL / 2, POWER], *errors)),
         "seeds_to_resolve": _seeds_to_resolve(abs(mean), spread, image_error, n_images),
         "n_replicas": n,
         "n_images": n_images,
     }
 
 
-def _error(spread, n, image_error, n_images):
-    """Standard error of a mean difference and its degrees of freedom."""
-    of_seeds = 0.0 if n == 1 else spread**2 / n
-    squared = of_seeds + image_error**2
-    parts = (of_seeds**2 / (n - 1) if n > 1 else 0.0) + image_error**4 / max(n_images - 1, 1)
-    return float(np.sqrt(squared)), squared**2 / parts if parts > 0 else np.inf
+def _reach(probabilities, spread, n, image_error, n_images):
+    """Half width of an interval: quantiles at these probabilities, added up, times errors of seeds and of images."""
+
+    def quantiles(freedom):
+        return sum(student.ppf(probability, freedom) for probability in probabilities)
+
+    n = np.asarray(n)
+    of_seeds = np.where(n > 1, quantiles(np.maximum(n - 1, 1)) * np.nan_to_num(spread) / np.sqrt(n), 0.0)
+    return np.hypot(of_seeds, quantiles(max(n_images - 1, 1)) * image_error)
 
 
-def _detectable(error, freedom):
-    return float((student.ppf(1 - LEVEL / 2, freedom) + student.ppf(POWER, freedom)) * error)
+def _p_value(difference, *errors):
+    """Level at which the interval of a difference just reaches zero."""
+
+    def beyond(level):
+        return float(_reach([1 - level / 2], *errors)) - difference
+
+    least = 1e-12
+    return least if beyond(least) < 0 else 1.0 if difference == 0 else float(brentq(beyond, least, 1))
 
 
-def _seeds_to_resolve(difference, spread, image_error, n_images, most=1000):
-    """Least number of replicas, from 2, whose detectable difference is at most `difference`; -1 for none up to most."""
+def _seeds_to_resolve(difference, spread, image_error, n_images):
+    """Least number of replicas, from 2, whose detectable difference is at most `difference`; -1 for none."""
     if not np.isfinite(spread):
         return -1
-    for n in range(2, most + 1):
-        if _detectable(*_error(spread, n, image_error, n_images)) <= difference:
-            return n
-    return -1
+    n = np.arange(2, MOST_SEEDS + 1)
+    enough = _reach([1 - LEVEL / 2, POWER], spread, n, image_error, n_images) <= difference
+    return int(n[np.argmax(enough)]) if enough.any() else -1
 
 
 def _scores(replicas, images=slice(None)):

@@ -3,8 +3,10 @@
 import numpy as np
 import pandas as pd
 
+from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.metrics.picks import match_picks
 
+ZONES = ("none", "shallow", "medium", "high", "very high")  # of zone -1, 0, 1, 2, 3
 SUMS = (
     "n_true",
     "n_found",
@@ -129,6 +131,15 @@ def pool_picks(rows, by, *, bin_size_m):
     table["share_within"] = sums["n_within"] / n_found
     table["share_found"] = sums["n_found"] / n_true
     return table.join(sums[["n_layers", "n_missed_layers", "n_false_layers", "n_true", "n_found"]])
+
+
+def snow_per_bin_m(bin_size_s, density_kg_m3):
+    """Thickness of snow that a pulse crosses and comes back through in one range bin [m].
+
+    ``c t / (2 n)`` with ``n = 1 + 0.845 rho``, rho in g cm-3, from Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol.
+    23, 245-256.
+    """
+    return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + 0.845e-3 * density_kg_m3))
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):

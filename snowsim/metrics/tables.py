@@ -72,7 +72,7 @@ def tracker_table(intervals):
     return table.rename_axis(columns=None).reset_index()
 
 
-def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
+def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
     """Scores of every training set and output, with intervals, and their differences to the first set.
 
     Parameters
@@ -81,6 +81,7 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
         (training set, output) -> list over replicas of lists over images of count dicts; images in one order.
     training_sets : sequence of str
         The first is the one others are compared with.
+    outputs : sequence of str
     n_bootstrap : int
         Resamples of the paired bootstrap: images, and replicas, are drawn with replacement, the same images for
         every training set.
@@ -90,16 +91,18 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
     -------
     pandas.DataFrame
         Columns `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
-        n_replicas, n_images`; intervals are the 2.5 and 97.5 percentiles.
+        n_replicas, n_images, n_without_truth`; intervals are the 2.5 and 97.5 percentiles. Images without truth put
+        their false positives into OIS at the lowest threshold, see `snowsim.metrics.edges.score`.
     """
     stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
-    first = counts[training_sets[0], OUTPUTS[0]]
+    first = counts[training_sets[0], outputs[0]]
     n_replicas, n_images = len(first), len(first[0])
+    n_without_truth = score(first[0])["n_without_truth"]
     draws = [
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images)) for _ in range(n_bootstrap)
     ]
     rows = []
-    for output in OUTPUTS:
+    for output in outputs:
         point = {s: _mean_scores(stacked[s, output]) for s in training_sets}
         resampled = {
             s: [
@@ -127,6 +130,7 @@ def tracker_intervals(counts, training_sets, *, n_bootstrap, rng):
                         "difference_high": difference_high,
                         "n_replicas": n_replicas,
                         "n_images": n_images,
+                        "n_without_truth": n_without_truth,
                     }
                 )
     return pd.DataFrame(rows)

@@ -2,7 +2,7 @@
 
 from snowsim.tracker.annotation import annotated_pixels
 from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork
-from snowsim.tracker.sampling import Chosen, Completed, TrainingSet
+from snowsim.tracker.sampling import Chosen, Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network
 from snowsim.tracker.train import Training, train_steps
@@ -16,6 +16,7 @@ __all__ = [
     "Settings",
     "Training",
     "TrainingSet",
+    "Uppermost",
     "annotated_pixels",
     "published",
     "track",

@@ -63,6 +63,16 @@ def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
     assert (ods["difference_low"] > 0).all()
 
 
+def test_images_without_truth_are_reported_beside_the_scores(rng):
+    images = make_counts(0.6, 3, rng)
+    for name in ("matched_truth", "n_truth", "matched_prediction"):
+        images[1][name] = np.zeros(3, dtype=int)
+    intervals = tracker_intervals({("rd", "fuse"): [images]}, ["rd"], outputs=["fuse"], n_bootstrap=5, rng=rng)
+    assert (intervals["n_images"] == 3).all()
+    assert (intervals["n_without_truth"] == 1).all()
+    assert set(intervals["output"]) == {"fuse"}
+
+
 def test_table3_has_the_papers_rows_and_columns(rng):
     sets = ["rd", "rd_gd", "rd_pd", "rd_pd_gd"]
     counts = {(s, output): [make_counts(0.7, 5, rng)] for s in sets for output in OUTPUTS}

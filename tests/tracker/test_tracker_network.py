@@ -5,7 +5,7 @@ import pytest
 import torch
 from numpy.testing import assert_allclose
 
-from snowsim.tracker.network import OUTPUTS, MultiScaleNetwork, initialise
+from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork, initialise
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])
@@ -20,11 +20,26 @@ def network(rng):
     return network.eval()
 
 
+@pytest.mark.parametrize("kind", [MultiScaleNetwork, LightNetwork])
 @pytest.mark.parametrize("size", [(64, 64), (300, 17), (33, 47), (1, 1), (15, 16)])
-def test_every_output_has_the_size_of_the_image(network, size):
+def test_every_output_has_the_size_of_the_image(kind, size):
     with torch.no_grad():
-        logits = network(torch.zeros(2, 1, *size))
+        logits = kind(2)(torch.zeros(2, 1, *size))
     assert logits.shape == (len(OUTPUTS), 2, 1, *size)
+
+
+def test_the_light_network_s_finest_side_sees_its_coarsest(rng):
+    network = LightNetwork(2)
+    initialise(network, rng=rng)
+    with torch.no_grad():
+        for parameter in network.parameters():
+            parameter.abs_()  # no unit is silent
+        here = torch.from_numpy(rng.random((1, 1, 128, 128), dtype=np.float32))
+        there = here.clone()
+        there[0, 0, 96] += 10
+        change = (network(there) - network(here))[0, 0, 0].abs().amax(dim=1)
+    # Stage by stage down and up again, 3x3 convolutions alone would carry it 2 x (1 + 2 + 4 + 8) rows from row 96.
+    assert change[: 96 - 32].max() > 0
 
 
 def test_an_image_moved_by_sixteen_rows_moves_every_output(network, rng):
@@ -80,6 +95,7 @@ def test_activations_neither_vanish_nor_explode_at_the_start(rng):
     assert 0.05 < x.square().mean() < 20
 
 
-def test_a_network_without_width_is_refused():
+@pytest.mark.parametrize("kind", [MultiScaleNetwork, LightNetwork])
+def test_a_network_without_width_is_refused(kind):
     with pytest.raises(ValueError, match="width must be at least 1"):
-        MultiScaleNetwork(0)
+        kind(0)

@@ -1,10 +1,13 @@
 """Training sets keep the proportion of the paper and use all of each synthetic set."""
 
+import dataclasses
 from collections import Counter
 
+import numpy as np
 import pytest
+from toy_scenes import toy_scenes
 
-from snowsim.tracker import TrainingSet
+from snowsim.tracker import Chosen, Completed, TrainingSet, Uppermost
 
 
 class Numbered:
@@ -82,3 +85,50 @@ def test_scenes_are_read_when_drawn_and_real_ones_once():
 def test_sets_without_scenes_are_refused(real, added, words):
     with pytest.raises(ValueError, match=words):
         TrainingSet(Numbered("real", real), [Numbered("a", n) for n in added], added_per_real=0.4, seed=1)
+
+
+@pytest.mark.parametrize("n_added", [1, 2])
+def test_synthetic_scenes_first_are_as_many_as_when_mixed_and_real_ones_come_last(n_added):
+    sets = Numbered("real", 118), [Numbered("added", 1500)] * n_added
+    n_draws = 10 * (118 + 75 * n_added)
+    drawn = first(TrainingSet(*sets, seed=1, n_draws_synthetic_first=n_draws), n_draws)
+    mixed = first(TrainingSet(*sets, seed=1), n_draws)
+    shown = Counter(number for number, _ in drawn)
+    assert shown == Counter(number for number, _ in mixed)
+    n_synthetic = n_draws - shown[0]
+    assert all(number > 0 for number, _ in drawn[:n_synthetic])
+    assert all(number == 0 for number, _ in drawn[n_synthetic:])
+    # Real scenes in whole rounds; of 750 draws from 1500 none comes twice.
+    assert set(Counter(drawn[n_synthetic:]).values()) == {10}
+    assert set(Counter(drawn[:n_synthetic]).values()) == {1}
+
+
+def test_real_scenes_alone_have_no_synthetic_ones_to_come_first():
+    scenes = TrainingSet(Numbered("real", 7), n_draws_synthetic_first=50, seed=1)
+    assert {number for number, _ in first(scenes, 50)} == {0}
+
+
+def test_completed_scenes_show_every_layer_and_count_as_complete():
+    picked = toy_scenes(2)
+    part = picked[0].layer_bins.copy()
+    part[2:] = np.nan
+    picked[0] = dataclasses.replace(picked[0], layer_bins=part, complete_layer_bins=picked[0].layer_bins)
+    completed = Completed(picked)
+    assert len(completed) == 2
+    assert np.isfinite(completed[0].layer_bins).all()
+    assert completed[0].complete_layer_bins is None
+    assert completed[1] is picked[1]
+
+
+def test_chosen_scenes_are_those_at_their_places():
+    chosen = Chosen(Numbered("added", 9), [7, 2])
+    assert len(chosen) == 2
+    assert [chosen[0], chosen[1]] == [("added", 7), ("added", 2)]
+
+
+def test_uppermost_scenes_lose_deep_labels_and_keep_their_image():
+    scenes = toy_scenes(2)
+    shallow = Uppermost(scenes, 2)
+    assert len(shallow) == 2
+    np.testing.assert_array_equal(shallow[1].layer_bins, scenes[1].layer_bins[:3])
+    assert shallow[1].image is scenes[1].image

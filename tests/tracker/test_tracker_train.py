@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, toy_scenes
 
 from snowsim.io.models import read_model, write_model
+from snowsim.patches import draw_patches
 from snowsim.tracker import OUTPUTS, Settings, Training, TrainingSet, published, track, train_steps, trained_network
 from snowsim.tracker.train import balanced_cross_entropy, rate_factor
 
@@ -133,7 +134,8 @@ def test_schedules_are_the_stated_ones():
 
 
 @pytest.mark.parametrize(
-    "change", [{"batch_size": 2}, {"precision": "float32"}, {"n_range_bins": None, "scales": (0.5, 0.25)}]
+    "change",
+    [{"batch_size": 2}, {"network": "unet"}, {"precision": "float32"}, {"n_range_bins": None, "scales": (0.5, 0.25)}],
 )
 def test_every_variant_takes_finite_steps(change):
     _, losses = trained(replace(TINY, n_steps=2, **change))
@@ -166,3 +168,15 @@ def test_a_state_of_other_settings_is_refused_in_one_line():
 def test_settings_out_of_range_are_refused(change):
     with pytest.raises(ValueError, match=next(iter(change))):
         replace(TINY, **change)
+
+
+def test_scaled_and_mirrored_crops_keep_layers_one_pixel_thick():
+    settings = replace(TINY, n_range_bins=None, n_range_lines=None, scales=(1.0, 0.75, 0.5, 0.25))
+    scenes = toy_scenes(4)
+    rng = np.random.default_rng(1)
+    for scale in settings.scales:
+        for _ in range(5):
+            _, masks = draw_patches(scenes, scale=scale, flip=True, rng=rng)
+            # Layers lie 12 rows and more apart, 3 at a quarter: every column has one pixel a layer, none above another.
+            assert (masks.sum(axis=1) == 4).all()
+            assert not (masks[:, 1:] & masks[:, :-1]).any()

@@ -2,6 +2,8 @@
 # the default run: snakemake study_tracker. Settings are compared on the held-out validation scenes; of those that leave
 # labels, steps and PHY as they are, the best is scored on the test scenes, once.
 
+import pandas as pd
+
 STUDY = config["studies"]["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
 ABLATION = {"default": {"training_sets": list(TRAINING_SETS)}, **STUDY["ablation"]}
@@ -10,6 +12,12 @@ ABLATION_RUNS = [
     for setting, changes in ABLATION.items()
     for training_set in changes["training_sets"]
 ]
+# Networks of other cost, on real scenes alone.
+NETWORKS = {
+    name: {"training_sets": ["rd"], "training": training}
+    for name, training in STUDY["networks"].items()
+}
+STUDIED = {**ABLATION, **NETWORKS}
 # What a reader of the paper would take for the same experiment.
 CANDIDATES = [
     setting
@@ -19,8 +27,8 @@ CANDIDATES = [
 
 
 wildcard_constraints:
-    setting="|".join(STUDY["ablation"]),
-    any_setting="|".join(ABLATION),
+    setting="|".join(setting for setting in STUDIED if setting != "default"),
+    any_setting="|".join(STUDIED),
 
 
 def study_added_scenes(method):
@@ -29,7 +37,7 @@ def study_added_scenes(method):
     def files(wildcards):
         if method not in TRAINING_SETS[wildcards.training_set]:
             return []
-        if method == "phy" and "phy" in ABLATION[wildcards.setting]:
+        if method == "phy" and "phy" in STUDIED[wildcards.setting]:
             return expand(
                 "results/studies/tracker/{setting}/phy/{shard}.nc",
                 setting=wildcards.setting,
@@ -42,7 +50,7 @@ def study_added_scenes(method):
 
 def study_statistics(wildcards):
     """The flight's statistics by the estimator of a setting."""
-    estimator = ABLATION[wildcards.setting]["phy"].get(
+    estimator = STUDIED[wildcards.setting]["phy"].get(
         "estimator", config["statistics"]["estimator"]
     )
     if estimator == config["statistics"]["estimator"]:
@@ -52,8 +60,8 @@ def study_statistics(wildcards):
 
 def study_data(wildcards):
     """How scenes are put together in a setting."""
-    changes = ABLATION[wildcards.setting]
-    kept = {"order", "labels", "zones", "added_per_real"}
+    changes = STUDIED[wildcards.setting]
+    kept = {"order", "labels", "zones", "n_layers", "added_per_real"}
     return {
         "added_per_real": config["tracker"]["added_per_real"],
         **{key: value for key, value in changes.items() if key in kept},
@@ -62,7 +70,7 @@ def study_data(wildcards):
 
 def study_settings(wildcards):
     """How the network is trained in a setting."""
-    changes, training = ABLATION[wildcards.setting], config["tracker"]["training"]
+    changes, training = STUDIED[wildcards.setting], config["tracker"]["training"]
     return {
         **training,
         "n_steps": round(training["n_steps"] * changes.get("steps", 1)),
@@ -73,7 +81,7 @@ def study_settings(wildcards):
 def study_epochs(wildcards):
     """Epochs in a setting, where they and not steps are set."""
     n_epochs = config["tracker"]["n_epochs"]
-    steps = ABLATION[wildcards.setting].get("steps", 1)
+    steps = STUDIED[wildcards.setting].get("steps", 1)
     return None if n_epochs is None else max(1, round(n_epochs * steps))
 
 
@@ -110,7 +118,7 @@ use rule render_phy as render_study_phy with:
             **config["phy"],
             **{
                 key: value
-                for key, value in ABLATION[wildcards.setting]["phy"].items()
+                for key, value in STUDIED[wildcards.setting]["phy"].items()
                 if key != "estimator"
             },
         },
@@ -175,7 +183,19 @@ use rule score_tracker as score_study_tracker with:
         "fused edge scores of {wildcards.training_set}, {wildcards.any_setting}, replica {wildcards.replica}"
 
 
-rule tabulate_ablation:
+def chosen_runs(wildcards):
+    """Default and best candidate of every training set, by the fused ODS on the validation scenes."""
+    table = pd.read_csv(checkpoints.tabulate_ablation.get().output.table)
+    table = table[(table["metric"] == "ods") & table["setting"].isin(CANDIDATES)]
+    best = table.loc[table.groupby("training_set")["mean"].idxmax()]
+    chosen = [
+        tuple(run) for run in best[["setting", "training_set"]].to_numpy().tolist()
+    ]
+    default = [("default", training_set) for training_set in TRAINING_SETS]
+    return default + [run for run in chosen if run not in default]
+
+
+checkpoint tabulate_ablation:
     input:
         counts=study_counts("validation", ABLATION, ABLATION_SEEDS),
         code=package("metrics", "io.files"),
@@ -201,8 +221,184 @@ rule tabulate_ablation:
         "../scripts/tabulate_ablation.py"
 
 
+use rule tabulate_ablation as tabulate_chosen with:
+    input:
+        counts=lambda wildcards: [
+            f"results/studies/tracker/{setting}/{training_set}/{replica}_test.parquet"
+            for setting, training_set in chosen_runs(wildcards)
+            for replica in ABLATION_SEEDS
+        ],
+        code=package("metrics", "io.files"),
+    output:
+        table="results/studies/tracker/chosen.csv",
+    log:
+        "logs/tabulate_chosen.log",
+    benchmark:
+        "results/benchmarks/tabulate_chosen/all.tsv"
+    params:
+        seed=config["seed"],
+        n_bootstrap=config["tracker"]["n_bootstrap"],
+        runs=chosen_runs,
+        replicas=ABLATION_SEEDS,
+    message:
+        "the best settings on the test scenes"
+
+
+rule tabulate_seeds:
+    input:
+        counts=expand(
+            "results/tracker/{training_set}/{replica}_counts.parquet",
+            training_set=TRAINING_SETS,
+            replica=range(STUDY["n_seeds"]),
+        ),
+        code=package("metrics", "io.files"),
+    output:
+        table="results/studies/tracker/seeds.csv",
+    log:
+        "logs/tabulate_seeds.log",
+    benchmark:
+        "results/benchmarks/tabulate_seeds/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        seed=config["seed"],
+        n_bootstrap=config["tracker"]["n_bootstrap"],
+        training_sets=list(TRAINING_SETS),
+        replicas=list(range(STUDY["n_seeds"])),
+    message:
+        "what {params.replicas} trainings of each set can resolve"
+    script:
+        "../scripts/tabulate_seeds.py"
+
+
+rule time_trackers:
+    input:
+        scenes=benchmark_files("validation"),
+        networks=[study_network(name, "rd", 0) for name in ["default", *NETWORKS]],
+        counts=[
+            f"results/studies/tracker/{name}/rd/0_validation.parquet"
+            for name in ["default", *NETWORKS]
+        ],
+        code=package(
+            "tracker",
+            "patches",
+            "weights",
+            "metrics",
+            "timing",
+            "io.files",
+            "io.models",
+            "io.scenes",
+        ),
+    output:
+        table="results/tables/speed_accuracy_tracker.csv",
+    log:
+        "logs/time_trackers.log",
+    benchmark:
+        "results/benchmarks/time_trackers/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        names=["default", *NETWORKS],
+        n_scenes=5,
+        n_rounds=5,
+    message:
+        "seconds per image of trackers of other width"
+    script:
+        "../scripts/time_trackers.py"
+
+
+rule stress_tracker:
+    input:
+        train=benchmark_files("train"),
+        scenes=benchmark_files("validation"),
+        network="results/tracker/rd/0.safetensors",
+        statistics="results/statistics.nc",
+        code=package(
+            "tracker",
+            "patches",
+            "weights",
+            "metrics",
+            "phy",
+            "io.files",
+            "io.models",
+            "io.scenes",
+        ),
+    output:
+        table="results/studies/tracker/stability.csv",
+    log:
+        "logs/stress_tracker.log",
+    benchmark:
+        "results/benchmarks/stress_tracker/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        seed=config["seed"],
+        settings=config["tracker"]["training"],
+        phy=config["phy"],
+        stability=STUDY["stability"],
+    message:
+        "where the tracker fails"
+    script:
+        "../scripts/stress_tracker.py"
+
+
+rule plot_study_tracker:
+    input:
+        ablation="results/studies/tracker/ablation.csv",
+        chosen="results/studies/tracker/chosen.csv",
+        seeds="results/studies/tracker/seeds.csv",
+        speed="results/tables/speed_accuracy_tracker.csv",
+        stability="results/studies/tracker/stability.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        ablation=report(
+            "results/figures/tracker_ablation.svg",
+            caption="../report/tracker_ablation.rst",
+        ),
+        seeds=report(
+            "results/figures/tracker_seeds.svg", caption="../report/tracker_seeds.rst"
+        ),
+        speed=report(
+            "results/figures/speed_accuracy_tracker.svg",
+            caption="../report/speed_accuracy_tracker.rst",
+        ),
+        stability=report(
+            "results/figures/stability_tracker.svg",
+            caption="../report/stability_tracker.rst",
+        ),
+    log:
+        "logs/plot_study_tracker.log",
+    benchmark:
+        "results/benchmarks/plot_study_tracker/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of the studies of the tracker"
+    script:
+        "../scripts/plot_study_tracker.py"
+
+
 rule study_tracker:
     input:
-        rules.tabulate_ablation.output,
+        "results/studies/tracker/ablation.csv",
+        rules.tabulate_chosen.output,
+        rules.tabulate_seeds.output,
+        rules.time_trackers.output,
+        rules.stress_tracker.output,
+        rules.plot_study_tracker.output,
     message:
-        "what makes synthetic data help or hurt the tracker"
+        "what makes synthetic data help or hurt the tracker, its cost and where it fails"

@@ -62,6 +62,7 @@ rule score_tracker:
         ),
     output:
         counts="results/tracker/{training_set}/{replica}_counts.parquet",
+        picks="results/tracker/{training_set}/{replica}_picks.parquet",
     log:
         "logs/score_tracker/{training_set}/{replica}.log",
     benchmark:
@@ -90,6 +91,7 @@ rule tabulate_trackers:
     output:
         table3="results/tables/table3.csv",
         intervals="results/tables/table3_intervals.csv",
+        tests="results/tables/table3_tests.csv",
         curves="results/tables/precision_recall.csv",
     log:
         "logs/tabulate_trackers.log",
@@ -109,6 +111,136 @@ rule tabulate_trackers:
         "Table III"
     script:
         "../scripts/tabulate_trackers.py"
+
+
+rule tabulate_tracker_zones:
+    input:
+        counts=expand(
+            "results/tracker/{training_set}/{replica}_counts.parquet",
+            training_set=TRAINING_SETS,
+            replica=SEEDS,
+        ),
+        picks="results/tracker/rd/0_picks.parquet",  # thickness of every scene's first slab
+        statistics="results/statistics.nc",
+        code=package("metrics", "io.files"),
+    output:
+        zones="results/tables/table3_zones.csv",
+    log:
+        "logs/tabulate_tracker_zones.log",
+    benchmark:
+        "results/benchmarks/tabulate_tracker_zones/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        seed=config["seed"],
+        n_bootstrap=config["tracker"]["n_bootstrap"],
+        training_sets=list(TRAINING_SETS),
+        replicas=SEEDS,
+    message:
+        "edge scores by accumulation zone"
+    script:
+        "../scripts/tabulate_tracker_zones.py"
+
+
+rule tabulate_picks:
+    input:
+        picks=expand(
+            "results/tracker/{training_set}/{replica}_picks.parquet",
+            training_set=TRAINING_SETS,
+            replica=SEEDS,
+        ),
+        statistics="results/statistics.nc",
+        code=package("metrics", "io.files"),
+    output:
+        picks="results/tables/picks.csv",
+        zones="results/tables/picks_by_zone.csv",
+        depths="results/tables/picks_by_depth.csv",
+    log:
+        "logs/tabulate_picks.log",
+    benchmark:
+        "results/benchmarks/tabulate_picks/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        runs=[
+            (training_set, replica)
+            for training_set in TRAINING_SETS
+            for replica in SEEDS
+        ],
+        depth_step_bins=config["tracker"]["picks"]["depth_step_bins"],
+        snow_density_kg_m3=config["tracker"]["picks"]["snow_density_kg_m3"],
+    message:
+        "errors of picks"
+    script:
+        "../scripts/tabulate_picks.py"
+
+
+rule track_samples:
+    input:
+        scenes=benchmark_files("test"),
+        networks=expand(
+            "results/tracker/{training_set}/0.safetensors", training_set=TRAINING_SETS
+        ),
+        code=package(
+            "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
+        ),
+    output:
+        samples="results/tracker/samples.nc",
+    log:
+        "logs/track_samples.log",
+    benchmark:
+        "results/benchmarks/track_samples/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        training_sets=list(TRAINING_SETS),
+        device=config["tracker"]["device"],
+        n_scenes=2,
+    message:
+        "side outputs on a few test scenes"
+    script:
+        "../scripts/track_samples.py"
+
+
+rule plot_picks:
+    input:
+        picks="results/tables/picks.csv",
+        depths="results/tables/picks_by_depth.csv",
+        zones="results/tables/table3_zones.csv",
+        samples="results/tracker/samples.nc",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        picks=report("results/figures/picks.svg", caption="../report/picks.rst"),
+        zones=report(
+            "results/figures/table3_zones.svg", caption="../report/table3_zones.rst"
+        ),
+        sheet=report(
+            "results/figures/side_outputs.png", caption="../report/side_outputs.rst"
+        ),
+    log:
+        "logs/plot_picks.log",
+    benchmark:
+        "results/benchmarks/plot_picks/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of picks and side outputs"
+    script:
+        "../scripts/plot_picks.py"
 
 
 rule plot_trackers:
@@ -150,6 +282,9 @@ rule plot_trackers:
 rule trackers:
     input:
         rules.tabulate_trackers.output,
+        rules.tabulate_tracker_zones.output,
+        rules.tabulate_picks.output,
         rules.plot_trackers.output,
+        rules.plot_picks.output,
     message:
-        "Table III and its figures"
+        "Table III, errors of picks, and their figures"

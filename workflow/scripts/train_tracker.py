@@ -11,10 +11,12 @@ from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
-from snowsim.tracker import Chosen, Completed, Settings, Training, TrainingSet, train_steps
+from snowsim.tracker import Chosen, Completed, Settings, Training, TrainingSet, Uppermost, train_steps
 
 
-def compose(real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None):
+def compose(
+    real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None, n_layers=None
+):  # fmt: skip
     """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
     if labels == "complete":
         real = Completed(real)
@@ -22,6 +24,8 @@ def compose(real, added, settings, n_epochs, seed, added_per_real, order="mixed"
         added = [
             Chosen(scenes, [place for place, zone in enumerate(scenes.zones) if zone in zones]) for scenes in added
         ]
+    if n_layers is not None:
+        added = [Uppermost(scenes, n_layers) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
         settings = dataclasses.replace(settings, n_steps=n_epochs * scenes.n_per_epoch // settings.batch_size)

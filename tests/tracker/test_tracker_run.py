@@ -1,0 +1,104 @@
+"""A training through its script survives kill -9; what a setting of the study changes is what is shown."""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from toy_scenes import toy_scenes
+from train_tracker import compose, train
+
+from snowsim.io.files import read_table
+from snowsim.io.models import read_model
+from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.tracker import Settings
+
+ROOT = Path(__file__).resolve().parents[2]
+SETTINGS = {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
+EVERY_STEPS = 10
+# Runs the script in a process of its own and tells every step it has taken.
+CHILD = """
+import sys, train_tracker
+def told(training, scenes, steps=train_tracker.train_steps):
+    for step, losses in steps(training, scenes):
+        print(step, flush=True)
+        yield step, losses
+train_tracker.train_steps = told
+train_tracker.train(**eval(sys.argv[1]))
+"""
+
+
+@pytest.fixture
+def scene_files(tmp_path):
+    """Real scenes and an added set, of which every other scene lies in zone 3."""
+    write_scenes(tmp_path / "real.nc", toy_scenes(5))
+    added = [replace(scene, name=f"added {i}", zone=3 * (i % 2)) for i, scene in enumerate(toy_scenes(8))]
+    write_scenes(tmp_path / "added.nc", added)
+    return str(tmp_path / "real.nc"), str(tmp_path / "added.nc")
+
+
+def arguments(folder, scene_files):
+    """Arguments of the script, its files in `folder`."""
+    return {
+        "paths_to_real": [scene_files[0]],
+        "paths_to_added": [[scene_files[1]]],
+        "path_to_network": str(folder / "network.safetensors"),
+        "path_to_losses": str(folder / "losses.csv"),
+        "seed": 1,
+        "replica": "0",
+        "device": "cpu",
+        "n_epochs": None,
+        "data": {"added_per_real": 0.6},
+        "settings": SETTINGS,
+        "checkpoint": str(folder / "unfinished.safetensors"),
+        "checkpoint_steps": EVERY_STEPS,
+        "events": str(folder / "events"),
+    }
+
+
+def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    train(**arguments(whole, scene_files))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])}
+    command = [sys.executable, "-c", CHILD, repr(arguments(killed, scene_files))]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
+        for line in child.stdout:
+            if int(line) >= 3.5 * EVERY_STEPS:
+                child.send_signal(signal.SIGKILL)
+                break
+    assert child.returncode == -signal.SIGKILL
+    assert not (killed / "network.safetensors").exists()
+    _, metadata = read_model(killed / "unfinished.safetensors")
+    assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
+    train(**arguments(killed, scene_files))
+    for name in ("network.safetensors", "losses.csv"):
+        assert (killed / name).read_bytes() == (whole / name).read_bytes()
+    assert read_table(killed / "losses.csv")["step"].tolist() == list(range(1, SETTINGS["n_steps"] + 1))
+    assert not (killed / "unfinished.safetensors").exists()
+
+
+def composed(scene_files, n_epochs=None, n_steps=40, **data):
+    with SceneSet(scene_files[0]) as real, SceneSet(scene_files[1]) as added:
+        scenes, settings = compose(real, [added], Settings(n_steps=n_steps), n_epochs, 1, added_per_real=0.6, **data)
+        return [scenes[position] for position in range(settings.n_steps)], settings
+
+
+def test_zones_choose_among_the_added_scenes_alone(scene_files):
+    scenes, _ = composed(scene_files, zones=[3])
+    added = {scene.name for scene in scenes if scene.name.startswith("added")}
+    assert added == {"added 1", "added 3", "added 5", "added 7"}
+    assert len({scene.name for scene in scenes} - added) == 5
+
+
+@pytest.mark.parametrize("n_epochs", [None, 5])
+def test_synthetic_scenes_come_first_over_the_steps_the_training_takes(scene_files, n_epochs):
+    scenes, settings = composed(scene_files, n_epochs, order="synthetic_first")
+    # 5 real scenes and round(0.6 x 5) added ones an epoch, 5 epochs either way.
+    assert settings.n_steps == 40
+    synthetic = np.array([scene.name.startswith("added") for scene in scenes])
+    assert synthetic.sum() == 15
+    assert synthetic[:15].all()

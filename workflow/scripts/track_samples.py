@@ -1,0 +1,47 @@
+"""Every output of every training set on a few test scenes, for the sheet of side outputs."""
+
+import numpy as np
+import torch
+import xarray as xr
+from job import job, progress
+
+from snowsim.io.files import write_dataset
+from snowsim.io.models import read_model
+from snowsim.io.scenes import SceneSet
+from snowsim.tracker import OUTPUTS, Settings, track, trained_network
+
+N_ROWS = 300  # the least height of a scene: panels then have one scale
+
+
+def choose_scenes(scenes, n_scenes):
+    """Places of the scenes at evenly spaced ranks of the number of layers, neither the fewest nor the most."""
+    ranked = sorted(range(len(scenes)), key=lambda place: (scenes[place].layer_bins.shape[0], place))
+    return [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, n_scenes + 2)[1:-1]]
+
+
+def track_samples(paths_to_scenes, paths_to_networks, path_to_samples, training_sets, device, n_scenes):
+    torch.set_num_threads(1)
+    with SceneSet(paths_to_scenes) as scenes:
+        chosen = [scenes[place] for place in choose_scenes(scenes, n_scenes)]
+    maps = []
+    for path in progress(paths_to_networks, "side outputs"):
+        weights, metadata = read_model(path, {"kind": "tracker"})
+        settings = Settings(**metadata["settings"])
+        network = trained_network(weights, settings, device=device)
+        probabilities = [track(network, scene.image, precision=settings.precision)[:, :N_ROWS] for scene in chosen]
+        maps.append(np.rint(255 * np.stack(probabilities)).astype(np.uint8))
+    dims = ("training_set", "scene", "output", "range_bin", "range_line")
+    samples = xr.Dataset(
+        {
+            "probability": (dims, np.stack(maps), {"units": "1/255"}),
+            "image": (("scene", *dims[3:]), np.stack([scene.image[:N_ROWS] for scene in chosen])),
+            "mask": (("scene", *dims[3:]), np.stack([scene.mask()[:N_ROWS] for scene in chosen]).astype(np.uint8)),
+        },
+        coords={"training_set": training_sets, "scene": [scene.name for scene in chosen], "output": list(OUTPUTS)},
+    )
+    write_dataset(path_to_samples, samples)
+
+
+if __name__ == "__main__":
+    with job(snakemake):
+        track_samples(snakemake.input.scenes, snakemake.input.networks, *snakemake.output, **snakemake.params)
