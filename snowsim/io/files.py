@@ -1,23 +1,41 @@
 """Whole files only: write aside, then rename; datasets and tables to disk and back."""
 
+import errno
+import glob
 import os
+import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
 
+# Less is no room: HDF5 keeps about as much in its buffers when it fails.
+FULL_DISK_BYTES = 2**20
+
 
 @contextmanager
 def written_whole(path):
-    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure."""
+    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
+
+    What a killed process left beside the same path is removed: nobody renames it any more. A full disk is told from a
+    writer's own error (HDF5 knows only "HDF error") by the room left, in one line.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # The ending stays: some writers choose the format by it.
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    for left in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}"):
+        left.unlink(missing_ok=True)
     try:
         yield aside
         aside.replace(path)
+    except (OSError, RuntimeError) as error:
+        free = shutil.disk_usage(path.parent).free
+        if free < FULL_DISK_BYTES or getattr(error, "errno", None) == errno.ENOSPC:
+            msg = f"{path}: cannot be written, the disk is full: {free} bytes left"
+            raise OSError(msg) from error
+        raise
     finally:
         aside.unlink(missing_ok=True)
 
