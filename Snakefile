@@ -1,7 +1,7 @@
 # snowsim: from one annotated Snow Radar flight to synthetic echograms, and what they do for a layer tracker.
 
 
-configfile: f"{workflow.basedir}/config/config.yaml"
+configfile: f"{workflow.current_basedir.get_path_or_uri(secret_free=False)}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
@@ -17,6 +17,8 @@ include: "workflow/rules/stability.smk"
 include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
+include: "workflow/rules/targets.smk"
+include: "workflow/rules/guards.smk"
 
 
 localrules:
@@ -31,6 +33,8 @@ localrules:
     stability,
     closed_loop,
     realism,
+    studies,
+    help,
 
 
 rule all:
@@ -45,3 +49,5 @@ rule all:
         rules.stability.input,
         rules.closed_loop.input,
         rules.realism.input,
+    message:
+        "both tables and every figure: the default"

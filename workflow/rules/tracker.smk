@@ -1,15 +1,6 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
 
-def added_scenes(wildcards):
-    """Rendered label sets that join the real scenes in a training set."""
-    return [
-        file
-        for method in TRAINING_SETS[wildcards.training_set]
-        for file in rendered_files(method, "labels")
-    ]
-
-
 rule train_tracker:
     input:
         real=benchmark_files("train"),
@@ -30,6 +21,7 @@ rule train_tracker:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["tracker"]["device"],
@@ -51,7 +43,7 @@ rule score_tracker:
             "tracker",
             "patches",
             "weights",
-            "metrics",
+            "metrics.edges",
             "io.files",
             "io.models",
             "io.scenes",
@@ -67,6 +59,7 @@ rule score_tracker:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         device=config["tracker"]["device"],
     message:
