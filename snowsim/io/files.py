@@ -7,8 +7,7 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
-import pandas as pd
-import xarray as xr
+# pandas and xarray are imported where they are used: every job starts with this module, and half a second more each.
 
 # Less is no room: HDF5 keeps about as much in its buffers when it fails.
 FULL_DISK_BYTES = 2**20
@@ -49,6 +48,8 @@ def write_dataset(path, dataset):
 
 def read_dataset(path):
     """Read a dataset of `write_dataset` into memory; ValueError with the path if it is no whole NetCDF file."""
+    import xarray as xr
+
     try:
         return xr.load_dataset(path, engine="netcdf4", decode_timedelta=False)
     except (OSError, RuntimeError) as error:
@@ -67,4 +68,6 @@ def write_table(path, table):
 
 def read_table(path):
     """Read a table of `write_table`."""
+    import pandas as pd
+
     return pd.read_parquet(path) if Path(path).suffix == ".parquet" else pd.read_csv(path)
