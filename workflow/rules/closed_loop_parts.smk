@@ -5,7 +5,7 @@ LOOP_STRIDE = 6
 # Label shards come in parts, for a job takes longer to start than to render a shard. All conventions of PHY go through
 # the first part, of about 200 scenes, the one it uses through all of them.
 LOOP_FIRST, LOOP_SHARDS = (
-    max(1, round(n_scenes / SHARD_SIZE["labels"])) for n_scenes in (200, 650)
+    math.ceil(n_scenes / SHARD_SIZE["labels"]) for n_scenes in (200, 650)
 )
 LOOP_PARTS = [
     shards("labels")[:LOOP_FIRST],
