@@ -27,6 +27,15 @@ def processes_in(folder):
     return found
 
 
+def wait_until_gone(folder, seconds=30):
+    """Process ids still at work in a folder after some time for the system to bury the dead."""
+    for _ in range(10 * seconds):
+        if not processes_in(folder):
+            return []
+        time.sleep(0.1)
+    return processes_in(folder)
+
+
 def live_and_die(folder, n_jobs, seconds, targets):
     """Start the run and kill its process group some seconds after it finished some jobs; False if it ended before."""
     folder.mkdir(exist_ok=True)
@@ -64,7 +73,7 @@ def test_twenty_kills_leave_the_results_of_a_run_that_was_left_alone(tiny_run, r
         n_jobs = moments.randrange(7) if n_killed < N_KILLS else sys.maxsize
         if live_and_die(folder, n_jobs, moments.uniform(0, 5), reproducible_targets):
             n_killed += 1
-            assert processes_in(folder) == []
+            assert wait_until_gone(folder) == []
             unlocked = run_snakemake(folder, "--unlock")
             assert unlocked.returncode == 0, unlocked.stderr[-2000:]
             continue
