@@ -1,7 +1,7 @@
 # snowsim: from one annotated Snow Radar flight to synthetic echograms, and what they do for a layer tracker.
 
 
-configfile: f"{workflow.basedir}/config/config.yaml"
+configfile: f"{workflow.current_basedir.get_path_or_uri(secret_free=False)}/config/config.yaml"
 
 
 include: "workflow/rules/common.smk"
@@ -25,6 +25,8 @@ include: "workflow/rules/evidence.smk"
 include: "workflow/rules/convolution.smk"
 include: "workflow/rules/study_convolution.smk"
 include: "workflow/rules/study_cgan.smk"
+include: "workflow/rules/targets.smk"
+include: "workflow/rules/guards.smk"
 
 
 localrules:
@@ -48,6 +50,8 @@ localrules:
     convolution,
     study_convolution,
     study_cgan,
+    studies,
+    help,
 
 
 rule all:
@@ -69,3 +73,6 @@ rule all:
 
 
 include: "workflow/rules/report.smk"
+        rules.realism.input,
+    message:
+        "both tables and every figure: the default"

@@ -1,23 +1,40 @@
 """Whole files only: write aside, then rename; datasets and tables to disk and back."""
 
+import errno
+import glob
 import os
+import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
-import pandas as pd
-import xarray as xr
+# pandas and xarray are imported where they are used: every job starts with this module, and half a second more each.
+
+# Less is no room: HDF5 keeps about as much in its buffers when it fails.
+FULL_DISK_BYTES = 2**20
 
 
 @contextmanager
 def written_whole(path):
-    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure."""
+    """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
+
+    What a killed process left beside the same path is removed: nobody renames it any more. A full disk is told from a
+    writer's own error (HDF5 knows only "HDF error") by the room left, in one line.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # The ending stays: some writers choose the format by it.
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    for left in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}"):
+        left.unlink(missing_ok=True)
     try:
         yield aside
         aside.replace(path)
+    except (OSError, RuntimeError) as error:
+        free = shutil.disk_usage(path.parent).free
+        if free < FULL_DISK_BYTES or getattr(error, "errno", None) == errno.ENOSPC:
+            msg = f"{path}: cannot be written, the disk is full: {free} bytes left"
+            raise OSError(msg) from error
+        raise
     finally:
         aside.unlink(missing_ok=True)
 
@@ -31,6 +48,8 @@ def write_dataset(path, dataset):
 
 def read_dataset(path):
     """Read a dataset of `write_dataset` into memory; ValueError with the path if it is no whole NetCDF file."""
+    import xarray as xr
+
     try:
         return xr.load_dataset(path, engine="netcdf4", decode_timedelta=False)
     except (OSError, RuntimeError) as error:
@@ -49,4 +68,6 @@ def write_table(path, table):
 
 def read_table(path):
     """Read a table of `write_table`."""
+    import pandas as pd
+
     return pd.read_parquet(path) if Path(path).suffix == ".parquet" else pd.read_csv(path)

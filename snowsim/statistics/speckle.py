@@ -1,7 +1,7 @@
 """Tracked power against the Gamma law of M looks, and along-track spectra of complex and of detected power."""
 
 import numpy as np
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from snowsim.statistics.frames import GROUP_LINES
 
@@ -47,7 +47,7 @@ def compare_with_gamma(tracked):
     variance = max(variance, (GROUP_LINES - 1) / (GROUP_LINES * MOST_LOOKS + 1))
     n_looks = max((GROUP_LINES - 1) / variance - 1, 1e-3) / GROUP_LINES
     n_looks_error = (GROUP_LINES - 1) / variance**2 * error / GROUP_LINES
-    expected = GROUP_LINES * beta.ppf(QUANTILES, n_looks, (GROUP_LINES - 1) * n_looks)
+    expected = GROUP_LINES * betaincinv(n_looks, (GROUP_LINES - 1) * n_looks, QUANTILES)  # of the Beta law
     return n_looks, n_looks_error, QUANTILES, np.quantile(ratio, QUANTILES), expected
 
 

@@ -1,3 +1,5 @@
+import errno
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -31,6 +33,20 @@ def test_a_writer_that_fails_leaves_the_old_file(tmp_path):
         fail()
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_a_killed_process_wrote_aside_of_the_same_file_is_removed(tmp_path):
+    left, others = [".a.12.part.nc", ".a.345.part.nc"], [".ab.12.part.nc", ".a.12.part.csv"]
+    for name in left + others:
+        (tmp_path / name).touch()
+    with written_whole(tmp_path / "a.nc") as aside:
+        aside.write_text("whole")
+    assert {path.name for path in tmp_path.iterdir()} == {"a.nc", *others}
+
+
+def test_a_full_disk_is_named_by_its_own_error(tmp_path):
+    with pytest.raises(OSError, match=r"a\.nc: cannot be written, the disk is full"), written_whole(tmp_path / "a.nc"):
+        raise OSError(errno.ENOSPC, "No space left on device")
 
 
 @pytest.mark.parametrize("ending", [".csv", ".parquet"])

@@ -1,13 +1,59 @@
-"""A finished run of the tiny configuration, made once for all tests."""
+"""A finished run of the tiny configuration, made once for all tests, and the rules as they are declared."""
+
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from runs import run_snakemake
+import reproducible
+from runs import ROOT, run_snakemake
+from snakemake.api import SnakemakeApi
+from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
 
 
 @pytest.fixture(scope="session")
 def tiny_run(tmp_path_factory):
     """Folder of a finished run of the tiny configuration on two cores."""
     folder = tmp_path_factory.mktemp("tiny_run")
-    done = run_snakemake(folder)
+    done = run_snakemake(folder, timeout=3600)
     assert done.returncode == 0, done.stderr[-4000:]
     return folder
+
+
+@pytest.fixture(scope="session")
+def reproducible_targets(tiny_run):
+    """Every file of the finished run that another run must make byte for byte: as targets they leave out timings."""
+    return [f"results/{name}" for name in reproducible.digests(tiny_run / "results")]
+
+
+@pytest.fixture(scope="session")
+def load_rules(tmp_path_factory):
+    """Function that gives the rules as they are declared for the tiny configuration and a dict of further settings."""
+
+    def load(**settings):
+        with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
+            dag = api.workflow(
+                resource_settings=ResourceSettings(cores=1),
+                config_settings=ConfigSettings(
+                    configfiles=[ROOT / "config/config.yaml", ROOT / "config/tiny.yaml"], config=settings
+                ),
+                snakefile=ROOT / "Snakefile",
+                workdir=tmp_path_factory.mktemp("rules"),
+            ).dag()
+            declared = list(dag.workflow_api._workflow.rules)
+        return [
+            SimpleNamespace(
+                name=rule.name,
+                script=ROOT / "workflow/scripts" / Path(str(rule.script)).name if rule.script else None,
+                code={Path(path).relative_to(ROOT) for path in getattr(rule.input, "code", ())},
+                declared=rule,
+            )
+            for rule in declared
+        ]
+
+    return load
+
+
+@pytest.fixture(scope="session")
+def rules(load_rules):
+    """Rules as they are declared for the tiny configuration."""
+    return load_rules()

@@ -35,3 +35,12 @@ def test_a_bad_key_is_named_in_one_line_and_nothing_is_written(tmp_path, text, e
 def test_the_dag_of_default_and_paper_scale_builds(tmp_path, configs):
     done = run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
     assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.parametrize("word", ["sead=7", "seed=seven"])
+def test_a_slip_on_the_command_line_is_refused(tmp_path, word):
+    done = run_snakemake(tmp_path / "run", "--dry-run", "--config", word)
+    assert done.returncode != 0
+    (line,) = [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("config: ")]
+    assert word.split("=")[0] in line
+    assert not (tmp_path / "run/results").exists()

@@ -2,13 +2,10 @@
 
 import numpy as np
 import pandas as pd
-import reproducible
 from runs import run_snakemake
 
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
-
-STAGES = ("labels", "renders", "similarity", "trackers", "charts", "stability", "closed_loop", "realism")
 
 
 def test_both_tables_are_complete(tiny_run):
@@ -49,13 +46,6 @@ def test_nothing_half_written_is_left(tiny_run):
     assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
-def test_one_core_gives_the_same_bytes_as_two(tiny_run, tmp_path):
-    # All but the charts of speed, whose results are times.
-    done = run_snakemake(tmp_path, "--", *STAGES, "results/figures/phy_plan.svg", cores=1)
-    assert done.returncode == 0, done.stderr[-4000:]
-    assert reproducible.digests(tmp_path / "results") == reproducible.digests(tiny_run / "results")
-
-
 def test_every_figure_decodes(tiny_run):
     figures = sorted((tiny_run / "results/figures").iterdir())
     assert figures
@@ -69,16 +59,3 @@ def test_every_figure_decodes(tiny_run):
             from xml.etree import ElementTree
 
             assert ElementTree.parse(path).getroot().tag.endswith("svg")
-
-
-def rules_to_run(dry_run):
-    """Names of the rules in the job table of a dry run."""
-    lines = dry_run.stdout.split("Job stats:")[1].split("\n\n")[0].splitlines()[3:]
-    return {line.split()[0] for line in lines} - {"all", "total"}
-
-
-def test_a_setting_reruns_what_depends_on_it_and_nothing_else(tiny_run, tmp_path):
-    override = tmp_path / "override.yaml"
-    override.write_text("similarity: {window_rows: 20}\n")
-    changed = run_snakemake(tiny_run, "--dry-run", configs=("config.yaml", "tiny.yaml", override))
-    assert rules_to_run(changed) == {"tabulate_similarity", "plot_similarity", "plot_sample"}

@@ -28,6 +28,7 @@ rule train_cgan:
     threads: 1
     resources:
         mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
@@ -92,6 +93,7 @@ rule render_cgan:
     threads: 1
     resources:
         mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],

@@ -1,57 +1,7 @@
 # What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
 
-# One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
-LOOP_STRIDE = 6
-# Label shards come in parts, for a job takes longer to start than to render a shard. All conventions of PHY go through
-# the first part, the one it uses through all of them.
-LOOP_FIRST, LOOP_SHARDS = 4, 13
-LOOP_PARTS = [
-    shards("labels")[:LOOP_FIRST],
-    *[
-        shards("labels")[shard : shard + LOOP_SHARDS]
-        for shard in range(LOOP_FIRST, len(shards("labels")), LOOP_SHARDS)
-    ],
-]
-LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
-    config["statistics"]["estimator"], **config["phy"]
-)
-LOOP_CONVENTIONS = list(
-    dict.fromkeys(
-        [
-            LOOP_DEFAULT,
-            "deblended_peak_peak_fitted",
-            "deblended_none_peak_fitted",
-            "deblended_peak_gaussian_fitted",
-            "deblended_peak_peak_paper",
-            "paper_none_gaussian_paper",  # as printed, estimates and all
-        ]
-    )
-)
 
-
-wildcard_constraints:
-    convention="(deblended|paper)_(peak|none)_(peak|gaussian)_(fitted|paper)",
-    estimator="deblended|paper",
-    part=r"\d+",
-    parts="first|all",
-
-
-def loop_statistics(wildcards):
-    """The flight's statistics by the estimator of a convention."""
-    estimator = wildcards.convention.split("_")[0]
-    if estimator == config["statistics"]["estimator"]:
-        return "results/statistics.nc"
-    return f"results/closed_loop/flight_{estimator}.nc"
-
-
-def loop_summaries(wildcards):
-    """Summaries of the renders of one convention, of the first part or of all."""
-    n_parts = 1 if wildcards.parts == "first" else len(LOOP_PARTS)
-    return expand(
-        "results/closed_loop/{convention}/{part}.nc",
-        convention=wildcards.convention,
-        part=range(n_parts),
-    )
+include: "closed_loop_parts.smk"
 
 
 use rule fit_statistics as fit_other_statistics with:
@@ -73,7 +23,9 @@ rule render_closed_loop:
             "results/labels/{shard}.nc", shard=LOOP_PARTS[int(wildcards.part)]
         ),
         statistics=loop_statistics,
-        code=package("phy", "statistics", "io.files", "io.scenes"),
+        code=package(
+            "phy", "statistics", "io.files", "io.scenes", without=["phy.stress"]
+        ),
     output:
         summary=temp("results/closed_loop/{convention}/{part}.nc"),
     log:
@@ -130,7 +82,7 @@ rule tabulate_closed_loop:
         statistics=expand(
             "results/closed_loop/{convention}_first.nc", convention=LOOP_CONVENTIONS
         ),
-        code=package("statistics", "phy.waveform", "io.files"),
+        code=package("statistics", "io.files"),
     output:
         table="results/tables/closed_loop.csv",
         summary="results/tables/closed_loop_summary.csv",

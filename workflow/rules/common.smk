@@ -1,14 +1,16 @@
-# What every rule leans on: the check of the configuration, names of scene sets and shards, code as input.
+# What all rules lean on: the check of the configuration, names of scene sets and shards, code as input.
 
 import json
 import math
 import os
+import shutil
 from pathlib import Path
 
 import jsonschema
 from snakemake.exceptions import WorkflowError
 
-ROOT = Path(workflow.basedir)
+# Where this workflow lies, also where another uses it as a module.
+ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
 for variable in (
@@ -117,22 +119,51 @@ def layers_of(wildcards):
     return f"results/benchmark/{wildcards.scenes}/{wildcards.shard}.nc"
 
 
+def added_scenes(method):
+    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
+
+    def files(wildcards):
+        joins = method in TRAINING_SETS[wildcards.training_set]
+        return rendered_files(method, "labels") if joins else []
+
+    return files
+
+
 CORE = ("__init__", "constants", "echogram", "seeding")
 
 
-def package(*parts):
+def package(*parts, without=()):
     """Files of the package that a rule depends on, the core among them.
 
-    Snakemake does not follow imports: a module that is not listed here can change without a rerun. A part is a module
-    or a folder of snowsim, written with dots: ``package("phy", "io.scenes")``.
+    Snakemake does not follow imports: a module that is not listed here can change without a rerun; a test compares the
+    lists with what the scripts import. A part is a module or a folder of snowsim, written with dots:
+    ``package("phy", "io.scenes", without=["phy.stress"])``.
     """
-    files = []
-    for part in (*CORE, *parts):
-        path = ROOT / "snowsim" / part.replace(".", "/")
-        found = (
-            sorted(path.rglob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
-        )
-        if not found or not all(file.is_file() for file in found):
-            raise WorkflowError(f"package: snowsim has no module {part}")
-        files += found
-    return [str(file) for file in dict.fromkeys(files)]
+    listed = [file for part in (*CORE, *parts) for file in package_part(part)]
+    spared = {file for part in without for file in package_part(part)}
+    return [str(file) for file in dict.fromkeys(listed) if file not in spared]
+
+
+def package_part(part):
+    """Files of one module or folder of the package."""
+    path = ROOT / "snowsim" / part.replace(".", "/")
+    found = sorted(path.rglob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
+    if not found or not all(file.is_file() for file in found):
+        raise WorkflowError(f"package: snowsim has no module {part}")
+    return found
+
+
+def targets(prefix=""):
+    """Rules that only collect what others make: what people ask for by name."""
+    return [
+        item
+        for item in workflow.rules
+        if not item.output and item.name.startswith(prefix) and item.name != "help"
+    ]
+
+
+def describe_targets():
+    """The targets with a line each."""
+    width = max(len(item.name) for item in targets())
+    lines = [f"  {item.name:<{width}}  {item.message}" for item in targets()]
+    return "\n".join(["snakemake --cores N TARGET; targets are:", *lines])

@@ -1,16 +1,6 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
 
-def added_scenes(method):
-    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
-
-    def files(wildcards):
-        joins = method in TRAINING_SETS[wildcards.training_set]
-        return rendered_files(method, "labels") if joins else []
-
-    return files
-
-
 rule train_tracker:
     input:
         real=benchmark_files("train"),
@@ -32,6 +22,7 @@ rule train_tracker:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["tracker"]["device"],
@@ -72,6 +63,7 @@ rule score_tracker:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         device=config["tracker"]["device"],
     message:

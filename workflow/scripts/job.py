@@ -9,6 +9,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+# The package beside the workflow is the one that runs, installed or not: a conda environment holds its dependencies.
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
 logger = logging.getLogger("snowsim")
 
 
@@ -20,16 +23,36 @@ def job(snakemake):
     logging.basicConfig(filename=path, filemode="w", level=logging.INFO, format="%(asctime)s %(message)s", force=True)
     begin = time.perf_counter()
     try:
+        check_memory(snakemake.resources.get("mem_mb", 0))
         yield logger
     except (ValueError, OSError, FloatingPointError) as error:  # the last: a training diverged
         logger.error(traceback.format_exc())
         logger.error("error: %s", error)
         sys.stderr.write(f"error: {snakemake.rule}: {error}\n")
         sys.exit(1)
-    except BaseException:
+    except BaseException as error:
         logger.error(traceback.format_exc())
+        logger.error("error: %s: %s", type(error).__name__, error)
         raise
     logger.info("done in %.1f s", time.perf_counter() - begin)
+
+
+def check_memory(mem_mb):
+    """Refuse to start where less memory is available than the rule asks for."""
+    available = available_memory_mb()
+    if available is not None and available < mem_mb:
+        msg = f"memory: expected at least {mem_mb} MB available, got {available:.0f} MB"
+        raise ValueError(msg)
+
+
+def available_memory_mb():
+    """Memory this machine can still give without swapping [MB]; None where the system does not say."""
+    try:
+        lines = Path("/proc/meminfo").read_text().splitlines()
+    except OSError:
+        return None
+    values = {line.split(":")[0]: float(line.split()[1]) for line in lines if len(line.split()) > 1}
+    return values["MemAvailable"] / 1024 if "MemAvailable" in values else None
 
 
 def progress(iterable, description, total=None, initial=0):

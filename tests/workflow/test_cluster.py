@@ -1,0 +1,74 @@
+"""The workflow through SLURM: a cluster of one node is started for it."""
+
+import subprocess
+
+import pytest
+import reproducible
+from runs import command, environment, source_tree
+from slurm import missing_programs, one_node_cluster, stop
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Folder of the client programs of a running one-node cluster."""
+    pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
+    missing = missing_programs()
+    if missing:
+        pytest.skip(f"SLURM is not installed and cannot be: {', '.join(missing)}")
+    with one_node_cluster(tmp_path_factory.mktemp("slurm") / "cluster") as programs:
+        yield programs
+
+
+@pytest.mark.cluster
+def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_targets, tmp_path):
+    # A node of two cores: a group must not ask for more.
+    arguments = ("--jobs", 8, "--cores", 2, "--latency-wait", 10, "--slurm-init-seconds-before-status-checks", 5)
+    done = subprocess.run(
+        command(tmp_path / "run", *arguments, "--", *reproducible_targets, profile="slurm"),
+        capture_output=True,
+        text=True,
+        timeout=3000,
+        check=False,
+        cwd=source_tree(),
+        env=environment(PATH=f"{cluster}:{environment()['PATH']}"),
+    )
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert "SLURM jobid" in done.stdout + done.stderr
+    assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(tiny_run / "results")
+
+
+@pytest.mark.cluster
+def test_a_stopped_daemon_is_gone(tmp_path):
+    sleeper = subprocess.Popen(["sleep", "60"])
+    (tmp_path / "a.pid").write_text(str(sleeper.pid))
+    # Its parent must collect it: a zombie still answers to signal 0.
+    import threading
+
+    threading.Thread(target=sleeper.wait).start()
+    stop(tmp_path / "a.pid")
+    assert sleeper.poll() is not None
+
+
+def test_the_slurm_profile_plans_the_whole_run(tmp_path):
+    pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
+    done = subprocess.run(
+        command(tmp_path, "--dry-run", profile="slurm"),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+        cwd=source_tree(),
+        env=environment(),
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+@pytest.mark.parametrize("device", ["cpu", "cuda"])
+def test_rules_that_use_a_gpu_ask_for_one(load_rules, device):
+    rules = load_rules(cgan={"device": device}, tracker={"device": device})
+    n_gpus = {rule.name: dict(rule.declared.resources.items()).get("gpu") for rule in rules}
+    asking = {name for name, resource in n_gpus.items() if resource is not None and resource.value}
+    # Exactly the rules that are told a device.
+    told = {rule.name for rule in rules if "device" in dict(rule.declared.params.items())}
+    assert told >= {"train_cgan", "train_tracker"}
+    assert asking == (told if device == "cuda" else set())

@@ -1,0 +1,84 @@
+"""A run that is killed again and again ends as if it never had been."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import reproducible
+from runs import command, environment, run_snakemake, source_tree
+
+N_KILLS = 20
+
+
+def processes_in(folder):
+    """Process ids that work in a folder."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            if Path(os.readlink(entry / "cwd")).is_relative_to(folder):
+                found.append(int(entry.name))
+        except OSError:
+            continue  # it ended meanwhile
+    return found
+
+
+def wait_until_gone(folder, seconds=30):
+    """Process ids still at work in a folder after some time for the system to bury the dead."""
+    for _ in range(10 * seconds):
+        if not processes_in(folder):
+            return []
+        time.sleep(0.1)
+    return processes_in(folder)
+
+
+def live_and_die(folder, n_jobs, seconds, targets):
+    """Start the run and kill its process group some seconds after it finished some jobs; False if it ended before."""
+    folder.mkdir(exist_ok=True)
+    with (folder / "output.txt").open("w") as output:
+        process = subprocess.Popen(
+            command(folder, "--", *targets),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            cwd=source_tree(),
+            env=environment(),
+        )
+        while process.poll() is None and (folder / "output.txt").read_text().count("Finished jobid") < n_jobs:
+            time.sleep(0.05)
+        try:
+            process.wait(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            return True
+    assert process.returncode == 0, (folder / "output.txt").read_text()[-3000:]
+    return False
+
+
+@pytest.mark.crash
+@pytest.mark.skipif(not Path("/proc/self/cwd").exists(), reason="needs /proc to see whether processes are left")
+def test_twenty_kills_leave_the_results_of_a_run_that_was_left_alone(tiny_run, reproducible_targets, tmp_path):
+    expected = reproducible.digests(tiny_run / "results")
+    moments = random.Random(20120429)
+    n_killed, n_finished = 0, 0
+    # Lives are counted in jobs, not seconds, so that a slow machine gets on as well; should the run end before it was
+    # killed often enough, it starts anew.
+    while n_killed < N_KILLS or n_finished == 0:
+        folder = tmp_path / f"run_{n_finished}"
+        n_jobs = moments.randrange(7) if n_killed < N_KILLS else sys.maxsize
+        if live_and_die(folder, n_jobs, moments.uniform(0, 5), reproducible_targets):
+            n_killed += 1
+            assert wait_until_gone(folder) == []
+            unlocked = run_snakemake(folder, "--unlock")
+            assert unlocked.returncode == 0, unlocked.stderr[-2000:]
+            continue
+        n_finished += 1
+        assert reproducible.digests(folder / "results") == expected
+        assert [str(path) for path in folder.rglob("*.part*")] == []
+        for kind in ("incomplete", "locks"):
+            assert [str(path) for path in (folder / ".snakemake" / kind).glob("*")] == []

@@ -1,0 +1,99 @@
+"""Edits rerun what depends on them and nothing else."""
+
+import os
+import re
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from runs import rules_to_run, run_snakemake, source_tree
+
+
+@contextmanager
+def edited(name):
+    """A line more in a file of the copied source, undone at the end; the file's time then is as before, too."""
+    path = source_tree() / name
+    text, times = path.read_text(), path.stat()
+    path.write_text(text + "\n# edited\n")
+    try:
+        yield
+    finally:
+        path.write_text(text)
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+@pytest.fixture(scope="session")
+def rules_downstream(tiny_run):
+    """For each rule of the finished run: itself and the rules that use what it makes, directly or not."""
+    graph = run_snakemake(tiny_run, "--rulegraph", "dot").stdout
+    names = dict(re.findall(r'^\t(\d+)\[label = "(\w+)"', graph, flags=re.MULTILINE))
+    arrows = [(names[a], names[b]) for a, b in re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)]
+    assert arrows
+    downstream = {name: {name} for name in names.values()}
+    for _ in names:
+        for before, after in arrows:
+            downstream[before] |= downstream[after]
+    return {name: after - {"all"} for name, after in downstream.items()}
+
+
+@pytest.mark.parametrize(
+    "module", ["snowsim/seeding.py", "snowsim/phy/waveform.py", "snowsim/phy/stress/judge.py", "snowsim/io/mat5.py"]
+)
+def test_an_edited_module_reruns_the_rules_that_depend_on_it_and_no_other(tiny_run, rules, rules_downstream, module):
+    direct = {rule.name for rule in rules if Path(module) in rule.code} & set(rules_downstream)
+    expected = set().union(*(rules_downstream[name] for name in direct))
+    with edited(module):
+        done = run_snakemake(tiny_run, "--dry-run")
+    assert rules_to_run(done) == expected
+    assert (expected == set()) == (module == "snowsim/io/mat5.py")
+
+
+def test_an_edited_script_reruns_its_rule(tiny_run, rules_downstream):
+    with edited("workflow/scripts/tabulate_realism.py"):
+        done = run_snakemake(tiny_run, "--dry-run")
+    assert rules_to_run(done) == rules_downstream["tabulate_realism"]
+
+
+def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
+    inputs = [
+        *(source_tree() / "snowsim").rglob("*.py"),
+        *(tiny_run / "results/flight").glob("*.nc"),
+        *(tiny_run / "results/labels").glob("*.nc"),
+        *(tiny_run / "results/phy").rglob("*.nc"),
+        tiny_run / "results/statistics.nc",
+    ]
+    # Snakemake compares contents below a size only, 1 MB unless told; the files of a run are larger.
+    assert max(path.stat().st_size for path in inputs) > 1e6
+    for path in inputs:
+        path.touch()
+    assert rules_to_run(run_snakemake(tiny_run, "--dry-run")) == set()
+
+
+@pytest.mark.parametrize(
+    ("text", "first"),
+    [
+        ("similarity: {window_rows: 20}", {"tabulate_similarity"}),
+        ("phy: {tolerance_db: 0.1}", {"render_phy", "render_closed_loop"}),
+        ("tracker: {training: {learning_rate: 1.0e-3}}", {"train_tracker"}),
+        ("cgan: {training: {precision: float32}}", {"train_cgan"}),
+        ("reference: {picks: {gap_db: 0.3}}", {"reference_frame", "reference_segment", "reference_scenes"}),
+    ],
+)
+def test_a_setting_reruns_what_depends_on_it_and_nothing_else(tiny_run, tmp_path, rules_downstream, text, first):
+    override = tmp_path / "override.yaml"
+    override.write_text(text + "\n")
+    changed = run_snakemake(tiny_run, "--dry-run", configs=("config.yaml", "tiny.yaml", override))
+    triggered = re.search(r"Rules with provenance triggered jobs: (.*)", changed.stdout + changed.stderr)
+    assert triggered
+    triggered = set(re.findall(r"\w+", triggered[1]))
+    assert first <= triggered
+    assert rules_to_run(changed) == set().union(*(rules_downstream[name] for name in triggered))
+
+
+def test_a_setting_of_another_stage_reruns_nothing(tiny_run, tmp_path):
+    override = tmp_path / "override.yaml"
+    override.write_text("tracker: {n_bootstrap: 7, training: {learning_rate: 1.0}}\nsimilarity: {window_rows: 20}\n")
+    changed = run_snakemake(
+        tiny_run, "--dry-run", "--", "labels", "renders", configs=("config.yaml", "tiny.yaml", override)
+    )
+    assert rules_to_run(changed) == set()

@@ -1,0 +1,17 @@
+# Targets that collect others: all studies there are, and the list of targets. Included last.
+
+STUDY_PREFIX = "study_"
+
+
+rule studies:
+    input:
+        lambda wildcards: [item.input for item in targets(prefix=STUDY_PREFIX)],
+    message:
+        "all studies: hours of trainings, not part of the default run"
+
+
+rule help:
+    params:
+        targets=lambda wildcards: describe_targets(),
+    message:
+        "{params.targets}"
