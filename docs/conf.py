@@ -50,7 +50,7 @@ nitpick_ignore_regex = [(r"py:(obj|class)", r"(?s).*")]
 GENERATED = {
     "configuration": lambda: configuration.markdown(configuration.read_settings()),
     "flow": lambda: _raw(rulegraph.svg(rulegraph.FLOW, "What flows between the stages")),
-    "rules": lambda: _raw(rulegraph.svg(rulegraph.read_rules(), "Rules of the default target, from top to bottom")),
+    "rules": lambda: _raw(rulegraph.svg(rulegraph.reduced(rulegraph.read_rules()), "Rules of the default target")),
 }
 
 
