@@ -52,7 +52,7 @@ def read_rules():
 def stage_of_rules():
     """Name of the rules file that each rule stands in."""
     stages = {}
-    for path in sorted((ROOT / "workflow/rules").glob("*.smk")):
+    for path in (ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*.smk"))):
         for name in re.findall(r"^(?:rule|checkpoint) (\w+):|^use rule \w+ as (\w+)", path.read_text(), re.MULTILINE):
             stages[name[0] or name[1]] = path.stem
     return stages
