@@ -73,6 +73,3 @@ rule all:
 
 
 include: "workflow/rules/report.smk"
-        rules.realism.input,
-    message:
-        "both tables and every figure: the default"

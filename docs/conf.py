@@ -50,8 +50,12 @@ nitpick_ignore_regex = [(r"py:(obj|class)", r"(?s).*")]
 GENERATED = {
     "configuration": lambda: configuration.markdown(configuration.read_settings()),
     "flow": lambda: _raw(rulegraph.svg(rulegraph.FLOW, "What flows between the stages")),
-    "rules": lambda: _raw(rulegraph.svg(rulegraph.read_rules(), "Rules of the default target, from top to bottom")),
+    "rules": lambda: _raw(rulegraph.svg(rulegraph.reduced(rulegraph.read_rules()), "Rules of the default target")),
 }
+
+
+# Pages that hold something generated: read again at every build.
+GENERATED_PAGES = {"configuration", "start/concept"}
 
 
 def _raw(svg):
@@ -63,6 +67,9 @@ def fill_in(app, docname, source):
     for name, make in GENERATED.items():
         mark = f"<!-- generated: {name} -->"
         if mark in source[0]:
+            if docname not in GENERATED_PAGES:
+                msg = f"{docname}: a page with {mark} must be in GENERATED_PAGES of conf.py"
+                raise ValueError(msg)
             source[0] = source[0].replace(mark, make())
 
 
@@ -90,3 +97,4 @@ def setup(app):
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (_skip(visit_math), None), (_skip(visit_displaymath), None))
     app.connect("source-read", fill_in)
+    app.connect("env-get-outdated", lambda app, env, added, changed, removed: GENERATED_PAGES)

@@ -4,6 +4,7 @@
 """
 
 import json
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,14 @@ ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config/config.yaml"
 SCHEMA = ROOT / "workflow/schemas/config.schema.json"
 
-WORDS = {"integer": "whole number", "boolean": "true or false", "array": "list", "object": "mapping", "null": "`null`"}
+WORDS = {
+    "integer": "whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "array": "list",
+    "object": "mapping",
+    "null": "`null`",
+}
 
 BOUNDS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
 
@@ -64,7 +72,7 @@ def markdown(settings, level=2):
     for section in (setting for setting in settings if setting.default is None):
         held = [s for s in settings if s.path[:-1] == section.path and s.default is not None]
         parts.append(f"{'#' * (level + len(section.path) - 1)} {'.'.join(section.path)}")
-        parts.append(f"{_sentence(section.comment or section.description)}")
+        parts.append(_plain(section.comment or section.description))
         if held:
             parts.append(_table(held))
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -140,15 +148,17 @@ def _table(settings):
             f"`{setting.path[-1]}`",
             f"`{setting.default}`",
             setting.accepted,
-            setting.comment or setting.description,
+            _plain(setting.comment or setting.description),
         )
-        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        rows.append("| " + " | ".join(cells) + " |")
     return "\n".join(rows)
 
 
-def _sentence(text):
-    """Text with a capital and a full stop."""
-    return text[:1].upper() + text[1:].rstrip(".") + "." if text else ""
+def _plain(text):
+    """Text whose signs mean nothing to Markdown, but for what stands between backquotes."""
+    parts = text.split("`")
+    parts[::2] = [re.sub(r"([*_<|\\])", r"\\\1", part) for part in parts[::2]]
+    return "`".join(parts)
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ def read_rules():
 def stage_of_rules():
     """Name of the rules file that each rule stands in."""
     stages = {}
-    for path in sorted((ROOT / "workflow/rules").glob("*.smk")):
+    for path in (ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*.smk"))):
         for name in re.findall(r"^(?:rule|checkpoint) (\w+):|^use rule \w+ as (\w+)", path.read_text(), re.MULTILINE):
             stages[name[0] or name[1]] = path.stem
     return stages
@@ -121,7 +121,6 @@ def box_width(node):
 
 def svg(edges, title):
     """Picture of a graph without cycles, from top to bottom, as SVG text."""
-    edges = reduced(edges)
     chains = stepped(edges, ranks(edges))
     place = placed(chains, ranks(edges))
     boxes = [node for node in place if not isinstance(node, tuple)]
@@ -160,4 +159,4 @@ def mermaid(edges):
 
 if __name__ == "__main__":
     rules = read_rules()
-    sys.stdout.write(mermaid(rules) if sys.argv[1:] == ["mermaid"] else svg(rules, "graph of rules"))
+    sys.stdout.write(mermaid(rules) if sys.argv[1:] == ["mermaid"] else svg(reduced(rules), "graph of rules"))

@@ -66,12 +66,13 @@ def mean_power(
     Examples
     --------
     >>> layer_bins = np.array([[50.0, 50.0], [70.0, 72.0]])
-    >>> power = mean_power(layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120)
+    >>> scene = layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120
+    >>> power = mean_power(*scene)
     >>> power.shape
     (120, 2)
     >>> power[50].round(3)  # the waveform of the surface peaks at 1
     array([1., 1.])
-    >>> rough = mean_power(layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120, tolerance_db=0.05, noise_power=1e-3)
+    >>> rough = mean_power(*scene, tolerance_db=0.05, noise_power=1e-3)
     >>> bool(np.abs(10 * np.log10((rough + 1e-3) / (power + 1e-3))).max() < 0.05)
     True
     """

@@ -54,8 +54,9 @@ def test_comments_go_on_in_their_column_and_bounds_are_said(tmp_path):
     part = {"properties": {"s": {"properties": {"a": {"type": ["number", "null"], "exclusiveMinimum": 0}}}}}
     schema.write_text(json.dumps(part))
     config = tmp_path / "config.yaml"
-    config.write_text("s:        # a section\n  a: null # [m] length,\n          # measured\n")
+    config.write_text("s:        # a_* section, `b_*`\n  a: null # [m] length,\n          # measured\n")
     section, setting = configuration.read_settings(config, schema)
-    assert (section.comment, section.default) == ("a section", None)
+    assert (section.comment, section.default) == ("a_* section, `b_*`", None)
+    assert r"a\_\* section, `b_*`" in configuration.markdown([section, setting])
     assert (setting.comment, setting.default) == ("[m] length, measured", "null")
     assert setting.accepted == "number above 0 or `null`"

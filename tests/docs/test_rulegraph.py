@@ -17,7 +17,7 @@ def test_every_node_stands_below_what_it_reads():
 
 
 def test_boxes_of_a_row_do_not_overlap():
-    edges = rulegraph.reduced(rulegraph.FLOW)
+    edges = rulegraph.FLOW
     rank = rulegraph.ranks(edges)
     place = rulegraph.placed(rulegraph.stepped(edges, rank), rank)
     for row in {row for _, row in place.values()}:

@@ -78,6 +78,15 @@ def test_every_command_of_the_tutorial_works_in_order(clone):
     assert (clone / "snakemake_report.html").stat().st_size > 1e5
 
 
+@pytest.mark.slow
+def test_every_command_of_the_tutorial_on_own_data_works_in_order(clone):
+    for number, (language, code) in enumerate(blocks(ROOT / "docs/start/tutorial-own-data.md")):
+        done = run_block(language, code, clone)
+        assert done.returncode == 0, f"block {number}:\n{code}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+    assert (clone / "my_flight/results/export/pairs/pd/train.lst").is_file()
+    assert (clone / "my_pairs/results/tables/table2.csv").is_file()
+
+
 def test_code_on_the_pages_of_stages_runs():
     pages = sorted((ROOT / "docs/stages").glob("*.md"))
     code = [(page.name, code) for page in pages for language, code in blocks(page) if language == "python"]
