@@ -18,6 +18,7 @@ include: "workflow/rules/phy_charts.smk"
 include: "workflow/rules/closed_loop.smk"
 include: "workflow/rules/realism.smk"
 include: "workflow/rules/evidence.smk"
+include: "workflow/rules/paper_figures.smk"
 
 
 localrules:
@@ -33,6 +34,7 @@ localrules:
     closed_loop,
     realism,
     evidence,
+    paper_figures,
     report,
 
 
@@ -49,6 +51,7 @@ rule all:
         rules.closed_loop.input,
         rules.realism.input,
         rules.evidence.input,
+        rules.paper_figures.input,
         "results/report.html",
 
 

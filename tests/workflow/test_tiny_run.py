@@ -8,7 +8,18 @@ from runs import run_snakemake
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
 
-STAGES = ("labels", "renders", "similarity", "trackers", "charts", "stability", "closed_loop", "realism")
+STAGES = (
+    "labels",
+    "renders",
+    "similarity",
+    "trackers",
+    "charts",
+    "stability",
+    "closed_loop",
+    "realism",
+    "evidence",
+    "paper_figures",
+)
 
 
 def test_both_tables_are_complete(tiny_run):
@@ -81,4 +92,10 @@ def test_a_setting_reruns_what_depends_on_it_and_nothing_else(tiny_run, tmp_path
     override = tmp_path / "override.yaml"
     override.write_text("similarity: {window_rows: 20}\n")
     changed = run_snakemake(tiny_run, "--dry-run", configs=("config.yaml", "tiny.yaml", override))
-    assert rules_to_run(changed) == {"tabulate_similarity", "plot_similarity", "plot_sample"}
+    assert rules_to_run(changed) == {
+        "tabulate_similarity",
+        "plot_similarity",
+        "plot_sample",
+        "make_gallery",
+        "write_report",
+    }
