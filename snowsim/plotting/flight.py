@@ -8,6 +8,7 @@ from snowsim.plotting.style import COLOURS
 
 LAYER_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7")
 OFFSET_DB = 25.0
+N_BANDS = 64  # of a spectrum along track
 
 
 def plot_picks(ax, layer_bins):
@@ -102,7 +103,12 @@ def plot_track_spectra(ax, statistics):
     for name, label, colour in zip(names, ("layer 1", "mean of layers 1-15"), ("0.6", "black"), strict=True):
         if name in statistics:
             density = statistics[name].values[-x.size :]
-            ax.plot(x, 10 * np.log10(np.maximum(density, 1e-4)), color=colour, linewidth=0.8, label=label)
+            # Means of power over bands: a single wavenumber of a single layer is exponentially distributed.
+            n_together = max(1, x.size // N_BANDS)
+            kept = x.size // n_together * n_together
+            bands = density[:kept].reshape(-1, n_together).mean(axis=1)
+            centres = x.values[:kept].reshape(-1, n_together).mean(axis=1)
+            ax.plot(centres, 10 * np.log10(np.maximum(bands, 1e-4)), color=colour, linewidth=1, label=label)
     ax.set_xlabel("wavenumber [cycles per range line]" if x.name == "wavenumber" else "wavenumber [cycles per m]")
     ax.legend(fontsize=7)
 
