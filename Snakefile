@@ -27,6 +27,7 @@ include: "workflow/rules/study_convolution.smk"
 include: "workflow/rules/study_cgan.smk"
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/guards.smk"
+include: "workflow/rules/paper_figures.smk"
 
 
 localrules:
@@ -46,6 +47,7 @@ localrules:
     export,
     study_tracker,
     evidence,
+    paper_figures,
     report,
     convolution,
     study_convolution,
@@ -69,6 +71,7 @@ rule all:
         rules.evidence.input,
         rules.validation.input,
         rules.convolution.input,
+        rules.paper_figures.input,
         "results/report.html",
 
 

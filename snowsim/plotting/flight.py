@@ -1,9 +1,15 @@
 """The flight, its picks, and the statistics that it gave."""
 
 import numpy as np
+from matplotlib.patches import Rectangle
 
 from snowsim.echogram import to_uint8
+from snowsim.plotting.greenland import draw_coast, project
 from snowsim.plotting.style import COLOURS
+
+LAYER_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7")
+OFFSET_DB = 25.0
+N_BANDS = 64  # of a spectrum along track
 
 
 def image_with_gaps(power):
@@ -26,15 +32,56 @@ def image_with_gaps(power):
 
 def plot_picks(ax, layer_bins):
     """Picks as thin lines over an echogram."""
-    ax.plot(np.asarray(layer_bins).T, color="#E69F00", linewidth=0.5)
+    ax.plot(np.asarray(layer_bins).T, color="#E69F00", linewidth=0.6)
 
 
 def plot_positions(ax, table):
-    """Frames of the flight by longitude and latitude, coloured by the thickness of the first slab (Fig. 4)."""
-    ax.plot(table["longitude_deg"], table["latitude_deg"], color="0.7", linewidth=1, zorder=1)
-    points = ax.scatter(table["longitude_deg"], table["latitude_deg"], c=table["first_slab_bins"], s=20, zorder=2)
-    ax.figure.colorbar(points, label="first slab [range bins]")
-    ax.set(xlabel="longitude [deg]", ylabel="latitude [deg]")
+    """Frames of the flight on a map of Greenland, coloured by the thickness of the first slab (Fig. 4)."""
+    draw_coast(ax)
+    x, y = project(table["latitude_deg"], table["longitude_deg"])
+    ax.plot(x, y, color="0.3", linewidth=1, zorder=2)
+    points = ax.scatter(x, y, c=table["first_slab_bins"], s=26, zorder=3, edgecolor="white",
+                        linewidth=0.4, cmap="viridis")  # fmt: skip
+    ax.figure.colorbar(points, ax=ax, location="bottom", shrink=0.7, pad=0.02,
+                       label="mean thickness of the first slab [range bins]")  # fmt: skip
+
+
+def plot_pixel_grid(ax, power_db, layer_bins, first_bin):
+    """Pixels of a few range lines, their edges drawn, and the pixel each layer is tracked in (Fig. 5).
+
+    Rows of `power_db` (range_bin, range_line) begin at range bin `first_bin`; `layer_bins` (layer, range_line) are of
+    the same lines.
+    """
+    n_bins, n_lines = np.shape(power_db)
+    image = ax.imshow(power_db, aspect="auto", interpolation="none", cmap="gray",
+                      extent=(-0.5, n_lines - 0.5, first_bin + n_bins - 0.5, first_bin - 0.5))  # fmt: skip
+    ax.figure.colorbar(image, ax=ax, label="power [dB]")
+    ax.set_xticks(np.arange(-0.5, n_lines), minor=True)
+    ax.set_yticks(np.arange(first_bin - 0.5, first_bin + n_bins), minor=True)
+    ax.grid(which="minor", color="0.55", linewidth=0.4)
+    ax.tick_params(which="minor", length=0)
+    for layer, (bins, colour) in enumerate(zip(layer_bins, LAYER_COLOURS, strict=False)):
+        for line, tracked in enumerate(np.rint(bins)):
+            if np.isfinite(tracked):
+                corner = (line - 0.5, tracked - 0.5)
+                ax.add_patch(Rectangle(corner, 1, 1, fill=False, edgecolor=colour, linewidth=1.8, zorder=3))
+        ax.plot([], [], "s", markerfacecolor="none", color=colour, label=f"layer {layer}")
+    ax.set(xlabel="range line", ylabel="range bin", xticks=range(n_lines))
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(layer_bins), handletextpad=0.1, columnspacing=1)
+
+
+def plot_lines_power(ax, power_db, layer_bins, first_bin):
+    """Power of the same few range lines against range bin, each set off from the last, layers marked (Fig. 5)."""
+    n_bins, n_lines = np.shape(power_db)
+    bins = np.arange(first_bin, first_bin + n_bins)
+    for line in range(n_lines):
+        offset = OFFSET_DB * line
+        ax.plot(np.asarray(power_db)[:, line] + offset, bins, color="0.3", linewidth=0.9)
+        for tracked, colour in zip(np.rint(layer_bins[:, line]), LAYER_COLOURS, strict=False):
+            if np.isfinite(tracked):
+                ax.plot(power_db[int(tracked) - first_bin, line] + offset, tracked, "o", color=colour, markersize=4)
+    ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin",
+           ylim=(bins[-1] + 0.5, bins[0] - 0.5))  # fmt: skip
 
 
 def plot_waveform(ax, statistics, layer):
@@ -75,7 +122,12 @@ def plot_track_spectra(ax, statistics):
     for name, label, colour in zip(names, ("layer 1", "mean of layers 1-15"), ("0.6", "black"), strict=True):
         if name in statistics:
             density = statistics[name].values[-x.size :]
-            ax.plot(x, 10 * np.log10(np.maximum(density, 1e-4)), color=colour, linewidth=0.8, label=label)
+            # Means of power over bands: a single wavenumber of a single layer is exponentially distributed.
+            n_together = max(1, x.size // N_BANDS)
+            kept = x.size // n_together * n_together
+            bands = density[:kept].reshape(-1, n_together).mean(axis=1)
+            centres = x.values[:kept].reshape(-1, n_together).mean(axis=1)
+            ax.plot(centres, 10 * np.log10(np.maximum(bands, 1e-4)), color=colour, linewidth=1, label=label)
     ax.set_xlabel("wavenumber [cycles per range line]" if x.name == "wavenumber" else "wavenumber [cycles per m]")
     ax.legend(fontsize=7)
 

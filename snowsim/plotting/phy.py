@@ -58,6 +58,7 @@ PUBLIC = ("exact", "planned", "render", "looks", "gamma", "cube", "quantile")
 FLOOR = "float32 normal"
 LEAST_ERROR, MOST_ERROR_DB = 1e-14, 1e2  # of the atlas; beyond, drawn at the border
 ROUNDING = 1e-9  # errors below are drawn as none
+NEAR_DECADES = (0.45, 0.4)  # points nearer than these in error and cost share a label
 # Where sweeps across zero turn linear, and ticks where matplotlib would write too many.
 LINEAR_FROM = {"position [bins]": 10.0, "spacing of two layers [bins]": 1e-16}
 TICKS = {
@@ -118,13 +119,39 @@ def plot_speed_accuracy(ax, runs, column="error_db", xlabel="largest error of me
 
 
 def _annotate(ax, shown):
-    """Settings beside their points, every other method's below; points of a method that coincide share a label."""
-    cells = np.rint(10 * np.log10(shown[["x", "ns"]]))
-    for k, (_, rows) in enumerate(shown.groupby("method", sort=False)):
-        for _, together in rows.groupby([cells.loc[rows.index, "x"], cells.loc[rows.index, "ns"]]):
-            at = together[["x", "ns"]].iloc[0]
-            ax.annotate(", ".join(together["setting"]), tuple(at), xytext=(3, -7 if k % 2 else 3),
-                        textcoords="offset points", fontsize=5.5)  # fmt: skip
+    """Settings beside their points; near points of a method share a label, those under another point hang below."""
+    places = np.log10(shown[["x", "ns"]].to_numpy(dtype=float))
+    clusters = [
+        (places[rows], ", ".join(joined_settings(shown["setting"].iloc[rows])))
+        for method in shown["method"].unique()
+        for rows in near_points(places, np.flatnonzero(shown["method"] == method))
+    ]
+    for points, text in clusters:
+        x, y = points.mean(axis=0)
+        others = [other.mean(axis=0) for other, _ in clusters if other is not points]
+        hangs = any(abs(at[0] - x) < NEAR_DECADES[0] * 2 and 0 < at[1] - y < NEAR_DECADES[1] for at in others)
+        ax.annotate(text, (10**x, 10**y), xytext=(0, -9 if hangs else 5), textcoords="offset points", fontsize=6,
+                    ha="center")  # fmt: skip
+
+
+def near_points(places, rows):
+    """Rows of (x, y) in decades, grouped such that each lies near the one before it in x; lists of indices."""
+    groups = []
+    for row in rows[np.argsort(places[rows, 0], kind="stable")]:
+        if groups and (np.abs(places[row] - places[groups[-1][-1]]) < NEAR_DECADES).all():
+            groups[-1].append(row)
+        else:
+            groups.append([row])
+    return groups
+
+
+def joined_settings(settings):
+    """Settings in their order, a unit that all share written once: ["0.1 dB", "0.5 dB"] gives ["0.1", "0.5 dB"]."""
+    settings = list(dict.fromkeys(settings))
+    units = {setting.partition(" ")[2] for setting in settings}
+    if len(units) == 1 and all(setting[:1].isdigit() for setting in settings):
+        settings[:-1] = [setting.partition(" ")[0] for setting in settings[:-1]]
+    return settings
 
 
 def plot_movement(ax, runs):
@@ -205,7 +232,7 @@ def plot_borders(ax, rows):
     ax.set_xticks(range(len(methods)), [ATLAS_NAMES[name].replace(" ", "\n", 1) for name in methods], fontsize=6)
     ax.set_yticks(range(len(cases)), cases, fontsize=6)
     ax.set(ylim=(len(cases) - 0.5, -0.5), xlim=(-0.5, len(methods) - 0.5))
-    ax.legend(fontsize=6, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=3)
+    ax.legend(fontsize=6, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
     ax.set_title("borders of what may be given", fontsize=8)
 
 

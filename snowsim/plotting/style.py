@@ -9,6 +9,7 @@ from matplotlib import pyplot as plt  # noqa: E402 - the backend comes first
 
 # Okabe & Ito (2008): told apart by colour-blind readers too.
 COLOURS = {
+    "observed": "#000000",
     "cgan": "#D55E00",
     "phy": "#0072B2",
     "rd": "#000000",
@@ -30,22 +31,29 @@ NAMES = {
     "ois": "OIS",
     "ap": "AP",
     "fuse": "fuse",
+    "observed": "observed",
 }
 STYLE = {
     "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "lines.linewidth": 1.3,
+    "axes.linewidth": 0.8,
+    "axes.prop_cycle": mpl.cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]),
     "axes.spines.top": False,
     "axes.spines.right": False,
     "figure.constrained_layout.use": True,
     "legend.frameon": False,
-    "image.cmap": "gray",
 }
+mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
 
 
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
     """Figure and axes array (row, column) in the house style; sizes in inches."""
-    with plt.style.context(STYLE):
-        figure, axes = plt.subplots(n_rows, n_columns, figsize=(width, height), squeeze=False, **keywords)
-    return figure, axes
+    return plt.subplots(n_rows, n_columns, figsize=(width, height), squeeze=False, **keywords)
 
 
 def note_source(figure, source):

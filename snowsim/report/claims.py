@@ -53,7 +53,8 @@ def expensive(scenes):
         "Models of the FDTD class are too expensive for what they add.",
         OPEN,
         f"Per pixel: PHY {phy:.3g} ns, the reference flight's sum of scatterers {nature:.3g} ns, "
-        f"{nature / phy:.0f} times as much, itself far below a solver of Maxwell's equations. The cost is shown; what such a solver would add is "
+        f"{nature / phy:.0f} times as much, itself far below a solver of Maxwell's equations. "
+        "The cost is shown; what such a solver would add is "
         "not: no FDTD model was run.",
         "Confirmed only where a table gives both the cost of such a model and what a tracker gains by it.",
     )

@@ -17,7 +17,8 @@ STAGES = {
     "stability": "Stability atlas",
     "closed_loop": "Closed loop",
     "convolution": "How good is the convolution model?",
-    "evidence": "Evidence on the paper's claims",
+    "evidence": "Where layers lie in renders, and texture",
+    "paper_figures": "Single scenes",
     "report": "Report",
 }
 

@@ -9,7 +9,7 @@ rule plot_flight:
     output:
         table="results/tables/flight.csv",
         echogram=report(
-            "results/figures/echogram.png", caption="../report/echogram.rst"
+            "results/figures/echogram.svg", caption="../report/echogram.rst"
         ),
         positions=report(
             "results/figures/flight_line.svg", caption="../report/flight_line.rst"

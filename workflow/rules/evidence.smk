@@ -25,6 +25,37 @@ rule compare_renders:
         "../scripts/compare_renders.py"
 
 
+rule plot_renders:
+    input:
+        positions="results/tables/render_positions.csv",
+        textures="results/tables/render_texture.csv",
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        positions=report(
+            "results/figures/render_positions.svg",
+            caption="../report/render_positions.rst",
+        ),
+        textures=report(
+            "results/figures/render_texture.svg",
+            caption="../report/render_texture.rst",
+        ),
+    log:
+        "logs/plot_renders.log",
+    benchmark:
+        "results/benchmarks/plot_renders/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "figures of positions and texture in renders"
+    script:
+        "../scripts/plot_renders.py"
+
+
 rule tabulate_tracked_power:
     input:
         statistics="results/statistics.nc",
@@ -77,6 +108,7 @@ rule make_gallery:
 rule evidence:
     input:
         rules.compare_renders.output,
+        rules.plot_renders.output,
         rules.tabulate_tracked_power.output,
         rules.make_gallery.output,
     message:

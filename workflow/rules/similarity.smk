@@ -96,7 +96,7 @@ rule plot_sample:
         images="results/similarity.parquet",
         code=package("plotting", "io.figures", "io.files", "io.scenes"),
     output:
-        sample=report("results/figures/sample.png", caption="../report/sample.rst"),
+        sample=report("results/figures/sample.svg", caption="../report/sample.rst"),
     log:
         "logs/plot_sample.log",
     benchmark:

@@ -46,7 +46,7 @@ def plot(paths_to_echograms, paths_to_layers, path_to_table, path_to_echogram_fi
     note_source(figure, source)
     write_figure(path_to_echogram_figure, figure)
 
-    figure, axes = new_figure(width=4, height=3.5)
+    figure, axes = new_figure(width=4.2, height=5.4)
     plot_positions(axes[0, 0], table)
     note_source(figure, source)
     write_figure(path_to_map, figure)

@@ -1,0 +1,89 @@
+# Counterparts of figures of the paper that show single scenes: pixel grid, annotation, synthetic layers and their renders.
+
+
+rule plot_pixel_grid:
+    input:
+        echogram="results/flight/{frame}.nc".format(frame=FRAMES[len(FRAMES) // 2]),
+        layers="results/flight/{frame}_layers.nc".format(frame=FRAMES[len(FRAMES) // 2]),
+        code=package("plotting", "io.figures", "io.files"),
+    output:
+        table="results/tables/pixel_grid.csv",
+        figure=report(
+            "results/figures/pixel_grid.svg", caption="../report/pixel_grid.rst"
+        ),
+    log:
+        "logs/plot_pixel_grid.log",
+    benchmark:
+        "results/benchmarks/plot_pixel_grid/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "pixel grid of four range lines and three layers"
+    script:
+        "../scripts/plot_pixel_grid.py"
+
+
+rule plot_annotation:
+    input:
+        train=benchmark_files("train"),
+        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+    output:
+        figure=report(
+            "results/figures/annotation.svg", caption="../report/annotation.rst"
+        ),
+    log:
+        "logs/plot_annotation.log",
+    benchmark:
+        "results/benchmarks/plot_annotation/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "a train scene, what a picker annotates, all there is"
+    script:
+        "../scripts/plot_annotation.py"
+
+
+rule plot_synthetic:
+    input:
+        labels=f"results/labels/{shards('labels')[0]}.nc",
+        phy=f"results/phy/labels/{shards('labels')[0]}.nc",
+        cgan=f"results/cgan/labels/{shards('labels')[0]}.nc",
+        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+    output:
+        figure=report(
+            "results/figures/synthetic.svg", caption="../report/synthetic.rst"
+        ),
+    log:
+        "logs/plot_synthetic.log",
+    benchmark:
+        "results/benchmarks/plot_synthetic/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        source=NOTE,
+    message:
+        "synthetic layers and both renders of them"
+    script:
+        "../scripts/plot_synthetic.py"
+
+
+rule paper_figures:
+    input:
+        rules.plot_pixel_grid.output,
+        rules.plot_annotation.output,
+        rules.plot_synthetic.output,
+    message:
+        "counterparts of figures of the paper that show single scenes"
