@@ -8,7 +8,7 @@ from runs import run_snakemake
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
 
-STAGES = ("labels", "renders", "similarity", "trackers", "charts", "stability", "closed_loop", "realism")
+STAGES = ("labels", "renders", "similarity", "trackers", "charts", "stability", "closed_loop", "validation", "realism")
 
 
 def test_both_tables_are_complete(tiny_run):
