@@ -74,3 +74,17 @@ def test_labels_are_drawn_from_any_number_of_zones(divided, rng):
 def test_no_zone_is_refused(divided):
     with pytest.raises(ValueError, match="at least one zone, got 0"):
         zone_models(divided[1], 4, (0, 4))
+
+
+def test_a_slab_in_too_few_blocks_adds_nothing(divided):
+    _, summary, models = divided
+    few = [
+        replace(frame, depth_bins=np.where(np.arange(4)[:, None] * (i > 2) == 3, np.nan, frame.depth_bins))
+        for i, frame in enumerate(summary)
+    ]
+    fewer = zone_models(few, 4, (1,))[0]
+    without = zone_models([replace(frame, depth_bins=frame.depth_bins[:3]) for frame in summary], 3, (1,))[0]
+    assert fewer["source"].values[0].tolist() == [0, 0, 2]
+    assert fewer["n_samples"].values[0].tolist() == [48, 48, 3]
+    for name in ("means_log_likelihood", "means_aic_penalty", "means_n_parameters"):
+        assert_allclose(fewer.attrs[name], without.attrs[name], rtol=1e-9)
