@@ -123,9 +123,10 @@ def _densities(tabulated, psd):
 def _spectra_likelihood(model, psd):
     """Log likelihood of block periodograms, number of parameters, and penalties by criterion."""
     tabulated, own, n, source = (model[name].values for name in POOLED_NAMES)
+    # Slabs with too few blocks everywhere take the one above: they tell nothing, and it is the same ones in all models.
+    n = np.where(source > ALL_ZONES, 0, n)
     likelihood = whittle_log_likelihood(own, _densities(tabulated, psd), n)
-    # Cells with too few blocks share what all blocks of their slab give; slabs with too few everywhere take the one
-    # above and nothing of their own.
+    # Cells with too few blocks share what all blocks of their slab give.
     blocks = [count for count, where in zip(n.ravel(), source.ravel(), strict=True) if where == OWN_ZONE]
     blocks += [n[:, slab].sum() for slab in range(n.shape[1]) if (source[:, slab] == ALL_ZONES).any()]
     blocks = np.array(blocks, dtype=float)

@@ -38,7 +38,8 @@ def plot_test_values(ax, tests):
     ax.plot([0, 1], [0, 1], color="0.7", linewidth=1)
     ax.axhline(0.05, color="0.7", linestyle=":", linewidth=1)
     ax.set(xlabel="share of zones and slabs", ylabel="p of normality")
-    ax.legend(fontsize=6)
+    if len(tests):
+        ax.legend(fontsize=6)
 
 
 def plot_distribution(ax, distributions, quantity, xlabel, names=("flight", "renders")):

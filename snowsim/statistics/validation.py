@@ -17,7 +17,7 @@ TEST_COLUMNS = (
 )
 
 
-def validate(summary, statistics, rendered, label_layers, label_histograms, *, rng):
+def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
     """Tables of the flight beside what was made of its statistics.
 
     Parameters
@@ -26,8 +26,10 @@ def validate(summary, statistics, rendered, label_layers, label_histograms, *, r
         Of the flight.
     statistics, rendered : xarray.Dataset
         Of `estimate`: of the flight, and of PHY's renders of the labels.
-    label_layers, label_histograms : pandas.DataFrame
+    labels : (pandas.DataFrame, pandas.DataFrame)
         `layers` and `histograms` of `snowsim.labels.summarise_labels`.
+    zone_edge_bins : array_like, (edge,)
+        Zones that labels were drawn in.
     rng : numpy.random.Generator
         For `thickness_tests`.
 
@@ -40,9 +42,9 @@ def validate(summary, statistics, rendered, label_layers, label_histograms, *, r
         numbers observed and synthetic: `n_layers` below the surface (of blocks: layers picked in half of the lines),
         `width_bins` of averaged lines.
     """
-    n_layers = statistics.sizes["layer"]
-    thickness = thickness_blocks(summary, n_layers)
-    edges = statistics["zone_edge_bins"].values
+    label_layers, label_histograms = labels
+    edges = np.asarray(zone_edge_bins, dtype=float)
+    thickness = thickness_blocks(summary, statistics.sizes["layer"])
     return {
         "thickness": _thickness_histograms(thickness, edges, label_histograms),
         "tests": pd.DataFrame(thickness_tests(thickness, edges, rng=rng), columns=list(TEST_COLUMNS)),
@@ -58,14 +60,22 @@ def _thickness_histograms(thickness, edges, synthetic):
     level, _ = block_levels(mean)
     placed = np.flatnonzero(np.isfinite(level))
     zone = zone_of(level[placed], edges)
-    block, slab, line = np.nonzero(np.isfinite(thickness[placed]))
-    values = thickness[placed][block, slab, line]
-    lines = pd.DataFrame({"zone": zone[block], "slab": slab, "low_bins": np.floor(values).astype(int)})
-    levels = pd.DataFrame({"zone": zone, "slab": -1, "low_bins": np.floor(level[placed]).astype(int)})
+    parts = []
+    for z in range(edges.size - 1):
+        inside = placed[zone == z]
+        parts += [_counts(z, slab, thickness[inside, slab].ravel()) for slab in range(thickness.shape[1])]
+        parts.append(_counts(z, -1, level[inside]))
     keys = ["zone", "slab", "low_bins"]
-    observed = pd.concat([lines, levels]).value_counts(keys, sort=False).rename("n_observed")
+    observed = pd.concat(parts).set_index(keys)["n_observed"]
     table = synthetic.set_index(keys)["n"].rename("n_synthetic").to_frame().join(observed, how="outer")
     return table.fillna(0).astype(int).sort_index().reset_index()[[*keys, "n_observed", "n_synthetic"]]
+
+
+def _counts(zone, slab, values):
+    """How many values lie in each whole bin that holds any; NaN left out."""
+    counts = np.bincount(np.floor(values[np.isfinite(values)]).astype(int))
+    held = np.flatnonzero(counts)
+    return pd.DataFrame({"zone": zone, "slab": slab, "low_bins": held, "n_observed": counts[held]})
 
 
 def _layer_counts(summary, label_layers):

@@ -6,7 +6,7 @@ import xarray as xr
 from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, periodogram, thickness_blocks
 from snowsim.statistics.correlation import BAND_EDGES
 from snowsim.statistics.estimate import label_dimensions
-from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE, zone_of, zone_statistics
+from snowsim.statistics.zones import ALL_ZONES, OTHER_SLABS, OWN_ZONE, zone_of, zone_statistics
 
 
 def zone_models(summary, n_layers, counts):
@@ -35,7 +35,8 @@ def zone_models(summary, n_layers, counts):
 
     Notes
     -----
-    Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent. `means_aic_penalty`
+    Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
+    blocks for values of their own add nothing. `means_aic_penalty`
     is that of Hurvich & Tsai (1989), Biometrika 76, 297-307, cell by cell, for cells hold few blocks:
     ``2 k n / (n - k - 1)``. Dispersion is the mean over cells and wavenumbers of the variance of periodograms over
     their squared mean: 1 for a Gaussian process, more where blocks of one cell differ in level.
@@ -85,7 +86,7 @@ def _means_likelihood(relative, zone, values):
         known = np.isfinite(relative[:, slab]) & (zone >= 0)
         for z, (mean, variance, source) in enumerate(zip(*(values[name][:, slab] for name in names), strict=True)):
             held = relative[known & (zone == z), slab]
-            if held.size and variance > 0:
+            if held.size and variance > 0 and source != OTHER_SLABS:
                 squares = (held - mean) ** 2 / variance
                 total["means_log_likelihood"] -= 0.5 * (np.log(2 * np.pi * variance) + squares).sum()
             _add_penalty(total, held.size if source == OWN_ZONE else 0)

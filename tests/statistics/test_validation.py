@@ -88,7 +88,7 @@ def test_tables_count_every_line_and_block_once(summary, rng):
     fitted = statistics.estimate(summary)
     layers = pd.DataFrame({"n_layers": [5, 6], "n_scenes": [3, 7]})
     histograms = pd.DataFrame({"zone": [0, 3], "slab": [0, -1], "low_bins": [500, 41], "n": [256, 1]})
-    tables = validate(summary, fitted, fitted, layers, histograms, rng=rng)
+    tables = validate(summary, fitted, fitted, (layers, histograms), fitted["zone_edge_bins"], rng=rng)
     thickness = tables["thickness"]
     counts = thickness[thickness["slab"] >= 0].groupby("slab")["n_observed"].sum()
     assert counts.to_dict() == dict.fromkeys(range(4), 4 * 256)

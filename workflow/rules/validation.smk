@@ -5,6 +5,7 @@ rule tabulate_validation:
     input:
         summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
         statistics="results/statistics.nc",
+        zones=LABEL_STATISTICS,
         rendered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
         label_layers="results/tables/label_layers.csv",
         label_histograms="results/tables/label_histograms.csv",

@@ -8,14 +8,15 @@ from snowsim.statistics import merge, summary_from_dataset
 from snowsim.statistics.validation import superposition, validate
 
 
-def tabulate(paths_to_summaries, path_to_statistics, path_to_rendered, paths_to_labels, paths_to_tables, seed):
+def tabulate(paths_to_summaries, path_to_statistics, path_to_zones, path_to_rendered, paths_to_labels, paths, seed):
     summary = merge(summary_from_dataset(read_dataset(path)) for path in paths_to_summaries)
     statistics = read_dataset(path_to_statistics)
     labels = [read_table(path) for path in paths_to_labels]
     rng = random_stream(seed, "tabulate_validation")
-    tables = validate(summary, statistics, read_dataset(path_to_rendered), *labels, rng=rng)
+    edges = read_dataset(path_to_zones)["zone_edge_bins"].values
+    tables = validate(summary, statistics, read_dataset(path_to_rendered), labels, edges, rng=rng)
     tables["superposition"] = superposition(summary, statistics)
-    for name, path in paths_to_tables.items():
+    for name, path in paths.items():
         write_table(path, tables[name])
 
 
@@ -24,6 +25,7 @@ if __name__ == "__main__":
         tabulate(
             snakemake.input.summaries,
             snakemake.input.statistics,
+            snakemake.input.zones,
             snakemake.input.rendered,
             (snakemake.input.label_layers, snakemake.input.label_histograms),
             dict(snakemake.output.items()),
