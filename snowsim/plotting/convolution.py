@@ -16,7 +16,7 @@ COLOURS = {
 SIMPLER = ("Born", "single scattering", "convolution")
 SPECKLE_DB = 0.43  # standard deviation of the mean of 100 looks: 10 / ln 10 / sqrt(100)
 LEAST_DB = 1e-3  # errors below are drawn there
-ABOVE = ("Born", "nature run", "SMRT", "transfer matrix")
+ABOVE = ("Born", "PHY", "nature run", "transfer matrix")
 
 
 def plot_stacks(ax, table, sweep, xlabel, scale="log"):
