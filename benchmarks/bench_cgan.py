@@ -27,8 +27,8 @@ from snowsim.seeding import random_stream
 from snowsim.timing import time_rounds
 
 CONFIG = Path(__file__).parents[1] / "config"
-N_ROUNDS = 12
-N_TRAINED = 150  # steps of both, for their losses
+N_ROUNDS = 5
+N_TRAINED = 60  # steps of both, for their losses
 SEED = 1
 
 log = logging.getLogger(__name__)

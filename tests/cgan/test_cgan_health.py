@@ -12,7 +12,7 @@ from toy_scenes import toy_scene, toy_scenes
 from snowsim.cgan import Settings, Training, health, render, settle_statistics, train_steps
 from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
 
-SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=400)
+SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=240)
 
 
 class Planted:
