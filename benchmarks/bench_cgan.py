@@ -1,11 +1,11 @@
 """Cost of training the conditional GAN: against a plain PyTorch loop of the same networks, and at the paper's scale.
 
-``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager, float32,
-contiguous layout, Adam as it comes) on the same scenes, trains both for as many steps from the same weights and
-prints the ratio of their cost beside their losses. It fails where the package is slower.
+``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager, float32, contiguous
+layout, Adam as it comes) on the same scenes, trains both for as many steps from the same weights and prints the ratio
+of their cost beside their losses. It fails where the package is slower.
 
-``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless told) of the
-training that config/paper.yaml asks for, on a GPU where there is one, and prints what the whole would take.
+``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless told) of the training
+that config/paper.yaml asks for, on a GPU where there is one, and prints what the whole would take.
 """
 
 import dataclasses
@@ -27,8 +27,8 @@ from snowsim.seeding import random_stream
 from snowsim.timing import time_rounds
 
 CONFIG = Path(__file__).parents[1] / "config"
-N_ROUNDS = 12
-N_TRAINED = 150  # steps of both, for their losses
+N_ROUNDS = 5
+N_TRAINED = 60  # steps of both, for their losses
 SEED = 1
 
 log = logging.getLogger(__name__)

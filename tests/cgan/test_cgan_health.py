@@ -12,7 +12,7 @@ from toy_scenes import toy_scene, toy_scenes
 from snowsim.cgan import Settings, Training, health, render, settle_statistics, train_steps
 from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
 
-SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=300)
+SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=240)
 
 
 class Planted:
@@ -133,19 +133,23 @@ def test_weights_that_are_not_finite_are_named():
 
 
 def trained_faults(settings, seed, *, spoil=lambda training: None):
-    """Train on toy scenes and judge what came out; a training that diverges says so itself."""
-    scenes = toy_scenes(24)
+    """Train on toy scenes and judge half way, while the rate is still whole, and at the end: faults and numbers."""
+    scenes = toy_scenes(28)
     training = Training(settings, seed=seed)
     spoil(training)
-    losses = []
+    losses, found, judged = [], [], []
     try:
-        losses += [step_losses for _, step_losses in train_steps(training, scenes)]
+        for step, step_losses in train_steps(training, scenes[:24]):
+            losses.append(step_losses)
+            if step in (settings.n_steps // 2, settings.n_steps):
+                numbers = measure_losses(losses, settings.adversarial) | measure_renders(
+                    training.generator, scenes[24:], dropout=settings.dropout, statistics="scene", seed=seed
+                )
+                found += faults(numbers, dropout=settings.dropout)
+                judged.append(numbers)
     except FloatingPointError as error:
-        return [f"values that are not finite: {error}"], {}
-    settle_statistics(training, scenes)
-    numbers = measure_losses(losses, settings.adversarial)
-    numbers |= measure_renders(training.generator, toy_scenes(28)[24:], dropout=settings.dropout, seed=seed)
-    return faults(numbers, dropout=settings.dropout), numbers
+        found.append(f"values that are not finite: {error}")
+    return found, judged
 
 
 def freeze_discriminator(training):
@@ -155,21 +159,21 @@ def freeze_discriminator(training):
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("seed", range(100, 110))
+@pytest.mark.parametrize("seed", range(200, 210))
 def test_ten_unseen_healthy_trainings_have_no_fault(seed):
     found, numbers = trained_faults(SETTINGS, seed)
     assert found == [], json.dumps(numbers)
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("seed", [100, 101])
+@pytest.mark.parametrize("seed", [200, 201])
 def test_a_rate_a_hundred_times_too_high_is_found(seed):
     found, numbers = trained_faults(replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate), seed)
     assert found, json.dumps(numbers)
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("seed", [100, 101])
+@pytest.mark.parametrize("seed", [200, 201])
 def test_a_frozen_discriminator_is_found(seed):
     found, numbers = trained_faults(SETTINGS, seed, spoil=freeze_discriminator)
     assert [fault for fault in found if fault.startswith("discriminator")], json.dumps(numbers)

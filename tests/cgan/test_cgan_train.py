@@ -126,6 +126,33 @@ def test_a_state_of_other_settings_is_refused_in_one_line():
         Training(TINY, seed=1).restore(adam, 1)
 
 
+NO_LAYER = np.full((4, 64), np.nan)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"layer_bins": NO_LAYER}, "scene toy 1: mask without layers"),
+        ({"image": np.full((96, 64), 9, np.uint8)}, "scene toy 1: image without contrast, every pixel is 9"),
+        ({"image": np.zeros((96, 70), np.uint8)}, r"scene toy 1: expected a uint8 image of shape \(96, 64\)"),
+        ({"image": None}, "scene toy 1: .* got no image"),
+    ],
+)
+def test_a_scene_that_cannot_be_trained_on_is_named_in_one_line(change, words):
+    with pytest.raises(ValueError, match=words) as error:
+        list(train_steps(Training(TINY, seed=1), [replace(toy_scene(1), **change)]))
+    assert "\n" not in str(error.value)
+
+
+def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part():
+    scenes = [toy_scene(1, n_range_bins=96), toy_scene(2, n_range_bins=130), toy_scene(3, n_range_lines=48)]
+    for batch_size in (1, 2):
+        settings = replace(TINY, n_range_bins=None, n_range_lines=None, batch_size=batch_size, n_steps=3)
+        assert all(
+            np.isfinite(list(losses.values())).all() for _, losses in train_steps(Training(settings, seed=1), scenes)
+        )
+
+
 def test_training_without_scenes_is_refused():
     with pytest.raises(ValueError, match="at least one scene"):
         next(train_steps(Training(TINY, seed=1), []))

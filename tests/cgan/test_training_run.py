@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -163,6 +164,13 @@ def test_setting_every_scene_aside_is_refused(tmp_path):
     everything = {"n_scenes": 6, "every_steps": 50, "by": "psnr", "patience": None}
     with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
         train(**arguments(tmp_path / "run", validation=everything))
+
+
+def test_a_scene_set_aside_that_cannot_be_rendered_is_named(tmp_path):
+    scenes = [replace(scene, image=np.full_like(scene.image, 7)) for scene in toy_scenes(6)]
+    write_scenes(tmp_path / "scenes.nc", scenes)
+    with pytest.raises(ValueError, match=r"scene toy \d: image without contrast, every pixel is 7"):
+        train(**arguments(tmp_path / "run"))
 
 
 def test_a_width_that_memory_cannot_hold_is_refused_in_one_line(tmp_path):

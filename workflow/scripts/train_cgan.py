@@ -23,6 +23,7 @@ from snowsim.cgan.health import WINDOW_STEPS
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
+from snowsim.patches import check_trainable
 
 N_SAMPLES = 3  # scenes of the sample sheet
 
@@ -79,6 +80,8 @@ def train(
     with SceneSet(paths_to_scenes) as scenes, enough_memory(what):
         train_numbers, held_numbers = held_out(len(scenes), validation["n_scenes"], seed=seed)
         train_scenes, held_scenes = Chosen(scenes, train_numbers), [scenes[number] for number in held_numbers]
+        for scene in held_scenes:
+            check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
         judge = Judge(training, held_scenes, train_scenes, statistics, validation["by"])
         watch = Validation(
