@@ -114,7 +114,7 @@ def test_accumulated_gradients_equal_one_batch_of_as_many():
 def test_published_rates_are_multiplied_as_in_the_published_code():
     rates = {}
     training = Training(PUBLISHED, seed=1)
-    groups = {id(group["params"][0]): group for group in training._optimiser.param_groups}
+    groups = {id(parameter): group for group in training._optimiser.param_groups for parameter in group["params"]}
     for name, parameter in training.network.named_parameters():
         rates[name] = groups[id(parameter)]["lr"], groups[id(parameter)]["weight_decay"]
     assert rates["stages.0.0.weight"] == (1e-6, 2e-4)

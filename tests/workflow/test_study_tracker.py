@@ -1,0 +1,54 @@
+"""The studies of the tracker from start to end in the tiny configuration, and its tables of picks."""
+
+import shutil
+
+import numpy as np
+import pandas as pd
+import pytest
+from runs import run_snakemake
+
+SETS = {"rd", "rd_gd", "rd_pd", "rd_pd_gd"}
+
+
+def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
+    picks = pd.read_csv(tiny_run / "results/tables/picks.csv")
+    assert set(picks["training_set"]) == SETS
+    zones = pd.read_csv(tiny_run / "results/tables/picks_by_zone.csv")
+    depths = pd.read_csv(tiny_run / "results/tables/picks_by_depth.csv")
+    for parts in (zones, depths):
+        whole = parts.groupby("training_set")[["n_layers", "n_true", "n_found", "n_false_layers"]].sum()
+        assert whole.equals(picks.groupby("training_set")[list(whole.columns)].sum())
+    scores = pd.read_csv(tiny_run / "results/tables/table3_zones.csv")
+    assert scores.groupby(["training_set", "metric"])["n_images"].sum().eq(3).all()
+    tests = pd.read_csv(tiny_run / "results/tables/table3_tests.csv")
+    assert set(tests["training_set"]) == SETS - {"rd"}
+
+
+@pytest.mark.study
+def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
+    shutil.copytree(tiny_run, tmp_path / "run")
+    done = run_snakemake(tmp_path / "run", "--", "study_tracker", timeout=3600)
+    assert done.returncode == 0, done.stderr[-4000:]
+    folder = tmp_path / "run/results/studies/tracker"
+    ablation = pd.read_csv(folder / "ablation.csv")
+    assert {"default", "masked", "full_labels", "uppermost", "phy_as_printed"} <= set(ablation["setting"])
+    assert np.isfinite(ablation["mean"]).all()
+    # One setting a training set at most, beside the four defaults, and none that changes labels, steps or PHY.
+    chosen = pd.read_csv(folder / "chosen.csv")
+    chosen = chosen[chosen["metric"] == "ods"].groupby("training_set")["setting"].agg(list)
+    assert set(chosen.index) == SETS
+    for settings in chosen:
+        assert "default" in settings
+        assert len(settings) <= 2
+        assert not {"full_labels", "steps_half", "steps_double", "phy_as_printed"} & set(settings)
+    seeds = pd.read_csv(folder / "seeds.csv")
+    row = seeds[(seeds["training_set"] == "rd_pd") & (seeds["base"] == "rd") & (seeds["metric"] == "ods")]
+    assert len(row) == 1
+    assert (row["low"] <= row["difference"]).all()
+    assert (row["detectable"] > 0).all()
+    stability = pd.read_csv(folder / "stability.csv")
+    assert set(stability.loc[stability["status"] == "refused", "panel"]) == {"empty labels", "flat image"}
+    speed = pd.read_csv(tmp_path / "run/results/tables/speed_accuracy_tracker.csv")
+    assert set(speed["setting"]) == {"default", "width_4", "width_16", "width_32", "unet_8"}
+    for name in ("tracker_ablation", "tracker_seeds", "speed_accuracy_tracker", "stability_tracker"):
+        assert (tmp_path / f"run/results/figures/{name}.svg").stat().st_size > 1000
