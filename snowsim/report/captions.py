@@ -15,8 +15,8 @@ def paper_figures(caption):
 
 
 def title_of(caption):
-    """The first clause of a caption, without what it says of the paper's figures, at most 110 characters."""
-    plain = re.sub(r"\s*\(paper, [^)]*\)", "", " ".join(caption.split()))
+    """The first clause of a caption, without what stands in brackets, at most 110 characters."""
+    plain = re.sub(r"\s*\([^)]*\)", "", " ".join(caption.split()))
     title = re.split(r"[:.;](?:\s|$)", plain, maxsplit=1)[0]
     if len(title) > LONGEST_TITLE:
         title = title[:LONGEST_TITLE].rsplit(" ", 1)[0] + " ..."

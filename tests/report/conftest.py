@@ -83,6 +83,11 @@ def planted_page(planted_tables, tmp_path_factory):
         folder / "gallery.json",
         {"source": "planted", "bin_size_s": 2.886e-10, "scenes": [planted_scene(number, rng) for number in range(4)]},
     )
+    study = folder / "studies/seeds/spread.csv"
+    write_table(study, pd.DataFrame({"seed": [1, 2], "ods": [0.8, 0.81]}))
+    (folder / "fall.rst").write_text("A fall: from a study.\n")
+    write_figure(folder / "fall.svg", figure)
+    figure = {"file": str(folder / "fall.svg"), "caption": str(folder / "fall.rst")}
     images = [{"scene": f"s{i}", "method": m, "psnr": 20.0 + i, "rmse": 20.0, "ssim": 0.4}
               for i in range(3) for m in ("cgan", "phy")]  # fmt: skip
     write_table(folder / "similarity.parquet", pd.DataFrame(images))
@@ -99,7 +104,7 @@ def planted_page(planted_tables, tmp_path_factory):
         config={"seed": 7, "source": "reference", "phy": {"align": "peak"}},
         note="synthetic reference flight",
         figures=[{"file": str(folder / "wave.svg"), "caption": str(folder / "wave.rst"), "stage": "charts"}],
-        studies={"files": {}, "figures": [], "parts": ["ablation"]},
+        studies={"files": {str(study): "digest"}, "figures": [{**figure, "stage": "study_seeds"}], "parts": ["seeds"]},
         stages={"draw": "labels"},
         benchmarks=folder / "benchmarks",
     )

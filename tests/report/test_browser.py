@@ -151,6 +151,12 @@ def test_a_figure_opens_large_and_escape_closes_it(opened):
     assert page.locator("dialog").count() == 0
 
 
+def test_what_a_study_made_is_shown_with_its_study_s_name(opened):
+    page = opened.page
+    assert page.locator("#studies #figure-fall img").is_visible()
+    assert page.locator("#studies a.download").get_attribute("download") == "seeds_spread.csv"
+
+
 def test_headings_descend_one_level_at_a_time(opened):
     levels = opened.page.evaluate("[...document.querySelectorAll('h1,h2,h3,h4')].map(h => Number(h.tagName[1]))")
     assert levels[0] == 1

@@ -38,6 +38,7 @@ def test_a_caption_names_the_paper_s_figures(caption, numbers):
 def test_a_title_is_the_first_clause_without_the_paper_s_figure():
     assert title_of("Where frames lie (paper, Fig. 4). The coast\n is schematic.") == "Where frames lie"
     assert title_of("Closed loop: statistics of 0.5 dB.") == "Closed loop"
+    assert title_of("Time (fastest of 27 runs; all in the table) of a scene. More.") == "Time of a scene"
     assert title_of("Errors of 0.5 dB and more") == "Errors of 0.5 dB and more"
     assert len(title_of("word " * 60)) <= 114
 

@@ -168,13 +168,24 @@ def test_a_spectrum_is_flat_below_three_decibels(value, verdict):
     assert doppler(table).verdict == verdict
 
 
-def test_cost_alone_decides_nothing():
+@pytest.mark.parametrize(
+    ("seconds", "error_db", "verdict"),
+    [(1.0, 0.1, CONFIRMED), (1.0, 0.6, OPEN), (0.05, 0.1, OPEN), (0.05, 0.6, CONTRADICTED)],
+)
+def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, verdict):
     table = pd.DataFrame(
-        {"method": ["PHY", "nature run"], "setting": ["0.05 dB", "-"], "seconds": [1e-6, 1e-3], "n_pixels": 100}
+        {
+            "part": ["stacks", "stacks", "scene", "scene", "scene"],
+            "sweep": ["fine layering", "fine layering", "whole scene", "whole scene", "extrapolated"],
+            "value": [100, 50, 0, 1, 0],
+            "method": ["convolution", "convolution", "PHY", "PHY", "transfer matrix, stack"],
+            "seconds": [1e-9, 1e-9, 1e-3, 2e-3, seconds],
+            "error_db": [9.0, error_db, 0.05, 0.05, 0.0],
+        }
     )
     found = expensive(table)
-    assert found.verdict == OPEN
-    assert "1000 times" in found.evidence
+    assert found.verdict == verdict
+    assert f"{seconds / 1e-3:,.0f} times" in found.evidence
 
 
 def test_a_claim_without_its_table_says_which_is_missing():

@@ -6,7 +6,13 @@ rule compare_renders:
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
-        code=package("metrics", "io.files", "io.scenes"),
+        code=package(
+            "metrics.renders",
+            "metrics.image",
+            "metrics.texture",
+            "io.files",
+            "io.scenes",
+        ),
     output:
         positions="results/tables/render_positions.csv",
         textures="results/tables/render_texture.csv",
@@ -84,7 +90,7 @@ rule make_gallery:
         phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
         statistics="results/statistics.nc",
-        code=package("report", "io"),
+        code=package("report.gallery", "io.embed", "io.files", "io.pages", "io.scenes"),
     output:
         gallery="results/gallery.json",
     log:

@@ -3,8 +3,8 @@
 
 rule plot_pixel_grid:
     input:
-        echogram="results/flight/{frame}.nc".format(frame=FRAMES[len(FRAMES) // 2]),
-        layers="results/flight/{frame}_layers.nc".format(frame=FRAMES[len(FRAMES) // 2]),
+        echogram=lambda wildcards: f"results/flight/{FRAMES[len(FRAMES) // 2]}.nc",
+        layers=lambda wildcards: f"results/flight/{FRAMES[len(FRAMES) // 2]}_layers.nc",
         code=package("plotting", "io.figures", "io.files"),
     output:
         table="results/tables/pixel_grid.csv",
@@ -82,7 +82,12 @@ rule plot_synthetic:
 
 rule paper_figures:
     input:
-        rules.plot_pixel_grid.output,
+        # Where the flight's echogram can be drawn, so can its pixels.
+        *[
+            file
+            for file in rules.plot_pixel_grid.output
+            if rules.plot_flight.output.echogram in list(rules.charts.input)
+        ],
         rules.plot_annotation.output,
         rules.plot_synthetic.output,
     message:

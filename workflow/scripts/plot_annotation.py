@@ -29,12 +29,16 @@ def plot(paths_to_train, path_to_figure, source):
         ranked = sorted(rich, key=lambda i: (shares[i], i))
         scene = scenes[ranked[len(ranked) // 2]]
         share = shares[ranked[len(ranked) // 2]]
-    figure, axes = new_figure(1, 3, width=7.5, height=3.4, sharey=True)
-    titles = ("echogram", f"semi-automatic annotation, {100 * share:.0f} %", "corrected annotation")
-    for ax, title in zip(axes[0], titles, strict=True):
+    whole = scene.complete_layer_bins is not None
+    annotated = f"semi-automatic annotation, {100 * share:.0f} %" if whole else "annotation"
+    panels = [("echogram", None), (annotated, scene.layer_bins)]
+    if whole:
+        panels.append(("corrected annotation", scene.complete_layer_bins))
+    figure, axes = new_figure(1, len(panels), width=2.5 * len(panels), height=3.4, sharey=True)
+    for ax, (title, layer_bins) in zip(axes[0], panels, strict=True):
         plot_echogram(ax, scene.image, title)
-    plot_picks(axes[0, 1], scene.layer_bins)
-    plot_picks(axes[0, 2], complete_layers(scene))
+        if layer_bins is not None:
+            plot_picks(ax, layer_bins)
     axes[0, 0].set_ylabel("range bin")
     note_source(figure, f"{source}, train scene {scene.name}")
     write_figure(path_to_figure, figure)

@@ -35,6 +35,12 @@ def described_figures(figures):
     return described
 
 
+def table_name(path):
+    """Name of a table for the download: its own, or that of a study's with the study before it."""
+    parts = Path(path).parts
+    return "_".join(parts[parts.index("studies") + 1 :]) if "studies" in parts else parts[-1]
+
+
 def described_tables(paths):
     """Tables with their content for the download, their size and first rows."""
     described = []
@@ -42,7 +48,7 @@ def described_tables(paths):
         table = read_table(path)
         described.append(
             {
-                "name": Path(path).name,
+                "name": table_name(path),
                 "uri": file_uri(path),
                 "n_bytes": Path(path).stat().st_size,
                 "n_rows": len(table),

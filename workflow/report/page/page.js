@@ -145,11 +145,12 @@ function startGallery() {
     moveCursor();
   });
   element("viewer").hidden = false;
-  const middle = Math.floor(gallery.scenes.length / 2);
-  cursor.row = Math.floor(gallery.scenes[middle].n_range_bins / 3);
-  cursor.line = Math.floor(gallery.scenes[middle].n_range_lines / 2);
+  // A scene of many layers, but not of the most.
+  const first = Math.floor(0.7 * gallery.scenes.length);
+  cursor.row = Math.floor(gallery.scenes[first].n_range_bins / 3);
+  cursor.line = Math.floor(gallery.scenes[first].n_range_lines / 2);
   switchLayers();
-  show(middle);
+  show(first);
 }
 
 // Figures enlarge in a dialog, which Escape closes.
