@@ -34,7 +34,7 @@ def plot_cases(ax, bounds, metric):
     for style, bound in zip(("-", ":"), rows[rows["method"] == "bound"].itertuples(), strict=True):
         ax.axvline(getattr(bound, metric), color="0.4", linestyle=style, linewidth=1, label=bound.case)
     ax.set_yticks(range(len(cases)), cases)
-    ax.invert_yaxis()
+    ax.set_ylim(len(cases) - 0.5, -2)  # room for a legend
     ax.set_xlabel(NAMES[metric])
 
 
@@ -46,8 +46,9 @@ def plot_parts(ax, parts):
     for name, colour in zip(names, PART_COLOURS, strict=True):
         ax.barh([NAMES[method] for method in wide.index], wide[name], left=left, color=colour, label=name, height=0.5)
         left = left + wide[name].to_numpy()
+    ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
     ax.set_xlabel("mean square error [grey levels squared]")
-    ax.legend(fontsize=6)
+    ax.legend(fontsize=6, loc="upper right")
 
 
 def plot_annotation(ax, bounds, metric):

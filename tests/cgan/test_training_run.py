@@ -124,40 +124,42 @@ def collapse_after(monkeypatch):
                 judges.append(self)
 
         judges = []
+        monkeypatch.setattr(train_cgan, "WINDOW_STEPS", 20)
+        monkeypatch.setattr(train_cgan, "measure_losses", lambda losses, adversarial: {})
         monkeypatch.setattr(train_cgan, "measure_renders", measured)
         monkeypatch.setattr(train_cgan, "Judge", Watched)
 
     return plant
 
 
-LONGER = {**SETTINGS, "n_steps": 400, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
+SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
+OFTEN = {"n_scenes": 2, "every_steps": 10, "by": "psnr", "patience": None}
 
 
 def test_a_collapse_says_so_and_fails(tmp_path, collapse_after):
-    collapse_after(250)
-    with pytest.raises(ValueError, match=r"cGAN training collapsed at step 300: mask ignored") as error:
-        train(**arguments(tmp_path / "run", settings=LONGER))
+    collapse_after(45)
+    with pytest.raises(ValueError, match=r"cGAN training collapsed at step 60: mask ignored") as error:
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN))
     assert "\n" not in str(error.value)
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["events"]
 
 
 def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, collapse_after, caplog):
-    collapse_after(250)
+    collapse_after(45)
     with caplog.at_level("WARNING", logger="snowsim"):
-        train(**arguments(tmp_path / "run", settings=LONGER, on_collapse="fall_back"))
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN, on_collapse="fall_back"))
     _, metadata = read_model(tmp_path / "run/generator.safetensors")
-    assert metadata["collapse"].startswith("step 300: mask ignored")
-    assert metadata["step"] <= 200
+    assert metadata["collapse"].startswith("step 60: mask ignored")
+    assert metadata["step"] <= 40
     assert f"the weights after step {metadata['step']} are kept" in caplog.text
-    assert read_table(tmp_path / "run/validation.csv")["step"].tolist() == [50, 100, 150, 200, 250]
+    assert read_table(tmp_path / "run/validation.csv")["step"].tolist() == [10, 20, 30, 40, 50]
 
 
 def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(tmp_path, collapse_after):
     collapse_after(0)
-    # The validations at 50, 100 and 150 are too early to judge losses: those weights count as good.
-    short = {"n_scenes": 2, "every_steps": 200, "by": "psnr", "patience": None}
-    with pytest.raises(ValueError, match="collapsed at step 400"):
-        train(**arguments(tmp_path / "run", settings=LONGER, on_collapse="fall_back", validation=short))
+    rarely = {**OFTEN, "every_steps": 40}  # from step 20 on losses are judged: no weights count as good
+    with pytest.raises(ValueError, match="collapsed at step 80"):
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=rarely, on_collapse="fall_back"))
 
 
 def test_setting_every_scene_aside_is_refused(tmp_path):

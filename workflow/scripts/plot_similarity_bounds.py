@@ -15,7 +15,7 @@ def plot(path_to_bounds, path_to_parts, path_to_air, path_to_figure, source):
         plot_cases(ax, bounds, metric)
         if ax is not axes[0, 0]:
             ax.set_yticklabels([])
-    axes[0, 0].legend(fontsize=6)
+    axes[0, 0].legend(fontsize=6, loc="upper left")
     plot_parts(axes[1, 0], parts)
     plot_annotation(axes[1, 1], bounds, "psnr")
     plot_air(axes[1, 2], air, "air_blotches", "blotches in the air [grey levels]")
