@@ -64,6 +64,32 @@ def counts_by_image(table):
     return [{name: group[name].to_numpy() for name in COUNTS} for _, group in ordered.groupby("scene", sort=True)]
 
 
+def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
+    """Counts of several trainings, as `tracker_intervals` takes them.
+
+    Parameters
+    ----------
+    tables : sequence of pandas.DataFrame
+        Counts of every training, columns `scene, output, threshold` and the counts; replicas of the first training set
+        first.
+    training_sets : sequence of str
+    n_replicas : int
+        Trainings of each set.
+    outputs : sequence of str
+
+    Returns
+    -------
+    dict
+        (training set, output) -> list over replicas of lists over images of count dicts.
+    """
+    counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
+    keys = [training_set for training_set in training_sets for _ in range(n_replicas)]
+    for training_set, table in zip(keys, tables, strict=True):
+        for output in outputs:
+            counts[training_set, output].append(counts_by_image(table[table["output"] == output]))
+    return counts
+
+
 def tracker_table(intervals):
     """Table III in the paper's layout from the long table of `tracker_intervals`: a row per output."""
     wide = intervals.assign(column=intervals["training_set"] + "_" + intervals["metric"])

@@ -6,7 +6,10 @@ import pandas as pd
 
 STUDY = config["studies"]["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
-ABLATION = {"default": {"training_sets": list(TRAINING_SETS)}, **STUDY["ablation"]}
+ABLATION = {
+    "default": {"training_sets": list(TRAINING_SETS)},
+    **{setting["name"]: setting for setting in STUDY["ablation"]},
+}
 ABLATION_RUNS = [
     (setting, training_set)
     for setting, changes in ABLATION.items()
@@ -14,10 +17,16 @@ ABLATION_RUNS = [
 ]
 # Networks of other cost, on real scenes alone.
 NETWORKS = {
-    name: {"training_sets": ["rd"], "training": training}
-    for name, training in STUDY["networks"].items()
+    network["name"]: {"training_sets": ["rd"], **network}
+    for network in STUDY["networks"]
 }
 STUDIED = {**ABLATION, **NETWORKS}
+names = [setting["name"] for setting in STUDY["ablation"] + STUDY["networks"]]
+for name in names:
+    if names.count(name) > 1:
+        raise WorkflowError(
+            f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"
+        )
 # What a reader of the paper would take for the same experiment.
 CANDIDATES = [
     setting
@@ -64,6 +73,7 @@ def study_data(wildcards):
     kept = {"order", "labels", "zones", "n_layers", "added_per_real"}
     return {
         "added_per_real": config["tracker"]["added_per_real"],
+        "n_layers": config["tracker"]["added_layers"],
         **{key: value for key, value in changes.items() if key in kept},
     }
 

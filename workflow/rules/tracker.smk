@@ -27,7 +27,10 @@ rule train_tracker:
         seed=config["seed"],
         device=config["tracker"]["device"],
         n_epochs=config["tracker"]["n_epochs"],
-        data={"added_per_real": config["tracker"]["added_per_real"]},
+        data={
+            "added_per_real": config["tracker"]["added_per_real"],
+            "n_layers": config["tracker"]["added_layers"],
+        },
         settings=config["tracker"]["training"],
         checkpoint=lambda wildcards: f"results/checkpoints/train_tracker_{wildcards.training_set}_{wildcards.replica}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import torch
 from job import job, progress
-from render_phy import render_scene
 
-from snowsim.echogram import SURFACE_ROW, Scene, scene_height
+from snowsim.echogram import SURFACE_ROW, layer_mask, scene_height, to_uint8
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.phy import draw_parameters, plan, render_plan
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings, Training, TrainingSet, track, train_steps, trained_network
 
@@ -47,9 +47,13 @@ def outcome(work):
 
 
 def level_scene(n_layers, statistics, phy, rng, n_range_lines=256):
-    """A scene of level layers, rendered by PHY."""
+    """Image and mask of level layers, rendered by PHY."""
     layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(n_range_lines)
-    return render_scene(Scene(f"{n_layers} layers", scene_height(layer_bins), layer_bins), statistics, phy, rng)
+    parameters = draw_parameters(statistics, n_layers + 1, width=phy["width"], n_looks=phy["n_looks"], rng=rng)
+    options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
+    n_range_bins = scene_height(layer_bins)
+    power = render_plan(plan(layer_bins, parameters, n_range_bins, **options), rng=rng)
+    return to_uint8(power)[0], layer_mask(layer_bins, n_range_bins)
 
 
 def stress(
@@ -84,8 +88,7 @@ def stress(
     statistics = read_dataset(path_to_statistics)
     for n_layers in progress(stability["n_layers"], "layers"):
         rng = random_stream(seed, "stress_tracker", n_layers)
-        scene = level_scene(n_layers, statistics, phy, rng)
-        pairs = [(scene.image, scene.mask())]
+        pairs = [level_scene(n_layers, statistics, phy, rng)]
         add("layers", n_layers, 0, *outcome(lambda pairs=pairs: fused_ods(network, trained.precision, pairs)))
     write_table(path_to_table, pd.DataFrame(rows))
 

@@ -2,18 +2,17 @@
 
 import pandas as pd
 from job import job
-from tabulate_trackers import read_counts
 
 from snowsim.io.files import read_dataset, read_table, write_table
 from snowsim.metrics.pick_tables import ZONES, zone_of
-from snowsim.metrics.tables import tracker_intervals
+from snowsim.metrics.tables import counts_of_runs, tracker_intervals
 from snowsim.seeding import random_stream
 
 
 def tabulate(
     paths_to_counts, path_to_picks, path_to_statistics, path_to_table, training_sets, replicas, n_bootstrap, seed
 ):
-    counts = read_counts(paths_to_counts, training_sets, replicas, outputs=["fuse"])
+    counts = counts_of_runs(map(read_table, paths_to_counts), training_sets, len(replicas), outputs=["fuse"])
     # Counts come by name of the scene, as these do.
     thickness = read_table(path_to_picks).groupby("scene", sort=True)["first_thickness_bins"].first()
     zones = zone_of(thickness, read_dataset(path_to_statistics)["zone_edge_bins"].values)

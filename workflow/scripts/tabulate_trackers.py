@@ -7,19 +7,8 @@ from job import job
 from snowsim.io.files import read_table, write_table
 from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import precision_recall
-from snowsim.metrics.tables import OUTPUTS, counts_by_image, tracker_intervals, tracker_table
+from snowsim.metrics.tables import counts_of_runs, tracker_intervals, tracker_table
 from snowsim.seeding import random_stream
-
-
-def read_counts(paths, training_sets, replicas, outputs=OUTPUTS):
-    """(training set, output) -> list over replicas of lists over images of counts."""
-    counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
-    keys = [training_set for training_set in training_sets for _ in replicas]
-    for training_set, path in zip(keys, paths, strict=True):
-        table = read_table(path)
-        for output in outputs:
-            counts[training_set, output].append(counts_by_image(table[table["output"] == output]))
-    return counts
 
 
 def fused_curves(counts, training_sets):
@@ -43,7 +32,7 @@ def tabulate(
     paths_to_counts, path_to_table3, path_to_intervals, path_to_tests, path_to_curves, training_sets, replicas,
     n_bootstrap, seed,
 ):  # fmt: skip
-    counts = read_counts(paths_to_counts, training_sets, replicas)
+    counts = counts_of_runs(map(read_table, paths_to_counts), training_sets, len(replicas))
     rng = random_stream(seed, "tabulate_trackers")
     intervals = tracker_intervals(counts, training_sets, n_bootstrap=n_bootstrap, rng=rng)
     write_table(path_to_intervals, intervals)

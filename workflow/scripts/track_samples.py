@@ -14,9 +14,10 @@ N_ROWS = 300  # the least height of a scene: panels then have one scale
 
 
 def choose_scenes(scenes, n_scenes):
-    """Places of the scenes at evenly spaced ranks of the number of layers, neither the fewest nor the most."""
+    """Places of scenes at evenly spaced ranks of the number of layers, neither the fewest nor the most; each once."""
     ranked = sorted(range(len(scenes)), key=lambda place: (scenes[place].layer_bins.shape[0], place))
-    return [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, n_scenes + 2)[1:-1]]
+    ranks = np.linspace(0, len(ranked) - 1, n_scenes + 2)[1:-1]
+    return list(dict.fromkeys(ranked[round(rank)] for rank in ranks))
 
 
 def track_samples(paths_to_scenes, paths_to_networks, path_to_samples, training_sets, device, n_scenes):
