@@ -52,7 +52,7 @@ def stages(config):
     lines = config["flight"]["n_range_lines"]
     frame, rendered = f"frame of {lines} lines", n_labels + n["test"]
     return {
-        "flight": ("reference_frame", config["flight"]["n_frames"], frame, "flight/????*.nc"),
+        "flight": ("reference_frame", config["flight"]["n_frames"], frame, "flight/[0-9]*.nc"),
         "benchmark": ("reference_scenes", sum(n.values()), "scene", "benchmark/**/*.nc"),
         "statistics": ("summarise_frame", config["flight"]["n_frames"], frame, "statistics/*.nc"),
         "labels": ("draw_labels", n_labels, "scene", "labels/*.nc"),
@@ -142,11 +142,15 @@ def write(run):
         yield f"| {stage} | {n} x {unit} | {seconds:.4f} | {size / 1e3:.1f} | {start:.1f} | {memory:.0f} |"
     rows = read_benchmarks(run)
     whole, work = sum(row[1] for row in rows), sum(row[2] for row in rows)
-    yield from ("", f"Of {whole:.0f} s in {len(rows)} jobs {whole - work:.0f} s ({1 - work / whole:.0%}) start Python ")
-    yield from ("and import what the job needs.", "", "## Many label sets", "")
-    yield "| label sets | jobs | plan, wall [s] | plan, CPU [s] | memory of Snakemake [MB] | labels [MB] "
-    yield "| scenes of both methods [GB] | PHY [core h] | cGAN [core h] | Snakemake's share of a labels run |"
-    page = "|---" * 10 + "|"
+    share = f"{whole - work:.0f} s ({1 - work / whole:.0%})"
+    yield from ("", f"Of {whole:.0f} s in {len(rows)} jobs, {share} start Python and import what the job needs.")
+    yield from ("", "## Many label sets", "")
+    columns = (
+        "label sets", "jobs", "plan, wall [s]", "plan, CPU [s]", "memory of Snakemake [MB]", "labels [MB]",
+        "scenes of both methods [GB]", "PHY [core h]", "cGAN [core h]", "Snakemake's share of a labels run",
+    )  # fmt: skip
+    yield "| " + " | ".join(columns) + " |"
+    yield "|---" * len(columns) + "|"
     plans = {n: measure_plan(n) for n in MEASURED}
     drawn = {n: measure_labels(run, n) for n in MEASURED}
     lines = []
@@ -163,7 +167,7 @@ def write(run):
             f"| {n} | {jobs:.0f} | {wall:.1f} | {cpu:.1f} | {memory:.0f} | {size / 1e6:.0f} | {both:.2f} "
             f"| {hours[0]:.2f} | {hours[1]:.2f} | {share} |"
         )
-    yield from (page, *lines, "")
+    yield from (*lines, "")
     yield f"Shards hold {shard_size()} scenes; `labels.shard_size` sets it. The last row is a straight line through "
     yield "the other two. A job's memory does not grow with the number of scenes: one is held at a time."
     yield from project_archive(config, costs)
