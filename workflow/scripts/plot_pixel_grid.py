@@ -35,7 +35,7 @@ def plot(path_to_echogram, path_to_layers, path_to_table, path_to_figure, source
     layer_bins = layer_bins[layers, line : line + N_LINES]
     power = echogram["Data"].transpose("twtt", "slow_time").values[:, line : line + N_LINES]
     first, last = chosen_bins(layer_bins, power.shape[0])
-    power_db = 10 * np.log10(power[first:last])
+    power_db = 10 * np.log10(np.where(power[first:last] > 0, power[first:last], np.nan))  # blank where there is no echo
     bins, lines = np.meshgrid(np.arange(first, last), np.arange(N_LINES), indexing="ij")
     table = {"range_bin": bins.ravel(), "range_line": lines.ravel() + line, "power_db": power_db.ravel()}
     for layer, tracked in zip(layers, layer_bins, strict=True):
