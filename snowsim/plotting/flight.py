@@ -49,8 +49,8 @@ def plot_positions(ax, table):
 def plot_pixel_grid(ax, power_db, layer_bins, first_bin):
     """Pixels of a few range lines, their edges drawn, and the pixel each layer is tracked in (Fig. 5).
 
-    Rows of `power_db` (range_bin, range_line) begin at range bin `first_bin`; `layer_bins` (layer, range_line) are of
-    the same lines.
+    Rows of `power_db` (range_bin, range_line) begin at range bin `first_bin`; `layer_bins` gives the bins of a layer in
+    the same lines by the layer's number.
     """
     n_bins, n_lines = np.shape(power_db)
     image = ax.imshow(power_db, aspect="auto", interpolation="none", cmap="gray",
@@ -60,14 +60,15 @@ def plot_pixel_grid(ax, power_db, layer_bins, first_bin):
     ax.set_yticks(np.arange(first_bin - 0.5, first_bin + n_bins), minor=True)
     ax.grid(which="minor", color="0.55", linewidth=0.4)
     ax.tick_params(which="minor", length=0)
-    for layer, (bins, colour) in enumerate(zip(layer_bins, LAYER_COLOURS, strict=False)):
+    for (layer, bins), colour in zip(layer_bins.items(), LAYER_COLOURS, strict=False):
         for line, tracked in enumerate(np.rint(bins)):
             if np.isfinite(tracked):
                 corner = (line - 0.5, tracked - 0.5)
                 ax.add_patch(Rectangle(corner, 1, 1, fill=False, edgecolor=colour, linewidth=1.8, zorder=3))
         ax.plot([], [], "s", markerfacecolor="none", color=colour, label=f"layer {layer}")
     ax.set(xlabel="range line", ylabel="range bin", xticks=range(n_lines))
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(layer_bins), handletextpad=0.1, columnspacing=1)
+    if layer_bins:
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(layer_bins), handletextpad=0.1, columnspacing=1)
 
 
 def plot_lines_power(ax, power_db, layer_bins, first_bin):

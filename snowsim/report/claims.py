@@ -135,7 +135,9 @@ def judge_claims(tables):
         missing = [name for name in needed if name not in tables]
         if missing:
             words = (judge.func if isinstance(judge, partial) else judge).__doc__.split(":")[0].rstrip(".")
-            sentence = getattr(judge, "keywords", {}).get("sentence", f"{words}.")
+            given = getattr(judge, "keywords", {})
+            score = f" ({given['metric'].upper()})" if "metric" in given else ""
+            sentence = given.get("sentence", f"{words}{score}.")
             verdict = Verdict(sentence, MISSING, f"Needs {', '.join(missing)}, which this run did not make.", "")
         else:
             verdict = judge(*(tables[name] for name in needed))

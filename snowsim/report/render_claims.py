@@ -8,8 +8,8 @@ METHODS = {"phy": "PHY", "cgan": "cGAN", "observed": "the observed scene itself"
 
 
 def _by_method(table, value):
-    """A column of a table by scene, one column per method; other columns have to be fixed beforehand."""
-    return table.pivot_table(index="scene", columns="method", values=value, aggfunc="mean")
+    """A column of a table by scene, one column per method, NaN where it was not measured; a row a scene and method."""
+    return table.pivot(index="scene", columns="method", values=value).reindex(columns=list(METHODS))
 
 
 def curvature(positions):

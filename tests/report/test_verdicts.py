@@ -97,6 +97,16 @@ def test_infinite_psnr_of_an_identical_image_is_left_out():
     assert "39 scenes" in found.evidence
 
 
+def test_what_could_not_be_measured_is_not_resolved():
+    # A renderer whose images are constant above the surface has no texture there.
+    rows = [
+        {"scene": f"s{i}", "method": method, "region": "above", "deviation": 1.0, "autocorrelation_line": value}
+        for i in range(4)
+        for method, value in (("observed", 0.01 * i), ("phy", 0.0), ("cgan", np.nan))
+    ]
+    assert render_claims.needless_texture(pd.DataFrame(rows)).verdict == OPEN
+
+
 def positions(cgan, phy):
     rows = [
         {

@@ -13,32 +13,37 @@ from snowsim.plotting.flight import plot_lines_power, plot_pixel_grid
 N_LINES, N_LAYERS, MARGIN_BINS = 4, 3, 6
 
 
-def first_picked_lines(layer_bins):
-    """Index of the first of four range lines in a row in which all three layers are picked."""
-    picked = np.isfinite(layer_bins[:N_LAYERS]).all(axis=0)
-    together = np.lib.stride_tricks.sliding_window_view(picked, N_LINES).all(axis=1)
-    if not together.any():
-        msg = f"expected {N_LINES} range lines in a row with {N_LAYERS} picked layers, found none"
-        raise ValueError(msg)
-    return int(np.argmax(together))
+def chosen_pixels(layer_bins):
+    """First of the four range lines in a row with most picked layers, and the uppermost three of these layers."""
+    picked = np.lib.stride_tricks.sliding_window_view(np.isfinite(layer_bins), N_LINES, axis=1).all(axis=2)
+    # More than three layers are no better than three: the first such lines are taken.
+    line = int(np.argmax(np.minimum(picked.sum(axis=0), N_LAYERS)))
+    return line, np.flatnonzero(picked[:, line])[:N_LAYERS]
+
+
+def chosen_bins(layer_bins, n_range_bins):
+    """Range bins to show: those of the layers and some around; the uppermost where no layer is picked."""
+    if layer_bins.size == 0:
+        return 0, min(8 * MARGIN_BINS, n_range_bins)
+    return max(int(layer_bins.min()) - MARGIN_BINS, 0), min(int(layer_bins.max()) + 2 * MARGIN_BINS, n_range_bins)
 
 
 def plot(path_to_echogram, path_to_layers, path_to_table, path_to_figure, source):
     echogram = read_dataset(path_to_echogram)
     layer_bins = layer_bins_of(read_dataset(path_to_layers), echogram)
-    line = first_picked_lines(layer_bins)
-    layer_bins = layer_bins[:N_LAYERS, line : line + N_LINES]
-    first, last = int(layer_bins.min()) - MARGIN_BINS, int(layer_bins.max()) + 2 * MARGIN_BINS
-    power = echogram["Data"].transpose("twtt", "slow_time").values[first:last, line : line + N_LINES]
-    power_db = 10 * np.log10(power)
+    line, layers = chosen_pixels(layer_bins)
+    layer_bins = layer_bins[layers, line : line + N_LINES]
+    power = echogram["Data"].transpose("twtt", "slow_time").values[:, line : line + N_LINES]
+    first, last = chosen_bins(layer_bins, power.shape[0])
+    power_db = 10 * np.log10(np.where(power[first:last] > 0, power[first:last], np.nan))  # blank where there is no echo
     bins, lines = np.meshgrid(np.arange(first, last), np.arange(N_LINES), indexing="ij")
     table = {"range_bin": bins.ravel(), "range_line": lines.ravel() + line, "power_db": power_db.ravel()}
-    for layer in range(N_LAYERS):
-        table[f"layer_{layer}"] = (bins == np.rint(layer_bins[layer])).astype(int).ravel()
+    for layer, tracked in zip(layers, layer_bins, strict=True):
+        table[f"layer_{layer}"] = (bins == np.rint(tracked)).astype(int).ravel()
     write_table(path_to_table, pd.DataFrame(table))
 
     figure, axes = new_figure(1, 2, width=6.5, height=4.6, width_ratios=[1, 1.2])
-    plot_pixel_grid(axes[0, 0], power_db, layer_bins, first)
+    plot_pixel_grid(axes[0, 0], power_db, dict(zip(layers, layer_bins, strict=True)), first)
     plot_lines_power(axes[0, 1], power_db, layer_bins, first)
     note_source(figure, source)
     write_figure(path_to_figure, figure)
