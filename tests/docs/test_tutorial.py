@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -58,9 +59,21 @@ def run_block(language, code, folder):
     shell = ["bash", "-euo", "pipefail", "-c", code]
     command = shell if language == "bash" else [folder / ".venv/bin/python", "-c", code]
     environment = os.environ | {"PYTHONPATH": str(folder)}
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=SLOWEST_S, check=False
-    )
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    ) as running:
+        try:
+            output = running.communicate(timeout=SLOWEST_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(running.pid, signal.SIGKILL)  # and all that it started
+            raise
+    return subprocess.CompletedProcess(command, running.returncode, *output)
 
 
 @pytest.mark.slow
