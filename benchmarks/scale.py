@@ -44,6 +44,16 @@ def size_of(run, pattern):
     return sum(path.stat().st_size for path in (run / "results").glob(pattern))
 
 
+def idle_seconds(run):
+    """Core seconds of the longest logged run in which no job ran: planning, scheduling, waiting for others."""
+    logs = [path.read_text() for path in (run / ".snakemake/log").glob("*.log")]
+    log = max(logs, key=lambda text: text.count("Finished jobid"))
+    cores = int(re.search(r"Provided cores: (\d+)", log)[1])
+    hours, minutes, seconds = re.search(r"Elapsed time: (\d+):(\d+):([\d.]+)", log).groups()
+    elapsed = 3600 * int(hours) + 60 * int(minutes) + float(seconds)
+    return cores * elapsed - sum(row[1] for row in read_benchmarks(run))
+
+
 def stages(config):
     """Stage: rule, how many units of work, what a unit is, its files."""
     n = config["benchmark"]["n_scenes"]
@@ -98,14 +108,14 @@ def call(folder, n_scenes, *arguments):
 
 
 def measure_plan(n_scenes):
-    """Plan the whole workflow: (jobs, wall s, CPU s, memory of Snakemake [MB])."""
+    """Plan the whole workflow: (jobs, CPU s, memory of Snakemake [MB])."""
     with tempfile.TemporaryDirectory() as folder:
-        *used, output = call(Path(folder), n_scenes, "--dry-run")
+        _, *used, output = call(Path(folder), n_scenes, "--dry-run")
         return int(re.search(r"^total\s+(\d+)$", output, flags=re.MULTILINE)[1]), *used
 
 
 def measure_labels(run, n_scenes):
-    """Draw all label sets from a finished run's statistics: (jobs, wall s, share of it outside jobs, bytes)."""
+    """Draw all label sets from a finished run's statistics: (jobs, share of time outside them, bytes)."""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "results").mkdir()
@@ -113,7 +123,7 @@ def measure_labels(run, n_scenes):
         shards = [f"results/labels/{shard:04d}.nc" for shard in range(-(-n_scenes // shard_size()))]
         wall, *_ = call(folder, n_scenes, "--allowed-rules", "draw_labels", "--", *shards)
         inside = sum(row[1] for row in read_benchmarks(folder))
-        return len(shards), wall, 1 - inside / wall, size_of(folder, "labels/*.nc")
+        return len(shards), 1 - inside / wall, size_of(folder, "labels/*.nc")
 
 
 def default_config():
@@ -144,9 +154,11 @@ def write(run):
     whole, work = sum(row[1] for row in rows), sum(row[2] for row in rows)
     share = f"{whole - work:.0f} s ({1 - work / whole:.0%})"
     yield from ("", f"Of {whole:.0f} s in {len(rows)} jobs, {share} start Python and import what the job needs.")
+    idle = idle_seconds(run)
+    yield f"Beside them, cores waited {idle:.0f} s for Snakemake or for other jobs: {idle / len(rows):.2f} s per job."
     yield from ("", "## Many label sets", "")
     columns = (
-        "label sets", "jobs", "plan, wall [s]", "plan, CPU [s]", "memory of Snakemake [MB]", "labels [MB]",
+        "label sets", "jobs", "plan, CPU [s]", "memory of Snakemake [MB]", "labels [MB]",
         "scenes of both methods [GB]", "PHY [core h]", "cGAN [core h]", "Snakemake's share of a labels run",
     )  # fmt: skip
     yield "| " + " | ".join(columns) + " |"
@@ -156,15 +168,15 @@ def write(run):
     lines = []
     for n in (*MEASURED, PROJECTED):
         if n in plans:
-            jobs, wall, cpu, memory = plans[n]
-            size, share = drawn[n][3], f"{drawn[n][2]:.0%} of {drawn[n][1]:.0f} s, {drawn[n][0]} jobs"
+            jobs, cpu, memory = plans[n]
+            size, share = drawn[n][2], f"{drawn[n][1]:.0%}, {drawn[n][0]} jobs"
         else:
-            jobs, wall, cpu, memory = (line_through([(k, plans[k][i]) for k in MEASURED], n) for i in range(4))
-            size, share = line_through([(k, drawn[k][3]) for k in MEASURED], n), "projected"
+            jobs, cpu, memory = (line_through([(k, plans[k][i]) for k in MEASURED], n) for i in range(3))
+            size, share = line_through([(k, drawn[k][2]) for k in MEASURED], n), "projected"
         both = n * (costs["PHY"][3] + costs["cGAN"][3]) / 1e9
         hours = [n * costs[name][2] / 3600 for name in ("PHY", "cGAN")]
         lines.append(
-            f"| {n} | {jobs:.0f} | {wall:.1f} | {cpu:.1f} | {memory:.0f} | {size / 1e6:.0f} | {both:.2f} "
+            f"| {n} | {jobs:.0f} | {cpu:.1f} | {memory:.0f} | {size / 1e6:.0f} | {both:.2f} "
             f"| {hours[0]:.2f} | {hours[1]:.2f} | {share} |"
         )
     yield from (*lines, "")
@@ -182,7 +194,7 @@ def project_archive(config, costs):
     yield f"Assumed: {ARCHIVE_KM:,} km of track; all is proportional to it. At {per_km:.0f} lines per km these are "
     yield f"{n_frames:,.0f} frames of {config['flight']['n_range_lines']} lines or {n_scenes:,.0f} scenes of 256. "
     yield f"On {CORES} cores, jobs of 100 frames or 1000 scenes:"
-    yield from ("", f"| stage | core h | h on {CORES} cores | jobs | files [GB] |", "|---|---|---|---|---|")
+    yield from ("", f"| stage | core h | min on {CORES} cores | jobs | files [GB] |", "|---|---|---|---|---|")
     for name, stage, n, per_job in (
         ("statistics", "statistics", n_frames, 100),
         ("PHY render of every scene", "PHY", n_scenes, 1000),
@@ -191,7 +203,7 @@ def project_archive(config, costs):
     ):
         _, _, seconds, size, start, _ = costs[stage]
         hours = (n * seconds + n / per_job * start) / 3600
-        yield f"| {name} | {hours:,.0f} | {hours / CORES:.2f} | {n / per_job:,.0f} | {n * size / 1e9:,.1f} |"
+        yield f"| {name} | {hours:,.0f} | {hours / CORES * 60:.1f} | {n / per_job:,.0f} | {n * size / 1e9:,.1f} |"
     size = ARCHIVE_KM * per_km * 1000 * 4 / 1e12
     yield from (
         "",
