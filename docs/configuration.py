@@ -1,6 +1,7 @@
 """The configuration as Markdown tables, from its schema and the comments of config/config.yaml.
 
-``python docs/configuration.py`` prints them; the documentation takes them in when it is built.
+``python docs/configuration.py > config/README.md`` writes the page of that folder; the documentation takes the tables in
+when it is built.
 """
 
 import json
@@ -23,6 +24,21 @@ WORDS = {
     "object": "mapping",
     "null": "`null`",
 }
+
+PAGE = """\
+# Configuration
+
+`config.yaml` is the default and holds every key; the other files hold what differs and are given after it:
+
+```bash
+snakemake --cores 2 --configfile config/config.yaml config/tiny.yaml
+```
+
+Keys that are not listed here, and values outside the ranges, are refused before any job starts. Plain values at the top
+can be set with `--config seed=7`; nested ones need a file of their own. `examples/` holds a worked configuration for each
+source of data. This page is made by `docs/configuration.py`.
+
+"""
 
 BOUNDS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
 
@@ -162,4 +178,4 @@ def _plain(text):
 
 
 if __name__ == "__main__":
-    sys.stdout.write(markdown(read_settings()))
+    sys.stdout.write(PAGE + markdown(read_settings()))

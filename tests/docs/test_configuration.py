@@ -63,3 +63,9 @@ def test_comments_go_on_in_their_column_and_bounds_are_said(tmp_path):
     assert r"a\_\* section, `b_*`" in configuration.markdown([section, setting])
     assert (setting.comment, setting.default) == ("[m] length, measured", "null")
     assert setting.accepted == "number above 0 or `null`"
+
+
+def test_the_page_of_the_config_folder_is_up_to_date():
+    # Made by `python docs/configuration.py > config/README.md`; to be made again after a change of schema or config.yaml.
+    page = configuration.ROOT / "config/README.md"
+    assert page.read_text() == configuration.PAGE + configuration.markdown(configuration.read_settings())

@@ -1,5 +1,6 @@
 # What all rules lean on: the check of the configuration, names of scene sets and shards, code as input.
 
+import hashlib
 import json
 import math
 import os
@@ -127,6 +128,28 @@ def added_scenes(method):
         return rendered_files(method, "labels") if joins else []
 
     return files
+
+
+def other_band_images():
+    """Real echograms of another band, sorted: those of the configured folder; none by default."""
+    folder = config["realism"]["other_band_png"]
+    if folder is None:
+        return []
+    if not Path(folder).is_dir():
+        raise WorkflowError(
+            f"config: realism.other_band_png: expected a folder of PNG images, got {folder}"
+        )
+    return sorted(str(path) for path in Path(folder).glob("*_ORIGINAL.png"))
+
+
+def finished_study(path):
+    """A study's table where it has been made, with a digest of it, and nothing where not.
+
+    No input of a rule: the default run must not start a study, nor judge whether one is up to date.
+    """
+    if not Path(path).is_file():
+        return {}
+    return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
 
 
 CORE = ("__init__", "constants", "echogram", "seeding")

@@ -1,18 +1,6 @@
 # How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.
 
-import hashlib
-
 SMRT_TABLE = "results/studies/convolution/smrt.csv"
-
-
-def finished_study(path):
-    """A study's table where it has been made, with a digest of it, and nothing where not.
-
-    No input of a rule: the default run must not start a study, nor judge whether one is up to date.
-    """
-    if not Path(path).is_file():
-        return {}
-    return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
 
 
 rule measure_convolution:

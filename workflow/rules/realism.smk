@@ -1,20 +1,6 @@
 # The flight and the benchmark beside what is published of real echograms.
 
 
-def other_band_images():
-    """Real echograms of another band, sorted: of the configured folder, or of the files tests use; none by default."""
-    folder = config["realism"]["other_band_png"]
-    if folder is None:
-        if "SNOWSIM_TEST_DATA" not in os.environ:
-            return []
-        folder = Path(os.environ["SNOWSIM_TEST_DATA"]) / "accumulation_radar_png"
-    elif not Path(folder).is_dir():
-        raise WorkflowError(
-            f"config: realism.other_band_png: expected a folder of PNG images, got {folder}"
-        )
-    return sorted(str(path) for path in Path(folder).glob("*_ORIGINAL.png"))
-
-
 rule tabulate_realism:
     input:
         echograms=expand("results/flight/{frame}.nc", frame=FRAMES),

@@ -7,9 +7,9 @@ Observed values and where they come from:
 - tail: sea ice 2016, mean power still 10 dB over the noise within 100 bins of the surface.
 - texture: real accumulation-radar echograms of Greenland firn (600-900 MHz, 150 rows from 5 to 30 m depth): another
   band, other bins and another line spacing, so a guide to the order of magnitude and no more. Where a folder of such
-  images is given (`realism.other_band_png`, or accumulation_radar_png under SNOWSIM_TEST_DATA) they are measured here
-  as the flight is, columns `other_band_*`; their grey levels have no known scale in decibels, so histograms and row
-  profiles are compared in standard deviations from the mean.
+  images is given (`realism.other_band_png`) they are measured here as the flight is, columns `other_band_*`; their
+  grey levels have no known scale in decibels, so histograms and row profiles are compared in standard deviations from
+  the mean.
 - Doppler spectrum: flat by eye, Yari et al. (2021), Fig. 8; the reference flight's is flat by construction.
 - number of layers: test scenes of Yari et al. (2021), layers below the surface.
 - accumulation: the dry interior to the western percolation zone, m water equivalent per year.
