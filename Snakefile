@@ -73,6 +73,8 @@ rule all:
         rules.convolution.input,
         rules.paper_figures.input,
         "results/report.html",
+    message:
+        "both tables, every figure and the report (default)"
 
 
 include: "workflow/rules/report.smk"

@@ -1,7 +1,7 @@
 """The configuration as Markdown tables, from its schema and the comments of config/config.yaml.
 
-``python docs/configuration.py > config/README.md`` writes the page of that folder; the documentation takes the tables in
-when it is built.
+``python docs/configuration.py > config/README.md`` writes the page of that folder; the documentation takes the tables
+in when it is built.
 """
 
 import json
@@ -35,8 +35,8 @@ snakemake --cores 2 --configfile config/config.yaml config/tiny.yaml
 ```
 
 Keys that are not listed here, and values outside the ranges, are refused before any job starts. Plain values at the top
-can be set with `--config seed=7`; nested ones need a file of their own. `examples/` holds a worked configuration for each
-source of data. This page is made by `docs/configuration.py`.
+can be set with `--config seed=7`; nested ones need a file of their own. `examples/` holds a worked configuration for
+each source of data. This page is made by `docs/configuration.py`.
 
 """
 

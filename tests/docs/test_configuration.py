@@ -66,6 +66,6 @@ def test_comments_go_on_in_their_column_and_bounds_are_said(tmp_path):
 
 
 def test_the_page_of_the_config_folder_is_up_to_date():
-    # Made by `python docs/configuration.py > config/README.md`; to be made again after a change of schema or config.yaml.
+    # Made by `python docs/configuration.py > config/README.md`, again after each change of schema or config.yaml.
     page = configuration.ROOT / "config/README.md"
     assert page.read_text() == configuration.PAGE + configuration.markdown(configuration.read_settings())

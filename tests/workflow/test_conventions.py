@@ -89,7 +89,7 @@ def test_the_default_holds_every_key_of_the_schema_and_the_page_every_key_of_the
         for key in keys:
             assert "properties" in part, f"{keys}: no such section in the schema"
             part = part["properties"][key]
-        assert f"`{keys[-1]}`" in page or f"`{'.'.join(keys)}`" in page, keys
+        assert f"| `{keys[-1]}` |" in page or f"# {'.'.join(keys)}\n" in page, keys
         assert part.get("description"), f"{'.'.join(keys)} has no description"
 
 

@@ -71,6 +71,7 @@ def study_data(wildcards):
     kept = {"order", "labels", "zones", "n_layers", "added_per_real"}
     return {
         "added_per_real": config["tracker"]["added_per_real"],
+        "order": config["tracker"]["order"],
         "n_layers": config["tracker"]["added_layers"],
         **{key: value for key, value in changes.items() if key in kept},
     }

@@ -29,6 +29,7 @@ rule train_tracker:
         n_epochs=config["tracker"]["n_epochs"],
         data={
             "added_per_real": config["tracker"]["added_per_real"],
+            "order": config["tracker"]["order"],
             "n_layers": config["tracker"]["added_layers"],
         },
         settings=config["tracker"]["training"],
