@@ -5,7 +5,9 @@ STUDY_PREFIX = "study_"
 
 rule studies:
     input:
-        lambda wildcards: [item.input for item in targets(prefix=STUDY_PREFIX)],
+        lambda wildcards: [
+            file for item in targets(prefix=STUDY_PREFIX) for file in item.input
+        ],
     message:
         "all studies: hours of trainings, not part of the default run"
 
