@@ -45,6 +45,9 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
 
 # The documentation, to build/docs/index.html; a warning fails.
 docs: setup
