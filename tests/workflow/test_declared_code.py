@@ -1,6 +1,8 @@
 """Snakemake does not follow imports: what rules declare as their code is what their scripts import."""
 
 import ast
+import re
+from pathlib import Path
 
 from sources import ROOT, closure
 
@@ -16,8 +18,42 @@ def stage_of(path):
     return path.with_suffix("").parts[1]
 
 
+SHARED_BY_ALL = {"job"}
+
+
+def imported_scripts(script):
+    """Other scripts that a script imports, and those that they import, but for what all of them share."""
+    found, waiting = set(), [script]
+    while waiting:
+        for node in ast.walk(ast.parse(waiting.pop().read_text())):
+            name = node.module if isinstance(node, ast.ImportFrom) else None
+            path = ROOT / f"workflow/scripts/{name}.py"
+            if name not in SHARED_BY_ALL and path in SCRIPTS and path not in found:
+                found.add(path)
+                waiting.append(path)
+    return found
+
+
 def imported(script):
-    return {path.relative_to(ROOT) for path in closure(script)}
+    """Files that the result of a script depends on, relative to the repository."""
+    scripts = imported_scripts(script)
+    modules = {path for each in (script, *scripts) for path in closure(each)}
+    return {path.relative_to(ROOT) for path in modules | scripts}
+
+
+def rules_as_written(path):
+    """Name, script and declared files of the rules of one file, read from its text."""
+    for name, text in re.findall(r"^rule (\w+):\n(.*?)(?=^rule |\Z)", path.read_text(), flags=re.MULTILINE | re.DOTALL):
+        script = re.search(r'"\.\./scripts/(\w+\.py)"', text)
+        if script:
+            parts = re.findall(r'"([\w.]+)"', re.search(r"package\((.*?)\)", text, flags=re.DOTALL)[1])
+            yield name, ROOT / "workflow/scripts" / script[1], {file for part in parts for file in files_of(part)}
+
+
+def files_of(part):
+    path = ROOT / "snowsim" / part.replace(".", "/")
+    files = path.rglob("*.py") if path.is_dir() else [path.with_suffix(".py")]
+    return {file.relative_to(ROOT) for file in files}
 
 
 def test_closure_follows_imports_of_imports_and_spares_what_is_not_called():
@@ -44,23 +80,18 @@ def test_no_rule_declares_a_stage_its_script_does_not_import(rules):
         assert not idle, f"{rule.name} would rerun after an edit of {idle}, which {rule.script.name} does not import"
 
 
-def test_scripts_are_named_as_rules_and_used(rules):
-    used = {rule.script for rule in rules if rule.script}
-    assert {script for script in SCRIPTS if script.name != "job.py"} == used
+def test_rules_of_other_sources_declare_what_their_scripts_import():
+    core = {Path(f"snowsim/{name}.py") for name in CORE}
+    for path in sorted((ROOT / "workflow/rules").glob("import_*.smk")):
+        for name, script, code in rules_as_written(path):
+            assert imported(script) <= code | core, f"{name} of {path.name}"
 
 
-def test_scripts_share_nothing_but_what_all_have(rules):
-    names = {script.stem for script in SCRIPTS} - {"job"}
-    for script in SCRIPTS:
-        for node in ast.walk(ast.parse(script.read_text())):
-            modules = (
-                [node.module]
-                if isinstance(node, ast.ImportFrom)
-                else [alias.name for alias in node.names]
-                if isinstance(node, ast.Import)
-                else []
-            )
-            assert not names & set(modules), f"{script.name} imports another script: put what they share in snowsim"
+def test_every_script_is_used_by_a_rule_or_by_another_script():
+    written = "".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk"))
+    used = {script for script in SCRIPTS if f"/scripts/{script.name}" in written}
+    used |= {other for script in used for other in imported_scripts(script)}
+    assert set(SCRIPTS) - used == {ROOT / f"workflow/scripts/{name}.py" for name in SHARED_BY_ALL}
 
 
 def test_scripts_see_settings_through_params_alone():

@@ -12,6 +12,7 @@ rule train_cgan:
             "io.files",
             "io.models",
             "io.scenes",
+            scripts=["training"],
         ),
     output:
         generator="results/cgan/generator.safetensors",
@@ -80,7 +81,15 @@ rule render_cgan:
     input:
         layers=layers_of,
         generator="results/cgan/generator.safetensors",
-        code=package("cgan", "patches", "weights", "io.files", "io.models", "io.scenes"),
+        code=package(
+            "metrics.image",
+            "cgan",
+            "patches",
+            "weights",
+            "io.files",
+            "io.models",
+            "io.scenes",
+        ),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",
     log:

@@ -155,15 +155,16 @@ def finished_study(path):
 CORE = ("__init__", "constants", "echogram", "seeding")
 
 
-def package(*parts, without=()):
-    """Files of the package that a rule depends on, the core among them.
+def package(*parts, without=(), scripts=()):
+    """Files of the package that a rule depends on, the core among them, and other scripts that its script imports.
 
     Snakemake does not follow imports: a module that is not listed here can change without a rerun; a test compares the
     lists with what the scripts import. A part is a module or a folder of snowsim, written with dots:
-    ``package("phy", "io.scenes", without=["phy.stress"])``.
+    ``package("phy", "io.scenes", without=["phy.stress"], scripts=["training"])``.
     """
     listed = [file for part in (*CORE, *parts) for file in package_part(part)]
     spared = {file for part in without for file in package_part(part)}
+    listed += [ROOT / "workflow/scripts" / f"{script}.py" for script in scripts]
     return [str(file) for file in dict.fromkeys(listed) if file not in spared]
 
 

@@ -55,7 +55,14 @@ rule measure_phy_speckle:
 rule measure_scenes:
     input:
         code=package(
-            "phy", "cgan", "reference", "patches", "weights", "timing", "io.files"
+            "metrics.image",
+            "phy",
+            "cgan",
+            "reference",
+            "patches",
+            "weights",
+            "timing",
+            "io.files",
         ),
     output:
         scenes="results/tables/speed_accuracy_scenes.csv",

@@ -10,7 +10,12 @@ rule tabulate_realism:
         test=benchmark_files("test"),
         other_band=other_band_images(),
         code=package(
-            "metrics.texture", "reference", "io.files", "io.images", "io.scenes"
+            "io.guard",
+            "metrics.texture",
+            "reference",
+            "io.files",
+            "io.images",
+            "io.scenes",
         ),
     output:
         table="results/tables/realism.csv",

@@ -131,6 +131,7 @@ rule explain_similarity:
             "io.files",
             "io.models",
             "io.scenes",
+            scripts=["render_cgan", "render_phy"],
         ),
     output:
         bounds="results/tables/similarity_bounds.csv",

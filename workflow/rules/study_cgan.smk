@@ -25,7 +25,7 @@ wildcard_constraints:
 rule study_cgan_seed:
     input:
         train=benchmark_files("train"),
-        code=package(*CGAN_PARTS),
+        code=package(*CGAN_PARTS, scripts=["training"]),
     output:
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
         losses="results/studies/cgan/seed_{cgan_seed}/losses.csv",
@@ -61,7 +61,7 @@ rule study_cgan_score:
     input:
         observed=benchmark_files("test"),
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
-        code=package(*CGAN_PARTS),
+        code=package(*CGAN_PARTS, scripts=["render_cgan"]),
     output:
         images="results/studies/cgan/seed_{cgan_seed}/similarity.parquet",
     log:
@@ -114,7 +114,7 @@ rule study_cgan_speed:
     input:
         train=benchmark_files("train"),
         statistics="results/statistics.nc",
-        code=package("phy", "timing", *CGAN_PARTS),
+        code=package("phy", "timing", *CGAN_PARTS, scripts=["render_phy"]),
     output:
         table="results/studies/cgan/speed.csv",
     log:
@@ -142,7 +142,7 @@ rule study_cgan_width:
     input:
         train=benchmark_files("train"),
         speed="results/studies/cgan/speed.csv",
-        code=package(*CGAN_PARTS),
+        code=package(*CGAN_PARTS, scripts=["train_cgan", "training"]),
     output:
         generator="results/studies/cgan/{cgan_mode}_{cgan_width}/generator.safetensors",
         losses="results/studies/cgan/{cgan_mode}_{cgan_width}/losses.csv",

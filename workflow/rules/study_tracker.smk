@@ -37,7 +37,13 @@ use rule train_tracker as train_study_tracker with:
         phy=study_added_scenes("phy"),
         cgan=study_added_scenes("cgan"),
         code=package(
-            "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
+            "tracker",
+            "patches",
+            "weights",
+            "io.files",
+            "io.models",
+            "io.scenes",
+            scripts=["training"],
         ),
     output:
         network="results/studies/tracker/{setting}/{training_set}/{replica}.safetensors",

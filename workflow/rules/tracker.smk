@@ -7,7 +7,13 @@ rule train_tracker:
         phy=added_scenes("phy"),
         cgan=added_scenes("cgan"),
         code=package(
-            "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
+            "tracker",
+            "patches",
+            "weights",
+            "io.files",
+            "io.models",
+            "io.scenes",
+            scripts=["training"],
         ),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
