@@ -145,6 +145,7 @@ rule explain_similarity:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         n_looks=config["benchmark"]["n_looks"],

@@ -51,6 +51,7 @@ rule stability:
     input:
         rules.stress_phy.output,
         rules.plot_phy_stability.output,
+        "results/tables/stability_statistics.csv",
         "results/figures/stability_statistics.svg",
         "results/figures/stability_statistics_borders.svg",
     message:

@@ -40,6 +40,7 @@ rule study_cgan_seed:
     threads: 1
     resources:
         mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=lambda wildcards: int(wildcards.cgan_seed),
         device=config["cgan"]["device"],
@@ -73,6 +74,7 @@ rule study_cgan_score:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],

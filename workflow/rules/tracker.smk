@@ -203,6 +203,7 @@ rule track_samples:
     threads: 1
     resources:
         mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         training_sets=list(TRAINING_SETS),
         device=config["tracker"]["device"],
