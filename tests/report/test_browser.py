@@ -148,7 +148,7 @@ def test_a_figure_opens_large_and_escape_closes_it(opened):
     page.keyboard.press("Enter")
     assert page.locator("dialog img").evaluate("image => image.naturalWidth") > 0
     page.keyboard.press("Escape")
-    assert page.locator("dialog").count() == 0
+    page.locator("dialog").wait_for(state="detached", timeout=5000)
 
 
 def test_what_a_study_made_is_shown_with_its_study_s_name(opened):
