@@ -5,6 +5,7 @@ import numpy as np
 BLOCK_LINES = 256
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
+SPECTRAL_SHARES = (1.0, 0.9, 0.5)  # of lines picked, that a block needs for a spectrum: the first with enough blocks
 
 
 def thickness_blocks(summary, n_layers):
@@ -62,6 +63,41 @@ def block_levels(mean):
         if settled:
             break
     return np.exp(level), own
+
+
+def spectral_blocks(thickness, minimum):
+    """Thickness in blocks of which spectra can be taken.
+
+    Parameters
+    ----------
+    thickness : ndarray, (block, slab, range_line)
+        [bins]; NaN in gaps.
+    minimum : int
+        Blocks, of all slabs together, that are enough.
+
+    Returns
+    -------
+    thickness : ndarray, (block, slab, range_line)
+        [bins]; NaN in the slabs of blocks that do not serve.
+    n_closed : int
+        Slabs of blocks that serve with their gaps closed.
+
+    Notes
+    -----
+    Blocks without gaps, if there are enough of them. In short images of layers that come and go there are not: then
+    blocks with nine lines in ten, or else with half of them, gaps closed by straight lines between the picks beside
+    them, at the ends by the last pick. Closing takes from scales shorter than a gap at most the share of lines closed;
+    long gaps at the ends put some of it, measured to 18 %, into the first two wavenumbers.
+    """
+    share = np.isfinite(thickness).mean(axis=2)
+    needed = next((part for part in SPECTRAL_SHARES if (share >= part).sum() >= minimum), SPECTRAL_SHARES[-1])
+    served = share >= needed
+    closed = np.where(served[..., None], thickness, np.nan)
+    line = np.arange(thickness.shape[2])
+    for block, slab in np.argwhere(served & (share < 1)):
+        known = np.isfinite(thickness[block, slab])
+        closed[block, slab] = np.interp(line, line[known], thickness[block, slab, known])
+    return closed, int((served & (share < 1)).sum())
 
 
 def periodogram(series):

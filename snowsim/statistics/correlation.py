@@ -9,13 +9,13 @@ BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4
 
 
-def undulation_correlation(thickness, whole, density):
+def undulation_correlation(thickness, served, density):
     """Correlation of thickness about its mean between slabs, by band of wavenumber and separation in slabs.
 
     Parameters
     ----------
     thickness : ndarray, (block, slab, range_line)
-    whole : ndarray of bool, (block, slab)
+    served : ndarray of bool, (block, slab)
         Blocks without a gap; others do not count.
     density : ndarray, (block, slab, wavenumber)
         Expected spectrum of each, by which wavenumbers are made to weigh the same.
@@ -24,7 +24,7 @@ def undulation_correlation(thickness, whole, density):
     -------
     ndarray, (band, separation)
     """
-    deviation = np.where(whole[..., None], thickness - thickness.mean(axis=2, keepdims=True), 0)
+    deviation = np.where(served[..., None], thickness - thickness.mean(axis=2, keepdims=True), 0)
     spectrum = np.fft.rfft(deviation) / np.sqrt(np.where(density > 0, density, np.inf))
     bands = zip(BAND_EDGES[:-1], BAND_EDGES[1:], strict=True)
     return np.array([correlation_by_separation(spectrum[..., low:high]) for low, high in bands])

@@ -51,7 +51,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Raises
     ------
     ValueError
-        If the estimator is unknown, there is no air above the surface, no layer, or no block of slab 0 without gaps.
+        If the estimator is unknown, there is no air above the surface, no layer.
 
     Notes
     -----

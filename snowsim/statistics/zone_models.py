@@ -3,10 +3,17 @@
 import numpy as np
 import xarray as xr
 
-from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, periodogram, thickness_blocks
+from snowsim.statistics.blocks import (
+    BLOCK_LINES,
+    block_levels,
+    block_means,
+    periodogram,
+    spectral_blocks,
+    thickness_blocks,
+)
 from snowsim.statistics.correlation import BAND_EDGES
 from snowsim.statistics.estimate import label_dimensions
-from snowsim.statistics.zones import ALL_ZONES, OTHER_SLABS, OWN_ZONE, zone_of, zone_statistics
+from snowsim.statistics.zones import ALL_ZONES, MINIMUM_BLOCKS, OTHER_SLABS, OWN_ZONE, zone_of, zone_statistics
 
 
 def zone_models(summary, n_layers, counts):
@@ -68,11 +75,12 @@ def _zone_model(thickness, n_zones):
 
 
 def _own_density(thickness, zone, n_zones):
-    """Mean periodogram of each zone's own blocks without gaps, (zone, slab, wavenumber); 0 where there is none."""
-    whole = np.isfinite(thickness).all(axis=2)
+    """Mean periodogram of each zone's own blocks, (zone, slab, wavenumber); 0 where there is none."""
+    thickness, _ = spectral_blocks(thickness, MINIMUM_BLOCKS)
+    served = np.isfinite(thickness).all(axis=2)
     density = np.zeros((n_zones, thickness.shape[1], thickness.shape[2] // 2 + 1))
     for z, slab in np.ndindex(density.shape[:2]):
-        held = whole[:, slab] & (zone == z)
+        held = served[:, slab] & (zone == z)
         if held.any():
             density[z, slab] = periodogram(thickness[held, slab]).mean(axis=0)
     return density

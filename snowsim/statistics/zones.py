@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, periodogram
+from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, periodogram, spectral_blocks
 from snowsim.statistics.correlation import mean_correlation, undulation_correlation
 
 N_ZONES = 4
@@ -29,46 +29,46 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES):
         `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
         each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
         `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)`
-        and `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`.
+        and `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`, `n_closed_blocks`.
 
     Raises
     ------
     ValueError
-        If slab 0 is picked in no block, or no slab is picked throughout one.
+        If slab 0 is picked in half of the lines of no block.
 
     Notes
     -----
-    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have. A
-    block in which slab 0 is not picked is placed by its other slabs (`block_levels`). A zone with fewer than
+    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have,
+    or fewer where hardly a block is without gaps (`spectral_blocks`, counted by `n_closed_blocks`). A block in
+    which slab 0 is not picked is placed by its other slabs (`block_levels`). A zone with fewer than
     `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as a share of the first (source 1); a slab with too few
-    everywhere takes the one above, the first all slabs together (source 2). Standard errors take blocks as independent,
-    those of variances take thickness as Gaussian.
+    everywhere takes the one above, the first all slabs together (source 2). Standard errors take blocks as
+    independent, those of variances take thickness as Gaussian.
     """
     mean = block_means(thickness)
     level, own = block_levels(mean) if mean.shape[1] else (np.zeros(len(mean)), np.zeros(len(mean), dtype=bool))
-    whole = np.isfinite(thickness).all(axis=2)
-    if not (own.any() and whole.any()):
-        msg = (
-            f"zones need slab 0 picked in half of the lines, and a slab in all, of a block of {BLOCK_LINES} lines: "
-            f"of {len(mean)} blocks {int(own.sum())} and {int(whole.any(axis=1).sum())} are so"
-        )
+    if not own.any():
+        msg = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines, of {len(mean)} blocks none is so"
         raise ValueError(msg)
+    closed, n_closed = spectral_blocks(thickness, MINIMUM_BLOCKS)
+    served = np.isfinite(closed).all(axis=2)
     placed = np.isfinite(level)
     counts = {
-        "n_gap_blocks": (~whole).sum(axis=0),
+        "n_gap_blocks": (~np.isfinite(thickness).all(axis=2)).sum(axis=0),
         "n_blocks": len(mean),
         "n_blocks_placed_by_other_slabs": int((placed & ~own).sum()),
         "n_blocks_not_placed": int((~placed).sum()),
+        "n_closed_blocks": n_closed,
     }
-    thickness, mean, whole, level = thickness[placed], mean[placed], whole[placed], level[placed]
+    closed, mean, served, level = closed[placed], mean[placed], served[placed], level[placed]
     edges, edges_error = _edges(level, zone_edge_bins, n_zones)
     zone = zone_of(level, edges)
     held = [level[zone == z] for z in range(edges.size - 1)]
     typical = np.array([part.mean() if part.size else edges[z : z + 2].mean() for z, part in enumerate(held)])
     result = _moments_by_zone(mean, level, zone, typical)
-    result |= _spectra_by_zone(thickness, whole, level, zone, typical)
+    result |= _spectra_by_zone(closed, served, level, zone, typical)
     result |= {"zone_edge_bins": edges, "zone_edge_bins_standard_error": edges_error}
-    result["thickness_correlation"] = undulation_correlation(thickness, whole, result["thickness_psd"][zone])
+    result["thickness_correlation"] = undulation_correlation(closed, served, result["thickness_psd"][zone])
     result["relative_thickness_correlation"] = mean_correlation(mean / level[:, None], zone, MINIMUM_BLOCKS)
     return result | counts
 
@@ -121,14 +121,14 @@ def _moments_by_zone(mean, level, zone, typical):
     return result | {"n_samples": n, "source": source}
 
 
-def _spectra_by_zone(thickness, whole, level, zone, typical):
+def _spectra_by_zone(thickness, served, level, zone, typical):
     """Spectra of thickness about the block mean, (zone, slab, wavenumber)."""
-    n, source = _sources(whole, zone, len(typical))
+    n, source = _sources(served, zone, len(typical))
     density = np.zeros((*n.shape, thickness.shape[2] // 2 + 1))
     error = np.zeros(density.shape)
     for slab in range(thickness.shape[1]):
-        spectra = periodogram(thickness[whole[:, slab], slab])
-        where, first = zone[whole[:, slab]], level[whole[:, slab]]
+        spectra = periodogram(thickness[served[:, slab], slab])
+        where, first = zone[served[:, slab]], level[served[:, slab]]
         for z in range(len(typical)):
             if source[z, slab] == OTHER_SLABS and slab > 0:
                 density[z, slab], error[z, slab] = density[z, slab - 1], error[z, slab - 1]
@@ -138,7 +138,8 @@ def _spectra_by_zone(thickness, whole, level, zone, typical):
             elif source[z, slab] == ALL_ZONES:
                 part = spectra * (typical[z] / first[:, None]) ** 2
             else:
-                part = periodogram(thickness[whole]) * (typical[z] / np.repeat(level, whole.sum(axis=1))[:, None]) ** 2
+                first = np.repeat(level, served.sum(axis=1))
+                part = periodogram(thickness[served]) * (typical[z] / first[:, None]) ** 2
             density[z, slab] = part.mean(axis=0)
             # A periodogram scatters as its mean: with too few blocks to see that, it is taken as known.
             scatter = part.std(axis=0, ddof=1) if len(part) >= MINIMUM_BLOCKS else density[z, slab]

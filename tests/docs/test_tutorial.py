@@ -50,7 +50,9 @@ def clone(tmp_path_factory):
     for name in ("requirements.lock", "pyproject.toml", "Makefile"):  # else make would set up anew
         os.utime(folder / name, (0, 0))
     default, tiny = (yaml.safe_load((folder / f"config/{name}.yaml").read_text()) for name in ("config", "tiny"))
-    (folder / "config/config.yaml").write_text(yaml.safe_dump(merged(default, tiny)))
+    small = merged(default, tiny)
+    small["flight"] = default["flight"] | {"n_frames": 3}  # scenes for training are cut from frames of its length
+    (folder / "config/config.yaml").write_text(yaml.safe_dump(small))
     return folder
 
 

@@ -116,6 +116,7 @@ def rules_applied(fitted):
         "of the slab above": int((fitted["source"] == OTHER_SLABS).sum()),
         "spectra of all zones": int((fitted["psd_source"] == ALL_ZONES).sum()),
         "of other slabs": int((fitted["psd_source"] == OTHER_SLABS).sum()),
+        "spectra over closed gaps": fitted.attrs["n_closed_blocks"],
         "blocks placed by other slabs": fitted.attrs["n_blocks_placed_by_other_slabs"],
         "picks outside": fitted.attrs["n_picks_outside"],
         "frames without surface": fitted.attrs["n_frames_without_surface"],
