@@ -47,10 +47,12 @@ def rows_of(similarities, **columns):
 
 
 def compare_annotations(scenes, renderers):
-    """Similarity of train scenes that were set aside, from the layers a picker found and from all there are."""
+    """Similarity of train scenes that were set aside, from the layers picked and, if known, from all there are."""
     rows = []
     for scene in progress(scenes, "annotation"):
         for layers, layer_bins in (("as picked", scene.layer_bins), ("complete", scene.complete_layer_bins)):
+            if layer_bins is None:
+                continue
             annotated = dataclasses.replace(scene, layer_bins=layer_bins)
             for method, render_one in renderers.items():
                 found = {"as rendered": similarity(render_one(annotated), scene.image)}
