@@ -53,7 +53,7 @@ def plot_correlation(ax, correlation):
         ax.plot(rows["separation"], rows["observed"], "o", color=colour, markersize=2.5)
         ax.plot(rows["separation"], rows["synthetic"], color=colour, label="means" if band < 0 else f"band {band}")
     ax.set(xlabel="slabs apart", ylabel="correlation")
-    ax.legend(fontsize=6)
+    ax.legend(fontsize=6, ncols=5, handlelength=1, columnspacing=1, loc="lower center", bbox_to_anchor=(0.5, 1))
 
 
 def plot_criterion(ax, criteria, criterion):
