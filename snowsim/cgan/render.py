@@ -24,7 +24,7 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
     dropout : float
         As in training.
     statistics : str
-        Normalise by `training`, averages over training crops, or by `scene`, those of the scene, as pix2pix does.
+        Normalise by `training`, averages over what was trained on, or by `scene`, those of the scene, as pix2pix does.
     precision : str
         `float32` or `bfloat16` arithmetic.
     rng : numpy.random.Generator
@@ -43,9 +43,9 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
 
     Notes
     -----
-    pix2pix renders one image at a time by that image's own statistics, and its images are as large as its crops. Scenes
-    here are taller than the crops, with more snow below the last layer: their own statistics differ from those the
-    weights were trained with, and change with the height. Averages over training do not.
+    pix2pix renders one image at a time by that image's own statistics, `scene`: those change with the height, so that
+    the same layers in a taller scene are another render. Averages over training do not; where crops were trained on,
+    `scene` differs from what the weights were trained with.
     """
     mask = np.asarray(mask)
     if mask.dtype != bool or mask.ndim != 2:

@@ -50,7 +50,7 @@ class Settings:
     """
 
     width: int = 8
-    n_steps: int = 3000
+    n_steps: int = 4000
     batch_size: int = 1
     n_accumulated: int = 1
     n_range_bins: int | None = 192

@@ -60,8 +60,7 @@ def sweep(panel, stream, *, share=1.0):
         rng = stream(panel, value)
         frames = list(planted.frames(rng))
         if panel == "share of picks missing":
-            # Spectra need one block without gaps: the first frame stays whole.
-            frames[1:] = [with_gaps(frame, value, rng) for frame in frames[1:]]
+            frames = [with_gaps(frame, value, rng) for frame in frames]
         for estimator in ESTIMATORS:
             rows += judged(panel, float(value), planted, frames, estimator)
     return rows
