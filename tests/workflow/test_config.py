@@ -18,6 +18,14 @@ from runs import run_snakemake
         ("phy: {width: widest}", "phy.width: 'widest' "),
         ("source: moon", "source: 'moon' "),
         ("seed: 1.5", "seed: 1.5 "),
+        ("flight: {n_frames: 0}", r"flight\.n_frames: 0 "),
+        ("flight: {n_frames: 9999}", r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km"),
+        ("reference: {climate: {accumulation_factor: -1.0}}", r"climate\.accumulation_factor: -1\.0 "),
+        ("reference: {firn: {surface_density_kg_m3: 950.0}}", r"firn\.surface_density_kg_m3: 950\.0 "),
+        ("reference: {firn: {horizon_jump_kg_m3: 600.0}}", r"reference\.firn\.horizon_jump_kg_m3 must be at most 577"),
+        ("reference: {firn: {fade_depth_m: 0.5}}", r"reference\.firn\.fade_depth_m must exceed fade_least_m 0\.9"),
+        ("reference: {radar: {n_range_bins: 210}}", r"reference\.radar\.n_range_bins must be at least 2[23]\d"),
+        ("reference: {radar: {n_sub_bins: 1}}", r"reference\.radar\.n_sub_bins must be at least 1\.73"),
     ],
 )
 def test_a_bad_key_is_named_in_one_line_and_nothing_is_written(tmp_path, text, expected):
