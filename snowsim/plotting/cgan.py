@@ -72,7 +72,10 @@ def plot_air(ax, air, quantity, label):
 
 
 def plot_widths(ax, widths, metric):
-    """One similarity metric against seconds per render: widths trained for equal steps and equal time, and PHY."""
+    """One similarity metric against seconds per render: widths trained for equal steps and equal time, and PHY.
+
+    A cross marks trainings in which the detectors of collapse found faults.
+    """
     for mode, face, label in (("equal_steps", COLOURS["cgan"], "equal steps"), ("equal_time", "white", "equal time")):
         rows = widths[widths["mode"] == mode]
         ax.plot(rows["seconds_per_render"], rows[metric], "o:", color=COLOURS["cgan"], markerfacecolor=face,
@@ -80,6 +83,8 @@ def plot_widths(ax, widths, metric):
         for row in rows.itertuples():
             ax.annotate(f"{row.width}", (row.seconds_per_render, getattr(row, metric)), fontsize=7,
                         xytext=(3, 3), textcoords="offset points")  # fmt: skip
+    faulty = widths[widths["n_faults"] > 0]
+    ax.plot(faulty["seconds_per_render"], faulty[metric], "kx", label="collapsed")
     phy = widths[widths["method"] == "phy"]
     ax.plot(phy["seconds_per_render"], phy[metric], "D", color=COLOURS["phy"], label=NAMES["phy"])
     ax.set_xscale("log")

@@ -119,8 +119,8 @@ def collapse_after(monkeypatch):
             return {"mask_response": 0.0 if judges[-1].training.step >= step else 1.0}
 
         class Watched(train_cgan.Judge):
-            def __init__(self, *arguments):
-                super().__init__(*arguments)
+            def __init__(self, *arguments, **options):
+                super().__init__(*arguments, **options)
                 judges.append(self)
 
         judges = []
@@ -160,6 +160,20 @@ def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(tmp_path,
     rarely = {**OFTEN, "every_steps": 40}  # from step 20 on losses are judged: no weights count as good
     with pytest.raises(ValueError, match="collapsed at step 80"):
         train(**arguments(tmp_path / "run", settings=SHORT, validation=rarely, on_collapse="fall_back"))
+
+
+def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse_after, caplog):
+    collapse_after(0)
+    with caplog.at_level("WARNING", logger="snowsim"):
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN, on_collapse="go_on"))
+    _, metadata = read_model(tmp_path / "run/generator.safetensors")
+    scores = read_table(tmp_path / "run/validation.csv")
+    assert metadata["steps_taken"] == SHORT["n_steps"]
+    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert scores["n_faults"].tolist() == [0, *[1] * 7]
+    if metadata["step"] > 10:
+        assert metadata["collapse"].startswith(f"step {metadata['step']}: mask ignored")
+        assert "kept all the same" in caplog.text
 
 
 def test_setting_every_scene_aside_is_refused(tmp_path):

@@ -170,7 +170,7 @@ rule study_cgan_width:
             "settings": CGAN_TRAINING,
             "statistics": config["cgan"]["statistics"],
             "validation": config["cgan"]["validation"],
-            "on_collapse": config["cgan"]["on_collapse"],
+            "on_collapse": "go_on",
             "source": SYNTHETIC,
             "checkpoint_steps": config["checkpoints"]["every_steps"],
         },

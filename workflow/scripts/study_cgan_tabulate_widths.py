@@ -26,12 +26,14 @@ def tabulate(path_to_speed, path_to_bounds, paths_to_validations, path_to_table,
                 "seconds_per_step": seconds["cgan", width, "step"],
                 "seconds_per_render": seconds["cgan", width, "render"],
                 **best[METRICS].to_dict(),
+                "n_faults": int(best["n_faults"]),
             }
         )
     bounds = read_table(path_to_bounds)
     same_scenes = (bounds["scenes"] != "test") & (bounds["layers"] == "as picked") & (bounds["method"] == "phy")
     phy = {"method": "phy", "mode": "none", "width": 0, "n_steps": 0, "seconds_per_step": float("nan")}
     phy |= {"seconds_per_render": seconds["phy", 0, "render"]} | bounds.loc[same_scenes, METRICS].iloc[0].to_dict()
+    phy |= {"n_faults": 0}
     table = pd.DataFrame([*rows, phy])
     write_table(path_to_table, table)
 

@@ -31,13 +31,13 @@ N_SAMPLES = 3  # scenes of the sample sheet
 class Judge:
     """Similarity on scenes set aside, and health, of a training as it goes."""
 
-    def __init__(self, training, scenes, train_scenes, statistics, by):
+    def __init__(self, training, scenes, train_scenes, statistics, by, *, goes_on=False):
         self.training, self.scenes, self.train_scenes = training, scenes, train_scenes
-        self.statistics, self.by = statistics, by
+        self.statistics, self.by, self.goes_on = statistics, by, goes_on
         self.run, self.images = None, []
 
     def score(self):
-        """Similarity, numbers of health, and the fitness that decides; ValueError on collapse."""
+        """Similarity, numbers of health, and the fitness that decides; `Collapsed` on collapse unless it goes on."""
         training, settings = self.training, self.training.settings
         rendering = {"dropout": settings.dropout, "statistics": self.statistics, "precision": settings.precision}
         if self.statistics == "training":
@@ -47,6 +47,8 @@ class Judge:
         numbers |= measure_renders(training.generator, self.scenes, **rendering, seed=training.seed)
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
+        if self.goes_on:
+            return {**scores, **numbers, "n_faults": len(found), "fitness": scores[self.by]}
         # Once may pass; twice in a row, or at the end, it has collapsed.
         if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
             msg = f"step {training.step}: {'; '.join(found)}"
@@ -83,7 +85,7 @@ def train(
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
-        judge = Judge(training, held_scenes, train_scenes, statistics, validation["by"])
+        judge = Judge(training, held_scenes, train_scenes, statistics, validation["by"], goes_on=on_collapse == "go_on")
         watch = Validation(
             validation["every_steps"], judge.score, judge.weights, "fitness", validation["patience"], judge.samples
         )
@@ -106,6 +108,10 @@ def train(
                     raise ValueError(msg) from error
                 collapse = str(error)
                 logger.warning("collapsed at %s; the weights after step %d are kept", collapse, run.best_step)
+            best = run.scores().set_index("step").loc[run.best_step]
+            if best["n_faults"] > 0:
+                collapse = f"step {run.best_step}: {'; '.join(faults(best.to_dict(), dropout=settings.dropout))}"
+                logger.warning("collapsed at %s; these weights are kept all the same", collapse)
             metadata = {
                 "kind": "cgan generator",
                 **made_of,
