@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose, assert_array_equal
-from runs import ROOT, run_snakemake
+from runs import ROOT, rules_to_run, run_snakemake
 
 from snowsim.io.frames import COLUMNS, read_frames
 from snowsim.io.png_pairs import PairSet
@@ -91,6 +91,28 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
     ):
         text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": {"folder": str(folder)}}})
         assert sum(expected in line for line in text.splitlines()) == 1, text
+
+
+def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
+    formats.write_nsidc_flight(tmp_path, rng, ("statistics", "train", "test"), 512)
+    settings = {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}}
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+    configs = ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
+    done = run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
+    assert done.returncode == 0, done.stderr[-4000:]
+
+    def again():
+        return rules_to_run(run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs))
+
+    assert again() == set()
+    imports = {"check_frames", "import_frame", "import_blocks", "flight"}
+    formats.write_supplement(tmp_path / "test_supplement.nc", low_SNR=1)
+    assert again() == imports
+    (tmp_path / "test_supplement.nc").unlink()
+    assert again() == set()
+    settings["import"]["unfit_flags"] = ["low_SNR"]
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+    assert again() == imports
 
 
 @pytest.fixture(scope="module")
