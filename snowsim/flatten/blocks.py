@@ -17,6 +17,7 @@ from snowsim.echogram import (
 
 BLOCK_LINES = 256
 OVERLAP_LINES = 6
+UNFIT = "range lines flagged unfit"  # how a block with such lines is told
 METRES_PER_DEGREE = 6.371e6 * np.pi / 180  # of latitude, on the sphere of `echogram.along_track_m`
 
 
@@ -29,7 +30,8 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     Parameters
     ----------
     echogram, layers : xarray.Dataset
-        Level (`flatten`), on the same range lines, layer 0 the snow surface.
+        Level (`flatten`), on the same range lines, layer 0 the snow surface. A block with one line that is `unfit`
+        (`leave_out_unfit`) is no scene: an image has no room for gaps.
     name : str
         Of the frame; scenes are called ``{name}_{block:03d}``.
     n_range_lines, overlap : int
@@ -41,7 +43,7 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         Layers without a pick in a block are left out of it, but not the surface. `notes` tell `first_line`,
         `first_twtt_s` and `bin_size_s`.
     skipped : dict
-        Name of every block that is no scene, and why: no surface, or missing pixels.
+        Name of every block that is no scene, and why: unfit lines, no surface, or missing pixels.
 
     Raises
     ------
@@ -57,12 +59,16 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
         raise ValueError(msg)
     first_s, bin_s = float(echogram["twtt"].values[0]), bin_size_s(echogram)
+    unfit = echogram["unfit"].values if "unfit" in echogram else np.zeros(power.shape[1], dtype=bool)
     scenes, skipped = [], {}
     starts = range(0, power.shape[1] - n_range_lines + 1, n_range_lines - overlap)
     for block, start in enumerate(starts):
         lines = slice(start, start + n_range_lines)
         scene_name = f"{name}_{block:03d}"
         bins = layer_bins[:, lines]
+        if unfit[lines].any():
+            skipped[scene_name] = f"{int(unfit[lines].sum())} of {n_range_lines} {UNFIT}"
+            continue
         if not np.isfinite(bins[0]).any():
             skipped[scene_name] = "the surface is not picked"
             continue

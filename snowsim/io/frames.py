@@ -7,7 +7,16 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import bin_size_s
-from snowsim.flatten import align_layers, cut_blocks, flatten, resample_range
+from snowsim.flatten import (
+    UNFIT_FLAGS,
+    align_layers,
+    count_unfit,
+    cut_blocks,
+    flatten,
+    leave_out_unfit,
+    resample_range,
+)
+from snowsim.flatten.blocks import UNFIT
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
@@ -72,8 +81,9 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     Returns
     -------
     pandas.DataFrame
-        The table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, and how many scenes a frame was cut
-        into (`n_scenes`) and how many of its blocks are none (`n_skipped`).
+        The table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many scenes a frame was cut into
+        (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for an unfit line (`n_unfit_blocks`);
+        how many range lines are unfit (`n_unfit_lines`), and how many lines have which flag (`flags`).
 
     Raises
     ------
@@ -93,8 +103,10 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
             failed.append((row.frame, str(error)))
             continue
         sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
-        rows.append((row.frame, *sizes, bin_size_s(echogram), len(scenes), len(skipped)))
+        counts = (len(scenes), len(skipped), sum(reason.endswith(UNFIT) for reason in skipped.values()))
+        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *count_unfit(echogram)))
     columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
+    columns += ["n_unfit_blocks", "n_unfit_lines", "flags"]
     found = pd.DataFrame(rows, columns=columns)
     if len(found):
         # Of bin sizes equal to a millionth, the one most frames have.
@@ -120,7 +132,7 @@ def scenes_of_frame(row, echogram, layers):
     return scenes, skipped
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, source=None):
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=UNFIT_FLAGS, source=None):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
     Parameters
@@ -134,20 +146,26 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, sourc
     layer_names : iterable of str, optional
         Layers from the surface down: layer i is then the same one in all frames, a row of NaN where a frame lacks it.
         By default, all layers with picks that the frame has.
+    unfit_flags : iterable of str
+        Range lines with one of these flags of the supplement hold neither power nor picks (`leave_out_unfit`).
     source : {"nsidc", "cresis", "opr"}, optional
         Format the echogram must have; by default any.
 
     Returns
     -------
     echogram, layers : xarray.Dataset
-        On the same range lines, the snow surface as layer 0.
+        On the same range lines, the snow surface as layer 0; `unfit (slow_time)` where the echogram has flags.
 
     Raises
     ------
     ValueError
         One line with file, variable, expected and found: a file is not sound, no layer is named surface, layers do
-        not cover the echogram, leave its window or cross.
+        not cover the echogram, leave its window or cross, every range line is unfit. Also if there is no such flag.
     """
+    unknown = [flag for flag in unfit_flags if flag not in sniff.SUPPLEMENT_FLAGS]
+    if unknown:
+        msg = f"unfit_flags must be of {', '.join(sniff.SUPPLEMENT_FLAGS)}, got {', '.join(unknown)}"
+        raise ValueError(msg)
     if source is not None:
         _, kind = sniff.sniff(row.echogram)
         if kind != source:
@@ -162,6 +180,11 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, sourc
     if layer_names is not None:
         layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
     layers = align_layers(layers, echogram, where=str(row.layers))
+    # Before levelling: an unfit line must not decide where the surface lies.
+    echogram, layers = leave_out_unfit(echogram, layers, flags=unfit_flags)
+    n_unfit, flags = count_unfit(echogram)
+    if n_unfit == echogram.sizes["slow_time"]:
+        raise refusal(row.echogram, "quality_mask", "a range line that is fit", f"all {n_unfit} unfit ({flags})")
     if bin_s is not None:
         echogram = resample_range(echogram, bin_s)
     return flatten(echogram, layers, method=flattening)

@@ -16,10 +16,14 @@ def image_with_gaps(power):
     """8-bit image of a frame, uint8 (range_bin, range_line), black where nothing was measured.
 
     Levelled frames have ragged ends: rows that fewer than half of the lines reach are black whole, and in the others a
-    gap counts as the row's median where `to_uint8` looks for the noise floor.
+    gap counts as the row's median where `to_uint8` looks for the noise floor. Where most lines hold nothing at all,
+    half of those that do count instead.
     """
     measured = np.isfinite(power) & (power > 0)
-    rows = np.flatnonzero(2 * measured.sum(axis=1) >= power.shape[1])
+    reached = measured.sum(axis=1)
+    rows = np.flatnonzero(2 * reached >= power.shape[1])
+    if rows.size == 0:
+        rows = np.flatnonzero((2 * reached >= measured.any(axis=0).sum()) & (reached > 0))
     if rows.size == 0:
         msg = "an image needs a row that half of the range lines reach, got none"
         raise ValueError(msg)

@@ -89,6 +89,23 @@ def write_supplement(path, **flags):
             file.createVariable(name, "u1", (f"n{size}",))[:] = value
 
 
+def write_nsidc_flight(folder, rng, roles, n_lines):
+    """IRSNO1B frames high enough for blocks, one a role and called so, with layers and the table `frames.tsv`."""
+    content = truth(rng, n_bins=400, n_lines=n_lines)
+    # More rows of air: the surface of `truth` is in bin 30, that of a block in row 50.
+    air = rng.gamma(4, 0.25e-3, size=(40, n_lines)).astype(np.float32)
+    time = content["Time"][0] + BIN_S * np.arange(-40, 400)
+    content |= {"Data": np.vstack([air, content["Data"]]), "Time": time}
+    layers = layer_content([content["Surface"] + 40 * BIN_S, content["Surface"]], [5, 9], content["GPS_time"])
+    write_mat5(folder / "Data_20120330_04_001.mat", layers)
+    write_mat5(folder / "layer_20120330_04.mat", organizer_content([5, 9], ["Koenig_2", "surface"]))
+    rows = ["frame\techogram\tlayers\trole"]
+    for role in roles:
+        write_nsidc(folder / f"{role}.nc", content)
+        rows.append(f"{role}\t{role}.nc\tData_20120330_04_001.mat\t{role}")
+    (folder / "frames.tsv").write_text("\n".join(rows) + "\n")
+
+
 def as_matlab(content, *, time_as="column"):
     """Rows, columns and matrices as MATLAB keeps them."""
     values = {}

@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import formats
 import jsonschema
 import numpy as np
 import own_files
@@ -11,7 +12,7 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose, assert_array_equal
-from runs import ROOT, run_snakemake
+from runs import ROOT, rules_to_run, run_snakemake
 
 from snowsim.io.frames import COLUMNS, read_frames
 from snowsim.io.png_pairs import PairSet
@@ -90,6 +91,28 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
     ):
         text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": {"folder": str(folder)}}})
         assert sum(expected in line for line in text.splitlines()) == 1, text
+
+
+def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
+    formats.write_nsidc_flight(tmp_path, rng, ("statistics", "train", "test"), 512)
+    settings = {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}}
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+    configs = ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
+    done = run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
+    assert done.returncode == 0, done.stderr[-4000:]
+
+    def again():
+        return rules_to_run(run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs))
+
+    assert again() == set()
+    imports = {"check_frames", "import_frame", "import_blocks", "flight"}
+    formats.write_supplement(tmp_path / "test_supplement.nc", low_SNR=1)
+    assert again() == imports
+    (tmp_path / "test_supplement.nc").unlink()
+    assert again() == set()
+    settings["import"]["unfit_flags"] = ["low_SNR"]
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+    assert again() == imports
 
 
 @pytest.fixture(scope="module")
@@ -226,6 +249,44 @@ def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
     for path in (*results.rglob("*.svg"), *results.rglob("*.csv"), *results.rglob("*.nc")):
         assert b"synthetic reference flight" not in path.read_bytes(), path
     assert "own frames" in (results / "figures/flight_line.svg").read_text()
+
+
+@pytest.mark.slow
+def test_range_lines_flagged_unfit_enter_neither_statistics_nor_scenes(tiny_run, tmp_path, own_flight):
+    configs = own_flight("nsidc", ("nsidc", "nsidc", "nsidc"), False)
+    lines = np.arange(512)
+    formats.write_supplement(tmp_path / "echogram_0_supplement.nc", no_good_data=np.uint8(lines < 60), land_ice=1)
+    formats.write_supplement(tmp_path / "echogram_2_supplement.nc", missing_data=np.uint8(lines == 300), low_SNR=1)
+    done = run_snakemake(tmp_path / "run", "--", "flight", "charts", configs=configs)
+    assert done.returncode == 0, done.stderr[-4000:]
+    results = tmp_path / "run/results"
+    flight = [
+        tuple(xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers"))
+        for number in range(2)
+    ]
+    for dataset, name in zip(flight[0], ("Data", "twtt"), strict=True):
+        dataset[name] = dataset[name].where(xr.DataArray(lines >= 60, dims="slow_time"))
+    expected, found = fit(flight), xr.load_dataset(results / "statistics.nc")
+    assert_array_equal(found["n_picks"], expected["n_picks"])
+    # Decibels in float32, as above.
+    for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
+        assert_allclose(found[name], expected[name], rtol=1e-5, err_msg=name)
+    # Lines 0 to 255 and 250 to 505 of 512: one block of each is left.
+    first_lines = {
+        split: [scene.notes["first_line"] for scene in SceneSet(results / f"benchmark/{split}/0000.nc")]
+        for split in ("train", "test")
+    }
+    assert first_lines == {"train": [250], "test": [0]}
+    table = pd.read_csv(results / "tables/frames.csv", keep_default_na=False)
+    assert table["n_unfit_lines"].tolist() == [60, 60, 0, 1]
+    assert table["n_unfit_blocks"].tolist() == [0, 1, 0, 1]
+    assert table["flags"].tolist() == [*2 * ["no_good_data 60; land_ice 512"], "", "missing_data 1; low_SNR 512"]
+    for log, told in (
+        ("check_frames", "20120330_04_001t: 60 of 512 range lines left out, 1 blocks skipped for them"),
+        ("import_frame/0000", "20120330_04_001: 60 of 512 range lines left out"),
+        ("import_blocks/train/0000", "_000 is no scene: 60 of 256 range lines flagged unfit"),
+    ):
+        assert told in (tmp_path / f"run/logs/{log}.log").read_text()
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 READING = {
     "source": SOURCE,
-    **{key: OWN[key] for key in ("bin_s", "flattening", "layer_names")},
+    **{key: OWN[key] for key in ("bin_s", "flattening", "layer_names", "unfit_flags")},
 }
 
 
@@ -11,15 +11,23 @@ def own_frame(role, number):
     return OWN_FRAMES[role][int(number)]
 
 
+def supplement(row):
+    """File of quality flags beside an echogram of a row, if any: what it flags is left out."""
+    from snowsim.io.nsidc import find_supplement
+
+    found = find_supplement(row["echogram"]) if SOURCE == "nsidc" else None
+    return [] if found is None else [str(found)]
+
+
 rule check_frames:
     input:
         table=OWN["frames"],
         files=sorted(
             {
-                row[file]
+                file
                 for rows in OWN_FRAMES.values()
                 for row in rows
-                for file in ("echogram", "layers")
+                for file in (row["echogram"], row["layers"], *supplement(row))
             }
         ),
         code=package("flatten", "io"),
@@ -46,8 +54,12 @@ rule import_frame:
     input:
         echogram=lambda wildcards: own_frame("statistics", wildcards.frame)["echogram"],
         layers=lambda wildcards: own_frame("statistics", wildcards.frame)["layers"],
-        # A new line of the table must not read all the others again.
-        checked=ancient("results/tables/frames.csv"),
+        supplement=lambda wildcards: supplement(
+            own_frame("statistics", wildcards.frame)
+        ),
+        # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or files
+        # have changed, and what was imported with the old ones would stay.
+        checked="results/tables/frames.csv",
         code=package("flatten", "io"),
     output:
         echogram="results/flight/{frame}.nc",
@@ -76,7 +88,10 @@ rule import_blocks:
             "echogram"
         ],
         layers=lambda wildcards: own_frame(wildcards.split, wildcards.shard)["layers"],
-        checked=ancient("results/tables/frames.csv"),
+        supplement=lambda wildcards: supplement(
+            own_frame(wildcards.split, wildcards.shard)
+        ),
+        checked="results/tables/frames.csv",
         code=package("flatten", "io"),
     output:
         scenes="results/benchmark/{split}/{shard}.nc",

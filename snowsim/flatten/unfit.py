@@ -1,0 +1,79 @@
+"""Range lines that quality flags call unfit: their power and picks left out, and what was flagged counted."""
+
+import numpy as np
+import xarray as xr
+
+UNFIT_FLAGS = (
+    "coh_noise_removal_artifact",
+    "vertical_stripes_artifact",
+    "missing_data",
+    "no_good_data",
+    "unclassified_artifact",
+)
+
+
+def leave_out_unfit(echogram, layers, *, flags=UNFIT_FLAGS):
+    """A frame without the power and the picks of range lines that quality flags call unfit.
+
+    Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines stay, so that their
+    neighbours keep their distance.
+
+    Parameters
+    ----------
+    echogram, layers : xarray.Dataset
+        On the same range lines (`align_layers`). The echogram's `quality_mask (slow_time)` holds one bit a flag, told
+        by its attributes `flag_masks` and `flag_meanings` (CF conventions, section 3.5).
+    flags : iterable of str
+        A line with one of these is unfit. The mask need not know them all.
+
+    Returns
+    -------
+    echogram, layers : xarray.Dataset
+        The echogram with `unfit (slow_time)`, bool. Without a mask, both as they came.
+
+    Notes
+    -----
+    Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each:
+
+    - `coh_noise_removal_artifact`, coherent noise removal artifacts; `vertical_stripes_artifact`, vertical stripes or
+      raised noise floor: power that is no echo, in the air that gives the noise and under the picks.
+    - `missing_data`, the range gate clips the echogram; `no_good_data`; `unclassified_artifact`: not to be trusted.
+    - `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB below a bright echo: layers stay
+      where they are, and the same supplement lies beside the plain product. Not unfit by default.
+    - `low_SNR`: weak, but measured; without such lines the mean power would come out too high. Not unfit by default.
+    - `land_ice`: what is on the ground. No defect.
+    """
+    held = flagged_lines(echogram)
+    if held is None:
+        return echogram, layers
+    unfit = np.zeros(echogram.sizes["slow_time"], dtype=bool)
+    for name in flags:
+        unfit |= held.get(name, False)
+    echogram = echogram.assign(unfit=("slow_time", unfit))
+    if unfit.any():
+        fit = xr.DataArray(~unfit, dims="slow_time")
+        echogram["Data"] = echogram["Data"].where(fit)
+        layers = layers.assign(twtt=layers["twtt"].where(fit))
+    return echogram, layers
+
+
+def flagged_lines(echogram):
+    """Which range lines have each flag, {name: bool (range_line,)}; None for an echogram without a mask of flags."""
+    mask = echogram.get("quality_mask")
+    if mask is None or mask.dtype.kind not in "iu" or not {"flag_masks", "flag_meanings"} <= set(mask.attrs):
+        return None
+    names, bits = str(mask.attrs["flag_meanings"]).split(), np.atleast_1d(mask.attrs["flag_masks"])
+    return {name: (mask.values & bit) != 0 for name, bit in zip(names, bits, strict=True)}
+
+
+def count_unfit(echogram):
+    """How many range lines `leave_out_unfit` left out, and all flags in words, such as "low_SNR 12; land_ice 512".
+
+    Words are "none" where there is a mask without a flag, and empty where there is no mask.
+    """
+    held = flagged_lines(echogram)
+    n_unfit = int(echogram["unfit"].sum()) if "unfit" in echogram else 0
+    if held is None:
+        return n_unfit, ""
+    counts = {name: int(lines.sum()) for name, lines in held.items()}
+    return n_unfit, "; ".join(f"{name} {n}" for name, n in counts.items() if n) or "none"

@@ -1,0 +1,125 @@
+"""Quality flags of IRSNO1B supplements: which frames, lines and blocks they take out, what is counted, what is not."""
+
+import json
+from pathlib import Path
+
+import formats
+import numpy as np
+import pytest
+import yaml
+from numpy.testing import assert_array_equal
+
+from snowsim.flatten import UNFIT_FLAGS
+from snowsim.io import read_echogram
+from snowsim.io.frames import check_frames, read_frame, read_frames, scenes_of_frame
+from snowsim.io.sniff import SUPPLEMENT_FLAGS
+
+ROOT = Path(__file__).resolve().parents[2]
+N_LINES = 520  # blocks of 256 lines begin at 0 and 250
+ROLES = ("statistics", "train", "test")
+
+
+@pytest.fixture
+def flight(tmp_path, rng):
+    """Folder of three IRSNO1B frames, one a role, with layers and a table, without supplements."""
+    formats.write_nsidc_flight(tmp_path, rng, ROLES, N_LINES)
+    return tmp_path
+
+
+def supplement(folder, number, **flags):
+    """Write the supplement beside a frame: all eight flags, one value for the whole frame unless given by line."""
+    path = folder / f"{ROLES[number]}_supplement.nc"
+    formats.write_supplement(path, **(dict.fromkeys(SUPPLEMENT_FLAGS, 0) | flags))
+
+
+def by_line(*lines):
+    """A flag by range line, set on these."""
+    return np.isin(np.arange(N_LINES), lines).astype(np.uint8)
+
+
+def test_the_setting_knows_the_flags_of_the_files():
+    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    described = schema["properties"]["import"]["properties"]["unfit_flags"]
+    assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
+    assert yaml.safe_load((ROOT / "config/config.yaml").read_text())["import"]["unfit_flags"] == list(UNFIT_FLAGS)
+
+
+def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight):
+    supplement(flight, 0, vertical_stripes_artifact=by_line(*range(40)), land_ice=1)
+    supplement(flight, 1, coh_noise_removal_artifact=by_line(300), low_SNR=1)
+    table = check_frames(read_frames(flight / "frames.tsv"), blocks=True)
+    assert table["n_unfit_lines"].tolist() == [40, 1, 0]
+    assert table["n_scenes"].tolist() == [0, 1, 2]
+    assert table["n_skipped"].tolist() == [0, 1, 0]
+    assert table["n_unfit_blocks"].tolist() == [0, 1, 0]
+    assert table["flags"].tolist() == [
+        f"vertical_stripes_artifact 40; land_ice {N_LINES}",
+        f"coh_noise_removal_artifact 1; low_SNR {N_LINES}",
+        "",
+    ]
+
+
+def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight):
+    row = next(read_frames(flight / "frames.tsv").itertuples())
+    plain_echogram, plain_layers = read_frame(row)
+    unfit = by_line(3, 519) > 0
+    supplement(flight, 0, missing_data=unfit.astype(np.uint8))
+    echogram, layers = read_frame(row)
+    assert np.isnan(echogram["Data"].values[:, unfit]).all()
+    assert np.isnan(layers["twtt"].values[:, unfit]).all()
+    rows = np.isin(echogram["twtt"].values, plain_echogram["twtt"].values)
+    assert_array_equal(echogram["Data"].values[rows][:, ~unfit], plain_echogram["Data"].values[:, ~unfit])
+    assert_array_equal(layers["twtt"].values[:, ~unfit], plain_layers["twtt"].values[:, ~unfit])
+
+
+@pytest.mark.parametrize("flags", [{}, {"low_SNR": 1, "land_ice": 1, "deconvolution_artifact": 1}])
+def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, flags):
+    row = list(read_frames(flight / "frames.tsv").itertuples())[2]
+    echogram, layers = read_frame(row)
+    scenes, skipped = scenes_of_frame(row, echogram, layers)
+    supplement(flight, 2, **flags)
+    same_echogram, same_layers = read_frame(row)
+    assert same_layers.identical(layers)
+    assert same_echogram["Data"].identical(echogram["Data"])
+    same_scenes, same_skipped = scenes_of_frame(row, same_echogram, same_layers)
+    assert same_skipped == skipped == {}
+    for scene, same in zip(scenes, same_scenes, strict=True):
+        assert_array_equal(same.image, scene.image)
+        assert_array_equal(same.layer_bins, scene.layer_bins)
+        assert same.notes == scene.notes
+
+
+def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight):
+    supplement(flight, 0, no_good_data=1)
+    supplement(flight, 2, unclassified_artifact=1, land_ice=1)
+    table = read_frames(flight / "frames.tsv")
+    with pytest.raises(ValueError, match="2 of 3 frames fail") as error:
+        check_frames(table, blocks=True)
+    first, last = str(error.value).splitlines()[1:]
+    ending = "quality_mask: expected a range line that is fit, found all 520 unfit"
+    assert first == f"statistics: {flight}/statistics.nc: {ending} (no_good_data 520)"
+    assert last == f"test: {flight}/test.nc: {ending} (unclassified_artifact 520; land_ice 520)"
+    checked = check_frames(table, blocks=True, unfit_flags=[])
+    assert checked["n_unfit_lines"].tolist() == [0, 0, 0]
+    assert checked["flags"].tolist() == ["no_good_data 520", "", "unclassified_artifact 520; land_ice 520"]
+
+
+def test_a_frame_left_without_a_scene_is_told_with_the_reason(flight):
+    supplement(flight, 1, no_good_data=by_line(252))
+    with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged unfit"):
+        check_frames(read_frames(flight / "frames.tsv"), blocks=True)
+
+
+def test_flags_that_no_supplement_has_are_refused(flight):
+    row = next(read_frames(flight / "frames.tsv").itertuples())
+    with pytest.raises(ValueError, match="unfit_flags must be of .*land_ice, got zero_padding"):
+        read_frame(row, unfit_flags=["zero_padding"])
+
+
+def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight):
+    supplement(flight, 0, missing_data=by_line(7))
+    read_echogram(flight / "statistics.nc").to_netcdf(flight / "again.nc")
+    row = next(read_frames(flight / "frames.tsv").itertuples())
+    found, expected = (read_frame(row._replace(echogram=flight / name))[0] for name in ("again.nc", "statistics.nc"))
+    assert_array_equal(found["unfit"], expected["unfit"])
+    assert int(found["unfit"].sum()) == 1
