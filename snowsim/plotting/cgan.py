@@ -1,6 +1,7 @@
 """Training of the conditional GAN, and what bounds the similarity of its renders and PHY's."""
 
 import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from snowsim.plotting.style import COLOURS, NAMES
 
@@ -87,8 +88,10 @@ def plot_widths(ax, widths, metric):
     ax.plot(faulty["seconds_per_render"], faulty[metric], "kx", label="collapsed")
     phy = widths[widths["method"] == "phy"]
     ax.plot(phy["seconds_per_render"], phy[metric], "D", color=COLOURS["phy"], label=NAMES["phy"])
-    ax.set_xscale("log")
-    ax.set(xlabel="seconds per render", ylabel=NAMES[metric])
+    ax.set(xscale="log", xlabel="seconds per render", ylabel=NAMES[metric])
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def plot_stability(ax, stability):

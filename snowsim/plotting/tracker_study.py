@@ -63,6 +63,6 @@ def plot_panel(ax, table, panel, xlabel, ylabel, xscale="linear"):
     for _, of_replica in ok.groupby("replica"):
         ax.plot(of_replica["value"], of_replica["result"], "o-", color=COLOURS["rd"], markersize=3, linewidth=0.8)
     failed = rows[rows["status"] != "ok"]
-    ax.plot(failed["value"], np.zeros(len(failed)), "x", color=COLOURS["cgan"], clip_on=False)
-    ax.set(xlabel=xlabel, ylabel=ylabel, xscale=xscale)
-    ax.set_ylim(bottom=0)
+    if len(failed):  # an empty line that is not clipped would upset the layout
+        ax.plot(failed["value"], np.zeros(len(failed)), "x", color=COLOURS["cgan"], clip_on=False)
+    ax.set(xlabel=xlabel, ylabel=ylabel, xscale=xscale, ylim=(0, 1.08 * ok["result"].max() if len(ok) else 1))
