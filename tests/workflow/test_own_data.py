@@ -177,6 +177,11 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
         assert b"synthetic reference flight" not in path.read_bytes(), path
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
     assert not (results / "figures/flight_line.svg").exists()
+    settings = yaml.safe_load(own_config.read_text())
+    settings["import"]["pairs"]["data_scale"] = "db"
+    (tmp_path / "changed.yaml").write_text(yaml.safe_dump(settings))
+    changed = ("config.yaml", "tiny.yaml", tmp_path / "changed.yaml")
+    assert {"check_pairs", "import_pairs"} <= rules_to_run(run_snakemake(tmp_path, "--dry-run", configs=changed))
 
 
 @pytest.fixture

@@ -42,12 +42,10 @@ rule import_pairs:
         files=lambda wildcards: PAIRS[wildcards.split].files(
             slice(*shard_range(wildcards.split, wildcards.shard))
         ),
-        # A new name in a list must not read all the others again.
-        listing=ancient(
-            lambda wildcards: Path(OWN["pairs"]["folder"])
-            / OWN["pairs"]["lists"][wildcards.split]
-        ),
-        checked=ancient("results/tables/scenes.csv"),
+        listing=lambda wildcards: Path(OWN["pairs"]["folder"])
+        / OWN["pairs"]["lists"][wildcards.split],
+        # Not `ancient`, as for frames: Snakemake would read with a changed setting one run late.
+        checked="results/tables/scenes.csv",
         code=package("io"),
     output:
         scenes="results/benchmark/{split}/{shard}.nc",
