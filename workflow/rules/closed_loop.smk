@@ -20,7 +20,7 @@ use rule fit_statistics as fit_other_statistics with:
 rule render_closed_loop:
     input:
         layers=lambda wildcards: expand(
-            "results/labels/{shard}.nc", shard=LOOP_PARTS[int(wildcards.part)]
+            "results/labels/{shard}.nc", shard=loop_shards(wildcards)[0]
         ),
         statistics=loop_statistics,
         code=package(
@@ -40,9 +40,8 @@ rule render_closed_loop:
     params:
         seed=config["seed"],
         tolerance_db=config["phy"]["tolerance_db"],
-        first=lambda wildcards: shard_range(
-            "labels", LOOP_PARTS[int(wildcards.part)][0]
-        )[0],
+        first=lambda wildcards: loop_shards(wildcards)[1],
+        span=lambda wildcards: LOOP_PARTS[int(wildcards.part)],
         stride=LOOP_STRIDE,
     message:
         "sums over renders by {wildcards.convention}, part {wildcards.part}"

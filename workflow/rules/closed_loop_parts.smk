@@ -2,18 +2,11 @@
 
 # One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
 LOOP_STRIDE = 6
-# Label shards come in parts, for a job takes longer to start than to render a shard. All conventions of PHY go through
-# the first part, of about 200 scenes, the one it uses through all of them.
-LOOP_FIRST, LOOP_SHARDS = (
-    math.ceil(n_scenes / SHARD_SIZE["labels"]) for n_scenes in (200, 650)
-)
-LOOP_PARTS = [
-    shards("labels")[:LOOP_FIRST],
-    *[
-        shards("labels")[shard : shard + LOOP_SHARDS]
-        for shard in range(LOOP_FIRST, len(shards("labels")), LOOP_SHARDS)
-    ],
-]
+# Label scenes come in parts, for a job takes longer to start than to render a few: all conventions of PHY go through the
+# first part, the one it uses through all of them. Parts are of scenes, not of shards: tables do not depend on shards.
+LOOP_FIRST, LOOP_SCENES = 200, 650
+LOOP_STARTS = [0, *range(LOOP_FIRST, N_SCENES["labels"], LOOP_SCENES)]
+LOOP_PARTS = list(zip(LOOP_STARTS, [*LOOP_STARTS[1:], N_SCENES["labels"]]))
 LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
     config["statistics"]["estimator"], **config["phy"]
 )
@@ -36,6 +29,18 @@ wildcard_constraints:
     estimator="deblended|paper",
     part=r"\d+",
     parts="first|all",
+
+
+def loop_shards(wildcards):
+    """Label shards that hold the scenes of a part, and at which scene the first of them begins."""
+    start, stop = LOOP_PARTS[int(wildcards.part)]
+    held = [
+        shard
+        for shard in shards("labels")
+        if shard_range("labels", shard)[0] < stop
+        and shard_range("labels", shard)[1] > start
+    ]
+    return held, shard_range("labels", held[0])[0]
 
 
 def loop_statistics(wildcards):

@@ -17,13 +17,17 @@ def render_power(scene, statistics, tolerance_db, normalise, align, width, rng):
     return render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
 
 
-def summarise_part(paths_to_layers, path_to_statistics, path_to_summary, convention, seed, tolerance_db, first, stride):
+def summarise_part(
+    paths_to_layers, path_to_statistics, path_to_summary, convention, seed, tolerance_db, first, span, stride
+):  # fmt: skip
+    """Sums over label scenes `span`, of files whose first scene is number `first`."""
     statistics = read_dataset(path_to_statistics)
     geometry = {name: statistics.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     _, *conventions = convention.split("_")
     summaries = []
     with SceneSet(paths_to_layers) as scenes:
-        for index, scene in enumerate(progress(scenes, "closed loop"), start=first):
+        for index in progress(range(*span), "closed loop"):
+            scene = scenes[index - first]
             # By scene, never by part; where no width is drawn, the same speckle for every convention.
             rng = random_stream(seed, "closed_loop", scene.name)
             power = render_power(scene, statistics, tolerance_db, *conventions, rng)
