@@ -11,18 +11,12 @@ from pathlib import Path
 
 import pandas as pd
 from rulegraph import mermaid, read_rules
+from study_tables import STUDY_BLOCKS
+from table_parts import METRICS, SETS, amount, digits, markdown, read, share
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md")
-SETS = {"rd": "RD", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD"}
 METHODS = ("cgan", "phy")
-METRICS = {"ssim": ("SSIM", 2), "psnr": ("PSNR [dB]", 1), "rmse": ("RMSE", 1)}
-
-
-def markdown(header, rows):
-    """A table as Markdown; the first column is text, the others are taken as they come."""
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
 
 
 def similarity(results):
@@ -199,12 +193,8 @@ def cost(results):
 BLOCKS = (
     *(tables, graph, similarity, trackers, intervals, closed_loop, conventions),
     *(waveforms, speckle, scenes, plans, stability, realism, cost),
+    *STUDY_BLOCKS,
 )
-
-
-def read(results, name):
-    """A table of results/tables."""
-    return pd.read_csv(results / "tables" / f"{name}.csv")
 
 
 def quickest(table, keys):
@@ -218,26 +208,9 @@ def nanoseconds(row):
     return digits(row["seconds"] / row["n_pixels"] * 1e9)
 
 
-def digits(value, n=3):
-    """A number with this many digits, written out; nothing for NaN."""
-    return "" if pd.isna(value) else f"{float(f'{value:.{n}g}'):,.15g}"
-
-
 def error_db(value):
     """An error in dB; nothing where there is none to state."""
     return "" if pd.isna(value) else f"{value:.1g}"
-
-
-def amount(value, unit):
-    """A number in its unit; shares as percent."""
-    if pd.isna(value):
-        return ""
-    return f"{100 * value:.1f} %" if unit == "relative" else f"{value:.2g} {unit}"
-
-
-def share(value):
-    """A score without its leading zero, as the papers print it."""
-    return f"{value:.3f}".removeprefix("0")
 
 
 def fill(text, results):
