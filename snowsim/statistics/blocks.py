@@ -6,6 +6,7 @@ BLOCK_LINES = 256
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 SPECTRAL_SHARES = (1.0, 0.9, 0.5)  # of lines picked, that a block needs for a spectrum: the first with enough blocks
+ENOUGH_SHARE = 0.1  # of the number of blocks
 
 
 def thickness_blocks(summary, n_layers):
@@ -73,7 +74,7 @@ def spectral_blocks(thickness, minimum):
     thickness : ndarray, (block, slab, range_line)
         [bins]; NaN in gaps.
     minimum : int
-        Blocks, of all slabs together, that are enough.
+        Blocks, of all slabs together, that are enough, if they are a tenth of the number of blocks too.
 
     Returns
     -------
@@ -90,7 +91,8 @@ def spectral_blocks(thickness, minimum):
     long gaps at the ends put some of it, measured to 18 %, into the first two wavenumbers.
     """
     share = np.isfinite(thickness).mean(axis=2)
-    needed = next((part for part in SPECTRAL_SHARES if (share >= part).sum() >= minimum), SPECTRAL_SHARES[-1])
+    enough = max(minimum, ENOUGH_SHARE * len(share))
+    needed = next((part for part in SPECTRAL_SHARES if (share >= part).sum() >= enough), SPECTRAL_SHARES[-1])
     served = share >= needed
     closed = np.where(served[..., None], thickness, np.nan)
     line = np.arange(thickness.shape[2])

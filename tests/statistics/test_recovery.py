@@ -133,6 +133,9 @@ def test_spectra_of_blocks_that_all_have_gaps(rng, lost):
 
 
 def test_blocks_with_gaps_serve_only_where_those_without_are_too_few(rng):
+    many, _ = planted_blocks(rng, 60, n_slabs=1)
+    many[5:, 0, 40] = np.nan  # five without gaps are fewer than one in ten
+    assert zone_statistics(many, zone_edge_bins=[0, 1, 2, 3, 100])["n_closed_blocks"] == 55
     thickness, _ = planted_blocks(rng, 8, n_slabs=1)
     thickness[4:, 0, 40] = np.nan
     few = zone_statistics(thickness[1:], zone_edge_bins=[0, 1, 2, 3, 100])
