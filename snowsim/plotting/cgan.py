@@ -105,7 +105,7 @@ def plot_stability(ax, stability):
         kinds = {fault.split(":")[0] for verdict in runs.loc[~healthy, "verdict"] for fault in verdict.split("; ")}
         text = "\n".join([f"{healthy.sum()} of {len(runs)}", *sorted(kinds)])
         ax.text(at[1], at[0], text, ha="center", va="center", fontsize=5.5)
-    ax.imshow(share, vmin=0, vmax=1, cmap="RdYlGn", alpha=0.6, origin="lower", aspect="auto")
+    ax.imshow(share, vmin=0, vmax=1, cmap="PuOr", alpha=0.6, origin="lower", aspect="auto")
     ax.set_xticks(range(len(rates)), [f"{rate:g}" for rate in rates])
     ax.set_yticks(range(len(weights)), [f"{weight:g}" for weight in weights])
     ax.set(xlabel="learning rate", ylabel="L1 weight")
