@@ -55,7 +55,7 @@ def seeds(results):
             difference(r),
             r.verdict,
             f"{r.detectable:.4f}",
-        ]  # fmt: skip
+        ]
         for r in table.itertuples()
     ]
     header = ["sets", "score", "means", "difference", "verdict", "smallest that this could tell"]

@@ -51,7 +51,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Raises
     ------
     ValueError
-        If the estimator is unknown, there is no air above the surface, no layer.
+        If the estimator is unknown, there is no air above the surface, no layer, or what `zone_statistics`
+        refuses.
 
     Notes
     -----

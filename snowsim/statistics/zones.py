@@ -138,8 +138,8 @@ def _spectra_by_zone(thickness, served, level, zone, typical):
             elif source[z, slab] == ALL_ZONES:
                 part = spectra * (typical[z] / first[:, None]) ** 2
             else:
-                first = np.repeat(level, served.sum(axis=1))
-                part = periodogram(thickness[served]) * (typical[z] / first[:, None]) ** 2
+                of_series = np.repeat(level, served.sum(axis=1))
+                part = periodogram(thickness[served]) * (typical[z] / of_series[:, None]) ** 2
             density[z, slab] = part.mean(axis=0)
             # A periodogram scatters as its mean: with too few blocks to see that, it is taken as known.
             scatter = part.std(axis=0, ddof=1) if len(part) >= MINIMUM_BLOCKS else density[z, slab]
