@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import torch
 from job import job, progress
-from render_cgan import read_generator
+from render_cgan import scene_renderer
 from render_phy import render_scene
 
-from snowsim.cgan import held_out, render
+from snowsim.cgan import held_out
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.bounds import as_bytes, error_parts, with_other_speckle, without_speckle
@@ -76,17 +76,14 @@ def explain(
             for method, scene in zip(("cgan", "phy"), rendered, strict=True):
                 rows += rows_of(without_faults(scene, observed), **here, method=method)
                 parts.append({"method": method, **error_parts(scene.image, observed.image)})
-    generator, settings = read_generator(path_to_generator, device)
+    render_by_cgan = scene_renderer(path_to_generator, device, statistics)
     flight = read_dataset(path_to_statistics)
     renderers = {
-        "cgan": lambda scene: render(
-            generator, scene.mask(), dropout=settings.dropout, statistics=statistics, precision=settings.precision,
-            rng=random_stream(seed, "explain_similarity", "cgan", scene.name),
+        "cgan": lambda scene: render_by_cgan(scene, random_stream(seed, "explain_similarity", "cgan", scene.name)),
+        "phy": lambda scene: (
+            render_scene(scene, flight, phy, random_stream(seed, "explain_similarity", "phy", scene.name)).image
         ),
-        "phy": lambda scene: render_scene(
-            scene, flight, phy, random_stream(seed, "explain_similarity", "phy", scene.name)
-        ).image,
-    }  # fmt: skip
+    }
     with SceneSet(paths_to_train) as train:
         _, numbers = held_out(len(train), validation["n_scenes"], seed=seed)
         rows += compare_annotations([train[number] for number in numbers], renderers)

@@ -11,31 +11,29 @@ from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.seeding import random_stream
 
 
-def read_generator(path, device):
-    """The trained generator and the settings it was trained with."""
-    weights, metadata = read_model(path, {"kind": "cgan generator"})
+def scene_renderer(path_to_generator, device, statistics):
+    """Function that renders a scene by a trained generator, with a random generator for the dropout."""
+    weights, metadata = read_model(path_to_generator, {"kind": "cgan generator"})
     settings = Settings(**metadata["settings"])
-    return trained_generator(weights, settings, device=device), settings
+    generator = trained_generator(weights, settings, device=device)
+
+    def render_scene(scene, rng):
+        options = {"dropout": settings.dropout, "precision": settings.precision, "statistics": statistics}
+        return render(generator, scene.mask(), **options, rng=rng)
+
+    return render_scene
 
 
 def render_shard(path_to_layers, path_to_generator, path_to_scenes, seed, device, statistics, source):
     torch.set_num_threads(1)
-    generator, settings = read_generator(path_to_generator, device)
+    render_scene = scene_renderer(path_to_generator, device, statistics)
 
-    def render_scene(scene):
-        rng = random_stream(seed, "render_cgan", scene.name)  # by scene, never by shard
-        image = render(
-            generator,
-            scene.mask(),
-            dropout=settings.dropout,
-            statistics=statistics,
-            precision=settings.precision,
-            rng=rng,
-        )
+    def rendered(scene):
+        image = render_scene(scene, random_stream(seed, "render_cgan", scene.name))  # by scene, never by shard
         return dataclasses.replace(scene, image=image, complete_layer_bins=None)
 
     with SceneSet(path_to_layers) as layers:
-        scenes = (render_scene(scene) for scene in progress(layers, "cGAN"))
+        scenes = (rendered(scene) for scene in progress(layers, "cGAN"))
         write_scenes(path_to_scenes, scenes, {"method": "cGAN", "synthetic": source})
 
 
