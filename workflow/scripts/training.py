@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import torch
-from job import progress
+from job import available_memory_mb, progress
 from torch.utils.tensorboard import SummaryWriter
 
 from snowsim import __version__
@@ -231,17 +231,10 @@ def enough_memory(what):
 
 def check_memory(n_bytes, what):
     """Raise ValueError in one line if the machine cannot hold `n_bytes` now; machines that do not say pass."""
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-    except FileNotFoundError:
-        return
-    available = {name: int(rest.split()[0]) * 1024 for name, rest in (line.split(":") for line in lines)}[
-        "MemAvailable"
-    ]
-    if n_bytes > available:
-        msg = (
-            f"too little memory for {what}: it needs at least {n_bytes / 1e9:.3g} GB, {available / 1e9:.3g} GB are free"
-        )
+    available = available_memory_mb()
+    if available is not None and n_bytes > available * 2**20:
+        needed, free = n_bytes / 1e9, available * 2**20 / 1e9
+        msg = f"too little memory for {what}: it needs at least {needed:.3g} GB, {free:.3g} GB are free"
         raise ValueError(msg)
 
 
