@@ -62,9 +62,9 @@ def stages(config):
     lines = config["flight"]["n_range_lines"]
     frame, rendered = f"frame of {lines} lines", n_labels + n["test"]
     return {
-        "flight": ("reference_frame", config["flight"]["n_frames"], frame, "flight/[0-9]*.nc"),
+        "flight": ("reference_frames", config["flight"]["n_frames"], frame, "flight/[0-9]*.nc"),
         "benchmark": ("reference_scenes", sum(n.values()), "scene", "benchmark/**/*.nc"),
-        "statistics": ("summarise_frame", config["flight"]["n_frames"], frame, "statistics/*.nc"),
+        "statistics": ("summarise_frames", config["flight"]["n_frames"], frame, "statistics/*.nc"),
         "labels": ("draw_labels", n_labels, "scene", "labels/*.nc"),
         "PHY": ("render_phy", rendered, "scene", "phy/*/*.nc"),
         "cGAN training": ("train_cgan", config["cgan"]["training"]["n_steps"], "step", "cgan/*.safetensors"),

@@ -59,7 +59,7 @@ def files_of(part):
 def test_closure_follows_imports_of_imports_and_spares_what_is_not_called():
     # By hand: the script imports io.files and statistics, whose modules import each other and one module of phy;
     # no reader of a file format is imported, although the package io can read them all.
-    files = {str(path) for path in imported(ROOT / "workflow/scripts/summarise_frame.py")}
+    files = {str(path) for path in imported(ROOT / "workflow/scripts/summarise_frames.py")}
     assert {"snowsim/io/files.py", "snowsim/statistics/frames.py", "snowsim/phy/waveform.py"} <= files
     assert not {"snowsim/io/mat5.py", "snowsim/phy/render.py", "snowsim/cgan/train.py"} & files
 

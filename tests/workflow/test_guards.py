@@ -48,9 +48,9 @@ def test_a_disk_that_fills_up_ends_the_job_in_one_line_and_leaves_nothing(tmp_pa
         assert [path.name for path in (tmp_path / "results").rglob("*.nc")] == []
     assert done.returncode != 0
     (line,) = lines_with(done, "error: ")
-    assert line.startswith("error: reference_frame: results/flight/0000.nc: cannot be written, the disk is full")
-    log = (tmp_path / "logs/reference_frame/0000.log").read_text().strip()
-    assert log.splitlines()[-1].endswith(line.removeprefix("error: reference_frame: "))
+    assert line.startswith("error: reference_frames_0000: results/flight/0000.nc: cannot be written, the disk is full")
+    log = (tmp_path / "logs/reference_frames/0000.log").read_text().strip()
+    assert log.splitlines()[-1].endswith(line.removeprefix("error: reference_frames_0000: "))
 
 
 @pytest.mark.crash

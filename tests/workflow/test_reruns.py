@@ -76,7 +76,10 @@ def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
         ("phy: {tolerance_db: 0.1}", {"render_phy", "render_closed_loop"}),
         ("tracker: {training: {learning_rate: 1.0e-3}}", {"train_tracker"}),
         ("cgan: {training: {precision: float32}}", {"train_cgan"}),
-        ("reference: {picks: {gap_db: 0.3}}", {"reference_frame", "reference_segment", "reference_scenes"}),
+        (
+            "reference: {picks: {gap_db: 0.3}}",
+            {"reference_frames_0000", "reference_frames_0001", "reference_segment", "reference_scenes"},
+        ),
     ],
 )
 def test_a_setting_reruns_what_depends_on_it_and_nothing_else(tiny_run, tmp_path, rules_downstream, text, first):

@@ -74,6 +74,7 @@ SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 wildcard_constraints:
     frame=r"\d{4}",
+    lot=r"\d{4}",
     shard=r"\d{4}",
     replica=r"\d+",
     split="|".join(SPLITS),
@@ -84,10 +85,7 @@ wildcard_constraints:
 
 def shards(scenes):
     """Names of the files a scene set is divided into."""
-    return [
-        f"{shard:04d}"
-        for shard in range(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
-    ]
+    return numbered(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
 
 
 def shard_range(scenes, shard):

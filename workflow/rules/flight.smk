@@ -2,31 +2,38 @@
 
 
 include: "reference_checks.smk"
+include: "summarise_frames.smk"
 
 
-rule reference_frame:
-    input:
-        code=package("reference", "io.files"),
-    output:
-        echogram="results/flight/{frame}.nc",
-        layers="results/flight/{frame}_layers.nc",
-    log:
-        "logs/reference_frame/{frame}.log",
-    benchmark:
-        "results/benchmarks/reference_frame/{frame}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-        flight=config["flight"],
-        reference=config["reference"],
-    message:
-        "frame {wildcards.frame} of the synthetic reference flight"
-    script:
-        "../scripts/reference_frame.py"
+# A rule for each lot: a job draws several frames, for to start it takes longer than to draw one.
+for lot, frames in FRAME_LOTS.items():
+
+    rule:
+        name:
+            f"reference_frames_{lot}"
+        input:
+            code=package("reference", "io.files"),
+        output:
+            echograms=expand("results/flight/{frame}.nc", frame=frames),
+            layers=expand("results/flight/{frame}_layers.nc", frame=frames),
+        log:
+            f"logs/reference_frames/{lot}.log",
+        benchmark:
+            f"results/benchmarks/reference_frames/{lot}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        threads: 1
+        resources:
+            mem_mb=1500,
+        params:
+            frames=[int(frame) for frame in frames],
+            seed=config["seed"],
+            flight={key: config["flight"][key] for key in ("n_frames", "n_range_lines")},
+            reference=config["reference"],
+        message:
+            f"frames of the synthetic reference flight, lot {lot}"
+        script:
+            "../scripts/reference_frames.py"
 
 
 rule reference_segment:

@@ -7,7 +7,7 @@ BYTES_PER_SCENE = {
     "render_cgan": 220e3,
     "reference_scenes": 110e3,
 }
-BYTES_PER_FRAME_LINE = {"reference_frame": 3.7e3}
+BYTES_PER_FRAME_LINE = 3.7e3
 SMALL_FILES_BYTES = 20e6
 
 
@@ -17,8 +17,10 @@ def bytes_of(job):
     if job.rule.name in BYTES_PER_SCENE:
         first, end = shard_range(scenes, job.wildcards.shard)
         return (end - first) * BYTES_PER_SCENE[job.rule.name]
-    lines = config["flight"]["n_range_lines"]
-    return BYTES_PER_FRAME_LINE.get(job.rule.name, 0) * lines
+    if job.rule.name.startswith("reference_frames_"):
+        n_lines = len(job.output.echograms) * config["flight"]["n_range_lines"]
+        return n_lines * BYTES_PER_FRAME_LINE
+    return 0
 
 
 def check_folders(*names):

@@ -1,10 +1,6 @@
 # A folder in the published benchmark's layout as the benchmark; the statistics come from its train scenes.
 
 
-# Both could make results/statistics/{frame}.nc, from scenes and from frames; there are no frames here.
-ruleorder: summarise_scenes > summarise_frame
-
-
 rule check_pairs:
     input:
         files=[file for scenes in PAIRS.values() for file in scenes.files(slice(None))],
@@ -69,14 +65,14 @@ rule import_pairs:
 
 rule summarise_scenes:
     input:
-        scenes="results/benchmark/train/{frame}.nc",
+        scenes="results/benchmark/train/{shard}.nc",
         code=package("statistics", "phy.waveform", "flatten", "io.files", "io.scenes"),
     output:
-        summary="results/statistics/{frame}.nc",
+        summary="results/statistics/{shard}.nc",
     log:
-        "logs/summarise_scenes/{frame}.log",
+        "logs/summarise_scenes/{shard}.log",
     benchmark:
-        "results/benchmarks/summarise_scenes/{frame}.tsv"
+        "results/benchmarks/summarise_scenes/{shard}.tsv"
     conda:
         "../../envs/cpu.yaml"
     threads: 1
@@ -87,7 +83,7 @@ rule summarise_scenes:
         line_spacing_m=OWN["pairs"]["line_spacing_m"],
         contrast_db=OWN["pairs"]["contrast_db"],
     message:
-        "sums over train scenes, shard {wildcards.frame}"
+        "sums over train scenes, shard {wildcards.shard}"
     script:
         "../scripts/summarise_scenes.py"
 

@@ -12,7 +12,7 @@ LABEL_STATISTICS = (
 
 rule compare_label_models:
     input:
-        summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
+        summaries=SUMMARIES,
         statistics="results/statistics.nc",
         code=package("statistics", "phy.waveform", "labels", "timing", "io.files"),
     output:

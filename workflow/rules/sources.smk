@@ -84,6 +84,12 @@ def own_pairs():
     return pairs
 
 
+def numbered(n):
+    """Names of n files."""
+    return [f"{i:04d}" for i in range(n)]
+
+
+FRAMES_PER_JOB = config["flight"]["frames_per_job"]
 # N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. How many scenes an own frame gives is known when it
 # is cut: there a file holds one frame, and frames are counted.
 if SOURCE == "reference":
@@ -91,7 +97,7 @@ if SOURCE == "reference":
     NOTE = "synthetic reference flight"
     N_OBSERVED = config["benchmark"]["n_scenes"]
     OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
-    FRAMES = [f"{frame:04d}" for frame in range(config["flight"]["n_frames"])]
+    FRAMES = numbered(config["flight"]["n_frames"])
     SEGMENT = ["results/flight/segment.nc"]
 else:
     for what, reason in LEFT_OUT[SOURCE].items():
@@ -103,13 +109,15 @@ else:
         PAIRS = own_pairs()
         N_OBSERVED = {split: len(PAIRS.get(split, [])) for split in SPLITS}
         OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
-        # Statistics come from the train scenes, summed up file by file.
-        FRAMES = [
-            f"{shard:04d}"
-            for shard in range(math.ceil(N_OBSERVED["train"] / OBSERVED_PER_SHARD))
-        ]
+        FRAMES = []
     else:
         OWN_FRAMES = own_frames()
         N_OBSERVED = {split: len(OWN_FRAMES.get(split, [])) for split in SPLITS}
         OBSERVED_PER_SHARD = 1
-        FRAMES = [f"{frame:04d}" for frame in range(len(OWN_FRAMES["statistics"]))]
+        FRAMES = numbered(len(OWN_FRAMES["statistics"]))
+
+# Frames that one job draws or sums up, by the number of the lot.
+FRAME_LOTS = {
+    f"{first // FRAMES_PER_JOB:04d}": FRAMES[first : first + FRAMES_PER_JOB]
+    for first in range(0, len(FRAMES), FRAMES_PER_JOB)
+}

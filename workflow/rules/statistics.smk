@@ -1,31 +1,15 @@
-# Observed frames -> flight statistics, one pass, one frame in memory.
+# Sums over the observed frames -> flight statistics.
 
 
-rule summarise_frame:
-    input:
-        echogram="results/flight/{frame}.nc",
-        layers="results/flight/{frame}_layers.nc",
-        code=package("statistics", "phy.waveform", "io.files"),
-    output:
-        summary="results/statistics/{frame}.nc",
-    log:
-        "logs/summarise_frame/{frame}.log",
-    benchmark:
-        "results/benchmarks/summarise_frame/{frame}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    message:
-        "sums over frame {wildcards.frame}"
-    script:
-        "../scripts/summarise_frame.py"
+# Sums over a lot of frames or, where there are only images, over a file of train scenes.
+SUMMARIES = [
+    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
+]
 
 
 rule fit_statistics:
     input:
-        summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
+        summaries=SUMMARIES,
         segment=SEGMENT,
         code=package("statistics", "phy.waveform", "io.files"),
     output:

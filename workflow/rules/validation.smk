@@ -3,7 +3,7 @@
 
 rule tabulate_validation:
     input:
-        summaries=expand("results/statistics/{frame}.nc", frame=FRAMES),
+        summaries=SUMMARIES,
         statistics="results/statistics.nc",
         zones=LABEL_STATISTICS,
         rendered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
