@@ -14,7 +14,7 @@ def test_one_core_gives_the_same_bytes_as_two(tiny_run, reproducible_targets, tm
 @pytest.mark.slow
 def test_other_shards_in_another_order_give_the_same_tables_and_figures(tiny_run, reproducible_targets, tmp_path):
     override = tmp_path / "override.yaml"
-    override.write_text("labels: {shard_size: 5}\nbenchmark: {shard_size: 4}\n")
+    override.write_text("flight: {frames_per_job: 1}\nlabels: {shard_size: 5}\nbenchmark: {shard_size: 4}\n")
     # What does not hold shards, and no network, whose file names the shards it was trained on.
     wanted = [name for name in reproducible_targets if name.startswith(("results/tables/", "results/figures/"))]
     wanted.append("results/statistics.nc")
@@ -26,6 +26,7 @@ def test_other_shards_in_another_order_give_the_same_tables_and_figures(tiny_run
     done = run_snakemake(folder, "--prioritize", *first, "--", *wanted, cores=2, configs=configs, timeout=3600)
     assert done.returncode == 0, done.stderr[-4000:]
     assert len(list((folder / "results/labels").glob("*.nc"))) == 2
+    assert len(list((folder / "results/statistics").glob("*.nc"))) == 3
     expected, found = (reproducible.digests(run / "results") for run in (tiny_run, folder))
     names = [name.removeprefix("results/") for name in wanted]
     assert {name: found[name] for name in names} == {name: expected[name] for name in names}

@@ -53,11 +53,20 @@ rule plot_annotation:
         "../scripts/plot_annotation.py"
 
 
+# Label sets that the figure chooses from, and the files that hold them: what it shows does not depend on shards.
+LABELS_TO_SHOW = 100
+SHARDS_TO_SHOW = [
+    shard
+    for shard in shards("labels")
+    if shard_range("labels", shard)[0] < LABELS_TO_SHOW
+]
+
+
 rule plot_synthetic:
     input:
-        labels=f"results/labels/{shards('labels')[0]}.nc",
-        phy=f"results/phy/labels/{shards('labels')[0]}.nc",
-        cgan=f"results/cgan/labels/{shards('labels')[0]}.nc",
+        labels=expand("results/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
+        phy=expand("results/phy/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
+        cgan=expand("results/cgan/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
         code=package("plotting", "io.figures", "io.files", "io.scenes"),
     output:
         figure=report(
@@ -74,6 +83,7 @@ rule plot_synthetic:
         mem_mb=1000,
     params:
         source=NOTE,
+        n_labels=LABELS_TO_SHOW,
     message:
         "synthetic layers and both renders of them"
     script:

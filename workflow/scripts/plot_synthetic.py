@@ -1,5 +1,7 @@
 """Synthetic layers and both renders of them, for scenes of few, some and many layers."""
 
+from itertools import islice
+
 import numpy as np
 from job import job
 
@@ -9,9 +11,9 @@ from snowsim.plotting import new_figure, note_source
 from snowsim.plotting.similarity import plot_echogram, plot_layers
 
 
-def plot(path_to_labels, path_to_phy, path_to_cgan, path_to_figure, source, n_scenes=3):
-    with SceneSet(path_to_labels) as labels, SceneSet(path_to_phy) as phy, SceneSet(path_to_cgan) as cgan:
-        order = np.argsort([scene.layer_bins.shape[0] for scene in labels], kind="stable")
+def plot(paths_to_labels, paths_to_phy, paths_to_cgan, path_to_figure, source, n_labels, n_scenes=3):
+    with SceneSet(paths_to_labels) as labels, SceneSet(paths_to_phy) as phy, SceneSet(paths_to_cgan) as cgan:
+        order = np.argsort([scene.layer_bins.shape[0] for scene in islice(labels, n_labels)], kind="stable")
         chosen = np.unique(np.rint(np.linspace(0, order.size - 1, n_scenes)).astype(int))
         figure, axes = new_figure(chosen.size, 3, width=6.5, height=2.5 * chosen.size)
         for row, i in zip(axes, order[chosen], strict=True):
