@@ -19,57 +19,96 @@ use rule fit_statistics as fit_other_statistics with:
 
 rule render_closed_loop:
     input:
-        layers=lambda wildcards: expand(
-            "results/labels/{shard}.nc", shard=loop_shards(wildcards)[0]
-        ),
-        statistics=loop_statistics,
+        layers=lambda wildcards: loop_labels(int(wildcards.part)),
+        statistics="results/statistics.nc",
         code=package(
             "phy", "statistics", "io.files", "io.scenes", without=["phy.stress"]
         ),
     output:
-        summary=temp("results/closed_loop/{convention}/{part}.nc"),
+        summary=temp("results/closed_loop/parts/{part}.nc"),
     log:
-        "logs/render_closed_loop/{convention}/{part}.log",
+        "logs/render_closed_loop/{part}.log",
     benchmark:
-        "results/benchmarks/render_closed_loop/{convention}/{part}.tsv"
+        "results/benchmarks/render_closed_loop/{part}.tsv"
     conda:
         "../../envs/cpu.yaml"
     threads: 1
     resources:
         mem_mb=1000,
     params:
+        convention=LOOP_DEFAULT,
         seed=config["seed"],
         tolerance_db=config["phy"]["tolerance_db"],
-        first=lambda wildcards: loop_shards(wildcards)[1],
+        first=lambda wildcards: loop_shards(int(wildcards.part))[1],
         span=lambda wildcards: LOOP_PARTS[int(wildcards.part)],
         stride=LOOP_STRIDE,
     message:
-        "sums over renders by {wildcards.convention}, part {wildcards.part}"
+        "sums over renders, part {wildcards.part}"
     script:
         "../scripts/render_closed_loop.py"
 
 
 rule estimate_closed_loop:
     input:
-        summaries=loop_summaries,
-        statistics=loop_statistics,
+        summaries=lambda wildcards: expand(
+            "results/closed_loop/parts/{part}.nc",
+            part=range(1 if wildcards.parts == "first" else len(LOOP_PARTS)),
+        ),
+        statistics="results/statistics.nc",
         code=package("statistics", "phy.waveform", "io.files"),
     output:
-        statistics="results/closed_loop/{convention}_{parts}.nc",
-        table="results/closed_loop/{convention}_{parts}.csv",
+        statistics=f"results/closed_loop/{LOOP_DEFAULT}_{{parts}}.nc",
+        table=f"results/closed_loop/{LOOP_DEFAULT}_{{parts}}.csv",
     log:
-        "logs/estimate_closed_loop/{convention}_{parts}.log",
+        "logs/estimate_closed_loop/{parts}.log",
     benchmark:
-        "results/benchmarks/estimate_closed_loop/{convention}_{parts}.tsv"
+        "results/benchmarks/estimate_closed_loop/{parts}.tsv"
     conda:
         "../../envs/cpu.yaml"
     threads: 1
     resources:
         mem_mb=2000,
     message:
-        "statistics of renders by {wildcards.convention}, {wildcards.parts} of them"
+        "statistics of renders, {wildcards.parts} parts"
     script:
         "../scripts/estimate_closed_loop.py"
+
+
+rule try_convention:
+    input:
+        layers=loop_labels(0),
+        statistics=loop_statistics,
+        code=package(
+            "phy",
+            "statistics",
+            "io.files",
+            "io.scenes",
+            without=["phy.stress"],
+            scripts=["render_closed_loop", "estimate_closed_loop"],
+        ),
+    output:
+        statistics="results/closed_loop/{convention}_first.nc",
+        table="results/closed_loop/{convention}_first.csv",
+    log:
+        "logs/try_convention/{convention}.log",
+    benchmark:
+        "results/benchmarks/try_convention/{convention}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        convention=lambda wildcards: wildcards.convention,
+        seed=config["seed"],
+        tolerance_db=config["phy"]["tolerance_db"],
+        first=0,
+        span=LOOP_PARTS[0],
+        stride=LOOP_STRIDE,
+    message:
+        "statistics of renders by {wildcards.convention}"
+    script:
+        "../scripts/try_convention.py"
 
 
 rule tabulate_closed_loop:

@@ -3,7 +3,7 @@
 # One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
 LOOP_STRIDE = 6
 # Label scenes come in parts, for a job takes longer to start than to render a few: all conventions of PHY go through the
-# first part, the one it uses through all of them. Parts are of scenes, not of shards: tables do not depend on shards.
+# first part, in a job each, the one it uses through all parts. Parts are of scenes, not of shards: so are tables.
 LOOP_FIRST, LOOP_SCENES = 200, 650
 LOOP_STARTS = [0, *range(LOOP_FIRST, N_SCENES["labels"], LOOP_SCENES)]
 LOOP_PARTS = list(zip(LOOP_STARTS, [*LOOP_STARTS[1:], N_SCENES["labels"]]))
@@ -25,15 +25,15 @@ LOOP_CONVENTIONS = list(
 
 
 wildcard_constraints:
-    convention="(deblended|paper)_(peak|none)_(peak|gaussian)_(fitted|paper)",
+    convention="|".join(LOOP_CONVENTIONS[1:]),  # what the default goes through is not one job
     estimator="deblended|paper",
     part=r"\d+",
     parts="first|all",
 
 
-def loop_shards(wildcards):
+def loop_shards(part):
     """Label shards that hold the scenes of a part, and at which scene the first of them begins."""
-    start, stop = LOOP_PARTS[int(wildcards.part)]
+    start, stop = LOOP_PARTS[part]
     held = [
         shard
         for shard in shards("labels")
@@ -43,19 +43,14 @@ def loop_shards(wildcards):
     return held, shard_range("labels", held[0])[0]
 
 
+def loop_labels(part):
+    """Files of the label scenes of a part."""
+    return expand("results/labels/{shard}.nc", shard=loop_shards(part)[0])
+
+
 def loop_statistics(wildcards):
     """The flight's statistics by the estimator of a convention."""
     estimator = wildcards.convention.split("_")[0]
     if estimator == config["statistics"]["estimator"]:
         return "results/statistics.nc"
     return f"results/closed_loop/flight_{estimator}.nc"
-
-
-def loop_summaries(wildcards):
-    """Summaries of the renders of one convention, of the first part or of all."""
-    n_parts = 1 if wildcards.parts == "first" else len(LOOP_PARTS)
-    return expand(
-        "results/closed_loop/{convention}/{part}.nc",
-        convention=wildcards.convention,
-        part=range(n_parts),
-    )

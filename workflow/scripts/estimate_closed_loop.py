@@ -7,9 +7,8 @@ from snowsim.statistics import estimate, merge, summary_from_dataset
 from snowsim.statistics.loop import compare
 
 
-def estimate_loop(paths_to_summaries, path_to_statistics, path_to_recovered, path_to_table):
-    given = read_dataset(path_to_statistics)
-    summary = merge(summary_from_dataset(read_dataset(path)) for path in paths_to_summaries)
+def estimate_loop(summary, given, path_to_recovered, path_to_table):
+    """Statistics of the renders in a summary, whose own were to be `given`, written with their table."""
     recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
     write_dataset(path_to_recovered, recovered.assign_attrs(synthetic="renders by PHY, not observed data"))
     write_table(path_to_table, compare(given, recovered))
@@ -17,4 +16,5 @@ def estimate_loop(paths_to_summaries, path_to_statistics, path_to_recovered, pat
 
 if __name__ == "__main__":
     with job(snakemake):
-        estimate_loop(snakemake.input.summaries, snakemake.input.statistics, *snakemake.output)
+        summary = merge(summary_from_dataset(read_dataset(path)) for path in snakemake.input.summaries)
+        estimate_loop(summary, read_dataset(snakemake.input.statistics), *snakemake.output)

@@ -17,11 +17,8 @@ def render_power(scene, statistics, tolerance_db, normalise, align, width, rng):
     return render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
 
 
-def summarise_part(
-    paths_to_layers, path_to_statistics, path_to_summary, convention, seed, tolerance_db, first, span, stride
-):  # fmt: skip
-    """Sums over label scenes `span`, of files whose first scene is number `first`."""
-    statistics = read_dataset(path_to_statistics)
+def summarise_part(paths_to_layers, statistics, convention, seed, tolerance_db, first, span, stride):
+    """Sums over renders of label scenes `span`, of files whose first scene is number `first`."""
     geometry = {name: statistics.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     _, *conventions = convention.split("_")
     summaries = []
@@ -33,16 +30,15 @@ def summarise_part(
             power = render_power(scene, statistics, tolerance_db, *conventions, rng)
             frame = as_frame(power, scene.layer_bins, index, **geometry)
             summaries.append(thinned(summarise(*frame, where=scene.name), stride))
-    dataset = summary_to_dataset(merge(summaries))
+    return merge(summaries)
+
+
+def render_part(paths_to_layers, path_to_statistics, path_to_summary, **options):
+    summary = summarise_part(paths_to_layers, read_dataset(path_to_statistics), **options)
+    dataset = summary_to_dataset(summary)
     write_dataset(path_to_summary, dataset.assign_attrs(synthetic="renders by PHY, not observed data"))
 
 
 if __name__ == "__main__":
     with job(snakemake):
-        summarise_part(
-            snakemake.input.layers,
-            snakemake.input.statistics,
-            snakemake.output.summary,
-            snakemake.wildcards.convention,
-            **snakemake.params,
-        )
+        render_part(snakemake.input.layers, snakemake.input.statistics, snakemake.output.summary, **snakemake.params)
