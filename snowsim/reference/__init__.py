@@ -1,8 +1,21 @@
 """The synthetic reference flight: firn physics and a radar that share no equation with the renderers it judges."""
 
-from snowsim.reference.benchmark import draw_scene
-from snowsim.reference.climate import draw_climate
-from snowsim.reference.flight import draw_complex_segment, draw_frame
 from snowsim.reference.settings import Settings, checked_settings
 
 __all__ = ["Settings", "checked_settings", "draw_climate", "draw_complex_segment", "draw_frame", "draw_scene"]
+
+
+def __getattr__(name):
+    """What draws, imported when first asked for: every start of the workflow checks settings and draws nothing."""
+    if name == "draw_climate":
+        from snowsim.reference.climate import draw_climate as found
+    elif name == "draw_complex_segment":
+        from snowsim.reference.flight import draw_complex_segment as found
+    elif name == "draw_frame":
+        from snowsim.reference.flight import draw_frame as found
+    elif name == "draw_scene":
+        from snowsim.reference.benchmark import draw_scene as found
+    else:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg)
+    return found

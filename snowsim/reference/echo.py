@@ -10,10 +10,10 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.reference.climate import draw_along_track
 from snowsim.reference.firn import (
     KOVACS_M3_KG,
-    draw_layering,
     refractive_index_kovacs95,
     surface_reflectivity,
 )
+from snowsim.reference.layering import draw_layering
 from snowsim.reference.radar import (
     SATURATION_LEVEL,
     SATURATION_NOISE,

@@ -9,13 +9,13 @@ from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
 from snowsim.reference.firn import (
     density_herron_langway80,
     depth_herron_langway80,
-    draw_layering,
     rates_herron_langway80,
     reflectivity,
     refractive_index_kovacs95,
     surface_reflectivity,
     travel_time_s,
 )
+from snowsim.reference.layering import draw_layering
 
 PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
 

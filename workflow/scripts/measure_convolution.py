@@ -30,11 +30,11 @@ from snowsim.phy.errors import planted_scene
 from snowsim.phy.literal import render_literal
 from snowsim.reference import checked_settings, draw_climate, draw_scene
 from snowsim.reference.firn import (
-    draw_layering,
     refractive_index_kovacs95,
     surface_reflectivity,
     travel_time_s,
 )
+from snowsim.reference.layering import draw_layering
 from snowsim.reference.radar import interface_waveform, range_response
 from snowsim.seeding import random_stream
 from snowsim.timing import device_name, time_rounds
