@@ -4,6 +4,8 @@ import pandas as pd
 
 STUDY = config["studies"]["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
+# Replicas of the default training sets beyond those of the default run.
+MORE_SEEDS = list(range(config["tracker"]["n_seeds"], STUDY["n_seeds"]))
 ABLATION = {
     "default": {"training_sets": list(TRAINING_SETS)},
     **{setting["name"]: setting for setting in STUDY["ablation"]},

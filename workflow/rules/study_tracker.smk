@@ -69,9 +69,11 @@ use rule train_tracker as train_study_tracker with:
 use rule score_tracker as score_study_tracker with:
     input:
         scenes=lambda wildcards: benchmark_files(wildcards.split),
-        network=lambda wildcards: study_network(
-            wildcards.any_setting, wildcards.training_set, wildcards.replica
-        ),
+        networks=lambda wildcards: [
+            study_network(
+                wildcards.any_setting, wildcards.training_set, wildcards.replica
+            )
+        ],
         code=package(
             "tracker",
             "patches",
@@ -82,7 +84,9 @@ use rule score_tracker as score_study_tracker with:
             "io.scenes",
         ),
     output:
-        counts="results/studies/tracker/{any_setting}/{training_set}/{replica}_{split}.parquet",
+        counts=[
+            "results/studies/tracker/{any_setting}/{training_set}/{replica}_{split}.parquet"
+        ],
     log:
         "logs/score_study_tracker/{any_setting}/{training_set}/{replica}_{split}.log",
     benchmark:
@@ -92,6 +96,37 @@ use rule score_tracker as score_study_tracker with:
         outputs=["fuse"],
     message:
         "fused edge scores of {wildcards.training_set}, {wildcards.any_setting}, replica {wildcards.replica}"
+
+
+if MORE_SEEDS:
+
+    use rule score_tracker as score_more_trackers with:
+        input:
+            scenes=benchmark_files("test"),
+            networks=expand(
+                "results/tracker/{{training_set}}/{replica}.safetensors",
+                replica=MORE_SEEDS,
+            ),
+            code=package(
+                "tracker",
+                "patches",
+                "weights",
+                "metrics",
+                "io.files",
+                "io.models",
+                "io.scenes",
+            ),
+        output:
+            counts=expand(
+                "results/tracker/{{training_set}}/{replica}_counts.parquet",
+                replica=MORE_SEEDS,
+            ),
+        log:
+            "logs/score_more_trackers/{training_set}.log",
+        benchmark:
+            "results/benchmarks/score_more_trackers/{training_set}.tsv"
+        message:
+            "edge scores of {wildcards.training_set}, replicas of the study alone"
 
 
 checkpoint tabulate_ablation:

@@ -51,7 +51,9 @@ rule train_tracker:
 rule score_tracker:
     input:
         scenes=benchmark_files("test"),
-        network="results/tracker/{training_set}/{replica}.safetensors",
+        networks=expand(
+            "results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS
+        ),
         code=package(
             "tracker",
             "patches",
@@ -62,12 +64,16 @@ rule score_tracker:
             "io.scenes",
         ),
     output:
-        counts="results/tracker/{training_set}/{replica}_counts.parquet",
-        picks="results/tracker/{training_set}/{replica}_picks.parquet",
+        counts=expand(
+            "results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS
+        ),
+        picks=expand(
+            "results/tracker/{{training_set}}/{replica}_picks.parquet", replica=SEEDS
+        ),
     log:
-        "logs/score_tracker/{training_set}/{replica}.log",
+        "logs/score_tracker/{training_set}.log",
     benchmark:
-        "results/benchmarks/score_tracker/{training_set}/{replica}.tsv"
+        "results/benchmarks/score_tracker/{training_set}.tsv"
     conda:
         "../../envs/cpu.yaml"
     threads: 1
@@ -77,7 +83,7 @@ rule score_tracker:
     params:
         device=config["tracker"]["device"],
     message:
-        "edge scores of {wildcards.training_set}, replica {wildcards.replica}"
+        "edge scores of {wildcards.training_set}, every replica"
     script:
         "../scripts/score_tracker.py"
 

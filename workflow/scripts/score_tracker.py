@@ -1,4 +1,4 @@
-"""Edge counts of one tracker on a set of scenes, every output, every threshold; picks from its fused output."""
+"""Edge counts of trackers on a set of scenes, every output, every threshold; picks from their fused outputs."""
 
 import numpy as np
 import pandas as pd
@@ -26,35 +26,42 @@ def pick(scenes, edges, threshold):
     return pd.concat(tables)
 
 
-def evaluate(paths_to_scenes, path_to_network, path_to_counts, device, path_to_picks=None, outputs=OUTPUTS):
-    torch.set_num_threads(1)
+def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, outputs=OUTPUTS):
+    """Score one tracker; no picks are written where there is no path to them."""
     weights, metadata = read_model(path_to_network, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     network = trained_network(weights, settings, device=device)
     tables, fused, fused_counts = [], [], []
-    with SceneSet(paths_to_scenes) as scenes:
-        for scene in progress(scenes, "edge scores"):
-            probabilities = track(network, scene.image, precision=settings.precision)
-            for output in outputs:
-                edges = suppress(probabilities[OUTPUTS.index(output)], where=scene.name)
-                counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
-                tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
-                if output == "fuse" and path_to_picks is not None:
-                    fused.append(edges.astype(np.float32))
-                    fused_counts.append(counts)
-        if path_to_picks is not None:
-            # The threshold of the best F of the set, as for ODS.
-            threshold = score(fused_counts, THRESHOLDS)["ods_threshold"]
-            write_table(path_to_picks, pick(scenes, fused, threshold))
+    for scene in progress(scenes, "edge scores"):
+        probabilities = track(network, scene.image, precision=settings.precision)
+        for output in outputs:
+            edges = suppress(probabilities[OUTPUTS.index(output)], where=scene.name)
+            counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
+            tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
+            if output == "fuse" and path_to_picks is not None:
+                fused.append(edges.astype(np.float32))
+                fused_counts.append(counts)
+    if path_to_picks is not None:
+        # The threshold of the best F of the set, as for ODS.
+        threshold = score(fused_counts, THRESHOLDS)["ods_threshold"]
+        write_table(path_to_picks, pick(scenes, fused, threshold))
     write_table(path_to_counts, pd.concat(tables))
+
+
+def evaluate_all(paths_to_scenes, paths_to_networks, paths_to_counts, paths_to_picks, **options):
+    torch.set_num_threads(1)
+    files = zip(paths_to_networks, paths_to_counts, paths_to_picks or [None] * len(paths_to_counts), strict=True)
+    with SceneSet(paths_to_scenes) as scenes:
+        for paths in files:
+            evaluate(scenes, *paths, **options)
 
 
 if __name__ == "__main__":
     with job(snakemake):
-        evaluate(
+        evaluate_all(
             snakemake.input.scenes,
-            snakemake.input.network,
+            snakemake.input.networks,
             snakemake.output.counts,
-            path_to_picks=snakemake.output.get("picks"),
+            snakemake.output.get("picks", []),
             **snakemake.params,
         )
