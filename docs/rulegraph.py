@@ -34,6 +34,8 @@ FLOW = {
 
 GAP, ROW, CHARACTER, HEIGHT, WAY = 16, 50, 6.4, 21, 10  # [px]
 N_SWEEPS = 24
+# A rule by its header, and one made in a loop by the name it is given.
+RULE_NAME = re.compile(r'^ *(?:rule|checkpoint) (\w+):|^ *use rule \w+ as (\w+)|^ *f"(\w+)_{lot}"', re.MULTILINE)
 
 
 def read_rules():
@@ -44,7 +46,9 @@ def read_rules():
     if done.returncode:
         msg = f"snakemake --rulegraph failed: {done.stderr.strip().splitlines()[-1:]}"
         raise ValueError(msg)
-    names = dict(re.findall(r'(\d+)\[label = "(\w+)', done.stdout))
+    # Rules of one script, made in a loop, end with a number: one node.
+    labels = re.findall(r'(\d+)\[label = "(\w+)', done.stdout)
+    names = {number: re.sub(r"_\d{4}$", "", name) for number, name in labels}
     edges = {(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", done.stdout)}
     return {edge for edge in edges if edge[1] != "all"}
 
@@ -53,8 +57,8 @@ def stage_of_rules():
     """Name of the rules file that each rule stands in."""
     stages = {}
     for path in (ROOT / "Snakefile", *sorted((ROOT / "workflow/rules").glob("*.smk"))):
-        for name in re.findall(r"^(?:rule|checkpoint) (\w+):|^use rule \w+ as (\w+)", path.read_text(), re.MULTILINE):
-            stages[name[0] or name[1]] = path.stem
+        for names in RULE_NAME.findall(path.read_text()):
+            stages["".join(names)] = path.stem
     return stages
 
 

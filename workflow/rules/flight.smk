@@ -2,7 +2,6 @@
 
 
 include: "reference_checks.smk"
-include: "summarise_frames.smk"
 
 
 # A rule for each lot: a job draws several frames, for to start it takes longer than to draw one.

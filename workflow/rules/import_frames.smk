@@ -1,9 +1,5 @@
 # Own frames (IRSNO1B, CReSIS L1B, Open Polar Radar) as the flight and, cut into blocks, as the benchmark.
 
-
-include: "summarise_frames.smk"
-
-
 READING = {
     "source": SOURCE,
     **{key: OWN[key] for key in ("bin_s", "flattening", "layer_names", "unfit_flags")},

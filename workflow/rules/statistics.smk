@@ -1,10 +1,38 @@
-# Sums over the observed frames -> flight statistics.
+# Observed frames -> flight statistics, one pass, one frame in memory.
 
 
 # Sums over a lot of frames or, where there are only images, over a file of train scenes.
 SUMMARIES = [
     f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
 ]
+
+
+if FRAME_LOTS:
+
+    rule summarise_frames:
+        input:
+            echograms=lambda wildcards: expand(
+                "results/flight/{frame}.nc", frame=FRAME_LOTS[wildcards.lot]
+            ),
+            layers=lambda wildcards: expand(
+                "results/flight/{frame}_layers.nc", frame=FRAME_LOTS[wildcards.lot]
+            ),
+            code=package("statistics", "phy.waveform", "io.files"),
+        output:
+            summary="results/statistics/{lot}.nc",
+        log:
+            "logs/summarise_frames/{lot}.log",
+        benchmark:
+            "results/benchmarks/summarise_frames/{lot}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        threads: 1
+        resources:
+            mem_mb=1000,
+        message:
+            "sums over frames, lot {wildcards.lot}"
+        script:
+            "../scripts/summarise_frames.py"
 
 
 rule fit_statistics:
