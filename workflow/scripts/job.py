@@ -1,5 +1,7 @@
 """What every script shares: a log that ends with the error, one line for bad input, progress of long work."""
 
+import atexit
+import gc
 import logging
 import sys
 import time
@@ -13,6 +15,9 @@ from tqdm import tqdm
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 logger = logging.getLogger("snowsim")
+
+# Without this a process searches all its modules for garbage while it ends, a second with torch.
+atexit.register(gc.freeze)
 
 
 @contextmanager
