@@ -1,7 +1,8 @@
 """What the workflow costs per scene, and what it takes to plan and run many.
 
 ``python benchmarks/scale.py RUN > docs/scale.md``, where RUN is the folder of a finished default run (with results/ and
-logs/). Plans and label sets of 1500 and 15,000 scenes are made anew in a temporary folder; 150,000 are projected.
+logs/), made by ``PYTHONPATH=benchmarks/import_clock make run``. Plans and label sets of 1500 and 15,000 scenes are made
+anew in a temporary folder; 150,000 are projected.
 """
 
 import csv
@@ -37,6 +38,16 @@ def read_benchmarks(run):
         memory = 0.0 if row["max_rss"] in ("-", "NA") else float(row["max_rss"])
         rows.append((name.parts[0], float(row["s"]), float(work[1]), memory))
     return rows
+
+
+def late_imports(run, rows):
+    """Seconds of imports inside functions, which the log of a job counts as work: all but those before its work."""
+    lines = (run / "logs/imports.tsv").read_text().splitlines()
+    if len(lines) != len(rows):
+        msg = f"{run}/logs/imports.tsv: expected a row for each of {len(rows)} jobs, found {len(lines)}"
+        raise ValueError(msg)
+    life, imports = (sum(column) for column in zip(*(map(float, line.split("\t")) for line in lines), strict=True))
+    return imports - (life - sum(row[2] for row in rows))
 
 
 def size_of(run, pattern):
@@ -152,10 +163,14 @@ def write(run):
         yield f"| {stage} | {n} x {unit} | {seconds:.4f} | {size / 1e3:.1f} | {start:.1f} | {memory:.0f} |"
     rows = read_benchmarks(run)
     whole, work = sum(row[1] for row in rows), sum(row[2] for row in rows)
-    share = f"{whole - work:.0f} s ({1 - work / whole:.0%})"
-    yield from ("", f"Of {whole:.0f} s in {len(rows)} jobs, {share} start Python and import what the job needs.")
-    idle = idle_seconds(run)
-    yield f"Beside them, cores waited {idle:.0f} s for Snakemake or for other jobs: {idle / len(rows):.2f} s per job."
+    start, late, idle = whole - work, late_imports(run, rows), idle_seconds(run)
+    yield from (
+        "",
+        f"Of {whole:.0f} s in {len(rows)} jobs, {start:.0f} s start and end Python and import what the job needs;",
+    )
+    yield f"imports inside functions, which the table counts as work, take {late:.0f} s more. Beside the jobs, cores"
+    yield f"waited {idle:.0f} s for Snakemake or for other jobs, {idle / len(rows):.2f} s per job. Together these are"
+    yield f"{(start + late + idle) / (whole + idle):.1%} of the time of all cores."
     yield from ("", "## Many label sets", "")
     columns = (
         "label sets", "jobs", "plan, CPU [s]", "memory of Snakemake [MB]", "labels [MB]",
