@@ -1,9 +1,13 @@
 """Arrows between modules point one way."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
+
+import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echogram", "seeding", "patches", "flatten", "timing", "weights"}
@@ -76,3 +80,17 @@ def test_only_io_opens_files():
             node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
         }
         assert "open" not in calls, f"{module} opens a file"
+
+
+def test_settings_are_checked_without_what_draws():
+    # Every start of the workflow checks them, dry runs included.
+    command = [sys.executable, "-c", "import sys, snowsim.reference; print(*sys.modules)"]
+    loaded = set(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
+    assert "snowsim.reference.settings" in loaded
+    assert not loaded & {"scipy.signal", "torch", "xarray", "snowsim.reference.echo", "snowsim.reference.flight"}
+
+
+def test_the_reference_flight_has_the_names_it_promises_and_no_other():
+    assert all(getattr(snowsim.reference, name).__name__ == name for name in snowsim.reference.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'draw_nothing'"):
+        _ = snowsim.reference.draw_nothing
