@@ -25,13 +25,13 @@ def run_from_the_flight(folder, target):
 
 
 def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
-    path = broken_run / "results/flight/0001.nc"
+    path = broken_run / "results/flight/0001.nc"  # the second of the first lot
     path.write_bytes(path.read_bytes()[:20_000])
-    done = run_from_the_flight(broken_run, "results/statistics/0001.nc")
+    done = run_from_the_flight(broken_run, "results/statistics/0000.nc")
     assert done.returncode != 0
     assert error_lines(done) == [line for line in error_lines(done) if "results/flight/0001.nc: expected" in line]
     assert len(error_lines(done)) == 1
-    assert not (broken_run / "results/statistics/0001.nc").exists()
+    assert not (broken_run / "results/statistics/0000.nc").exists()
 
 
 def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
