@@ -50,26 +50,25 @@ rule render_closed_loop:
 
 rule estimate_closed_loop:
     input:
-        summaries=lambda wildcards: expand(
-            "results/closed_loop/parts/{part}.nc",
-            part=range(1 if wildcards.parts == "first" else len(LOOP_PARTS)),
+        summaries=expand(
+            "results/closed_loop/parts/{part}.nc", part=range(len(LOOP_PARTS))
         ),
         statistics="results/statistics.nc",
         code=package("statistics", "phy.waveform", "io.files"),
     output:
-        statistics=f"results/closed_loop/{LOOP_DEFAULT}_{{parts}}.nc",
-        table=f"results/closed_loop/{LOOP_DEFAULT}_{{parts}}.csv",
+        statistics=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
+        table=f"results/closed_loop/{LOOP_DEFAULT}_all.csv",
     log:
-        "logs/estimate_closed_loop/{parts}.log",
+        "logs/estimate_closed_loop.log",
     benchmark:
-        "results/benchmarks/estimate_closed_loop/{parts}.tsv"
+        "results/benchmarks/estimate_closed_loop/all.tsv"
     conda:
         "../../envs/cpu.yaml"
     threads: 1
     resources:
         mem_mb=2000,
     message:
-        "statistics of renders, {wildcards.parts} parts"
+        "statistics of renders of all label sets"
     script:
         "../scripts/estimate_closed_loop.py"
 

@@ -2,8 +2,8 @@
 
 # One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
 LOOP_STRIDE = 6
-# Label scenes come in parts, for a job takes longer to start than to render a few: all conventions of PHY go through the
-# first part, in a job each, the one it uses through all parts. Parts count scenes, so tables do not depend on shards.
+# All conventions of PHY are tried on the first scenes, in a job each. The one it uses goes through all of them in parts;
+# parts count scenes, so tables do not depend on shards.
 LOOP_FIRST, LOOP_SCENES = 200, 650
 LOOP_STARTS = [0, *range(LOOP_FIRST, N_SCENES["labels"], LOOP_SCENES)]
 LOOP_PARTS = list(zip(LOOP_STARTS, [*LOOP_STARTS[1:], N_SCENES["labels"]]))
@@ -25,10 +25,9 @@ LOOP_CONVENTIONS = list(
 
 
 wildcard_constraints:
-    convention="|".join(LOOP_CONVENTIONS[1:]),  # what the default goes through is not one job
+    convention="|".join(LOOP_CONVENTIONS),
     estimator="deblended|paper",
     part=r"\d+",
-    parts="first|all",
 
 
 def loop_shards(part):
