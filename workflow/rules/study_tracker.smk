@@ -36,15 +36,7 @@ use rule train_tracker as train_study_tracker with:
         real=benchmark_files("train"),
         phy=study_added_scenes("phy"),
         cgan=study_added_scenes("cgan"),
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "io.files",
-            "io.models",
-            "io.scenes",
-            scripts=["training"],
-        ),
+        code=package(*TRACKER_PARTS, scripts=["training"]),
     output:
         network="results/studies/tracker/{setting}/{training_set}/{replica}.safetensors",
         losses="results/studies/tracker/{setting}/{training_set}/{replica}_losses.csv",
@@ -74,15 +66,7 @@ use rule score_tracker as score_study_tracker with:
                 wildcards.any_setting, wildcards.training_set, wildcards.replica
             )
         ],
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "metrics",
-            "io.files",
-            "io.models",
-            "io.scenes",
-        ),
+        code=package(*TRACKER_PARTS, "metrics"),
     output:
         counts=[
             "results/studies/tracker/{any_setting}/{training_set}/{replica}_{split}.parquet"
@@ -107,15 +91,7 @@ if MORE_SEEDS:
                 "results/tracker/{{training_set}}/{replica}.safetensors",
                 replica=MORE_SEEDS,
             ),
-            code=package(
-                "tracker",
-                "patches",
-                "weights",
-                "metrics",
-                "io.files",
-                "io.models",
-                "io.scenes",
-            ),
+            code=package(*TRACKER_PARTS, "metrics"),
         output:
             counts=expand(
                 "results/tracker/{{training_set}}/{replica}_counts.parquet",
@@ -216,16 +192,7 @@ rule time_trackers:
             f"results/studies/tracker/{name}/rd/0_validation.parquet"
             for name in ["default", *NETWORKS]
         ],
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "metrics",
-            "timing",
-            "io.files",
-            "io.models",
-            "io.scenes",
-        ),
+        code=package(*TRACKER_PARTS, "metrics", "timing"),
     output:
         table="results/tables/speed_accuracy_tracker.csv",
     log:
@@ -253,16 +220,7 @@ rule stress_tracker:
         scenes=benchmark_files("validation"),
         network="results/tracker/rd/0.safetensors",
         statistics="results/statistics.nc",
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "metrics",
-            "phy",
-            "io.files",
-            "io.models",
-            "io.scenes",
-        ),
+        code=package(*TRACKER_PARTS, "metrics", "phy"),
     output:
         table="results/studies/tracker/stability.csv",
     log:

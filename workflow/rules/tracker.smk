@@ -1,20 +1,15 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
+# What everything that trains or runs a tracker depends on.
+TRACKER_PARTS = ("tracker", "patches", "weights", "io.files", "io.models", "io.scenes")
+
 
 rule train_tracker:
     input:
         real=benchmark_files("train"),
         phy=added_scenes("phy"),
         cgan=added_scenes("cgan"),
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "io.files",
-            "io.models",
-            "io.scenes",
-            scripts=["training"],
-        ),
+        code=package(*TRACKER_PARTS, scripts=["training"]),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -54,15 +49,7 @@ rule score_tracker:
         networks=expand(
             "results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS
         ),
-        code=package(
-            "tracker",
-            "patches",
-            "weights",
-            "metrics",
-            "io.files",
-            "io.models",
-            "io.scenes",
-        ),
+        code=package(*TRACKER_PARTS, "metrics"),
     output:
         counts=expand(
             "results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS
@@ -195,9 +182,7 @@ rule track_samples:
         networks=expand(
             "results/tracker/{training_set}/0.safetensors", training_set=TRAINING_SETS
         ),
-        code=package(
-            "tracker", "patches", "weights", "io.files", "io.models", "io.scenes"
-        ),
+        code=package(*TRACKER_PARTS),
     output:
         samples="results/tracker/samples.nc",
     log:
