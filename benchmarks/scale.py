@@ -1,8 +1,8 @@
 """What the workflow costs per scene, and what it takes to plan and run many.
 
 ``python benchmarks/scale.py RUN > docs/scale.md``, where RUN is the folder of a finished default run (with results/ and
-logs/), made by ``PYTHONPATH=benchmarks/import_clock make run``. Plans and label sets of 1500 and 15,000 scenes are made
-anew in a temporary folder; 150,000 are projected.
+logs/), made in a fresh clone by ``PYTHONPATH=benchmarks/import_clock make run``. Plans and label sets of 1500 and
+15,000 scenes are made anew in a temporary folder; 150,000 are projected.
 """
 
 import csv
@@ -42,9 +42,13 @@ def read_benchmarks(run):
 
 def late_imports(run, rows):
     """Seconds of imports inside functions, which the log of a job counts as work: all but those before its work."""
-    lines = (run / "logs/imports.tsv").read_text().splitlines()
+    path = run / "logs/imports.tsv"
+    if not path.exists():
+        msg = f"{path}: expected a row a job, the file is not there: PYTHONPATH=benchmarks/import_clock make run"
+        raise ValueError(msg)
+    lines = path.read_text().splitlines()
     if len(lines) != len(rows):
-        msg = f"{run}/logs/imports.tsv: expected a row for each of {len(rows)} jobs, found {len(lines)}"
+        msg = f"{path}: expected a row for each of {len(rows)} jobs, found {len(lines)}"
         raise ValueError(msg)
     life, imports = (sum(column) for column in zip(*(map(float, line.split("\t")) for line in lines), strict=True))
     return imports - (life - sum(row[2] for row in rows))
@@ -195,7 +199,7 @@ def write(run):
             f"| {hours[0]:.2f} | {hours[1]:.2f} | {share} |"
         )
     yield from (*lines, "")
-    yield f"Shards hold {shard_size()} scenes; `labels.shard_size` sets it. The last row is a straight line through "
+    yield f"Shards hold {shard_size()} scenes; `labels.shard_size` sets it. The last row is a straight line through"
     yield "the other two. A job's memory does not grow with the number of scenes: one is held at a time."
     yield from project_archive(config, costs)
 
@@ -206,8 +210,8 @@ def project_archive(config, costs):
     n_frames = ARCHIVE_KM * per_km / config["flight"]["n_range_lines"]
     n_scenes = ARCHIVE_KM * per_km / config["labels"]["n_range_lines"]
     yield from ("", "## The whole IceBridge archive", "")
-    yield f"Assumed: {ARCHIVE_KM:,} km of track; all is proportional to it. At {per_km:.0f} lines per km these are "
-    yield f"{n_frames:,.0f} frames of {config['flight']['n_range_lines']} lines or {n_scenes:,.0f} scenes of 256. "
+    yield f"Assumed: {ARCHIVE_KM:,} km of track; all is proportional to it. At {per_km:.0f} lines per km these are"
+    yield f"{n_frames:,.0f} frames of {config['flight']['n_range_lines']} lines or {n_scenes:,.0f} scenes of 256."
     yield f"On {CORES} cores, jobs of 100 frames or 1000 scenes:"
     yield from ("", f"| stage | core h | min on {CORES} cores | jobs | files [GB] |", "|---|---|---|---|---|")
     for name, stage, n, per_job in (
