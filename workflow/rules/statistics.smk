@@ -24,6 +24,8 @@ if FRAME_LOTS:
             "logs/summarise_frames/{lot}.log",
         benchmark:
             "results/benchmarks/summarise_frames/{lot}.tsv"
+        wildcard_constraints:
+            lot="|".join(FRAME_LOTS),
         conda:
             "../../envs/cpu.yaml"
         threads: 1
