@@ -93,6 +93,20 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
         assert sum(expected in line for line in text.splitlines()) == 1, text
 
 
+def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
+    for split, name in (("train", "1"), ("test", "2")):
+        (tmp_path / f"data_{name}.png").touch()
+        (tmp_path / f"layer_{name}.png").touch()
+        (tmp_path / f"{split}.lst").write_text(f"data_{name}.png\n")
+    own = tmp_path / "own.yaml"
+    own.write_text(yaml.safe_dump({"source": "png_pairs", "import": {"pairs": {"folder": str(tmp_path)}}}))
+    for target in ("realism", "results/figures/echogram.svg", "results/figures/pixel_grid.svg"):
+        done = run_snakemake(tmp_path / "run", "--dry-run", "--", target, configs=("config.yaml", "tiny.yaml", own))
+        text = done.stdout + done.stderr
+        assert done.returncode != 0, target
+        assert "source png_pairs: there are no frames: images tell no positions" in text, text
+
+
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
     formats.write_nsidc_flight(tmp_path, rng, ("statistics", "train", "test"), 512)
     settings = {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}}

@@ -3,8 +3,8 @@
 
 rule plot_flight:
     input:
-        echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
-        layers=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
+        echograms=flight_files("results/flight/{frame}.nc"),
+        layers=flight_files("results/flight/{frame}_layers.nc"),
         code=package("plotting", "io.figures", "io.files"),
     output:
         table="results/tables/flight.csv",

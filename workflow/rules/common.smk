@@ -74,7 +74,6 @@ SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 wildcard_constraints:
     frame=r"\d{4}",
-    lot=r"\d{4}",
     shard=r"\d{4}",
     replica=r"\d+",
     split="|".join(SPLITS),
@@ -86,6 +85,18 @@ wildcard_constraints:
 def shards(scenes):
     """Names of the files a scene set is divided into."""
     return numbered(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
+
+
+def flight_files(pattern):
+    """Input function: files of all frames; where there are only images, a line that says so."""
+
+    def files(wildcards):
+        if not FRAMES:
+            reason = LEFT_OUT[SOURCE]["map and echogram of the flight"]
+            raise WorkflowError(f"source {SOURCE}: there are no frames: {reason}")
+        return expand(pattern, frame=FRAMES)
+
+    return files
 
 
 def shard_range(scenes, shard):

@@ -1,10 +1,16 @@
 # Counterparts of figures of the paper that show single scenes: pixel grid, annotation, synthetic layers and their renders.
 
 
+def middle_frame(pattern):
+    """Input function: file of the frame in the middle of the flight."""
+    files = flight_files(pattern)
+    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
+
+
 rule plot_pixel_grid:
     input:
-        echogram=lambda wildcards: f"results/flight/{FRAMES[len(FRAMES) // 2]}.nc",
-        layers=lambda wildcards: f"results/flight/{FRAMES[len(FRAMES) // 2]}_layers.nc",
+        echogram=middle_frame("results/flight/{frame}.nc"),
+        layers=middle_frame("results/flight/{frame}_layers.nc"),
         code=package("plotting", "io.figures", "io.files"),
     output:
         table="results/tables/pixel_grid.csv",

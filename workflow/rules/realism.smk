@@ -3,8 +3,8 @@
 
 rule tabulate_realism:
     input:
-        echograms=expand("results/flight/{frame}.nc", frame=FRAMES),
-        layers=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
+        echograms=flight_files("results/flight/{frame}.nc"),
+        layers=flight_files("results/flight/{frame}_layers.nc"),
         statistics="results/statistics.nc",
         train=benchmark_files("train"),
         test=benchmark_files("test"),
