@@ -33,7 +33,8 @@ def job(snakemake):
     except (ValueError, OSError, FloatingPointError) as error:  # the last: a training diverged
         logger.error(traceback.format_exc())
         logger.error("error: %s", error)
-        sys.stderr.write(f"error: {snakemake.rule}: {error}\n")
+        # On a line of its own, also where a progress bar stands.
+        tqdm.write(f"error: {snakemake.rule}: {error}", file=sys.stderr)
         sys.exit(1)
     except BaseException as error:
         logger.error(traceback.format_exc())
