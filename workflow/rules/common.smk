@@ -99,6 +99,12 @@ def flight_files(pattern):
     return files
 
 
+def middle_frame(pattern):
+    """Input function: file of the frame in the middle of the flight."""
+    files = flight_files(pattern)
+    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
+
+
 def shard_range(scenes, shard):
     """First scene of a shard and the one after its last."""
     first = int(shard) * SHARD_SIZE[scenes]

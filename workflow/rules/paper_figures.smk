@@ -1,12 +1,6 @@
 # Counterparts of figures of the paper that show single scenes: pixel grid, annotation, synthetic layers and their renders.
 
 
-def middle_frame(pattern):
-    """Input function: file of the frame in the middle of the flight."""
-    files = flight_files(pattern)
-    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
-
-
 rule plot_pixel_grid:
     input:
         echogram=middle_frame("results/flight/{frame}.nc"),
