@@ -15,12 +15,12 @@ import pandas as pd
 from scipy.ndimage import gaussian_filter, median_filter
 
 from snowsim.echogram import Scene, to_db
-from snowsim.flatten import frame_of_scene
+from snowsim.frames import frame_of_scene
 from snowsim.io.files import write_table
 from snowsim.io.images import read_image
 from snowsim.metrics.texture import autocorrelation, equivalent_number_of_looks, radial_psd
 from snowsim.statistics import summarise
-from snowsim.statistics.frames import FIRST_ROW
+from snowsim.statistics.summaries import FIRST_ROW
 
 CONTRAST_DB = 30.0  # from the smallest row mean to the brightest pixel: assumed
 BIN_S, LINE_SPACING_M = 1e-9, 10.0  # images do not tell; nothing reported depends on them
@@ -73,8 +73,8 @@ def describe(image):
 
 def draw(image, surface, table, source):
     """The figure of an image and its table."""
-    from snowsim.plotting import accumulation as plots
-    from snowsim.plotting import new_figure, note_source
+    from lib.figures import accumulation as plots
+    from lib.figures.style import new_figure, note_source
 
     figure, axes = new_figure(2, 2, width=8, height=5)
     curve = {name: rows for name, rows in table.groupby("curve")}
@@ -87,7 +87,7 @@ def draw(image, surface, table, source):
 
 
 def main(path, folder):
-    from snowsim.io.figures import write_figure
+    from lib.figures.style import write_figure
 
     image, _ = read_image(path)
     table, surface = describe(image)

@@ -19,12 +19,12 @@ import torch
 import yaml
 from torch.nn import functional
 
+from lib.timing import time_rounds
 from snowsim.cgan import Settings, Training, train_steps
 from snowsim.cgan.train import learning_rate
 from snowsim.echogram import Scene
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
-from snowsim.timing import time_rounds
 
 CONFIG = Path(__file__).parents[1] / "config"
 N_ROUNDS = 5

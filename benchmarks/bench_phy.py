@@ -7,9 +7,9 @@ fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include 
 import numpy as np
 import pytest
 
+from lib.diagnostics.phy_alternatives import mean_power_by, render_literal
 from snowsim.echogram import to_uint8
 from snowsim.phy import draw_speckle, mean_power, render
-from snowsim.phy.literal import mean_power_by, render_literal
 
 TOLERANCE_DB = 0.05
 N_BINS = N_LINES = 256

@@ -11,9 +11,9 @@ import tracemalloc
 import numpy as np
 import pytest
 
+from lib.diagnostics.planted import Planted
 from snowsim.labels import draw_scene, prepare
 from snowsim.statistics import ESTIMATORS, estimate, merge, summarise
-from snowsim.statistics.stress.planted import Planted
 
 N_FRAMES, N_LINES = 2, 1024
 N_LABELS = 1500

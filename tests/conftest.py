@@ -21,3 +21,15 @@ def shared_data():
     if not folder.is_dir():
         pytest.skip(f"no third-party test files: {folder} is no folder (set SNOWSIM_TEST_DATA)")
     return folder
+
+
+@pytest.fixture(scope="session")
+def planted():
+    from planted import Planted
+
+    return Planted()
+
+
+@pytest.fixture(scope="session")
+def flight(planted):
+    return planted.flight(np.random.default_rng(20120429))

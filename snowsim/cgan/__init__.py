@@ -2,10 +2,9 @@
 
 from snowsim.cgan.health import faults, measure_losses, measure_renders
 from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator
-from snowsim.cgan.render import render, trained_generator
+from snowsim.cgan.render import Collapsed, held_out, render, trained_generator, validate
 from snowsim.cgan.settings import Settings
 from snowsim.cgan.train import Training, least_bytes, settle_statistics, train_steps
-from snowsim.cgan.validate import Collapsed, held_out, validate
 
 __all__ = [
     "Collapsed",

@@ -8,7 +8,7 @@ from torch.nn import functional
 from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
-from snowsim.weights import load_weights, on_cpu
+from snowsim.training import load_weights, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
 N_STATISTICS_CROPS = 64

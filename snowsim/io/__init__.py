@@ -37,7 +37,7 @@ def read_echogram(path, *, compensated=False):
     >>> dict(echogram.sizes), echogram["twtt"].attrs["units"]
     ({'twtt': 300, 'slow_time': 64}, 's')
     """
-    from snowsim.io import cresis, nsidc, sniff, xopr
+    from snowsim.io import cresis, nsidc, open_polar, sniff
     from snowsim.io.guard import refusal
 
     _, kind = sniff.sniff(path)
@@ -46,7 +46,7 @@ def read_echogram(path, *, compensated=False):
     if kind == "cresis":
         return cresis.read_cresis(path, compensated=compensated)
     if kind == "opr":
-        return xopr.read_opr(path)
+        return open_polar.read_opr(path)
     raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.IN_WORDS[kind])
 
 
@@ -85,7 +85,7 @@ def read_layers(path, *, names=None, missing="refuse"):
     >>> layers["twtt"].dims, int(layers["layer"][0])
     (('layer', 'slow_time'), 0)
     """
-    from snowsim.io import layers, sniff, xopr
+    from snowsim.io import layers, open_polar, sniff
     from snowsim.io.guard import refusal
 
     names = [names] if isinstance(names, str) else names
@@ -96,5 +96,5 @@ def read_layers(path, *, names=None, missing="refuse"):
     if kind == "cresis_layer_data":
         return layers.read_cresis_layer_data(path, **options)
     if kind == "opr_layers":
-        return xopr.read_opr_layers(path, **options)
+        return open_polar.read_opr_layers(path, **options)
     raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.IN_WORDS[kind])

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from snowsim.io.compensation import undo_compensation
+from snowsim.io.datasets import echogram_dataset, from_gps_seconds, from_utc_seconds, undo_compensation
 from snowsim.io.guard import existing, matrix, one_line, refusal, vector
 from snowsim.io.matlab import names_in_matlab, read_matlab
-from snowsim.io.opr import echogram_dataset
-from snowsim.io.times import from_gps_seconds, from_utc_seconds
 
 NEEDED = ("Data", "Time", "Latitude", "Longitude", "Elevation", "Surface")
 ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")

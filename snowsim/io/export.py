@@ -12,10 +12,10 @@ from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from snowsim.echogram import Scene, check_layer_bins
+from snowsim.io.containers import read_netcdf
 from snowsim.io.files import write_dataset, written_whole
 from snowsim.io.guard import existing, library_errors, numeric, refusal
 from snowsim.io.images import NUMBERS_IN_TEXT
-from snowsim.io.netcdf import read_netcdf
 
 FORMAT = "snowsim scene 1"
 ARRAYS = ("image", "layer_bins", "complete_layer_bins")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32, 0.6 GB.
 MAXIMUM_BYTES = 2**30
 
@@ -95,3 +96,26 @@ def matrix(path, what, array, n_rows, n_columns):
     if array.shape == (n_columns, n_rows):
         return array.T
     raise refusal(path, what, f"shape ({n_rows}, {n_columns})", f"shape {array.shape}")
+
+
+def container_of(path):
+    """How a file keeps its variables, by its first bytes."""
+    if path.is_dir():
+        if any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json")):
+            return "zarr"
+        raise refusal(path, "path", "a file or a Zarr store", "a directory")
+    try:
+        with path.open("rb") as file:
+            head = file.read(4096)
+    except OSError as error:
+        raise refusal(path, "path", "a readable file", error.strerror) from error
+    if head.startswith(b"\x89PNG\r\n\x1a\n"):
+        return "png"
+    if head.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05")):
+        return "netcdf3"
+    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2; MATLAB writes 512.
+    if any(head[at : at + 8] == HDF5_SIGNATURE for at in (0, 512, 1024, 2048)):
+        return "hdf5"
+    if head[126:128] in (b"IM", b"MI") and head[124:126] in (b"\x00\x01", b"\x01\x00"):
+        return "mat5"
+    raise refusal(path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr", f"first bytes {head[:8]!r}")

@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from snowsim.io.datasets import from_gps_seconds, layers_dataset
 from snowsim.io.guard import existing, matrix, numeric, one_line, refusal, vector
 from snowsim.io.matlab import names_in_matlab, read_matlab
-from snowsim.io.opr import layers_dataset
-from snowsim.io.times import from_gps_seconds
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's own convention.

@@ -5,12 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from snowsim.io.compensation import undo_compensation
-from snowsim.io.guard import existing, matrix, numeric, one_line, refusal, vector
-from snowsim.io.netcdf import read_netcdf
-from snowsim.io.opr import echogram_dataset
-from snowsim.io.sniff import SUPPLEMENT_FLAGS, container_of, names_in
-from snowsim.io.times import from_utc_seconds, unwrap_midnight
+from snowsim.io.containers import read_netcdf
+from snowsim.io.datasets import echogram_dataset, from_utc_seconds, undo_compensation, unwrap_midnight
+from snowsim.io.guard import container_of, existing, matrix, numeric, one_line, refusal, vector
+from snowsim.io.sniff import SUPPLEMENT_FLAGS, names_in
 
 NEEDED = ("amplitude", "time", "fasttime", "lat", "lon", "altitude", "Surface")
 ATTITUDE = {"roll": "Roll", "pitch": "Pitch", "heading": "Heading"}

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from snowsim.echogram import Scene, check_layer_bins, to_uint8
-from snowsim.io.guard import existing, library_errors, numeric, one_line, refusal
+from snowsim.io.guard import container_of, existing, library_errors, numeric, one_line, refusal
 from snowsim.io.images import image_height, read_image
 from snowsim.io.matlab import read_matlab
-from snowsim.io.sniff import container_of
 
 MAXIMUM_SHARE_ON = 0.5  # a mask of one pixel per layer and column has a few per cent on; an inverted one nearly all
 DATA_SCALES = ("power", "db")

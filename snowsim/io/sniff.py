@@ -1,10 +1,9 @@
 """Which format a file has, told from its content and never from its name."""
 
-from snowsim.io.guard import existing, one_line, refusal
-from snowsim.io.hdf5 import names_in_hdf5
-from snowsim.io.mat5 import names_in_mat5
+from snowsim.io.containers import names_in_hdf5
+from snowsim.io.guard import container_of, existing, one_line, refusal
+from snowsim.io.matlab import names_in_mat5
 
-HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 SUPPLEMENT_FLAGS = (
     "coh_noise_removal_artifact",
     "deconvolution_artifact",
@@ -79,29 +78,6 @@ def sniff(path):
     return container, kind
 
 
-def container_of(path):
-    """How a file keeps its variables, by its first bytes."""
-    if path.is_dir():
-        if any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json")):
-            return "zarr"
-        raise refusal(path, "path", "a file or a Zarr store", "a directory")
-    try:
-        with path.open("rb") as file:
-            head = file.read(4096)
-    except OSError as error:
-        raise refusal(path, "path", "a readable file", error.strerror) from error
-    if head.startswith(b"\x89PNG\r\n\x1a\n"):
-        return "png"
-    if head.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05")):
-        return "netcdf3"
-    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2; MATLAB writes 512.
-    if any(head[at : at + 8] == HDF5_SIGNATURE for at in (0, 512, 1024, 2048)):
-        return "hdf5"
-    if head[126:128] in (b"IM", b"MI") and head[124:126] in (b"\x00\x01", b"\x01\x00"):
-        return "mat5"
-    raise refusal(path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr", f"first bytes {head[:8]!r}")
-
-
 def names_in(path, container):
     """Names of the variables a file holds."""
     if container == "mat5":
@@ -110,6 +86,6 @@ def names_in(path, container):
         return names_in_hdf5(path)
     if container == "zarr":
         return {item.name for item in path.iterdir() if item.is_dir()}
-    from snowsim.io.netcdf import names_in_netcdf3
+    from snowsim.io.containers import names_in_netcdf3
 
     return names_in_netcdf3(path)

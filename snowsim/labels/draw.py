@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height
-from snowsim.labels.beyond import Beyond, draw_beyond
-from snowsim.labels.process import correlation_factor, draw_series, lengthened, line_variances
+from snowsim.labels.process import Beyond, correlation_factor, draw_beyond, draw_series, lengthened, line_variances
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel

@@ -1,6 +1,144 @@
-"""Parameters of one scene's layers from the statistics of a flight."""
+"""What eq. (1) is given: layers and their parameters, checked once, as Gaussian centres and amplitudes.
+
+Parameters of one scene's layers from the statistics of a flight.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
+
+from snowsim.echogram import check_layer_bins
+from snowsim.phy.waveform import waveform_peak
+
+NORMALISE = ("peak", "none")
+ALIGN = ("peak", "gaussian")
+
+# Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
+EXACT_BOUND_DB = 1e-11
+
+
+@dataclass(frozen=True)
+class Waveforms:
+    """One scene's layers as the terms of eq. (1), ``P_s = sum_l amplitude_l w_l(x - centre_l)``.
+
+    Attributes
+    ----------
+    centre_bins : ndarray, (layer, range_line)
+        Centre of each Gaussian [bins]; NaN where the layer is absent.
+    amplitude, variance_bins2, decay_rate : ndarray, (layer,)
+        Factor of the waveform [power per bin], variance [bins^2] and rate [per bin].
+    peak_offset_bins, peak_power : ndarray, (layer,)
+        Where each waveform peaks below its centre [bins], and its power there.
+    n_range_bins : int
+        Height of the window.
+    """
+
+    centre_bins: np.ndarray
+    amplitude: np.ndarray
+    variance_bins2: np.ndarray
+    decay_rate: np.ndarray
+    peak_offset_bins: np.ndarray
+    peak_power: np.ndarray
+    n_range_bins: int
+
+    @property
+    def shape(self):
+        """(range_bin, range_line) of the window."""
+        return self.n_range_bins, self.centre_bins.shape[1]
+
+
+def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align):
+    """Check what eq. (1) is given and express it as centres and amplitudes.
+
+    Parameters
+    ----------
+    layer_bins : array_like, (layer, range_line)
+        Fractional range bins; NaN where absent.
+    peak_power, variance_bins2, decay_rate : array_like, (layer,)
+        Linear power, not negative; variance [bins^2] and decay rate [per bin], positive.
+    n_range_bins : int
+        Height of the window, at least 1.
+    normalise : {"peak", "none"}
+        Whether the convolved waveform peaks at `peak_power`, or the Gaussian before convolution does.
+    align : {"peak", "gaussian"}
+        Whether the waveform's peak lies on the layer, or the Gaussian's.
+
+    Returns
+    -------
+    Waveforms
+
+    Raises
+    ------
+    ValueError
+        With the name, the value and the position of what is not as above.
+    """
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    check_layer_bins(layer_bins)
+    given = {"peak_power": peak_power, "variance_bins2": variance_bins2, "decay_rate": decay_rate}
+    per_layer = {name: _per_layer(name, value, layer_bins.shape[0]) for name, value in given.items()}
+    peak_power, variance_bins2, decay_rate = per_layer.values()
+    for name, value, options in (("normalise", normalise, NORMALISE), ("align", align, ALIGN)):
+        if value not in options:
+            msg = f"{name} must be one of {', '.join(options)}, got {value!r}"
+            raise ValueError(msg)
+    offset_bins, unit_peak = waveform_peak(variance_bins2, decay_rate)
+    with np.errstate(over="ignore"):
+        amplitude = peak_power / unit_peak if normalise == "peak" else peak_power
+        reached = amplitude * unit_peak
+        total = amplitude.sum() + reached.sum()
+    if not np.isfinite(total):
+        msg = f"peak_power must add up to a finite power, got {peak_power.max():g} at layer {peak_power.argmax()}"
+        raise ValueError(msg)
+    centre_bins = layer_bins - offset_bins[:, None] if align == "peak" else layer_bins
+    return Waveforms(
+        centre_bins, amplitude, variance_bins2, decay_rate, offset_bins, reached, checked_height(n_range_bins)
+    )
+
+
+def checked_height(n_range_bins):
+    """Height of a window as int; ValueError unless it is a whole number of at least one."""
+    if not (np.isscalar(n_range_bins) and n_range_bins == np.floor(n_range_bins) and 1 <= n_range_bins < 2**31):
+        msg = f"n_range_bins must be a whole number of at least 1, got {n_range_bins!r}"
+        raise ValueError(msg)
+    return int(n_range_bins)
+
+
+def checked_power(name, value):
+    """A power as float; ValueError unless it is finite and not negative."""
+    value = float(value)
+    if not (value >= 0 and np.isfinite(value)):
+        msg = f"{name} must be finite and not negative, got {value}"
+        raise ValueError(msg)
+    return value
+
+
+def checked_tolerance(tolerance_db):
+    """A tolerance [dB] as float, or None; ValueError unless it is finite and the closed form can keep it."""
+    if tolerance_db is None:
+        return None
+    tolerance_db = float(tolerance_db)
+    if not (tolerance_db > 0 and np.isfinite(tolerance_db)):
+        msg = f"tolerance_db must be positive and finite, or None for exact, got {tolerance_db}"
+        raise ValueError(msg)
+    if tolerance_db < EXACT_BOUND_DB:
+        msg = f"tolerance_db must be at least {EXACT_BOUND_DB:g}, the rounding of the closed form, got {tolerance_db}"
+        raise ValueError(msg)
+    return tolerance_db
+
+
+def _per_layer(name, value, n_layers):
+    array = np.asarray(value, dtype=float)
+    if array.shape != (n_layers,):
+        msg = f"{name}: expected one value for each of {n_layers} layers, got shape {array.shape}"
+        raise ValueError(msg)
+    bad = ~(np.isfinite(array) & ((array >= 0) if name == "peak_power" else (array > 0)))
+    if bad.any():
+        layer = int(np.argmax(bad))
+        wanted = "finite and not negative" if name == "peak_power" else "finite and positive"
+        msg = f"{name} must be {wanted}, got {array[layer]} at layer {layer}"
+        raise ValueError(msg)
+    return array
+
 
 WIDTHS = ("paper", "fitted")
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from snowsim.phy.layers import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.speckle import check_method, checked_looks
-from snowsim.phy.supports import LARGEST_ERROR, Supports, find_supports
+from snowsim.phy.tables import LARGEST_ERROR, Supports, find_supports
 
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from snowsim.phy.layers import checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.parameters import checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.plan import plan_power
 from snowsim.phy.tables import tabulated_power
 from snowsim.phy.waveform import waveform_unchecked
@@ -61,7 +61,7 @@ def mean_power(
     Notes
     -----
     ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved continuously in bins:
-    Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept: `snowsim.phy.supports`.
+    Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept: `snowsim.phy.tables`.
 
     Examples
     --------

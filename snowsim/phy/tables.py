@@ -1,10 +1,180 @@
-"""Eq. (1) for many layers at once: sub-bin tables where a layer is curved, an exponential where it has become one."""
+"""Where each layer must be modelled, and how finely, for the mean power to stay within a relative error.
+
+Eq. (1) for many layers at once: sub-bin tables where a layer is curved, an exponential where it has become one.
+"""
+
+from dataclasses import dataclass
 
 import numba
 import numpy as np
+from scipy.special import erfcinv, erfcx
 
-from snowsim.phy.supports import DEGREE
 from snowsim.phy.waveform import waveform_unchecked
+
+DEGREE = 5  # of the Taylor polynomials about the nodes of a sub-bin table
+
+# How the relative error of P_s + P_n is shared out; the last eighth is for rounding.
+SHARE_TRUNCATION, SHARE_TABLE, SHARE_TAIL, SHARE_ROUNDING = 1 / 2, 1 / 4, 1 / 8, 1 / 8
+SMALLEST_RELATIVE_NOISE = {np.float32: 1e-20, np.float64: 1e-200}  # far from underflow, products included
+FLOAT32_RANGE = (1e-20, 1e20)
+LARGEST_ERROR = 0.5  # looser tolerances gain nothing
+MOST_PHASES = 4096
+# Taylor coefficients are differences that lose (a h / 2)^5 / 120 units in the last place: 9e3 at this product.
+LARGEST_DECAY_STEP = 32
+TABLE_ROUNDING = 1e-11
+
+
+@dataclass(frozen=True)
+class Supports:
+    """Where and how each layer is modelled; distances are in bins below the layer's Gaussian centre.
+
+    Between `first_bins` and `tail_bins` a layer is read from a sub-bin table, from there to `last_bins` it is a plain
+    exponential, elsewhere it is left out.
+
+    Attributes
+    ----------
+    kept : ndarray of bool, (layer,)
+        Layers that are modelled at all.
+    first_bins, tail_bins, last_bins : ndarray, (layer,)
+        Support; ``first <= tail <= last``.
+    n_phases : ndarray of int, (layer,)
+        Table nodes per bin.
+    dtype : numpy.dtype
+        Of tables and sums.
+    error : float
+        No pixel's ``P_s + P_n`` is off by more than this share.
+    """
+
+    kept: np.ndarray
+    first_bins: np.ndarray
+    tail_bins: np.ndarray
+    last_bins: np.ndarray
+    n_phases: np.ndarray
+    dtype: np.dtype
+    error: float
+
+    def n_nodes(self):
+        """Number of table nodes to evaluate."""
+        length = np.where(self.kept, self.tail_bins - self.first_bins + 4, 0)
+        return int((self.n_phases * length).sum())
+
+    def n_rows(self, centre_bins, n_range_bins):
+        """Pixels times layers within the supports, read from tables and as exponentials: two int."""
+        centre_bins = centre_bins[self.kept]
+        first, tail, last = (
+            # fmin turns NaN into the bottom row, all three alike: absent layers count nothing.
+            np.fmax(np.fmin(np.ceil(centre_bins + edge[self.kept, None]), n_range_bins), 0).sum()
+            for edge in (self.first_bins, self.tail_bins, self.last_bins)
+        )
+        return int(tail - first), int(last - tail)
+
+
+@np.errstate(under="ignore")
+def find_supports(waveforms, noise_power, error):
+    """Smallest supports and coarsest tables that keep ``|P - P_s| <= error (P_s + P_n)`` at every pixel.
+
+    Parameters
+    ----------
+    waveforms : Waveforms
+        The scene's layers.
+    noise_power : float
+        P_n, positive.
+    error : float
+        In (0, 0.5].
+
+    Returns
+    -------
+    Supports, or None
+        None where only the closed form is safe: noise or tolerance too close to the resolution of float64.
+
+    Notes
+    -----
+    With ``w`` of variance d and rate a, its peak at x >= 0, L layers and ``b = error P_n / 2L``:
+
+    - Truncation. ``w(x) <= w(0) exp(-x^2 / 2d)`` for x <= 0, ``w(x) <= sqrt(pi d / 2) exp(-x^2 / 2d)`` for x <= a d,
+      and ``w(x) <= sqrt(2 pi d) exp(a^2 d / 2 - a x)`` everywhere. The support ends where these fall below b; a pixel
+      lies beyond at most one end of each layer, so all layers together leave out at most ``error P_n / 2``.
+    - Tail. ``w`` is that last exponential times ``1 - erfc(-z) / 2``, z = (a d - x) / sqrt(2 d).
+    - Table. Taylor polynomials of degree p = 5 about nodes h apart. Cauchy's estimate on a circle of radius R bounds
+      the remainder by ``max |w| r^(p+1) / (1 - r)``, r = h / 2R. There ``|w(x + u + iv)| <= w(x + u) exp(v^2 / 2d)``,
+      because it holds for the Gaussian, and ``w(x + u) <= w(x) exp(|u s(x)|)``, because log w is concave with slope s.
+      ``-1/d <= s' <= 0`` and ``s(x) >= -min(a, x / d)``. On the rising edge s has no useful bound, but left of where
+      w crosses P_n / L the noise hides the layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with
+      k = R + h / 2 and S the largest of k / d, s at that crossing, and the trailing bound, the remainder is below
+      ``exp(R^2 / 2d + R h / 2d + k S) r^(p+1) / (1 - r)`` of ``w + P_n / L``.
+    """
+    n_layers = max(waveforms.amplitude.size, 1)
+    reference = max(waveforms.peak_power.max(initial=0), noise_power)
+    dtype = _dtype(n_layers, noise_power, reference, error)
+    if dtype is None:
+        return None
+    variance, decay = waveforms.variance_bins2, waveforms.decay_rate
+    deviation = np.sqrt(variance)
+    edge = SHARE_TRUNCATION * error * noise_power / n_layers
+    kept = waveforms.peak_power > edge
+
+    area = np.sqrt(np.pi / 2) * deviation  # of half the Gaussian
+    at_centre = area * erfcx(decay * deviation / np.sqrt(2))
+    log_amplitude = np.log(np.where(kept, waveforms.amplitude, 1))
+    first = -deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(at_centre / edge), 0))
+    gaussian_end = deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(area / edge), 0))
+    exponential_end = (log_amplitude + np.log(2 * area / edge)) / decay + decay * variance / 2
+    # The first of the two bounds the trailing side only where all of that side's start is at x <= a d.
+    gaussian_holds = np.maximum(gaussian_end, waveforms.peak_offset_bins) <= decay * variance
+    last = np.where(gaussian_holds, gaussian_end, exponential_end)
+    last = np.maximum(last, waveforms.peak_offset_bins)
+    clearance = erfcinv(2 * SHARE_TAIL * error * (1 - error))
+    tail = np.minimum(decay * variance + np.sqrt(2) * deviation * clearance, last)
+
+    crossing = -deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(at_centre * n_layers / noise_power), 0))
+    rising = np.sqrt(2 / np.pi) / (deviation * erfcx((decay * variance - crossing) / (np.sqrt(2) * deviation))) - decay
+    slope = np.maximum(rising, np.minimum(decay, tail / variance))
+    n_phases, table_error = _coarsest_table(variance, decay, slope, SHARE_TABLE * error, kept)
+    if table_error > SHARE_TABLE * error:
+        return None
+    left_out = SHARE_TRUNCATION * error
+    tail_error = SHARE_TAIL * error
+    total = left_out + table_error + tail_error + _rounding(n_layers, dtype)
+    return Supports(kept, first, tail, last, n_phases, np.dtype(dtype), float(total))
+
+
+def _coarsest_table(variance, decay, slope, error, kept):
+    """Nodes per bin, a power of two for each layer, and the largest remainder of the kept ones."""
+    order = DEGREE + 1
+    # Minimises exp(R^2 / 2d + R S) / R^order.
+    radius = variance / 2 * (np.sqrt(slope**2 + 4 * order / variance) - slope)
+    wanted = np.log(error) - radius**2 / (2 * variance) - radius * slope
+    enough = np.maximum(np.log2(1 / (2 * radius)) - wanted / order / np.log(2), np.log2(decay / LARGEST_DECAY_STEP))
+    n_phases = 2 ** np.ceil(np.clip(enough, 0, np.log2(MOST_PHASES)))
+    while True:
+        step = 1 / n_phases
+        ratio = step / (2 * radius)
+        reach = radius + step / 2
+        exponent = radius * reach / variance - radius**2 / (2 * variance) + reach * np.maximum(slope, reach / variance)
+        # Refused rather than overflowing: far more phases are needed, or more than there may be.
+        usable = (ratio < 1) & (exponent < 100) & (decay <= LARGEST_DECAY_STEP * n_phases)
+        remainder = np.full(variance.shape, np.inf)
+        remainder[usable] = np.exp(exponent[usable]) * ratio[usable] ** order / (1 - ratio[usable])
+        short = kept & (remainder > error) & (n_phases < MOST_PHASES)
+        if not short.any():
+            return n_phases.astype(np.int64), float(remainder[kept].max(initial=0))
+        n_phases[short] *= 2
+
+
+def _rounding(n_layers, dtype):
+    """Relative error of adding layers, each from 6 products and 3 factors; terms of a table may add up to e^2 of it."""
+    return (n_layers + 24) * float(np.finfo(dtype).eps) + TABLE_ROUNDING
+
+
+def _dtype(n_layers, noise_power, reference, error):
+    """Shortest float type whose rounding and range leave the error alone, or None."""
+    for dtype, smallest in SMALLEST_RELATIVE_NOISE.items():
+        in_range = dtype is np.float64 or FLOAT32_RANGE[0] < reference < FLOAT32_RANGE[1]
+        precise = _rounding(n_layers, dtype) <= SHARE_ROUNDING * error
+        if in_range and precise and noise_power > smallest * reference:
+            return dtype
+    return None
+
 
 LINES_AT_A_TIME = 16  # one cache line of float32
 

@@ -1,12 +1,292 @@
-"""All settings of the synthetic reference flight from one section of a configuration."""
+"""Range checks of settings: one line that names the key, what must hold and what came.
+
+Groups of settings of the synthetic reference flight: names as in the configuration, every value checked early.
+All settings of the synthetic reference flight from one section of a configuration.
+"""
 
 import math
 from dataclasses import dataclass, field, fields
 
+from snowsim.constants import BANDWIDTH_HZ, ICE_DENSITY_KG_M3
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
-from snowsim.reference.groups import ClimateSettings, FirnSettings, PickSettings, RadarSettings
 from snowsim.reference.line import line_length_km, place_at
+
+
+def check_within(settings, low, high, *names):
+    """Raise ValueError unless the named values lie in [low, high]; NaN does not."""
+    for name in names:
+        value = _number(settings, name)
+        if not low <= value <= high:
+            msg = f"{group_name(settings)}.{name} must lie in [{low:g}, {high:g}], got {value}"
+            raise ValueError(msg)
+
+
+def check_positive(settings, *names):
+    """Raise ValueError unless the named values are positive and finite."""
+    for name in names:
+        value = _number(settings, name)
+        if not 0 < value < float("inf"):
+            msg = f"{group_name(settings)}.{name} must be positive and finite, got {value}"
+            raise ValueError(msg)
+
+
+def group_name(settings):
+    """Name of a group of settings in the configuration: `climate` for `ClimateSettings`, `picks` for `PickSettings`."""
+    return {"PickSettings": "picks"}.get(type(settings).__name__, type(settings).__name__[: -len("Settings")].lower())
+
+
+def _number(settings, name):
+    """Value of a setting; ValueError unless it is a number."""
+    value = getattr(settings, name)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        msg = f"{group_name(settings)}.{name} must be a number, got {value!r}"
+        raise ValueError(msg)
+    return value
+
+
+DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
+
+
+@dataclass(frozen=True)
+class ClimateSettings:
+    """Accumulation along the line; spreads are standard deviations of its logarithm.
+
+    Attributes
+    ----------
+    accumulation_factor : float
+        Times the mean accumulation along the line, in [0.5, 3].
+    anomaly_sd : float
+        Year-to-year anomalies, shared along the flight.
+    undulation_sd, undulation_min_km, undulation_max_km : float
+        Undulations that stay in place from year to year, and the wavelengths they have [km].
+    drift_sd, drift_length_m : float
+        Accumulation of one year that differs from place to place, and its correlation length [m].
+    relief_sd, relief_length_m : float
+        Wind relief of an old surface, levelled out by the year above it, and its correlation length [m].
+    open_year : float
+        Part of a year of accumulation above the youngest autumn horizon, in (0, 1].
+    """
+
+    accumulation_factor: float = 1.0
+    anomaly_sd: float = 0.2
+    undulation_sd: float = 0.12
+    undulation_min_km: float = 1.5
+    undulation_max_km: float = 20.0
+    drift_sd: float = 0.06
+    drift_length_m: float = 350.0
+    relief_sd: float = 0.03
+    relief_length_m: float = 45.0
+    open_year: float = 0.7
+
+    def __post_init__(self):
+        # Below half, more years lie in a window than a climate has; above three, a year is thicker than anywhere there.
+        check_within(self, 0.5, 3, "accumulation_factor")
+        check_within(self, 0, 1, "anomaly_sd", "undulation_sd", "drift_sd", "relief_sd")
+        check_positive(self, "undulation_min_km", "undulation_max_km", "drift_length_m", "relief_length_m")
+        check_within(self, 0.05, 1, "open_year")
+        if self.undulation_max_km <= self.undulation_min_km:
+            msg = f"climate.undulation_max_km must exceed undulation_min_km, got {self.undulation_max_km:g}"
+            raise ValueError(msg)
+
+
+@dataclass(frozen=True)
+class FirnSettings:
+    """Density contrasts in the firn.
+
+    Attributes
+    ----------
+    surface_density_kg_m3 : float
+        Mean density at the snow surface.
+    horizon_jump_kg_m3 : float
+        Median density step at an autumn horizon, seen as the footprint averages it.
+    horizon_year_sd, horizon_local_sd : float
+        Spread of its logarithm from year to year (shared along the flight) and from place to place.
+    local_length_m : float
+        Correlation length of the latter.
+    crusts_per_year, crust_jump_kg_m3, crust_sd : float
+        Wind and melt crusts between the horizons (confusers): mean number, median step, spread of its logarithm.
+    layering_sd_kg_m3, layering_length_m : float
+        Detrended density of a near-surface log: standard deviation, vertical 1/e length.
+    layering_lateral_m : float
+        Lateral correlation length of that layering: the footprint averages over what is smaller.
+    fade_least_m, fade_depth_m, fade_sd : float
+        Depth over which steps fall to 1/e: its least, its median, and the spread of the logarithm of the difference
+        from place to place.
+    percolation_elevation_m, percolation_width_m : float
+        Where half of the effect of percolation is reached, and how fast it sets in below.
+    percolation_gap_share : float
+        Share of a horizon that full percolation breaks.
+    percolation_blur_m : float
+        Spread of a horizon within one footprint in full percolation.
+    lens_jump_kg_m3, lens_length_m, lenses_per_km_m : float
+        Ice lenses of full percolation: density step, median length, number per km along track and m of depth.
+    """
+
+    surface_density_kg_m3: float = 340.0
+    horizon_jump_kg_m3: float = 170.0
+    horizon_year_sd: float = 0.2
+    horizon_local_sd: float = 0.35
+    local_length_m: float = 350.0
+    crusts_per_year: float = 1.2
+    crust_jump_kg_m3: float = 50.0
+    crust_sd: float = 0.45
+    layering_sd_kg_m3: float = 50.0
+    layering_length_m: float = 0.0225
+    layering_lateral_m: float = 0.8
+    fade_least_m: float = 0.9
+    fade_depth_m: float = 1.85
+    fade_sd: float = 1.1
+    percolation_elevation_m: float = 1800.0
+    percolation_width_m: float = 60.0
+    percolation_gap_share: float = 0.5
+    percolation_blur_m: float = 0.06
+    lens_jump_kg_m3: float = 180.0
+    lens_length_m: float = 50.0
+    lenses_per_km_m: float = 4.0
+
+    def __post_init__(self):
+        check_within(self, 50, DENSEST_SURFACE_KG_M3, "surface_density_kg_m3")
+        check_within(self, 0, ICE_DENSITY_KG_M3, "horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3")
+        check_within(self, 0, ICE_DENSITY_KG_M3, "layering_sd_kg_m3")
+        check_within(self, 0, 3, "horizon_year_sd", "horizon_local_sd", "crust_sd", "fade_sd")
+        check_within(self, 0, 20, "crusts_per_year", "lenses_per_km_m")
+        check_positive(
+            self, "local_length_m", "layering_length_m", "layering_lateral_m", "fade_least_m", "lens_length_m"
+        )
+        if not self.fade_least_m < self.fade_depth_m < float("inf"):
+            msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, got {self.fade_depth_m}"
+            raise ValueError(msg)
+        check_positive(self, "percolation_width_m")
+        for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
+            if self.surface_density_kg_m3 + getattr(self, name) > ICE_DENSITY_KG_M3:
+                most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
+                msg = f"firn.{name} must be at most {most:g}: snow of the surface's density plus the step is no denser "
+                msg += f"than ice, got {getattr(self, name):g}"
+                raise ValueError(msg)
+        check_within(self, 0, 1, "percolation_gap_share", "percolation_blur_m")
+
+
+@dataclass(frozen=True)
+class RadarSettings:
+    """The instrument, the aircraft and the product.
+
+    Attributes
+    ----------
+    bin_size_s, line_spacing_m : float
+        Two-way travel time of a range bin; distance between range lines.
+    n_range_bins, surface_bin : int
+        Rows of a frame and the row its surface is kept near.
+    n_sub_bins : int
+        Scatterers per range bin and look.
+    n_looks : int
+        Looks of the flight averaged into a range line.
+    bandwidth_hz, height_m, beamwidth_deg : float
+        Sweep, height over the snow, two-sided 3 dB beam width of one antenna.
+    surface_slope, horizon_slope : float
+        Root-mean-square slope of the snow surface and of buried horizons at the scale of the wavelength.
+    diffuse_share : float
+        Part of the backscatter that does not depend on the angle of incidence.
+    roughness_m : float
+        Spread in height of an interface within one footprint.
+    attenuation_db_m : float
+        Two-way loss per metre of firn.
+    surface_to_noise_db, sensitivity_sd_db : float
+        Mean surface peak over thermal noise, and its spread from place to place.
+    surface_sd_db : float
+        Spread of the surface's own echo along track.
+    jitter_m, tracking_sd_bins : float
+        Movement of the aircraft, compensated in whole bins; slow error of the compensation.
+    roll_enter, roll_leave, roll_gain : float
+        Two-state Markov chain of roll fades: probabilities per range line, power gain while rolled.
+    jump_rate, jump_sd_db : float
+        Brightness jumps: probability per range line and size.
+    saturated_rate, missing_rate : float
+        Probability of a range line with an overloaded receiver, or without echo.
+    """
+
+    bin_size_s: float = 2.886e-10
+    line_spacing_m: float = 5.47
+    n_range_bins: int = 800
+    surface_bin: int = 100
+    n_sub_bins: int = 4
+    n_looks: int = 5
+    bandwidth_hz: float = BANDWIDTH_HZ
+    height_m: float = 500.0
+    beamwidth_deg: float = 40.0
+    surface_slope: float = 0.022
+    horizon_slope: float = 0.029
+    diffuse_share: float = 0.0007
+    roughness_m: float = 0.02
+    attenuation_db_m: float = 0.2
+    surface_to_noise_db: float = 27.0
+    sensitivity_sd_db: float = 2.0
+    surface_sd_db: float = 1.0
+    jitter_m: float = 0.4
+    tracking_sd_bins: float = 0.8
+    roll_enter: float = 0.0005
+    roll_leave: float = 0.005
+    roll_gain: float = 0.7
+    jump_rate: float = 0.0003
+    jump_sd_db: float = 1.0
+    saturated_rate: float = 0.0002
+    missing_rate: float = 0.0002
+
+    def __post_init__(self):
+        check_positive(self, "bin_size_s", "line_spacing_m", "bandwidth_hz", "height_m", "roll_gain")
+        for name, least in (("n_range_bins", 200), ("surface_bin", 10), ("n_sub_bins", 1), ("n_looks", 1)):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < least:
+                msg = f"radar.{name} must be an integer of at least {least}, got {value!r}"
+                raise ValueError(msg)
+        if self.surface_bin > self.n_range_bins - 100:
+            msg = f"radar.surface_bin must leave 100 of {self.n_range_bins} rows below it, got {self.surface_bin}"
+            raise ValueError(msg)
+        # A sample every 1 / bandwidth is the coarsest that holds the response of the sweep.
+        if self.bin_size_s / self.n_sub_bins > 1 / self.bandwidth_hz:
+            msg = (
+                f"radar.n_sub_bins must be at least {self.bin_size_s * self.bandwidth_hz:.2f} to sample "
+                f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
+            )
+            raise ValueError(msg)
+        check_within(self, 1, 180, "beamwidth_deg")
+        check_within(self, 0.005, 1, "surface_slope", "horizon_slope")
+        check_within(
+            self, 0, 1, "diffuse_share", "roll_enter", "roll_leave", "jump_rate", "saturated_rate", "missing_rate"
+        )
+        check_within(self, 0, 0.2, "roughness_m")
+        check_within(self, 0, 10, "attenuation_db_m", "sensitivity_sd_db", "surface_sd_db", "jump_sd_db", "jitter_m")
+        check_within(self, 0, 5, "tracking_sd_bins")
+        check_within(self, 0, 80, "surface_to_noise_db")
+
+
+@dataclass(frozen=True)
+class PickSettings:
+    """What is annotated.
+
+    Attributes
+    ----------
+    visible_db : float
+        Truth ends where the expected rise of the horizons over the snow above them falls below this.
+    gap_db : float
+        A flight pick is missing where its horizon's own expected rise lies below this.
+    picker_db : float
+        The semi-automatic picker of the training scenes loses a layer that rises less than this.
+    picker_lines : int
+        Range lines the picker averages.
+    shortest_run : int
+        Range lines below which a found piece is given up.
+    """
+
+    visible_db: float = 1.0
+    gap_db: float = 0.2
+    picker_db: float = 1.6
+    picker_lines: int = 9
+    shortest_run: int = 16
+
+    def __post_init__(self):
+        check_within(self, 0, 30, "visible_db", "gap_db", "picker_db")
+        check_within(self, 1, 200, "picker_lines", "shortest_run")
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,8 @@
 """Flight statistics from annotated frames: summarise each, merge in any order, estimate once."""
 
 from snowsim.statistics.estimate import ESTIMATORS, estimate
-from snowsim.statistics.frames import summarise
-from snowsim.statistics.merge import merge, summary_from_dataset, summary_to_dataset
 from snowsim.statistics.speckle import doppler_spectra
+from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
 
 __all__ = [
     "ESTIMATORS",

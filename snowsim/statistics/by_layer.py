@@ -6,8 +6,8 @@ import numpy as np
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 from snowsim.statistics.deblend import deblend, model_lines
-from snowsim.statistics.frames import FIRST_ROW
-from snowsim.statistics.literal import nan_moments
+from snowsim.statistics.paper import nan_moments
+from snowsim.statistics.summaries import FIRST_ROW
 
 LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
 

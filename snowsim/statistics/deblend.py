@@ -1,11 +1,158 @@
-"""Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known."""
+"""One averaged range line as a sum of waveforms: which layers it has, their columns and slopes, their powers.
+
+Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_solve
+from scipy.linalg import cho_factor, cho_solve
+from scipy.ndimage import uniform_filter1d
 
-from snowsim.statistics.frames import FIRST_ROW
-from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powers, waveform_columns
-from snowsim.statistics.literal import nan_moments
+from snowsim.phy.waveform import waveform_exact, waveform_peak
+from snowsim.statistics.paper import OPEN_END_BINS, nan_moments
+from snowsim.statistics.summaries import FIRST_ROW
+
+RISE_DEVIATIONS = 7.0  # a waveform is cut where it is 1e-10 of its peak above
+FALL_NEPERS = 14.0  # and 1e-6 of it below
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Averaged range lines of a flight with the layers in them.
+
+    Attributes
+    ----------
+    power : ndarray, (group, row)
+        Averaged lines, rows from `FIRST_ROW` below the surface; NaN outside the record.
+    position, spread : ndarray, (group, layer, part)
+        Where a layer lies in the group: mean row and variance of the rows [bins^2] of equal parts of its lines, in
+        order of depth; NaN where absent.
+    present : ndarray of bool, (group, layer)
+    noise_power : float
+    """
+
+    power: np.ndarray
+    position: np.ndarray
+    spread: np.ndarray
+    present: np.ndarray
+    noise_power: float
+
+
+@dataclass
+class Line:
+    """One averaged line, ready to fit: rows used, power above noise, weight scale, its layers and where they are."""
+
+    rows: np.ndarray
+    signal: np.ndarray
+    noise_power: float
+    smooth: np.ndarray
+    layers: np.ndarray
+    position: np.ndarray
+    spread: np.ndarray
+    picked: np.ndarray
+    scale: np.ndarray
+
+
+def prepare_line(groups, rows, group):
+    """The group as `Line`; None without a picked layer to fit."""
+    picked = np.flatnonzero(groups.present[group])
+    if picked.size == 0:
+        return None
+    layers = np.arange(picked[0], picked[-1] + 1)
+    position, spread = (_between(layers, picked, part[group, picked]) for part in (groups.position, groups.spread))
+    last = position[-1].mean()
+    below = (last - position[-2].mean()) / 2 if layers.size > 1 else OPEN_END_BINS
+    with np.errstate(invalid="ignore"):
+        used = (rows >= FIRST_ROW) & (rows <= last + below) & np.isfinite(groups.power[group])
+    signal = groups.power[group, used].astype(float) - groups.noise_power
+    if signal.size <= 2 * layers.size:
+        return None
+    smooth = np.maximum(uniform_filter1d(signal, 9, mode="nearest") + groups.noise_power, groups.noise_power)
+    return Line(
+        rows[used], signal, groups.noise_power, smooth, layers, position, spread, np.isin(layers, picked), smooth
+    )
+
+
+def _between(layers, picked, values):
+    """Values (layer, part) of picked layers, interpolated linearly for those between."""
+    return np.column_stack([np.interp(layers, picked, part) for part in values.T])
+
+
+def waveform_columns(described, line, *, with_slopes=False):
+    """Waveforms of unit peak of a line, (layer, row); with slopes by the three columns of `shape`, (4, layer, row).
+
+    The slopes follow from eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its Gaussian g, and
+    ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g = a w``, they give
+    its height, ``d log w0 / d log a = -a x0`` and ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its
+    movement.
+    """
+    columns = np.zeros((4 if with_slopes else 1, line.layers.size, line.rows.size))
+    for position, spread in zip(line.position.T, line.spread.T, strict=True):
+        _add_columns(columns, described, line, position, spread)
+    columns /= line.position.shape[1]
+    return columns if with_slopes else columns[0]
+
+
+def _add_columns(columns, described, line, position, spread):
+    """Add the columns of one part of the lines to (1 or 4, layer, row)."""
+    lag = line.rows - (position + (described.offset - described.peak)[line.layers])[:, None]
+    wide = described.variance[line.layers] + spread
+    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)[:, None]) & (
+        lag * described.decay[line.layers, None] < FALL_NEPERS
+    )
+    of, lag = np.nonzero(reached)[0], lag[reached]
+    layer, wide = line.layers[of], wide[of]
+    decay, variance, peak = described.decay[layer], described.variance[layer], described.peak[layer]
+    raw = waveform_exact(lag, wide, decay)
+    unit = np.sqrt(variance / wide) / described.height[layer]
+    columns[0, reached] += unit * raw
+    if len(columns) == 1:
+        return
+    gaussian = np.exp(-(lag**2) / (2 * wide))
+    along = gaussian - decay * raw
+    by_decay = -((lag - decay * wide) * raw + wide * gaussian)
+    by_variance = raw / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
+    peak_by_decay = -variance * (1 - decay * peak) / peak
+    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
+    columns[1, reached] += unit * (decay * by_decay + along * peak_by_decay + raw * (decay * peak))
+    height_by_variance = (decay * peak - variance / wide) / 2
+    columns[2, reached] += unit * (variance * by_variance + along * peak_by_variance + raw * height_by_variance)
+    columns[3, reached] -= unit * along
+
+
+@dataclass(frozen=True)
+class Described:
+    """Each layer's decay rate, variance, peak below the pick and below the Gaussian, and height of the peak."""
+
+    decay: np.ndarray
+    variance: np.ndarray
+    offset: np.ndarray
+    peak: np.ndarray
+    height: np.ndarray
+
+
+def describe(shape):
+    """`Described` of the layers of `shape`."""
+    decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
+    return Described(decay, variance, shape[:, 2], *waveform_peak(variance, decay))
+
+
+def solve_powers(columns, line):
+    """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
+    weighted = columns / line.scale
+    normal = weighted @ weighted.T
+    # Two layers under one another cannot be told apart: 1e-9 of the diagonal keeps the factor, far below the noise.
+    normal[np.diag_indices_from(normal)] *= 1 + 1e-9
+    normal[np.diag_indices_from(normal)] += 1e-300
+    factor = cho_factor(normal)
+    return cho_solve(factor, weighted @ (line.signal / line.scale)), factor
+
+
+def rescale(line, model):
+    """Weight scale of the next step: the mean power expected, but never below the smoothed one."""
+    line.scale = np.maximum(model + line.noise_power, line.smooth)
+
 
 SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
 MAX_STEPS = 25

@@ -3,14 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from snowsim.statistics.blocks import BLOCK_LINES, thickness_blocks
+from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
-from snowsim.statistics.correlation import BAND_EDGES
-from snowsim.statistics.frames import AIR_MARGIN_BINS
-from snowsim.statistics.lines import Groups
-from snowsim.statistics.literal import is_present, measure_groups, tracked_moments
-from snowsim.statistics.merge import stacked, stacked_tracked
+from snowsim.statistics.deblend import Groups
+from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra
+from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
 from snowsim.statistics.zones import zone_statistics
 
 ESTIMATORS = ("deblended", "paper")

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.special import betaincinv
 
-from snowsim.statistics.frames import GROUP_LINES
+from snowsim.statistics.summaries import GROUP_LINES
 
 MOST_LOOKS = 1e6  # stands for power without speckle
 QUANTILES = np.concatenate([[0.001, 0.002, 0.005], np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.statistics.blocks import (
+    BAND_EDGES,
     BLOCK_LINES,
     block_levels,
     block_means,
@@ -11,7 +12,6 @@ from snowsim.statistics.blocks import (
     spectral_blocks,
     thickness_blocks,
 )
-from snowsim.statistics.correlation import BAND_EDGES
 from snowsim.statistics.estimate import label_dimensions
 from snowsim.statistics.zones import ALL_ZONES, MINIMUM_BLOCKS, OTHER_SLABS, OWN_ZONE, zone_of, zone_statistics
 

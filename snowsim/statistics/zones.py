@@ -2,8 +2,15 @@
 
 import numpy as np
 
-from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, periodogram, spectral_blocks
-from snowsim.statistics.correlation import mean_correlation, undulation_correlation
+from snowsim.statistics.blocks import (
+    BLOCK_LINES,
+    block_levels,
+    block_means,
+    mean_correlation,
+    periodogram,
+    spectral_blocks,
+    undulation_correlation,
+)
 
 N_ZONES = 4
 MINIMUM_BLOCKS = 4  # with fewer a variance has a standard error of its own size: the zone is pooled with the others

@@ -1,11 +1,10 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
-from snowsim.tracker.annotation import annotated_pixels
 from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork
 from snowsim.tracker.sampling import Chosen, Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network
-from snowsim.tracker.train import Training, train_steps
+from snowsim.tracker.train import Training, annotated_pixels, train_steps
 
 __all__ = [
     "OUTPUTS",

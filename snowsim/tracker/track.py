@@ -5,7 +5,7 @@ import torch
 
 from snowsim.patches import to_signed
 from snowsim.tracker.network import NETWORKS
-from snowsim.weights import load_weights
+from snowsim.training import load_weights
 
 
 def track(network, image, *, precision="float32"):

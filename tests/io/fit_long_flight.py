@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.io.files import write_dataset
-from snowsim.io.frames import read_frame
+from snowsim.io.frame_table import read_frame
 from snowsim.phy import draw_speckle, mean_power
 from snowsim.statistics import fit
 

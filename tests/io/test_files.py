@@ -6,9 +6,8 @@ import pytest
 import xarray as xr
 from pandas.testing import assert_frame_equal
 
-from snowsim.io.figures import write_figure
+from lib.figures.style import new_figure, write_figure
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
-from snowsim.plotting import new_figure
 
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path):

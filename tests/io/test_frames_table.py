@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import bin_size_s, layer_bins_of
-from snowsim.io.frames import check_frames, each_frame, read_frame, read_frames
+from snowsim.io.frame_table import check_frames, each_frame, read_frame, read_frames
 
 HEADER = "frame\techogram\tlayers\trole\n"
 

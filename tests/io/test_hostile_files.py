@@ -11,11 +11,9 @@ import scipy.io
 from numpy.testing import assert_array_equal
 
 from snowsim.io import read_echogram, read_layers
+from snowsim.io.containers import check_heaps, names_in_hdf5, read_netcdf
 from snowsim.io.guard import MAXIMUM_BYTES
-from snowsim.io.hdf5 import check_heaps, names_in_hdf5
-from snowsim.io.mat5 import MATRIX, names_in_mat5, read_mat5
-from snowsim.io.matlab import read_mat73
-from snowsim.io.netcdf import read_netcdf
+from snowsim.io.matlab import MATRIX, names_in_mat5, read_mat5, read_mat73
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 

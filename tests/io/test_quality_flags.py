@@ -9,9 +9,9 @@ import pytest
 import yaml
 from numpy.testing import assert_array_equal
 
-from snowsim.flatten import UNFIT_FLAGS
+from snowsim.frames import UNFIT_FLAGS
 from snowsim.io import read_echogram
-from snowsim.io.frames import check_frames, read_frame, read_frames, scenes_of_frame
+from snowsim.io.frame_table import check_frames, read_frame, read_frames, scenes_of_frame
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
 
 ROOT = Path(__file__).resolve().parents[2]

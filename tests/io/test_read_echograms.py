@@ -8,8 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from snowsim.echogram import check_echogram
 from snowsim.io import read_echogram
 from snowsim.io.cresis import read_cresis
+from snowsim.io.datasets import from_gps_seconds, leap_seconds, unwrap_midnight
 from snowsim.io.files import write_dataset
-from snowsim.io.times import from_gps_seconds, leap_seconds, unwrap_midnight
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
 DB_ROUND_TRIP = 1e-5

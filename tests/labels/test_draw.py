@@ -5,8 +5,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
+from lib.diagnostics.label_summary import summarise_labels
 from snowsim.echogram import check_layer_bins, scene_height
-from snowsim.labels import draw, draw_scene, prepare, summarise_labels
+from snowsim.labels import draw, draw_scene, prepare
 from snowsim.labels.process import correlation_factor, draw_series, leakage_matrix, line_variances
 
 

@@ -6,12 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
+from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by
 from snowsim.echogram import crossing_layers
 from snowsim.phy import mean_power
-from snowsim.phy.layers import checked_waveforms
-from snowsim.phy.literal import convolved_power, mean_power_by
-from snowsim.phy.supports import LARGEST_ERROR, find_supports
-from snowsim.phy.tables import tabulated_power
+from snowsim.phy.parameters import checked_waveforms
+from snowsim.phy.tables import LARGEST_ERROR, find_supports, tabulated_power
 
 
 def scene_of(seed, n_layers, n_lines, n_range_bins, layout):

@@ -9,9 +9,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import ks_2samp
 
+from lib.diagnostics.phy_alternatives import render_literal, render_scatterers
 from snowsim.echogram import to_uint8
 from snowsim.phy import mean_power, plan, render, render_plan
-from snowsim.phy.literal import render_literal, render_scatterers
 
 N_RANGE_BINS = 200
 

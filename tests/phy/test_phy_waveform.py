@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from snowsim.phy.literal import waveform_naive
+from lib.diagnostics.phy_alternatives import waveform_naive
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 
 SMALLEST_NORMAL = np.finfo(float).tiny

@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
+from snowsim.reference.echo import draw_layering
 from snowsim.reference.firn import (
     density_herron_langway80,
     depth_herron_langway80,
@@ -15,7 +16,6 @@ from snowsim.reference.firn import (
     surface_reflectivity,
     travel_time_s,
 )
-from snowsim.reference.layering import draw_layering
 
 PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
 

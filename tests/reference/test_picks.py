@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.echogram import check_layer_bins
-from snowsim.reference.groups import PickSettings
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
+from snowsim.reference.settings import PickSettings
 
 SETTINGS = PickSettings()
 

@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.reference.groups import RadarSettings
 from snowsim.reference.radar import (
     annulus_power,
     draw_detected,
@@ -18,6 +17,7 @@ from snowsim.reference.radar import (
     range_response,
     received_mean,
 )
+from snowsim.reference.settings import RadarSettings
 
 RADAR = RadarSettings()
 MARGIN = range_response(RADAR).size // 2 + RADAR.n_sub_bins

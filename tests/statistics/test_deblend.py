@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from snowsim.statistics.deblend import deblend, model_lines
-from snowsim.statistics.frames import FIRST_ROW
-from snowsim.statistics.lines import Groups, describe, prepare_line, waveform_columns
-from snowsim.statistics.literal import measure_groups
+from snowsim.statistics.deblend import Groups, deblend, describe, model_lines, prepare_line, waveform_columns
+from snowsim.statistics.paper import measure_groups
+from snowsim.statistics.summaries import FIRST_ROW
 
 
 def solution(groups):

@@ -5,11 +5,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted import as_frame
 
+from lib.diagnostics.statistics_atlas import border_cases
 from snowsim import labels, statistics
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.phy import draw_parameters, mean_power
 from snowsim.seeding import random_stream
-from snowsim.statistics.stress.borders import border_cases
 
 
 def is_finite(fitted):

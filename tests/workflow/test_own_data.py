@@ -14,7 +14,7 @@ import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 from runs import ROOT, rules_to_run, run_snakemake
 
-from snowsim.io.frames import COLUMNS, read_frames
+from snowsim.io.frame_table import COLUMNS, read_frames
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import SceneSet
 from snowsim.statistics import fit

@@ -4,16 +4,7 @@
 rule train_cgan:
     input:
         train=benchmark_files("train"),
-        code=package(
-            "cgan",
-            "metrics.image",
-            "patches",
-            "weights",
-            "io.files",
-            "io.models",
-            "io.scenes",
-            scripts=["training"],
-        ),
+        code=imported_by("train_cgan.py"),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
@@ -52,7 +43,7 @@ rule plot_cgan_training:
         losses="results/cgan/losses.csv",
         validation="results/cgan/validation.csv",
         samples="results/cgan/samples.nc",
-        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+        code=imported_by("plot_cgan_training.py"),
     output:
         losses=report(
             "results/figures/cgan_losses.svg", caption="../report/cgan_losses.rst"
@@ -81,15 +72,7 @@ rule render_cgan:
     input:
         layers=layers_of,
         generator="results/cgan/generator.safetensors",
-        code=package(
-            "metrics.image",
-            "cgan",
-            "patches",
-            "weights",
-            "io.files",
-            "io.models",
-            "io.scenes",
-        ),
+        code=imported_by("render_cgan.py"),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",
     log:

@@ -5,7 +5,7 @@ rule plot_flight:
     input:
         echograms=flight_files("results/flight/{frame}.nc"),
         layers=flight_files("results/flight/{frame}_layers.nc"),
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_flight.py"),
     output:
         table="results/tables/flight.csv",
         echogram=report(
@@ -34,7 +34,7 @@ rule plot_flight:
 rule plot_statistics:
     input:
         statistics="results/statistics.nc",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_statistics.py"),
     output:
         waveforms=report(
             "results/figures/waveforms.svg", caption="../report/waveforms.rst"

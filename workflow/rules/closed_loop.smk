@@ -21,9 +21,7 @@ rule render_closed_loop:
     input:
         layers=lambda wildcards: loop_labels(int(wildcards.part)),
         statistics="results/statistics.nc",
-        code=package(
-            "phy", "statistics", "io.files", "io.scenes", without=["phy.stress"]
-        ),
+        code=imported_by("render_closed_loop.py"),
     output:
         summary=temp("results/closed_loop/parts/{part}.nc"),
     log:
@@ -54,7 +52,7 @@ rule estimate_closed_loop:
             "results/closed_loop/parts/{part}.nc", part=range(len(LOOP_PARTS))
         ),
         statistics="results/statistics.nc",
-        code=package("statistics", "phy.waveform", "io.files"),
+        code=imported_by("estimate_closed_loop.py"),
     output:
         statistics=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
         table=f"results/closed_loop/{LOOP_DEFAULT}_all.csv",
@@ -77,14 +75,7 @@ rule try_convention:
     input:
         layers=loop_labels(0),
         statistics=loop_statistics,
-        code=package(
-            "phy",
-            "statistics",
-            "io.files",
-            "io.scenes",
-            without=["phy.stress"],
-            scripts=["render_closed_loop", "estimate_closed_loop"],
-        ),
+        code=imported_by("try_convention.py"),
     output:
         statistics="results/closed_loop/{convention}_first.nc",
         table="results/closed_loop/{convention}_first.csv",
@@ -119,7 +110,7 @@ rule tabulate_closed_loop:
         statistics=expand(
             "results/closed_loop/{convention}_first.nc", convention=LOOP_CONVENTIONS
         ),
-        code=package("statistics", "io.files"),
+        code=imported_by("tabulate_closed_loop.py"),
     output:
         table="results/tables/closed_loop.csv",
         summary="results/tables/closed_loop_summary.csv",
@@ -145,7 +136,7 @@ rule plot_closed_loop:
     input:
         table="results/tables/closed_loop.csv",
         conventions="results/tables/closed_loop_conventions.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_closed_loop.py"),
     output:
         figure=report(
             "results/figures/closed_loop.svg", caption="../report/closed_loop.rst"

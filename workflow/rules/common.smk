@@ -5,6 +5,7 @@ import json
 import math
 import os
 import shutil
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -12,6 +13,11 @@ from snakemake.exceptions import WorkflowError
 
 # Where this workflow lies, also where another uses it as a module.
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
+
+# What scripts import is read by the code that tests use, too; tables of own data by the package that the jobs use.
+sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
+
+from lib.imports import closure
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
 for variable in (
@@ -167,29 +173,11 @@ def finished_study(path):
     return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
 
 
-CORE = ("__init__", "constants", "echogram", "seeding")
-
-
-def package(*parts, without=(), scripts=()):
-    """Files of the package that a rule depends on, the core among them, and other scripts that its script imports.
-
-    Snakemake does not follow imports: a module that is not listed here can change without a rerun; a test compares the
-    lists with what the scripts import. A part is a module or a folder of snowsim, written with dots:
-    ``package("phy", "io.scenes", without=["phy.stress"], scripts=["training"])``.
-    """
-    listed = [file for part in (*CORE, *parts) for file in package_part(part)]
-    spared = {file for part in without for file in package_part(part)}
-    listed += [ROOT / "workflow/scripts" / f"{script}.py" for script in scripts]
-    return [str(file) for file in dict.fromkeys(listed) if file not in spared]
-
-
-def package_part(part):
-    """Files of one module or folder of the package."""
-    path = ROOT / "snowsim" / part.replace(".", "/")
-    found = sorted(path.rglob("*.py")) if path.is_dir() else [path.with_suffix(".py")]
-    if not found or not all(file.is_file() for file in found):
-        raise WorkflowError(f"package: snowsim has no module {part}")
-    return found
+def imported_by(script):
+    """Input function: files that a script imports, and that those import; asked for jobs that are planned alone."""
+    return lambda wildcards: [
+        str(file) for file in closure(ROOT / "workflow/scripts" / script)
+    ]
 
 
 def targets(prefix=""):

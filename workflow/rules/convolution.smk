@@ -5,7 +5,7 @@ SMRT_TABLE = "results/studies/convolution/smrt.csv"
 
 rule measure_convolution:
     input:
-        code=package("coherent", "phy", "reference", "timing", "io.files"),
+        code=imported_by("measure_convolution.py"),
     output:
         table="results/tables/convolution_accuracy.csv",
     log:
@@ -31,7 +31,7 @@ rule measure_convolution:
 rule plot_convolution:
     input:
         table="results/tables/convolution_accuracy.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_convolution.py"),
     output:
         figure=report(
             "results/figures/convolution_accuracy.svg",

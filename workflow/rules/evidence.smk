@@ -6,13 +6,7 @@ rule compare_renders:
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
-        code=package(
-            "metrics.renders",
-            "metrics.image",
-            "metrics.texture",
-            "io.files",
-            "io.scenes",
-        ),
+        code=imported_by("compare_renders.py"),
     output:
         positions="results/tables/render_positions.csv",
         textures="results/tables/render_texture.csv",
@@ -35,7 +29,7 @@ rule plot_renders:
     input:
         positions="results/tables/render_positions.csv",
         textures="results/tables/render_texture.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_renders.py"),
     output:
         positions=report(
             "results/figures/render_positions.svg",
@@ -65,7 +59,7 @@ rule plot_renders:
 rule tabulate_tracked_power:
     input:
         statistics="results/statistics.nc",
-        code=package("io.files"),
+        code=imported_by("tabulate_tracked_power.py"),
     output:
         table="results/tables/tracked_power.csv",
     log:
@@ -90,7 +84,7 @@ rule make_gallery:
         phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
         statistics="results/statistics.nc",
-        code=package("report.gallery", "io.embed", "io.files", "io.pages", "io.scenes"),
+        code=imported_by("make_gallery.py"),
     output:
         gallery="results/gallery.json",
     log:

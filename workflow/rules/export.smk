@@ -23,7 +23,7 @@ rule export_scenes:
         scenes=lambda wildcards: [
             file for files in EXPORTS[wildcards.export_set].values() for file in files
         ],
-        code=package("io"),
+        code=imported_by("export_scenes.py"),
     output:
         folder=directory("results/export/{format}/{export_set}"),
     log:

@@ -11,7 +11,7 @@ for lot, frames in FRAME_LOTS.items():
         name:
             f"reference_frames_{lot}"
         input:
-            code=package("reference", "io.files"),
+            code=imported_by("reference_frames.py"),
         output:
             echograms=expand("results/flight/{frame}.nc", frame=frames),
             layers=expand("results/flight/{frame}_layers.nc", frame=frames),
@@ -37,7 +37,7 @@ for lot, frames in FRAME_LOTS.items():
 
 rule reference_segment:
     input:
-        code=package("reference", "io.files"),
+        code=imported_by("reference_segment.py"),
     output:
         segment="results/flight/segment.nc",
     log:
@@ -60,7 +60,7 @@ rule reference_segment:
 
 rule reference_scenes:
     input:
-        code=package("reference", "io.files", "io.scenes"),
+        code=imported_by("reference_scenes.py"),
     output:
         scenes="results/benchmark/{split}/{shard}.nc",
     log:

@@ -30,7 +30,7 @@ rule check_frames:
                 for file in (row["echogram"], row["layers"], *supplement(row))
             }
         ),
-        code=package("flatten", "io"),
+        code=imported_by("check_frames.py"),
     output:
         table="results/tables/frames.csv",
     log:
@@ -60,7 +60,7 @@ rule import_frame:
         # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or files
         # have changed, and what was imported with the old ones would stay.
         checked="results/tables/frames.csv",
-        code=package("flatten", "io"),
+        code=imported_by("import_frame.py"),
     output:
         echogram="results/flight/{frame}.nc",
         layers="results/flight/{frame}_layers.nc",
@@ -92,7 +92,7 @@ rule import_blocks:
             own_frame(wildcards.split, wildcards.shard)
         ),
         checked="results/tables/frames.csv",
-        code=package("flatten", "io"),
+        code=imported_by("import_blocks.py"),
     output:
         scenes="results/benchmark/{split}/{shard}.nc",
     log:

@@ -8,7 +8,7 @@ rule check_pairs:
             Path(OWN["pairs"]["folder"]) / OWN["pairs"]["lists"][split]
             for split in PAIRS
         ],
-        code=package("io"),
+        code=imported_by("check_pairs.py"),
     output:
         table="results/tables/scenes.csv",
     log:
@@ -42,7 +42,7 @@ rule import_pairs:
         / OWN["pairs"]["lists"][wildcards.split],
         # Not `ancient`, as for frames: Snakemake would read with a changed setting one run late.
         checked="results/tables/scenes.csv",
-        code=package("io"),
+        code=imported_by("import_pairs.py"),
     output:
         scenes="results/benchmark/{split}/{shard}.nc",
     log:
@@ -66,7 +66,7 @@ rule import_pairs:
 rule summarise_scenes:
     input:
         scenes="results/benchmark/train/{shard}.nc",
-        code=package("statistics", "phy.waveform", "flatten", "io.files", "io.scenes"),
+        code=imported_by("summarise_scenes.py"),
     output:
         summary="results/statistics/{shard}.nc",
     log:

@@ -14,7 +14,7 @@ rule compare_label_models:
     input:
         summaries=SUMMARIES,
         statistics="results/statistics.nc",
-        code=package("statistics", "phy.waveform", "labels", "timing", "io.files"),
+        code=imported_by("compare_label_models.py"),
     output:
         model="results/label_model.nc",
         criteria="results/tables/label_criteria.csv",
@@ -48,7 +48,7 @@ rule plot_label_models:
         criteria="results/tables/label_criteria.csv",
         savings="results/tables/label_savings.csv",
         spectra="results/tables/label_families.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_label_models.py"),
     output:
         figure=report(
             "results/figures/label_models.svg", caption="../report/label_models.rst"
@@ -73,7 +73,7 @@ rule plot_label_models:
 rule draw_labels:
     input:
         statistics=LABEL_STATISTICS,
-        code=package("labels", "io.files", "io.scenes"),
+        code=imported_by("draw_labels.py"),
     output:
         labels="results/labels/{shard}.nc",
     log:
@@ -102,7 +102,7 @@ rule summarise_labels:
     input:
         statistics=LABEL_STATISTICS,
         labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
-        code=package("labels", "io.files", "io.scenes"),
+        code=imported_by("summarise_labels.py"),
     output:
         layers="results/tables/label_layers.csv",
         moments="results/tables/label_moments.csv",
@@ -131,7 +131,7 @@ rule plot_labels:
         moments="results/tables/label_moments.csv",
         spectra="results/tables/label_spectra.csv",
         correlation="results/tables/label_correlation.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_labels.py"),
     output:
         figure=report("results/figures/labels.svg", caption="../report/labels.rst"),
     log:

@@ -5,7 +5,7 @@ rule plot_pixel_grid:
     input:
         echogram=middle_frame("results/flight/{frame}.nc"),
         layers=middle_frame("results/flight/{frame}_layers.nc"),
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_pixel_grid.py"),
     output:
         table="results/tables/pixel_grid.csv",
         figure=report(
@@ -31,7 +31,7 @@ rule plot_pixel_grid:
 rule plot_annotation:
     input:
         train=benchmark_files("train"),
-        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+        code=imported_by("plot_annotation.py"),
     output:
         figure=report(
             "results/figures/annotation.svg", caption="../report/annotation.rst"
@@ -67,7 +67,7 @@ rule plot_synthetic:
         labels=expand("results/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
         phy=expand("results/phy/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
         cgan=expand("results/cgan/labels/{shard}.nc", shard=SHARDS_TO_SHOW),
-        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+        code=imported_by("plot_synthetic.py"),
     output:
         figure=report(
             "results/figures/synthetic.svg", caption="../report/synthetic.rst"

@@ -5,7 +5,7 @@ rule render_phy:
     input:
         layers=layers_of,
         statistics="results/statistics.nc",
-        code=package("phy", "io.files", "io.scenes", without=["phy.stress"]),
+        code=imported_by("render_phy.py"),
     output:
         scenes="results/phy/{scenes}/{shard}.nc",
     log:

@@ -5,7 +5,7 @@ PLANTED = {"n_layers": 15, "n_range_lines": 256, "n_range_bins": 256}
 
 rule measure_phy_waveforms:
     input:
-        code=package("phy", "timing", "io.files"),
+        code=imported_by("measure_phy_waveforms.py"),
     output:
         table="results/tables/speed_accuracy_waveforms.csv",
     log:
@@ -29,7 +29,7 @@ rule measure_phy_waveforms:
 
 rule measure_phy_speckle:
     input:
-        code=package("phy", "timing", "io.files"),
+        code=imported_by("measure_phy_speckle.py"),
     output:
         table="results/tables/speed_accuracy_speckle.csv",
     log:
@@ -54,16 +54,7 @@ rule measure_phy_speckle:
 
 rule measure_scenes:
     input:
-        code=package(
-            "metrics.image",
-            "phy",
-            "cgan",
-            "reference",
-            "patches",
-            "weights",
-            "timing",
-            "io.files",
-        ),
+        code=imported_by("measure_scenes.py"),
     output:
         scenes="results/tables/speed_accuracy_scenes.csv",
         growth="results/tables/speed_accuracy_growth.csv",
@@ -95,7 +86,7 @@ rule measure_scenes:
 rule summarise_phy_plan:
     input:
         scenes=rendered_files("phy", "labels"),
-        code=package("io.files", "io.scenes"),
+        code=imported_by("summarise_phy_plan.py"),
     output:
         plans="results/phy_plans.parquet",
         table="results/tables/phy_plan.csv",
@@ -120,7 +111,7 @@ rule plot_phy_charts:
         speckle="results/tables/speed_accuracy_speckle.csv",
         scenes="results/tables/speed_accuracy_scenes.csv",
         growth="results/tables/speed_accuracy_growth.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_phy_charts.py"),
     output:
         waveforms=report(
             "results/figures/speed_accuracy_waveforms.svg",
@@ -156,7 +147,7 @@ rule plot_phy_charts:
 rule plot_phy_plan:
     input:
         plans="results/phy_plans.parquet",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_phy_plan.py"),
     output:
         figure=report("results/figures/phy_plan.svg", caption="../report/phy_plan.rst"),
     log:

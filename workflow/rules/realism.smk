@@ -9,14 +9,7 @@ rule tabulate_realism:
         train=benchmark_files("train"),
         test=benchmark_files("test"),
         other_band=other_band_images(),
-        code=package(
-            "io.guard",
-            "metrics.texture",
-            "reference",
-            "io.files",
-            "io.images",
-            "io.scenes",
-        ),
+        code=imported_by("tabulate_realism.py"),
     output:
         table="results/tables/realism.csv",
         curves="results/tables/realism_curves.csv",
@@ -43,7 +36,7 @@ rule plot_realism:
     input:
         table="results/tables/realism.csv",
         curves="results/tables/realism_curves.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_realism.py"),
     output:
         figure=report("results/figures/realism.svg", caption="../report/realism.rst"),
     log:

@@ -17,7 +17,7 @@ rule write_report:
         gallery="results/gallery.json",
         paper=ROOT / "workflow/report/paper.yaml",
         page=sorted((ROOT / "workflow/report/page").iterdir()),
-        code=package("report", "io.embed", "io.files", "io.machine", "io.pages"),
+        code=imported_by("write_report.py"),
     output:
         page="results/report.html",
     log:

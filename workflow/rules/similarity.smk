@@ -5,7 +5,7 @@ rule score_similarity:
     input:
         observed="results/benchmark/test/{shard}.nc",
         rendered="results/{method}/test/{shard}.nc",
-        code=package("metrics", "io.files", "io.scenes"),
+        code=imported_by("score_similarity.py"),
     output:
         images="results/similarity/{method}/{shard}.parquet",
         rows="results/similarity/{method}/{shard}_rows.parquet",
@@ -36,7 +36,7 @@ rule tabulate_similarity:
             method=METHODS,
             shard=shards("test"),
         ),
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_similarity.py"),
     output:
         images="results/similarity.parquet",
         table2="results/tables/table2.csv",
@@ -62,7 +62,7 @@ rule plot_similarity:
     input:
         images="results/similarity.parquet",
         ssim_depth="results/tables/ssim_depth.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_similarity.py"),
     output:
         boxplots=report(
             "results/figures/similarity_boxplots.svg",
@@ -94,7 +94,7 @@ rule plot_sample:
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
-        code=package("plotting", "io.figures", "io.files", "io.scenes"),
+        code=imported_by("plot_sample.py"),
     output:
         sample=report("results/figures/sample.svg", caption="../report/sample.rst"),
     log:
@@ -122,17 +122,7 @@ rule explain_similarity:
         train=benchmark_files("train"),
         generator="results/cgan/generator.safetensors",
         statistics="results/statistics.nc",
-        code=package(
-            "cgan",
-            "metrics",
-            "patches",
-            "phy",
-            "weights",
-            "io.files",
-            "io.models",
-            "io.scenes",
-            scripts=["render_cgan", "render_phy"],
-        ),
+        code=imported_by("explain_similarity.py"),
     output:
         bounds="results/tables/similarity_bounds.csv",
         parts="results/tables/similarity_parts.csv",
@@ -164,7 +154,7 @@ rule measure_air:
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
-        code=package("metrics", "io.files", "io.scenes"),
+        code=imported_by("measure_air.py"),
     output:
         table="results/tables/air_texture.csv",
     log:
@@ -187,7 +177,7 @@ rule plot_similarity_bounds:
         bounds="results/tables/similarity_bounds.csv",
         parts="results/tables/similarity_parts.csv",
         air="results/tables/air_texture.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_similarity_bounds.py"),
     output:
         figure=report(
             "results/figures/similarity_bounds.svg",

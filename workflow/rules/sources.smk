@@ -1,11 +1,6 @@
 # Where flight and benchmark come from: how many frames and scenes there are, and what is said of them.
 
-import sys
-
 from snakemake.logging import logger
-
-# Tables and lists of own data are read by the package that the jobs use, too.
-sys.path.insert(0, str(ROOT))
 
 # Rules that make the flight and the benchmark, by source.
 FLIGHT_RULES = {
@@ -45,7 +40,7 @@ def read_own(read, *arguments, **options):
 
 def own_frames():
     """The table of frames, each role's rows numbered from 0."""
-    from snowsim.io.frames import read_frames
+    from snowsim.io.frame_table import read_frames
 
     table = read_own(read_frames, OWN["frames"])
     for role in ("statistics", "train", "test"):

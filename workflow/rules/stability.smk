@@ -3,7 +3,7 @@
 
 rule stress_phy:
     input:
-        code=package("phy", "io.files"),
+        code=imported_by("stress_phy.py"),
     output:
         atlas="results/tables/stability_phy.csv",
         regions="results/tables/stability_phy_regions.csv",
@@ -27,7 +27,7 @@ rule stress_phy:
 rule plot_phy_stability:
     input:
         atlas="results/tables/stability_phy.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_phy_stability.py"),
     output:
         figure=report(
             "results/figures/stability_phy.svg", caption="../report/stability_phy.rst"

@@ -6,7 +6,7 @@ ATLAS_SHARE = 1.0 if config["flight"]["n_frames"] >= 10 else 0.2
 
 rule stress_statistics:
     input:
-        code=package("statistics", "phy.waveform", "io.files"),
+        code=imported_by("stress_statistics.py"),
     output:
         atlas="results/tables/stability_statistics.csv",
     log:
@@ -30,7 +30,7 @@ rule stress_statistics:
 rule plot_statistics_stability:
     input:
         atlas="results/tables/stability_statistics.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_statistics_stability.py"),
     output:
         sweeps=report(
             "results/figures/stability_statistics.svg",

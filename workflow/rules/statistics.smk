@@ -17,7 +17,7 @@ if FRAME_LOTS:
             layers=lambda wildcards: expand(
                 "results/flight/{frame}_layers.nc", frame=FRAME_LOTS[wildcards.lot]
             ),
-            code=package("statistics", "phy.waveform", "io.files"),
+            code=imported_by("summarise_frames.py"),
         output:
             summary="results/statistics/{lot}.nc",
         log:
@@ -41,7 +41,7 @@ rule fit_statistics:
     input:
         summaries=SUMMARIES,
         segment=SEGMENT,
-        code=package("statistics", "phy.waveform", "io.files"),
+        code=imported_by("fit_statistics.py"),
     output:
         statistics="results/statistics.nc",
     log:

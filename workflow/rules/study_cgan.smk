@@ -25,7 +25,7 @@ wildcard_constraints:
 rule study_cgan_seed:
     input:
         train=benchmark_files("train"),
-        code=package(*CGAN_PARTS, scripts=["training"]),
+        code=imported_by("train_cgan.py"),
     output:
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
         losses="results/studies/cgan/seed_{cgan_seed}/losses.csv",
@@ -62,7 +62,7 @@ rule study_cgan_score:
     input:
         observed=benchmark_files("test"),
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
-        code=package(*CGAN_PARTS, scripts=["render_cgan"]),
+        code=imported_by("study_cgan_score.py"),
     output:
         images="results/studies/cgan/seed_{cgan_seed}/similarity.parquet",
     log:
@@ -92,7 +92,7 @@ rule study_cgan_tabulate_seeds:
             "results/studies/cgan/seed_{cgan_seed}/similarity.parquet",
             cgan_seed=CGAN_SEEDS,
         ),
-        code=package("io.files"),
+        code=imported_by("study_cgan_tabulate_seeds.py"),
     output:
         table="results/studies/cgan/seeds.csv",
     log:
@@ -116,7 +116,7 @@ rule study_cgan_speed:
     input:
         train=benchmark_files("train"),
         statistics="results/statistics.nc",
-        code=package("phy", "timing", *CGAN_PARTS, scripts=["render_phy"]),
+        code=imported_by("study_cgan_speed.py"),
     output:
         table="results/studies/cgan/speed.csv",
     log:
@@ -144,7 +144,7 @@ rule study_cgan_width:
     input:
         train=benchmark_files("train"),
         speed="results/studies/cgan/speed.csv",
-        code=package(*CGAN_PARTS, scripts=["train_cgan", "training"]),
+        code=imported_by("study_cgan_width.py"),
     output:
         generator="results/studies/cgan/{cgan_mode}_{cgan_width}/generator.safetensors",
         losses="results/studies/cgan/{cgan_mode}_{cgan_width}/losses.csv",
@@ -191,7 +191,7 @@ rule study_cgan_tabulate_widths:
             cgan_mode=CGAN_MODES,
             cgan_width=CGAN_STUDY["widths"],
         ),
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("study_cgan_tabulate_widths.py"),
     output:
         table="results/studies/cgan/widths.csv",
         figure=report(
@@ -219,7 +219,7 @@ rule study_cgan_tabulate_widths:
 rule study_cgan_stability:
     input:
         train=benchmark_files("train"),
-        code=package(*CGAN_PARTS),
+        code=imported_by("study_cgan_stability.py"),
     output:
         table="results/studies/cgan/stability.csv",
     log:
@@ -248,7 +248,7 @@ rule study_cgan_stability:
 rule study_cgan_plot_stability:
     input:
         table="results/studies/cgan/stability.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("study_cgan_plot_stability.py"),
     output:
         figure=report(
             "results/figures/stability_cgan.svg",

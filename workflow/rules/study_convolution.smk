@@ -3,7 +3,7 @@
 
 rule study_convolution_smrt:
     input:
-        code=package("phy", "reference", "timing", "io.files"),
+        code=imported_by("study_convolution_smrt.py"),
     output:
         table="results/studies/convolution/smrt.csv",
         curves="results/studies/convolution/smrt_waveforms.csv",

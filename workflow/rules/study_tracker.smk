@@ -10,7 +10,7 @@ use rule render_phy as render_study_phy with:
     input:
         layers="results/labels/{shard}.nc",
         statistics=study_statistics,
-        code=package("phy", "io.files", "io.scenes"),
+        code=imported_by("render_phy.py"),
     output:
         scenes="results/studies/tracker/{setting}/phy/{shard}.nc",
     log:
@@ -36,7 +36,7 @@ use rule train_tracker as train_study_tracker with:
         real=benchmark_files("train"),
         phy=study_added_scenes("phy"),
         cgan=study_added_scenes("cgan"),
-        code=package(*TRACKER_PARTS, scripts=["training"]),
+        code=imported_by("train_tracker.py"),
     output:
         network="results/studies/tracker/{setting}/{training_set}/{replica}.safetensors",
         losses="results/studies/tracker/{setting}/{training_set}/{replica}_losses.csv",
@@ -66,7 +66,7 @@ use rule score_tracker as score_study_tracker with:
                 wildcards.any_setting, wildcards.training_set, wildcards.replica
             )
         ],
-        code=package(*TRACKER_PARTS, "metrics"),
+        code=imported_by("score_tracker.py"),
     output:
         counts=[
             "results/studies/tracker/{any_setting}/{training_set}/{replica}_{split}.parquet"
@@ -91,7 +91,7 @@ if MORE_SEEDS:
                 "results/tracker/{{training_set}}/{replica}.safetensors",
                 replica=MORE_SEEDS,
             ),
-            code=package(*TRACKER_PARTS, "metrics"),
+            code=imported_by("score_tracker.py"),
         output:
             counts=expand(
                 "results/tracker/{{training_set}}/{replica}_counts.parquet",
@@ -108,7 +108,7 @@ if MORE_SEEDS:
 checkpoint tabulate_ablation:
     input:
         counts=study_counts("validation", ABLATION, ABLATION_SEEDS),
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_ablation.py"),
     output:
         table="results/studies/tracker/ablation.csv",
     log:
@@ -138,7 +138,7 @@ use rule tabulate_ablation as tabulate_chosen with:
             for setting, training_set in chosen_runs(wildcards)
             for replica in ABLATION_SEEDS
         ],
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_ablation.py"),
     output:
         table="results/studies/tracker/chosen.csv",
     log:
@@ -161,7 +161,7 @@ rule tabulate_seeds:
             training_set=TRAINING_SETS,
             replica=range(STUDY["n_seeds"]),
         ),
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_seeds.py"),
     output:
         table="results/studies/tracker/seeds.csv",
     log:
@@ -192,7 +192,7 @@ rule time_trackers:
             f"results/studies/tracker/{name}/rd/0_validation.parquet"
             for name in ["default", *NETWORKS]
         ],
-        code=package(*TRACKER_PARTS, "metrics", "timing"),
+        code=imported_by("time_trackers.py"),
     output:
         table="results/tables/speed_accuracy_tracker.csv",
     log:
@@ -220,7 +220,7 @@ rule stress_tracker:
         scenes=benchmark_files("validation"),
         network="results/tracker/rd/0.safetensors",
         statistics="results/statistics.nc",
-        code=package(*TRACKER_PARTS, "metrics", "phy"),
+        code=imported_by("stress_tracker.py"),
     output:
         table="results/studies/tracker/stability.csv",
     log:
@@ -250,7 +250,7 @@ rule plot_study_tracker:
         seeds="results/studies/tracker/seeds.csv",
         speed="results/tables/speed_accuracy_tracker.csv",
         stability="results/studies/tracker/stability.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_study_tracker.py"),
     output:
         ablation=report(
             "results/figures/tracker_ablation.svg",

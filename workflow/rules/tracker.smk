@@ -1,15 +1,12 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
-# What everything that trains or runs a tracker depends on.
-TRACKER_PARTS = ("tracker", "patches", "weights", "io.files", "io.models", "io.scenes")
-
 
 rule train_tracker:
     input:
         real=benchmark_files("train"),
         phy=added_scenes("phy"),
         cgan=added_scenes("cgan"),
-        code=package(*TRACKER_PARTS, scripts=["training"]),
+        code=imported_by("train_tracker.py"),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -49,7 +46,7 @@ rule score_tracker:
         networks=expand(
             "results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS
         ),
-        code=package(*TRACKER_PARTS, "metrics"),
+        code=imported_by("score_tracker.py"),
     output:
         counts=expand(
             "results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS
@@ -82,7 +79,7 @@ rule tabulate_trackers:
             training_set=TRAINING_SETS,
             replica=SEEDS,
         ),
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_trackers.py"),
     output:
         table3="results/tables/table3.csv",
         intervals="results/tables/table3_intervals.csv",
@@ -117,7 +114,7 @@ rule tabulate_tracker_zones:
         ),
         picks="results/tracker/rd/0_picks.parquet",  # thickness of every scene's first slab
         statistics="results/statistics.nc",
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_tracker_zones.py"),
     output:
         zones="results/tables/table3_zones.csv",
     log:
@@ -148,7 +145,7 @@ rule tabulate_picks:
             replica=SEEDS,
         ),
         statistics="results/statistics.nc",
-        code=package("metrics", "io.files"),
+        code=imported_by("tabulate_picks.py"),
     output:
         picks="results/tables/picks.csv",
         zones="results/tables/picks_by_zone.csv",
@@ -182,7 +179,7 @@ rule track_samples:
         networks=expand(
             "results/tracker/{training_set}/0.safetensors", training_set=TRAINING_SETS
         ),
-        code=package(*TRACKER_PARTS),
+        code=imported_by("track_samples.py"),
     output:
         samples="results/tracker/samples.nc",
     log:
@@ -211,7 +208,7 @@ rule plot_picks:
         depths="results/tables/picks_by_depth.csv",
         zones="results/tables/table3_zones.csv",
         samples="results/tracker/samples.nc",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_picks.py"),
     output:
         picks=report("results/figures/picks.svg", caption="../report/picks.rst"),
         zones=report(
@@ -244,7 +241,7 @@ rule plot_trackers:
         losses=expand(
             "results/tracker/{training_set}/0_losses.csv", training_set=TRAINING_SETS
         ),
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_trackers.py"),
     output:
         curves=report(
             "results/figures/precision_recall.svg",

@@ -9,7 +9,7 @@ rule tabulate_validation:
         rendered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
         label_layers="results/tables/label_layers.csv",
         label_histograms="results/tables/label_histograms.csv",
-        code=package("statistics", "phy.waveform", "io.files"),
+        code=imported_by("tabulate_validation.py"),
     output:
         thickness="results/tables/validation_thickness.csv",
         tests="results/tables/validation_tests.csv",
@@ -41,7 +41,7 @@ rule plot_validation:
         spectra="results/tables/label_spectra.csv",
         correlation="results/tables/label_correlation.csv",
         loop="results/tables/closed_loop.csv",
-        code=package("plotting", "io.figures", "io.files"),
+        code=imported_by("plot_validation.py"),
     output:
         thickness=report(
             "results/figures/validation_thickness.svg",

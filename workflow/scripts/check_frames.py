@@ -3,7 +3,7 @@
 from job import job
 
 from snowsim.io.files import write_table
-from snowsim.io.frames import check_frames, read_frames
+from snowsim.io.frame_table import check_frames, read_frames
 
 
 def check(path_to_frames, path_to_table, reading, log):

@@ -3,9 +3,9 @@
 import pandas as pd
 from job import job, progress
 
+from lib.diagnostics.renders import position_errors, shape_edges, texture_by_region
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.renders import position_errors, shape_edges, texture_by_region
 
 
 def compare(paths_to_observed, paths_to_cgan, paths_to_phy, path_to_positions, path_to_textures):

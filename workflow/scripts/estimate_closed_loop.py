@@ -2,9 +2,9 @@
 
 from job import job
 
+from lib.diagnostics.closed_loop import compare
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.statistics import estimate, merge, summary_from_dataset
-from snowsim.statistics.loop import compare
 
 
 def estimate_loop(summary, given, path_to_recovered, path_to_table):

@@ -9,10 +9,10 @@ from job import job, progress
 from render_cgan import scene_renderer
 from render_phy import render_scene
 
+from lib.diagnostics.bounds import as_bytes, error_parts, with_other_speckle, without_speckle
 from snowsim.cgan import held_out
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.bounds import as_bytes, error_parts, with_other_speckle, without_speckle
 from snowsim.metrics.image import similarity
 from snowsim.seeding import random_stream
 

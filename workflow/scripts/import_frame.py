@@ -5,9 +5,9 @@ from types import SimpleNamespace
 from job import job
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
-from snowsim.flatten import count_unfit
+from snowsim.frames import count_unfit
 from snowsim.io.files import write_dataset
-from snowsim.io.frames import read_frame
+from snowsim.io.frame_table import read_frame
 
 
 def import_frame(path_to_frame, path_to_layers, path_to_echogram_out, path_to_layers_out, name, reading, log):

@@ -12,7 +12,8 @@ from pathlib import Path
 from tqdm import tqdm
 
 # The package beside the workflow is the one that runs, installed or not: a conda environment holds its dependencies.
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
 logger = logging.getLogger("snowsim")
 

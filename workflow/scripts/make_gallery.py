@@ -2,11 +2,10 @@
 
 from job import job
 
-from snowsim.io.embed import image_uri
+from lib.report.gallery import choose_scenes, layer_lines
+from lib.report.page import image_uri, write_json
 from snowsim.io.files import read_dataset, read_table
-from snowsim.io.pages import write_json
 from snowsim.io.scenes import SceneSet
-from snowsim.report.gallery import choose_scenes, layer_lines
 
 METRICS = ("ssim", "psnr", "rmse")
 

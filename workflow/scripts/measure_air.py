@@ -3,9 +3,9 @@
 import pandas as pd
 from job import job
 
+from lib.diagnostics.renders import air_texture
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.air import air_texture
 
 
 def measure(paths_by_method, path_to_table):

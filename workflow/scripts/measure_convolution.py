@@ -19,25 +19,23 @@ import numpy as np
 import pandas as pd
 from job import job
 
-from snowsim.coherent import interface_delays_s, sweep_frequencies_hz
-from snowsim.coherent.compare import MODELS, bias_db, error_db, model_works
-from snowsim.coherent.stacks import draw_lenses, draw_years, layered
+from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered
+from lib.diagnostics.convolution import MODELS, bias_db, error_db, model_works, sweep_frequencies_hz
+from lib.diagnostics.phy_alternatives import render_literal
+from lib.diagnostics.phy_errors import fit_waveform, planted_scene
+from lib.timing import device_name, time_rounds
 from snowsim.constants import START_FREQUENCY_HZ
 from snowsim.io.files import write_table
 from snowsim.phy import render
-from snowsim.phy.best_fit import fit_waveform
-from snowsim.phy.errors import planted_scene
-from snowsim.phy.literal import render_literal
 from snowsim.reference import checked_settings, draw_climate, draw_scene
+from snowsim.reference.echo import draw_layering
 from snowsim.reference.firn import (
     refractive_index_kovacs95,
     surface_reflectivity,
     travel_time_s,
 )
-from snowsim.reference.layering import draw_layering
 from snowsim.reference.radar import interface_waveform, range_response
 from snowsim.seeding import random_stream
-from snowsim.timing import device_name, time_rounds
 
 CONTRASTS_KG_M3 = (3, 10, 30, 50, 100, 170, 240, 300, 450, 600)
 N_LAYERS = (1, 2, 5, 10, 20, 50, 100)

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.diagnostics.phy_errors import cube_distance, moving_distance, quantile_distance
+from lib.timing import device_name, time_rounds
 from snowsim.io.files import write_table
 from snowsim.phy import draw_speckle
-from snowsim.phy.errors import cube_distance, moving_distance, quantile_distance
-from snowsim.timing import device_name, time_rounds
 
 N_LOOKS = (16, 100)
 MOVEMENTS_DB = (1.0, 3.0, 6.0, 10.0, 20.0)

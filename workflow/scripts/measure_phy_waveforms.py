@@ -6,12 +6,11 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by, naive_power, nearest_power
+from lib.diagnostics.phy_errors import largest_error_db, planted_scene
+from lib.timing import device_name, time_rounds
 from snowsim.io.files import write_table
-from snowsim.phy.errors import largest_error_db, planted_scene
-from snowsim.phy.layers import checked_waveforms
-from snowsim.phy.literal import convolved_power, mean_power_by
-from snowsim.phy.stress.shortcuts import naive_power, nearest_power
-from snowsim.timing import device_name, time_rounds
+from snowsim.phy.parameters import checked_waveforms
 
 TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01, 1e-3, 1e-6)
 

@@ -7,18 +7,18 @@ import pandas as pd
 import torch
 from job import job
 
+from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by, render_literal, render_scatterers
+from lib.diagnostics.phy_errors import largest_error_db, planted_scene, scattered_mean_power
+from lib.timing import device_name, time_rounds
 from snowsim.cgan import UNetGenerator
 from snowsim.cgan import render as render_cgan
 from snowsim.echogram import layer_mask, to_uint8
 from snowsim.io.files import write_table
 from snowsim.phy import plan, render
-from snowsim.phy.errors import largest_error_db, planted_scene, scattered_mean_power
-from snowsim.phy.layers import checked_waveforms
-from snowsim.phy.literal import convolved_power, mean_power_by, render_literal, render_scatterers
+from snowsim.phy.parameters import checked_waveforms
 from snowsim.phy.power import mean_power
 from snowsim.reference import checked_settings, draw_climate, draw_scene
 from snowsim.seeding import random_stream
-from snowsim.timing import device_name, time_rounds
 
 TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01)
 SCATTERER_LINES = 4  # of the scatterers' scene: its cost is the same for every range line

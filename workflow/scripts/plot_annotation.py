@@ -3,11 +3,10 @@
 import numpy as np
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.flight import plot_picks
+from lib.figures.similarity import plot_echogram
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.scenes import SceneSet
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.flight import plot_picks
-from snowsim.plotting.similarity import plot_echogram
 
 
 def complete_layers(scene):

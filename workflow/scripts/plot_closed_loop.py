@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.statistics import plot_conventions, plot_layer_errors, plot_slab_errors, plot_spectrum_errors
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.closed_loop import plot_conventions, plot_layer_errors, plot_slab_errors, plot_spectrum_errors
 
 
 def plot(path_to_table, path_to_conventions, path_to_figure, source):

@@ -3,10 +3,9 @@
 import pandas as pd
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.convolution import plot_costs, plot_stacks, plot_tails
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.convolution import plot_costs, plot_stacks, plot_tails
 
 SWEEPS = (
     ("density contrast", "density contrast of 20 slabs [kg m-3]", "log"),

@@ -4,12 +4,11 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.figures.flight import image_with_gaps, plot_picks, plot_positions
+from lib.figures.similarity import plot_echogram
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.echogram import layer_bins_of
-from snowsim.io.figures import write_figure
 from snowsim.io.files import read_dataset, write_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.flight import image_with_gaps, plot_picks, plot_positions
-from snowsim.plotting.similarity import plot_echogram
 
 
 def positions(paths_to_echograms, paths_to_layers):

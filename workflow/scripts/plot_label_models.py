@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.labels import plot_changes, plot_criterion, plot_families
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.labels import plot_changes, plot_criterion, plot_families
 
 
 def plot(path_to_criteria, path_to_savings, path_to_families, path_to_figure, source):

@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.labels import plot_correlation, plot_layer_counts, plot_spectra, plot_thickness
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.labels import plot_correlation, plot_layer_counts, plot_spectra, plot_thickness
 
 
 def plot(path_to_layers, path_to_moments, path_to_spectra, path_to_correlation, path_to_figure, source):

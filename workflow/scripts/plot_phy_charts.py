@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.phy import plot_growth, plot_movement, plot_speed_accuracy
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.phy import plot_growth, plot_movement, plot_speed_accuracy
 
 PLANTED = "planted layers, no observed data"
 

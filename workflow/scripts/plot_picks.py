@@ -2,15 +2,14 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
-from snowsim.io.files import read_dataset, read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.tracker_picks import (
+from lib.figures.style import new_figure, note_source, write_figure
+from lib.figures.tracker import (
     plot_pick_errors,
     plot_picks_by_depth,
     plot_side_outputs,
     plot_zone_differences,
 )
+from snowsim.io.files import read_dataset, read_table
 
 
 def plot(

@@ -4,11 +4,10 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.figures.flight import plot_lines_power, plot_pixel_grid
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.echogram import layer_bins_of
-from snowsim.io.figures import write_figure
 from snowsim.io.files import read_dataset, write_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.flight import plot_lines_power, plot_pixel_grid
 
 N_LINES, N_LAYERS, MARGIN_BINS = 4, 3, 6
 

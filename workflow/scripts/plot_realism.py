@@ -2,10 +2,7 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
-from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.realism import (
+from lib.figures.realism import (
     plot_autocorrelation,
     plot_histogram,
     plot_levels,
@@ -15,6 +12,8 @@ from snowsim.plotting.realism import (
     plot_thickness_spectrum,
     plot_visibility,
 )
+from lib.figures.style import new_figure, note_source, write_figure
+from snowsim.io.files import read_table
 
 
 def plot(path_to_table, path_to_curves, path_to_figure, source):

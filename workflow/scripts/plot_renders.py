@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.similarity import plot_position_error, plot_texture
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.similarity import plot_position_error, plot_texture
 
 
 def plot(path_to_positions, path_to_textures, path_to_positions_figure, path_to_texture_figure, source):

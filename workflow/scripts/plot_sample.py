@@ -3,11 +3,10 @@
 import numpy as np
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.similarity import plot_echogram, plot_layers
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
 from snowsim.io.scenes import SceneSet
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.similarity import plot_echogram, plot_layers
 
 
 def choose_scenes(images, n_scenes=3):

@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.similarity import plot_boxes, plot_ssim_depth
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.similarity import plot_boxes, plot_ssim_depth
 
 
 def plot(path_to_images, path_to_ssim_depth, path_to_boxplots, path_to_depth_figure, source):

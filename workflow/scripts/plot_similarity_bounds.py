@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.cgan import plot_air, plot_annotation, plot_cases, plot_parts
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.cgan import plot_air, plot_annotation, plot_cases, plot_parts
 
 
 def plot(path_to_bounds, path_to_parts, path_to_air, path_to_figure, source):

@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.flight import plot_layer_powers, plot_looks, plot_track_spectra, plot_waveform
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_dataset
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.flight import plot_layer_powers, plot_looks, plot_track_spectra, plot_waveform
 
 
 def plot(path_to_statistics, path_to_waveforms, path_to_spectra, source):

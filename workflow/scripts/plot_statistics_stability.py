@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.statistics import plot_borders, plot_sweeps
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.statistics_atlas import plot_borders, plot_sweeps
 
 
 def plot(path_to_atlas, path_to_sweeps, path_to_borders):

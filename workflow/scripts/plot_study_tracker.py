@@ -2,10 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.style import new_figure, note_source, write_figure
+from lib.figures.tracker import plot_ablation, plot_chosen, plot_panel, plot_seeds, plot_speed
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.tracker_study import plot_ablation, plot_chosen, plot_panel, plot_seeds, plot_speed
 
 
 def plot(paths_to_tables, paths_to_figures, source):

@@ -5,10 +5,9 @@ from itertools import islice
 import numpy as np
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.similarity import plot_echogram, plot_layers
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.scenes import SceneSet
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.similarity import plot_echogram, plot_layers
 
 
 def plot(paths_to_labels, paths_to_phy, paths_to_cgan, path_to_figure, source, n_labels, n_scenes=3):

@@ -2,11 +2,9 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.style import COLOURS, NAMES, new_figure, note_source, write_figure
+from lib.figures.tracker import plot_losses, plot_precision_recall, plot_scores
 from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.style import COLOURS, NAMES
-from snowsim.plotting.tracker import plot_losses, plot_precision_recall, plot_scores
 
 
 def plot(path_to_curves, path_to_intervals, paths_to_losses, paths_to_figures, training_sets, source):

@@ -2,18 +2,18 @@
 
 from job import job
 
-from snowsim.io.figures import write_figure
-from snowsim.io.files import read_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.labels import plot_correlation, plot_spectra
-from snowsim.plotting.validation import (
+from lib.figures.labels import (
+    plot_correlation,
     plot_distribution,
     plot_first_thickness,
     plot_given_and_recovered,
+    plot_spectra,
     plot_superposition,
     plot_test_values,
     plot_thickness_histogram,
 )
+from lib.figures.style import new_figure, note_source, write_figure
+from snowsim.io.files import read_table
 
 SHOWN_SLABS = (0, 4)
 

@@ -2,12 +2,12 @@
 
 from job import job, progress
 
+from lib.diagnostics.closed_loop import as_frame, thinned
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet
 from snowsim.phy import draw_parameters, plan, render_plan
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summarise, summary_to_dataset
-from snowsim.statistics.rendered import as_frame, thinned
 
 
 def render_power(scene, statistics, tolerance_db, normalise, align, width, rng):

@@ -2,8 +2,8 @@
 
 from job import job, logger
 
+from lib.diagnostics.phy_atlas import PUBLIC, draw_atlas, safe_regions
 from snowsim.io.files import write_table
-from snowsim.phy.stress import PUBLIC, draw_atlas, safe_regions
 from snowsim.seeding import random_stream
 
 

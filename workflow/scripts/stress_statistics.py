@@ -2,9 +2,9 @@
 
 from job import job, logger
 
+from lib.diagnostics.statistics_atlas import draw_atlas
 from snowsim.io.files import write_table
 from snowsim.seeding import random_stream
-from snowsim.statistics.stress import draw_atlas
 
 
 def stress(path_to_atlas, share, seed):

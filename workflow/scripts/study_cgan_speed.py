@@ -9,11 +9,11 @@ import torch
 from job import job
 from render_phy import render_scene
 
+from lib.timing import device_name, time_rounds
 from snowsim.cgan import Settings, Training, render, train_steps
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
-from snowsim.timing import device_name, time_rounds
 
 N_SCENES = 8  # of the train set, timed in turn
 

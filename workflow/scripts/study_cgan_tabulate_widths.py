@@ -3,10 +3,9 @@
 import pandas as pd
 from job import job
 
-from snowsim.io.figures import write_figure
+from lib.figures.cgan import plot_widths
+from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table, write_table
-from snowsim.plotting import new_figure, note_source
-from snowsim.plotting.cgan import plot_widths
 
 METRICS = ["psnr", "ssim", "rmse"]
 

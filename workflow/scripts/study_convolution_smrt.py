@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.diagnostics.phy_errors import fit_waveform
+from lib.timing import device_name, time_rounds
 from snowsim.constants import CENTRE_FREQUENCY_HZ
 from snowsim.io.files import write_table
-from snowsim.phy.best_fit import fit_waveform
 from snowsim.reference import checked_settings
 from snowsim.reference.firn import refractive_index_kovacs95
 from snowsim.reference.radar import interface_waveform, range_response
-from snowsim.timing import device_name, time_rounds
 
 TAILS_DB = (10, 15, 20, 25, 30)
 OVERSAMPLING, N_ANGLES, N_GATES, NOMINAL_GATE = 4, 256, 512, 40

@@ -2,9 +2,9 @@
 
 from job import job, progress
 
+from lib.diagnostics.label_summary import summarise_labels
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.labels import summarise_labels
 
 
 def summarise(path_to_statistics, paths_to_labels, paths_to_tables):

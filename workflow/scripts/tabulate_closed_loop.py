@@ -3,8 +3,8 @@
 import pandas as pd
 from job import job
 
+from lib.diagnostics.closed_loop import largest_errors, summarise_loop
 from snowsim.io.files import read_dataset, read_table, write_table
-from snowsim.statistics.loop import largest_errors, summarise_loop
 
 
 def convention_table(conventions, paths_to_tables, paths_to_statistics):

@@ -32,7 +32,7 @@ from snowsim.io.images import read_image
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.texture import autocorrelation, equivalent_number_of_looks
 from snowsim.reference import checked_settings
-from snowsim.reference.layering import draw_layering
+from snowsim.reference.echo import draw_layering
 from snowsim.reference.radar import hann_response
 from snowsim.seeding import random_stream
 

@@ -2,10 +2,10 @@
 
 from job import job
 
+from lib.diagnostics.validation import superposition, validate
 from snowsim.io.files import read_dataset, read_table, write_table
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summary_from_dataset
-from snowsim.statistics.validation import superposition, validate
 
 
 def tabulate(paths_to_summaries, path_to_statistics, path_to_zones, path_to_rendered, paths_to_labels, paths, seed):

@@ -4,12 +4,12 @@ import pandas as pd
 import torch
 from job import job
 
+from lib.timing import device_name, time_rounds
 from snowsim.io.files import read_table, write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.edges import score
 from snowsim.metrics.tables import counts_by_image
-from snowsim.timing import device_name, time_rounds
 from snowsim.tracker import Settings, track, trained_network
 
 

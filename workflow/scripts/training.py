@@ -27,7 +27,7 @@ from torch.utils.tensorboard import SummaryWriter
 
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
-from snowsim.weights import on_cpu
+from snowsim.training import on_cpu
 
 LOGGED_EVERY = 10  # [steps] to TensorBoard
 SHOWN_EVERY = 50  # [steps] beside the progress bar

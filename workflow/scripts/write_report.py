@@ -4,16 +4,21 @@ from pathlib import Path
 
 from job import job
 
-from snowsim.io.embed import figure_uri, file_uri
+from lib.diagnostics.claims import judge_claims
+from lib.machine import describe_machine, describe_versions
+from lib.report.content import (
+    TRAINING_SETS,
+    compare_table2,
+    compare_table3,
+    count_verdicts,
+    counterparts,
+    stage_costs,
+    summary_tiles,
+    title_of,
+)
+from lib.report.format import FILTERS, config_lines
+from lib.report.page import figure_uri, file_uri, read_benchmarks, read_json, read_text, read_yaml, write_page
 from snowsim.io.files import read_table
-from snowsim.io.machine import describe_machine, describe_versions
-from snowsim.io.pages import read_benchmarks, read_json, read_text, read_yaml, write_page
-from snowsim.report.captions import counterparts, title_of
-from snowsim.report.claims import judge_claims
-from snowsim.report.comparison import TRAINING_SETS, compare_table2, compare_table3
-from snowsim.report.costs import stage_costs
-from snowsim.report.format import FILTERS, config_lines
-from snowsim.report.summary import count_verdicts, summary_tiles
 
 PREVIEW_ROWS = 6
 

@@ -1,0 +1,240 @@
+"""Layers on the range lines of an echogram, and as seen from its antenna.
+
+Surface flattening and elevation compensation: traces shifted by whole bins, nothing lost.
+Echograms at one bin size, since it differs by year and product.
+"""
+
+import numpy as np
+import xarray as xr
+
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
+
+
+def align_layers(layers, echogram, where="layers"):
+    """Layers on the range lines of an echogram, and as seen from its antenna.
+
+    Parameters
+    ----------
+    layers, echogram : xarray.Dataset
+        Of the Open Polar Radar convention, in UTC.
+    where : str
+        Names the layers in a message.
+
+    Returns
+    -------
+    xarray.Dataset
+        `twtt` (linear between neighbouring picks; NaN where either is missing), `quality` and `type` (of the nearer
+        line) on (layer, slow_time) of the echogram.
+
+    Raises
+    ------
+    ValueError
+        If the layers do not cover the echogram's time span to within one of their own lines, if a layer lies outside
+        the echogram's window, or if layers cross.
+
+    Notes
+    -----
+    Layer files hold their own antenna elevation: ``t += 2 (z_echogram - z_layers) / c`` where both are known, as in
+    the CReSIS toolbox. Without it nothing is added.
+    """
+    theirs, ours = layers["slow_time"].values, echogram["slow_time"].values
+    left, weight = _between(theirs, ours, where)
+    right = np.minimum(left + 1, theirs.size - 1)
+    nearer = np.where(weight < 0.5, left, right)
+
+    def at_lines(values):
+        low, high = values[..., left], values[..., right]
+        between = (1 - weight) * low + weight * high
+        return np.where(weight == 0, low, np.where(weight == 1, high, between))
+
+    twtt = at_lines(layers["twtt"].transpose("layer", "slow_time").values)
+    if "Elevation" in layers:
+        rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
+        twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
+    _check_window(twtt, echogram, where)
+    flags = {name: layers[name].transpose("layer", "slow_time") for name in ("quality", "type")}
+    aligned = xr.Dataset(
+        {
+            "twtt": (("layer", "slow_time"), twtt, {"units": "s"}),
+            **{name: (("layer", "slow_time"), flag.values[:, nearer], flag.attrs) for name, flag in flags.items()},
+            "Elevation": ("slow_time", echogram["Elevation"].values, {"units": "m"}),
+        },
+        coords={"slow_time": ours, **{name: c for name, c in layers.coords.items() if c.dims == ("layer",)}},
+        attrs=layers.attrs,
+    )
+    check_layers(aligned, where)
+    return aligned
+
+
+def _between(theirs, ours, where):
+    """For every line of ours, the line of theirs before it and the share of the way to the next."""
+    theirs_s = (theirs - theirs[0]) / np.timedelta64(1, "s")
+    ours_s = (ours - theirs[0]) / np.timedelta64(1, "s")
+    reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else 0.0
+    if ours_s[0] < -reach_s or ours_s[-1] > theirs_s[-1] + reach_s:
+        msg = f"{where}: slow_time: expected to cover {ours[0]} to {ours[-1]}, found {theirs[0]} to {theirs[-1]}"
+        raise ValueError(msg)
+    # Beyond the ends, by less than a line: the outermost picks hold.
+    ours_s = np.clip(ours_s, 0, theirs_s[-1])
+    left = np.clip(np.searchsorted(theirs_s, ours_s, side="right") - 1, 0, max(theirs_s.size - 2, 0))
+    if theirs_s.size == 1:
+        return left, np.zeros(ours_s.size)
+    return left, (ours_s - theirs_s[left]) / (theirs_s[left + 1] - theirs_s[left])
+
+
+def _check_window(twtt, echogram, where):
+    window = echogram["twtt"].values
+    half_bin = bin_size_s(echogram) / 2
+    outside = (twtt < window[0] - half_bin) | (twtt > window[-1] + half_bin)  # NaN is not outside
+    if outside.any():
+        layer, line = np.argwhere(outside)[0]
+        msg = (
+            f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
+            f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
+        )
+        raise ValueError(msg)
+
+
+METHODS = ("surface", "elevation", "none")
+
+
+def flatten(echogram, layers, *, method="surface"):
+    """Shift traces by whole bins so that the surface, or the aircraft, stays level.
+
+    A frame that is level already comes back as it is, so files compensated before need no setting. Nothing is lost:
+    rows are added at both ends, NaN where no trace reaches.
+
+    Parameters
+    ----------
+    echogram, layers : xarray.Dataset
+        On the same range lines (`align_layers`), layer 0 the snow surface.
+    method : {"surface", "elevation", "none"}
+        "surface" puts layer 0, or the line between its neighbours where it is not picked, into the row of its median;
+        "elevation" takes out the aircraft's change of height above the ellipsoid, as the CReSIS toolbox does.
+
+    Returns
+    -------
+    echogram, layers : xarray.Dataset
+        Shifted alike; `Elevation`, `Surface` and `twtt` of the layers move along. Where the shift of a line is k bins,
+        ``Elevation += k dt c / 2`` and ``t += k dt``.
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown, or the surface is not picked at all.
+    """
+    if method not in METHODS:
+        msg = f"method must be one of {', '.join(METHODS)}, got {method}"
+        raise ValueError(msg)
+    if method == "none":
+        return echogram, layers
+    bin_s = bin_size_s(echogram)
+    if method == "surface":
+        shift = _level(layer_bins_of(layers, echogram)[0], "layer 0 (the snow surface)")
+    else:
+        shift = _level(echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s), "Elevation")
+    if not shift.any():
+        return echogram, layers
+    return _shifted(echogram, layers, shift, bin_s)
+
+
+def _level(bins, what):
+    """Whole shift of every line that puts `bins` into the row of their median; gaps are bridged."""
+    known = np.isfinite(bins)
+    if not known.any():
+        msg = f"{what} is nowhere known, so the frame cannot be levelled"
+        raise ValueError(msg)
+    lines = np.arange(bins.size)
+    # Halves go up, not to even: a shift by whole bins must not change how a row is rounded.
+    rows = np.floor(np.interp(lines, lines[known], bins[known]) + 0.5).astype(int)
+    return int(np.floor(np.median(rows))) - rows
+
+
+def _shifted(echogram, layers, shift, bin_s):
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    n_bins, n_lines = power.shape
+    lowest, highest = int(min(shift.min(), 0)), int(max(shift.max(), 0))
+    moved = np.full((n_bins + highest - lowest, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32))
+    for line, bins in enumerate(shift):
+        moved[bins - lowest : bins - lowest + n_bins, line] = power[:, line]
+    twtt = echogram["twtt"].values[0] + bin_s * (np.arange(moved.shape[0]) + lowest)
+    level = echogram.drop_vars(["Data", "twtt"]).assign_coords(twtt=("twtt", twtt, {"units": "s"}))
+    level["Data"] = (("twtt", "slow_time"), moved, echogram["Data"].attrs)
+    delay = xr.DataArray(shift * bin_s, dims="slow_time")
+    moved_layers = layers.copy()
+    for dataset, names in ((level, ("Surface", "Bottom")), (moved_layers, ("twtt",))):
+        for name in names:
+            if name in dataset:
+                dataset[name] = (dataset[name] + delay).transpose(*dataset[name].dims).assign_attrs(units="s")
+    for dataset in (level, moved_layers):
+        if "Elevation" in dataset:
+            dataset["Elevation"] = (dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2).assign_attrs(units="m")
+    return level, moved_layers
+
+
+def resample_range(echogram, bin_s):
+    """Echogram at another bin size.
+
+    Larger bins hold the mean power of what they cover, smaller ones the power interpolated between bin centres; the
+    first bin keeps its travel time. NaN spreads to every bin it touches. A file that has the bin size to within a
+    millionth comes back as it is.
+
+    Parameters
+    ----------
+    echogram : xarray.Dataset
+    bin_s : float
+        Wanted bin size in two-way travel time [s].
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    ValueError
+        If the bin size is not positive, or two of them do not fit into the echogram.
+    """
+    present_s = bin_size_s(echogram)
+    if not bin_s > 0:
+        msg = f"bin_s must be positive, got {bin_s}"
+        raise ValueError(msg)
+    if abs(bin_s / present_s - 1) < 1e-6:
+        return echogram
+    power = echogram["Data"].transpose("twtt", "slow_time").values
+    ratio = bin_s / present_s
+    n_rows = int((power.shape[0] - 1) / ratio) + 1
+    if n_rows < 2:
+        msg = f"bin_s {bin_s:g} s leaves fewer than two bins of {power.shape[0]} at {present_s:g} s"
+        raise ValueError(msg)
+    # To a millionth of a bin: a centre that falls on another must not lean on its neighbour, which may be missing.
+    centres = np.round(ratio * np.arange(n_rows), 6)
+    resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
+    first_s = float(echogram["twtt"].values[0])
+    dataset = echogram.drop_vars(["Data", "twtt"]).assign_coords(
+        twtt=("twtt", first_s + bin_s * np.arange(n_rows), {"units": "s"})
+    )
+    dataset["Data"] = (("twtt", "slow_time"), resampled.astype(power.dtype, copy=False), echogram["Data"].attrs)
+    return dataset.assign_attrs(resampled_from_bin_size_s=present_s)
+
+
+def _box_means(power, centres, ratio):
+    """Mean over boxes of `ratio` bins about `centres`, by differences of the running integral."""
+    missing = ~np.isfinite(power)
+    edges = np.clip(np.concatenate([centres - ratio / 2, [centres[-1] + ratio / 2]]) + 0.5, 0, power.shape[0])
+
+    def between_edges(values):
+        integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)])
+        whole = np.minimum(edges.astype(int), values.shape[0] - 1)
+        return np.diff(integral[whole] + (edges - whole)[:, None] * values[whole], axis=0)
+
+    means = between_edges(np.where(missing, 0, power)) / np.diff(edges)[:, None]
+    means[between_edges(missing.astype(float)) > 1e-9] = np.nan
+    return np.maximum(means, 0)  # the integral's rounding can leave -1e-17 of what stands above
+
+
+def _interpolated(power, centres):
+    left = np.minimum(centres.astype(int), power.shape[0] - 2)
+    weight = (centres - left)[:, None]
+    low, high = power[left], power[left + 1]
+    return np.where(weight == 0, low, (1 - weight) * low + weight * high)

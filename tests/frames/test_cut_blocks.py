@@ -1,0 +1,119 @@
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import Scene, along_track_m, bin_size_s, layer_bins_of, to_uint8
+from snowsim.frames import cut_blocks, frame_of_scene
+
+BIN_S = 2.886e-10
+
+
+def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=(0, 30, 90)):
+    bins = surface_row + np.repeat(np.array(depth_bins, dtype=float)[:, None], n_lines, axis=1)
+    power = rng.gamma(10, 1e-3, size=(n_bins, n_lines)).astype(np.float32)
+    slow_time = np.datetime64("2012-03-30", "ns") + np.arange(n_lines) * np.timedelta64(50, "ms")
+    along = {name: ("slow_time", np.zeros(n_lines)) for name in ("Latitude", "Longitude", "Elevation", "Surface")}
+    coords = {"twtt": 3e-6 + BIN_S * np.arange(n_bins), "slow_time": slow_time}
+    echogram = xr.Dataset({"Data": (("twtt", "slow_time"), power), **along}, coords=coords)
+    flags = {name: (("layer", "slow_time"), np.ones(bins.shape, np.uint8)) for name in ("quality", "type")}
+    layers = xr.Dataset(
+        {"twtt": (("layer", "slow_time"), 3e-6 + BIN_S * bins), **flags}, coords={"slow_time": slow_time}
+    )
+    return echogram, layers
+
+
+def test_blocks_follow_the_published_rule(rng):
+    echogram, layers = make_level_frame(rng)
+    scenes, skipped = cut_blocks(echogram, layers, name="20120330_04")
+    assert skipped == {}
+    # 256 lines every 250: 0, 250, 500, 750; the next would end at 1256.
+    assert [scene.notes["first_line"] for scene in scenes] == [0, 250, 500, 750]
+    assert [scene.name for scene in scenes] == [f"20120330_04_{block:03d}" for block in range(4)]
+    power = echogram["Data"].values
+    for scene in scenes:
+        assert scene.layer_bins.shape == (3, 256)
+        assert_allclose(scene.layer_bins[0], 50, atol=1e-5)
+        # max(300, 50 + 90 + 100)
+        assert scene.n_range_bins == 300
+        start = scene.notes["first_line"]
+        assert_array_equal(scene.image, to_uint8(power[160:460, start : start + 256])[0])
+
+
+def test_deep_layers_get_a_hundred_rows_below(rng):
+    echogram, layers = make_level_frame(rng, depth_bins=(0, 30, 400.4))
+    scenes, _ = cut_blocks(echogram, layers, name="f")
+    assert scenes[0].n_range_bins == 451 + 100
+
+
+def test_overlapping_columns_show_the_same_snow(rng):
+    echogram, layers = make_level_frame(rng)
+    scenes, _ = cut_blocks(echogram, layers, name="f")
+    first, second = scenes[0], scenes[1]
+    low = max(first.noise_floor_db, second.noise_floor_db)
+    both_db = [
+        s.image[:, c].astype(float) * (s.maximum_db - s.noise_floor_db + 10) / 255 + s.noise_floor_db - 10
+        for s, c in ((first, slice(250, 256)), (second, slice(0, 6)))
+    ]
+    seen = (both_db[0] > low - 9) & (both_db[1] > low - 9)
+    # Each image rounds to half a step of some 25 dB / 255.
+    assert_allclose(both_db[0][seen], both_db[1][seen], atol=0.15)
+
+
+def test_blocks_without_surface_or_with_missing_pixels_are_skipped_and_told(rng):
+    echogram, layers = make_level_frame(rng)
+    layers["twtt"][0, :256] = np.nan
+    echogram["Data"][300, 300] = np.nan
+    echogram["Data"][301, 301] = 0
+    scenes, skipped = cut_blocks(echogram, layers, name="f")
+    assert [scene.name for scene in scenes] == ["f_002", "f_003"]
+    assert skipped == {"f_000": "the surface is not picked", "f_001": "2 pixels without a measurement"}
+
+
+def test_blocks_that_the_window_cuts_short_are_skipped(rng):
+    for surface_row, wanted in ((40, "rows -10 to 290 wanted of 900"), (860, "rows 810 to 1110 wanted of 900")):
+        echogram, layers = make_level_frame(rng, surface_row=surface_row, depth_bins=(0, 20))
+        scenes, skipped = cut_blocks(echogram, layers, name="f")
+        assert scenes == []
+        assert set(skipped.values()) == {wanted}
+
+
+def test_layers_without_picks_in_a_block_are_left_out_of_it(rng):
+    echogram, layers = make_level_frame(rng)
+    layers["twtt"][1, 250:506] = np.nan
+    scenes, _ = cut_blocks(echogram, layers, name="f")
+    assert [scene.layer_bins.shape[0] for scene in scenes] == [3, 2, 3, 3]
+
+
+def test_narrow_frames_and_wide_overlaps_are_refused(rng):
+    echogram, layers = make_level_frame(rng, n_lines=200)
+    with pytest.raises(ValueError, match="f: a block has 256 range lines, the frame only 200"):
+        cut_blocks(echogram, layers, name="f")
+    with pytest.raises(ValueError, match="overlap must lie in"):
+        cut_blocks(echogram, layers, name="f", overlap=256)
+
+
+def test_a_scene_becomes_the_frame_it_was_cut_from(rng):
+    echogram, layers = make_level_frame(rng)
+    scene = cut_blocks(echogram, layers, name="f")[0][0]
+    back, back_layers = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
+    assert_allclose(bin_size_s(back), BIN_S, rtol=1e-12)
+    assert_allclose(np.diff(along_track_m(back)), 5.47, rtol=1e-6)
+    assert_allclose(layer_bins_of(back_layers, back), scene.layer_bins, atol=1e-6)
+    power_db = 10 * np.log10(echogram["Data"].values[160:460, :256])
+    step_db = (scene.maximum_db - scene.noise_floor_db + 10) / 255
+    visible = power_db > scene.noise_floor_db - 10
+    # Half a grey level, and float32 power.
+    assert_allclose(10 * np.log10(back["Data"].values[visible]), power_db[visible], atol=step_db / 2 + 1e-4)
+
+
+def test_an_image_without_decibels_needs_a_contrast(rng):
+    scene = Scene("f", 300, np.full((1, 256), 50.0), image=rng.integers(0, 256, (300, 256), dtype=np.uint8))
+    with pytest.raises(ValueError, match="contrast_db must be set"):
+        frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
+    echogram, _ = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47, contrast_db=30)
+    # 255 stands for 30 dB above the floor, 0 for 10 dB below it.
+    assert_allclose(10 * np.log10(echogram["Data"].values.max() / echogram["Data"].values.min()), 40, rtol=1e-5)
+    scene.image = None
+    with pytest.raises(ValueError, match="a frame needs an image"):
+        frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)

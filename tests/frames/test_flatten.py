@@ -1,0 +1,227 @@
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.echogram import bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.frames import align_layers, flatten, resample_range
+
+BIN_S = 2.886e-10
+START = np.datetime64("2012-03-30T12:00:00", "ns")
+
+
+def make_frame(rng, n_bins=200, n_lines=60, surface_bins=None, elevation_m=2500.0):
+    """An echogram with two bright layers, and the layers, on the same lines."""
+    lines = np.arange(n_lines)
+    surface_bins = 60 + 10 * np.sin(lines / 9) if surface_bins is None else np.broadcast_to(surface_bins, n_lines)
+    bins = np.vstack([surface_bins, surface_bins + 40.0])
+    power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
+    for row in bins:
+        power[np.rint(row).astype(int), lines] = 1.0
+    slow_time = START + lines * np.timedelta64(50, "ms")
+    twtt = 3e-6 + BIN_S * np.arange(n_bins)
+    along = {"Latitude": 70.0, "Longitude": -40.0, "Elevation": elevation_m, "Surface": 3e-6 + BIN_S * surface_bins}
+    echogram = xr.Dataset(
+        {
+            "Data": (("twtt", "slow_time"), power),
+            **{name: ("slow_time", np.broadcast_to(value, n_lines).copy()) for name, value in along.items()},
+        },
+        coords={"twtt": twtt, "slow_time": slow_time},
+    )
+    layers = xr.Dataset(
+        {
+            "twtt": (("layer", "slow_time"), 3e-6 + BIN_S * bins),
+            "quality": (("layer", "slow_time"), np.ones(bins.shape, np.uint8)),
+            "type": (("layer", "slow_time"), np.ones(bins.shape, np.uint8)),
+            "Elevation": ("slow_time", echogram["Elevation"].values.copy()),
+        },
+        coords={"slow_time": slow_time, "layer": ["surface", "Koenig_2"]},
+    )
+    return echogram, layers
+
+
+def test_aligning_on_its_own_lines_changes_nothing(rng):
+    echogram, layers = make_frame(rng)
+    layers["twtt"][1, 20:30] = np.nan
+    aligned = align_layers(layers, echogram)
+    assert_array_equal(aligned["twtt"], layers["twtt"])
+    check_layers(aligned)
+
+
+def test_aligned_layers_lie_on_the_line_between_picks(rng):
+    echogram, layers = make_frame(rng, surface_bins=60 + 0.5 * np.arange(60))
+    coarse = layers.isel(slow_time=slice(None, None, 4))
+    aligned = align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))
+    # The layers are straight lines: interpolation is exact up to rounding of 3 us to 4e-22 s.
+    assert_allclose(aligned["twtt"], layers["twtt"][:, :57], atol=4e-21)
+
+
+def test_gaps_stay_gaps(rng):
+    echogram, layers = make_frame(rng)
+    coarse = layers.isel(slow_time=slice(None, None, 4)).copy(deep=True)
+    coarse["twtt"][1, 5] = np.nan
+    missing = np.isnan(align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))["twtt"].values)
+    # Line 20 is missing, and what would lean on it; the surface is untouched.
+    assert_array_equal(np.flatnonzero(missing[1]), np.arange(17, 24))
+    assert not missing[0].any()
+
+
+def test_layers_follow_the_height_of_the_echogram_antenna(rng):
+    echogram, layers = make_frame(rng)
+    layers["Elevation"] = layers["Elevation"] - 0.3
+    aligned = align_layers(layers, echogram)
+    later = aligned["twtt"].values - layers["twtt"].values
+    # An antenna 0.3 m higher sees everything 0.6 m / c later; elevations of 2500 m round to 5e-13 m, 3e-21 s.
+    assert_allclose(later, 0.6 / SPEED_OF_LIGHT_M_S, atol=1e-20)
+
+
+@pytest.mark.parametrize("lines", [slice(0, 50), slice(10, 60)])
+def test_layers_must_cover_the_echogram(rng, lines):
+    echogram, layers = make_frame(rng)
+    with pytest.raises(ValueError, match="a.mat: slow_time: expected to cover 2012-03-30T12:00:00.*, found 2012"):
+        align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
+
+
+@pytest.mark.parametrize("shift_bins", [-61, 100])
+def test_layers_outside_the_window_are_refused(rng, shift_bins):
+    echogram, layers = make_frame(rng, surface_bins=60.0)
+    layers["twtt"] = layers["twtt"] + shift_bins * BIN_S
+    with pytest.raises(
+        ValueError, match=r"expected layers within the echogram's window.* found .* at layer \d, range_line 0"
+    ):
+        align_layers(layers, echogram)
+
+
+def test_flattening_puts_every_bright_surface_into_one_row(rng):
+    echogram, layers = make_frame(rng)
+    level, moved = flatten(echogram, layers)
+    check_echogram(level)
+    check_layers(moved)
+    rows = np.nanargmax(level["Data"].values[:120], axis=0)
+    assert np.unique(rows).size == 1
+    # Whole bins: what is left of the surface lies within half a bin of that row.
+    assert_allclose(layer_bins_of(moved, level)[0], rows[0], atol=0.5 + 1e-6)
+
+
+def test_flattening_loses_no_pixel_and_moves_layers_along(rng):
+    echogram, layers = make_frame(rng)
+    level, moved = flatten(echogram, layers)
+    for line in range(60):
+        before, after = echogram["Data"].values[:, line], level["Data"].values[:, line]
+        assert_array_equal(after[np.isfinite(after)], before)
+        # The first finite bin is the one that was first, later by the shift of the layers.
+        first_s = level["twtt"].values[np.flatnonzero(np.isfinite(after))[0]]
+        shift_s = moved["twtt"].values[1, line] - layers["twtt"].values[1, line]
+        assert_allclose(first_s - 3e-6, shift_s, atol=1e-20)
+    # Every reflector keeps its height: z - c t / 2.
+    height = level["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * level["Surface"]
+    assert_allclose(height, echogram["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * echogram["Surface"], rtol=1e-13)
+
+
+@pytest.mark.parametrize("method", ["surface", "elevation"])
+def test_a_level_frame_comes_back_untouched(rng, method):
+    elevation_m = 2500 + 0.5 * np.sin(np.arange(60) / 7)
+    level = flatten(*make_frame(rng, elevation_m=elevation_m), method=method)
+    again = flatten(*level, method=method)
+    assert again[0] is level[0]
+    assert again[1] is level[1]
+
+
+def test_elevation_compensation_levels_the_aircraft_and_not_the_terrain(rng):
+    # Flat terrain under an aircraft that climbs 1 m: the surface echo comes later by 2 m / c, 23.1 bins.
+    climb_m = np.linspace(0, 1, 60)
+    surface_bins = 60 + climb_m * 2 / SPEED_OF_LIGHT_M_S / BIN_S
+    level, moved = flatten(*make_frame(rng, surface_bins=surface_bins, elevation_m=2500 + climb_m), method="elevation")
+    # Whole bins: half a bin from the aircraft, as much from the range of the surface.
+    assert np.ptp(layer_bins_of(moved, level)[0]) < 1 + 1e-6
+    assert np.ptp(level["Elevation"].values) < SPEED_OF_LIGHT_M_S / 2 * BIN_S * (1 + 1e-6)
+
+
+def test_gaps_of_the_surface_are_bridged(rng):
+    # A straight slope without halves, so that the bridge is exact and rounds as the picks do.
+    echogram, layers = make_frame(rng, surface_bins=60 + 0.4 * np.arange(60))
+    layers["twtt"][0, 20:30] = np.nan
+    level, moved = flatten(echogram, layers)
+    rows = np.nanargmax(level["Data"].values[:130], axis=0)
+    assert np.ptp(rows) == 0
+    assert np.isnan(moved["twtt"].values[0, 20:30]).all()
+
+
+def test_flattening_needs_a_surface_and_a_known_method(rng):
+    echogram, layers = make_frame(rng)
+    with pytest.raises(ValueError, match="method must be one of surface, elevation, none, got flat"):
+        flatten(echogram, layers, method="flat")
+    assert flatten(echogram, layers, method="none")[0] is echogram
+    layers["twtt"][0] = np.nan
+    with pytest.raises(ValueError, match="nowhere known"):
+        flatten(echogram, layers)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5, 1.7, 2, 3.25])
+def test_resampling_keeps_a_constant_and_has_the_bin_size_asked_for(rng, ratio):
+    echogram, _ = make_frame(rng)
+    echogram["Data"][:] = 0.25
+    resampled = resample_range(echogram, ratio * BIN_S)
+    check_echogram(resampled)
+    assert_allclose(bin_size_s(resampled), ratio * BIN_S, rtol=1e-10)
+    # Sums of 200 float64 values, handed back as float32.
+    assert_allclose(resampled["Data"], 0.25, rtol=1e-7)
+
+
+def test_bins_three_times_as_large_hold_the_mean_of_three(rng):
+    echogram, _ = make_frame(rng, n_bins=200)
+    power = echogram["Data"].values.astype(float)
+    resampled = resample_range(echogram, 3 * BIN_S)["Data"].values
+    # The centre of the first bin stays, so the next boxes are rows 2-4, 5-7, ...
+    expected = power[2:197].reshape(65, 3, 60).mean(axis=1)
+    assert_allclose(resampled[1:66], expected, rtol=1e-6)
+
+
+def test_larger_bins_equal_the_slow_area_average(rng):
+    echogram, _ = make_frame(rng, n_lines=3)
+    power, ratio = echogram["Data"].values.astype(float), 2.6
+    found = resample_range(echogram, ratio * BIN_S)["Data"].values
+    for row in (0, 1, 7, 30):
+        low, high = max(ratio * row - ratio / 2 + 0.5, 0), ratio * row + ratio / 2 + 0.5
+        shares = np.clip(np.minimum(np.arange(200) + 1, high) - np.maximum(np.arange(200), low), 0, None)
+        assert_allclose(found[row], shares @ power / shares.sum(), rtol=1e-6)
+
+
+def test_smaller_bins_lie_on_the_line_between_centres(rng):
+    echogram, _ = make_frame(rng)
+    power = echogram["Data"].values
+    fine = resample_range(echogram, BIN_S / 2)["Data"].values
+    # The ratio of bin sizes is exact to 1e-13 of the travel time's own digits; so are the weights.
+    assert_allclose(fine[::2], power, rtol=1e-5)
+    assert_allclose(fine[1::2], (power[1:].astype(float) + power[:-1]) / 2, rtol=1e-5)
+
+
+def test_resampling_moves_no_layer_by_more_than_half_a_new_bin(rng):
+    echogram, layers = make_frame(rng)
+    for ratio in (0.6, 2.5):
+        resampled = resample_range(echogram, ratio * BIN_S)
+        rows = resampled["Data"].values[: int(85 / ratio)].argmax(axis=0)
+        # Half a new bin from where it falls, half an old one from the pixel it was painted into.
+        assert (np.abs(rows - layer_bins_of(layers, resampled)[0]) <= 0.5 + 0.5 / ratio + 1e-6).all()
+
+
+def test_missing_bins_stay_missing(rng):
+    echogram, _ = make_frame(rng)
+    echogram["Data"][50, 3] = np.nan
+    for ratio in (0.5, 2):
+        missing = np.isnan(resample_range(echogram, ratio * BIN_S)["Data"].values)
+        assert missing[:, 3].any()
+        assert not np.delete(missing, 3, axis=1).any()
+        assert missing.sum() <= 3
+
+
+def test_the_same_bin_size_changes_nothing(rng):
+    echogram, _ = make_frame(rng)
+    assert resample_range(echogram, BIN_S) is echogram
+
+
+@pytest.mark.parametrize("bin_s", [0, -1e-10, np.nan, 1.0])
+def test_impossible_bin_sizes_are_refused(rng, bin_s):
+    with pytest.raises(ValueError, match="bin_s"):
+        resample_range(make_frame(rng)[0], bin_s)

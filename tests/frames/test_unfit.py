@@ -1,0 +1,99 @@
+"""Range lines flagged unfit: what is left of them, in a frame, in its statistics and in its blocks."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from test_cut_blocks import make_level_frame
+
+from snowsim.frames import count_unfit, cut_blocks, flatten, leave_out_unfit
+from snowsim.statistics import summarise, summary_to_dataset
+
+N_LINES = 1024
+UNFIT = slice(300, 312)
+FLAGS = ("no_good_data", "low_SNR", "land_ice")
+
+
+def flagged(echogram, **lines):
+    """The echogram with a mask in which each flag named is set on a slice of its lines."""
+    mask = np.zeros(echogram.sizes["slow_time"], dtype=np.uint8)
+    for name, where in lines.items():
+        mask[where] |= 1 << FLAGS.index(name)
+    attributes = {"flag_masks": np.array([1, 2, 4], dtype=np.uint8), "flag_meanings": " ".join(FLAGS)}
+    return echogram.assign(quality_mask=("slow_time", mask, attributes))
+
+
+@pytest.fixture
+def frame(rng):
+    """A level frame flagged with land ice throughout, weak in places, unfit in UNFIT."""
+    echogram, layers = make_level_frame(rng, n_lines=N_LINES)
+    return flagged(echogram, no_good_data=UNFIT, low_SNR=slice(0, 100), land_ice=slice(None)), layers
+
+
+def test_unfit_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame):
+    echogram, layers = leave_out_unfit(*frame)
+    fit = np.ones(N_LINES, dtype=bool)
+    fit[UNFIT] = False
+    assert_array_equal(echogram["unfit"], ~fit)
+    assert np.isnan(echogram["Data"].values[:, ~fit]).all()
+    assert np.isnan(layers["twtt"].values[:, ~fit]).all()
+    assert echogram["Data"].dtype == frame[0]["Data"].dtype
+    assert echogram["Data"].dims == frame[0]["Data"].dims
+    assert_array_equal(echogram["Data"].values[:, fit], frame[0]["Data"].values[:, fit])
+    assert_array_equal(layers["twtt"].values[:, fit], frame[1]["twtt"].values[:, fit])
+    assert count_unfit(echogram) == (12, "no_good_data 12; low_SNR 100; land_ice 1024")
+    # The frame that came in is not touched.
+    assert np.isfinite(frame[0]["Data"]).all()
+    assert np.isfinite(frame[1]["twtt"]).all()
+
+
+def test_flags_that_are_no_defect_and_frames_without_a_mask_change_nothing(frame):
+    echogram, layers = leave_out_unfit(*frame, flags=())
+    assert_array_equal(echogram["Data"], frame[0]["Data"])
+    assert layers is frame[1]
+    assert not echogram["unfit"].any()
+    bare = frame[0].drop_vars("quality_mask")
+    echogram, layers = leave_out_unfit(bare, frame[1])
+    assert echogram is bare
+    assert layers is frame[1]
+    assert count_unfit(echogram) == (0, "")
+    assert count_unfit(flagged(bare)) == (0, "none")
+
+
+def test_the_setting_says_which_flags_make_a_line_unfit(frame):
+    echogram, _ = leave_out_unfit(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
+    assert_array_equal(np.flatnonzero(echogram["unfit"]), np.arange(100))
+
+
+def test_what_unfit_lines_hold_enters_no_statistics(frame):
+    echogram, layers = frame
+    spoiled, moved = echogram.copy(deep=True), layers.copy(deep=True)
+    spoiled["Data"].values[:, UNFIT] *= 1e6
+    moved["twtt"].values[:, UNFIT] += 3e-9  # ten bins, surface included: it must not level the frame either
+    found, expected = (
+        summary_to_dataset(summarise(*flatten(*leave_out_unfit(*given))))
+        for given in ((spoiled, moved), (echogram, layers))
+    )
+    assert found.identical(expected)
+    # Air by group of 20 lines: 210 rows above the surface less 30, of lines 300 to 311 none.
+    count = expected["air_count"].values
+    assert (count[[14, 15, 16]] == np.array([20, 8, 20]) * 180).all()
+    assert np.isnan(expected["tracked_power"].values[UNFIT]).all()
+    # Group 15 has 8 of its 20 lines left, fewer than the half that a row of an average needs.
+    assert np.isnan(expected["power"].values[15]).all()
+    assert np.isfinite(expected["power"].values[[14, 16]]).any(axis=1).all()
+
+
+def test_a_block_with_one_unfit_line_is_skipped_and_told(frame):
+    echogram, layers = frame
+    echogram = flagged(echogram, no_good_data=slice(499, 512))
+    scenes, skipped = cut_blocks(*leave_out_unfit(echogram, layers), name="f")
+    # Blocks begin at 0, 250, 500, 750: the second has lines 499 to 505, the third 500 to 511.
+    assert [scene.name for scene in scenes] == ["f_000", "f_003"]
+    assert skipped == {
+        "f_001": "7 of 256 range lines flagged unfit",
+        "f_002": "12 of 256 range lines flagged unfit",
+    }
+    untouched, _ = cut_blocks(*frame, name="f")
+    for scene, same in zip(scenes, (untouched[0], untouched[3]), strict=True):
+        assert_array_equal(scene.image, same.image)
+        assert_array_equal(scene.layer_bins, same.layer_bins)

@@ -1,0 +1,221 @@
+"""Verdicts follow from tables by the stated rules."""
+
+import itertools
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+from scipy import stats
+
+from lib.diagnostics import render_claims, tracker_claims
+from lib.diagnostics.claims import CLAIMS, chi_square, doppler, expensive, judge_claims
+from lib.diagnostics.verdicts import (
+    CONFIRMED,
+    CONTRADICTED,
+    MISSING,
+    OPEN,
+    all_of,
+    mean_interval,
+    paired_verdict,
+    side_of_zero,
+    signed,
+)
+
+SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
+OUTPUTS = (*(f"side_{side}" for side in range(1, 6)), "fuse")
+
+
+def intervals(differences=None, half_width=0.005):
+    """A table of Table III with planted differences to RD, (output, training set) -> difference."""
+    rows = []
+    for output, training_set, metric in itertools.product(OUTPUTS, SETS, ("ods", "ois", "ap")):
+        difference = (differences or {}).get((output, training_set), 0.0)
+        rows.append(
+            {
+                "output": output,
+                "training_set": training_set,
+                "metric": metric,
+                "mean": 0.8 + difference,
+                "low": 0.78,
+                "high": 0.82,
+                "difference": difference,
+                "difference_low": difference - half_width,
+                "difference_high": difference + half_width,
+                "n_replicas": 2,
+                "n_images": 60,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def similarity_table(cgan_less_phy, n=40):
+    rng = np.random.default_rng(3)
+    phy = rng.normal(20, 1, n)
+    scenes = [f"test_{i}" for i in range(n)]
+    frames = [
+        pd.DataFrame({"scene": scenes, "method": "phy", "psnr": phy, "rmse": phy}),
+        pd.DataFrame({"scene": scenes, "method": "cgan", "psnr": phy + cgan_less_phy, "rmse": phy - cgan_less_phy}),
+    ]
+    return pd.concat(frames)
+
+
+def test_the_mean_s_interval_is_student_s(rng):
+    values = rng.normal(1, 2, 20)
+    low, high = stats.t.interval(0.95, 19, loc=values.mean(), scale=stats.sem(values))
+    assert_allclose(mean_interval([*values, np.nan]), (values.mean(), low, high), rtol=1e-12)
+
+
+def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
+    held = [low <= 1 <= high for _, low, high in (mean_interval(rng.normal(1, 2, 15)) for _ in range(2000))]
+    # Binomial, 2000 draws of 0.95: standard deviation 0.0049; four of them.
+    assert_allclose(np.mean(held), 0.95, atol=4 * 0.0049)
+
+
+def test_one_value_has_no_interval():
+    assert np.isnan(mean_interval([2.0])[1])
+    assert paired_verdict([2.0])[0] == OPEN
+
+
+def test_signs_of_an_interval_decide():
+    assert side_of_zero(0.1, 0.2) == CONFIRMED
+    assert side_of_zero(-0.2, -0.1) == CONTRADICTED
+    assert side_of_zero(-0.1, 0.2) == side_of_zero(0.0, 0.2) == OPEN
+    assert [all_of(v) for v in ([CONFIRMED] * 3, [CONFIRMED, OPEN], [CONFIRMED, CONTRADICTED])] == [
+        CONFIRMED, OPEN, CONTRADICTED,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("shift", "verdict"), [(2.0, CONFIRMED), (-2.0, CONTRADICTED)])
+@pytest.mark.parametrize(("metric", "sign"), [("psnr", 1), ("rmse", -1)])
+def test_better_means_more_psnr_and_less_rmse(shift, verdict, metric, sign):
+    noisy = similarity_table(shift + np.random.default_rng(1).normal(0, 1, 40))
+    assert render_claims.similarity_claim(noisy, metric, sign, "s", "").verdict == verdict
+
+
+def test_no_difference_is_not_resolved():
+    even = similarity_table(np.tile([1.0, -1.0], 20))
+    assert render_claims.similarity_claim(even, "psnr", 1, "s", "").verdict == OPEN
+
+
+def test_infinite_psnr_of_an_identical_image_is_left_out():
+    table = similarity_table(2.0 + np.tile([0.1, -0.1], 20))
+    table.loc[(table["scene"] == "test_0") & (table["method"] == "cgan"), "psnr"] = np.inf
+    found = render_claims.similarity_claim(table, "psnr", 1, "s", "dB")
+    assert found.verdict == CONFIRMED
+    assert "39 scenes" in found.evidence
+
+
+def test_what_could_not_be_measured_is_not_resolved():
+    # A renderer whose images are constant above the surface has no texture there.
+    rows = [
+        {"scene": f"s{i}", "method": method, "region": "above", "deviation": 1.0, "autocorrelation_line": value}
+        for i in range(4)
+        for method, value in (("observed", 0.01 * i), ("phy", 0.0), ("cgan", np.nan))
+    ]
+    assert render_claims.needless_texture(pd.DataFrame(rows)).verdict == OPEN
+
+
+def positions(cgan, phy):
+    rows = [
+        {
+            "scene": f"s{i}",
+            "method": method,
+            "against": against,
+            "shape_class": k,
+            "mean_abs_error_bins": value + 0.01 * i,
+        }
+        for i in range(5)
+        for method, value in (("cgan", cgan), ("phy", phy), ("observed", 3.0))
+        for against, k in (("slope", 3), ("curvature", 0), ("curvature", 3))
+    ]
+    table = pd.DataFrame(rows)
+    # Only the most curved quarter counts: elsewhere the sign is the other way round.
+    other = (table["against"] == "slope") | (table["shape_class"] == 0)
+    table.loc[other & (table["method"] == "phy"), "mean_abs_error_bins"] += 10
+    # Differences that are equal in every scene have no spread; a little is real.
+    table.loc[(table["scene"] == "s0") & (table["method"] == "phy"), "mean_abs_error_bins"] += 0.02
+    return table
+
+
+def test_curvature_is_judged_where_layers_bend_most():
+    assert render_claims.curvature(positions(cgan=2.0, phy=1.0)).verdict == CONFIRMED
+    assert render_claims.curvature(positions(cgan=1.0, phy=2.0)).verdict == CONTRADICTED
+
+
+def test_augmentation_needs_all_sets_to_gain():
+    gains = {("fuse", name): 0.02 for name in SETS[1:]}
+    assert tracker_claims.augmentation(intervals(gains), "ods").verdict == CONFIRMED
+    assert tracker_claims.augmentation(intervals(gains | {("fuse", "rd_pd"): 0.002}), "ods").verdict == OPEN
+    assert tracker_claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").verdict == CONTRADICTED
+
+
+def test_the_best_set_is_best_only_above_all_intervals():
+    assert tracker_claims.best_fuse(intervals({("fuse", "rd_pd"): 0.03})).verdict == CONFIRMED
+    close = {("fuse", "rd_pd"): 0.03, ("fuse", "rd_gd"): 0.025}
+    assert tracker_claims.best_fuse(intervals(close)).verdict == OPEN
+    assert tracker_claims.best_fuse(intervals({("fuse", "rd_gd"): 0.03})).verdict == CONTRADICTED
+    assert tracker_claims.best_fuse(intervals({("fuse", "rd_pd"): -0.03})).verdict == CONTRADICTED
+
+
+def test_side_outputs_are_counted():
+    leads = {(f"side_{side}", "rd_gd"): 0.02 for side in (1, 2, 3)}
+    assert tracker_claims.best_sides(intervals(leads)).verdict == CONFIRMED
+    others = {(f"side_{side}", "rd_pd"): 0.02 for side in (1, 2, 3)}
+    assert tracker_claims.best_sides(intervals(others)).verdict == CONTRADICTED
+
+
+def test_the_fifth_side_output_gets_worse_only_if_it_loses():
+    worse = {("side_5", name): -0.1 for name in SETS[1:]}
+    assert tracker_claims.fifth_side(intervals(worse)).verdict == CONFIRMED
+    assert tracker_claims.fifth_side(intervals({key: 0.1 for key in worse})).verdict == CONTRADICTED
+    assert tracker_claims.fifth_side(intervals()).verdict == OPEN
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.04, CONFIRMED), (1.06, CONTRADICTED)])
+def test_tracked_power_agrees_within_five_percent_or_not(factor, verdict):
+    probability = np.array([0.001, 0.1, 0.5, 0.9, 0.999])
+    gamma = stats.gamma(5, scale=0.2).ppf(probability)
+    tracked = gamma * np.array([9, 1, factor, 1, 9])  # beyond 1 % and 99 % nothing counts
+    table = pd.DataFrame({"probability": probability, "gamma": gamma, "tracked": tracked, "n_looks": 5.0})
+    assert chi_square(table).verdict == verdict
+
+
+@pytest.mark.parametrize(("value", "verdict"), [(0.7, CONFIRMED), (4.0, CONTRADICTED), (np.nan, OPEN)])
+def test_a_spectrum_is_flat_below_three_decibels(value, verdict):
+    table = pd.DataFrame({"quantity": ["line spacing", "Doppler spectrum, highest over lowest"], "value": [9.0, value]})
+    assert doppler(table).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("seconds", "error_db", "verdict"),
+    [(1.0, 0.1, CONFIRMED), (1.0, 0.6, OPEN), (0.05, 0.1, OPEN), (0.05, 0.6, CONTRADICTED)],
+)
+def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, verdict):
+    table = pd.DataFrame(
+        {
+            "part": ["stacks", "stacks", "scene", "scene", "scene"],
+            "sweep": ["fine layering", "fine layering", "whole scene", "whole scene", "extrapolated"],
+            "value": [100, 50, 0, 1, 0],
+            "method": ["convolution", "convolution", "PHY", "PHY", "transfer matrix, stack"],
+            "seconds": [1e-9, 1e-9, 1e-3, 2e-3, seconds],
+            "error_db": [9.0, error_db, 0.05, 0.05, 0.0],
+        }
+    )
+    found = expensive(table)
+    assert found.verdict == verdict
+    assert f"{seconds / 1e-3:,.0f} times" in found.evidence
+
+
+def test_a_claim_without_its_table_says_which_is_missing():
+    found = judge_claims({})
+    assert len(found) == len(CLAIMS)
+    assert {claim.verdict for claim in found} == {MISSING}
+    for claim, (needed, _) in zip(found, CLAIMS, strict=True):
+        assert needed[0] in claim.evidence
+
+
+def test_differences_are_written_with_their_sign():
+    assert signed(-0.0105) == "\N{MINUS SIGN}0.011"
+    assert signed(2.375) == "+2.38"
+    assert signed(np.nan) == "unknown"

@@ -1,0 +1,180 @@
+"""The solver for layered media: laws, closed forms, and two independent calculations."""
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lib.diagnostics.coherent import fresnel, interface_delays_s, reflect, reflect_once
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+
+SWEEP_HZ = np.linspace(2e9, 8e9, 31)
+
+
+def random_stack(n_layers, rng, *, low=1.0, high=1.8):
+    index = rng.uniform(low, high, n_layers + 2)
+    return index, rng.uniform(0.001, 0.3, n_layers)
+
+
+@pytest.mark.parametrize("n_layers", [0, 1, 2, 10, 100, 1000, 4000])
+def test_energy_is_conserved(rng, n_layers):
+    index, thickness_m = random_stack(n_layers, rng, low=1.2, high=1.4)
+    reflection, transmission = reflect(index, thickness_m, SWEEP_HZ)
+    total = np.abs(reflection) ** 2 + index[-1] / index[0] * np.abs(transmission) ** 2
+    # Rounding of one layer, some 3 eps, adds up as a random walk: 4000 layers leave 5e-14.
+    assert_allclose(total, 1, rtol=0, atol=1e-12)
+
+
+def test_energy_is_conserved_where_next_to_nothing_comes_through(rng):
+    index, thickness_m = random_stack(1000, rng, low=1.0, high=3.0)
+    reflection, transmission = reflect(index, thickness_m, SWEEP_HZ)
+    assert np.abs(transmission).max() < 1e-3
+    total = np.abs(reflection) ** 2 + index[-1] / index[0] * np.abs(transmission) ** 2
+    assert_allclose(total, 1, rtol=0, atol=1e-12)
+
+
+def test_absorption_takes_energy(rng):
+    index, thickness_m = random_stack(20, rng)
+    absorbing = index + np.where(np.isin(np.arange(22), (0, 21)), 0, 1e-3j)
+    for stack in (index, absorbing):
+        reflection, transmission = reflect(stack, thickness_m, SWEEP_HZ)
+        lost = 1 - np.abs(reflection) ** 2 - index[-1] / index[0] * np.abs(transmission) ** 2
+        if stack is index:
+            assert_allclose(lost, 0, atol=1e-13)
+        else:
+            assert lost.min() > 0.05
+
+
+def test_one_interface_is_fresnel_s():
+    reflection, transmission = reflect([1.0, 1.3], [], SWEEP_HZ)
+    assert (reflection == fresnel(1.0, 1.3)).all()
+    assert_allclose(fresnel(1.0, 1.3), -0.3 / 2.3, rtol=1e-15)
+    assert_allclose(transmission, 2 / 2.3, rtol=1e-15)
+
+
+def test_layers_of_one_medium_are_one_interface(rng):
+    reflection, _ = reflect([1.0, *[1.3] * 30], rng.uniform(0.01, 0.2, 29), SWEEP_HZ)
+    assert_allclose(reflection, fresnel(1.0, 1.3), rtol=1e-15)
+
+
+@pytest.mark.parametrize("order", [0, 1, 7])
+def test_quarter_wave_layer_reflects_as_in_the_closed_form(order):
+    above, layer, below = 1.0, 1.25, 1.7
+    frequency_hz = 5e9
+    quarter_m = SPEED_OF_LIGHT_M_S / frequency_hz / layer / 4
+    reflection, _ = reflect([above, layer, below], [(2 * order + 1) * quarter_m], frequency_hz)
+    # A phase of 15 pi / 2 is rounded by some 1e-15.
+    assert_allclose(reflection, (above * below - layer**2) / (above * below + layer**2), atol=1e-14)
+
+
+def test_matched_quarter_wave_layer_does_not_reflect():
+    layer = np.sqrt(1.7)
+    quarter_m = SPEED_OF_LIGHT_M_S / 5e9 / layer / 4
+    reflection, transmission = reflect([1.0, layer, 1.7], [quarter_m], 5e9)
+    assert abs(reflection[0]) < 1e-15
+    assert_allclose(1.7 * np.abs(transmission) ** 2, 1, rtol=1e-14)
+
+
+def test_half_wave_layer_is_not_there():
+    half_m = SPEED_OF_LIGHT_M_S / 5e9 / 1.5 / 2
+    reflection, _ = reflect([1.0, 1.5, 1.7], [half_m], 5e9)
+    assert_allclose(reflection, fresnel(1.0, 1.7), atol=1e-15)
+
+
+def rouard(index, thickness_m, frequency_hz):
+    """Reflection from the bottom up by Airy's sum of one layer, Rouard (1937): another recursion than the solver's."""
+    total = (index[-2] - index[-1]) / (index[-2] + index[-1])
+    for layer in range(len(thickness_m) - 1, -1, -1):
+        r = (index[layer] - index[layer + 1]) / (index[layer] + index[layer + 1])
+        turn = np.exp(4j * np.pi * frequency_hz * index[layer + 1] * thickness_m[layer] / SPEED_OF_LIGHT_M_S)
+        total = (r + total * turn) / (1 + r * total * turn)
+    return total * np.ones_like(frequency_hz)
+
+
+@pytest.mark.parametrize("n_layers", [1, 2, 30, 300])
+@pytest.mark.parametrize("loss", [0.0, 2e-4])
+def test_reflection_equals_the_recursion_of_airy_s_sum(rng, n_layers, loss):
+    index, thickness_m = random_stack(n_layers, rng)
+    index = index + 1j * loss
+    # Phases of up to 3000 rad are rounded by 4e-13 in either.
+    assert_allclose(reflect(index, thickness_m, SWEEP_HZ)[0], rouard(index, thickness_m, SWEEP_HZ), atol=3e-12)
+
+
+def characteristic_matrix(index, thickness_m, frequency_hz):
+    """Reflection and transmission from tangential fields, Abeles (1950), with 50 digits."""
+    with mpmath.workdps(50):
+        product = mpmath.eye(2)
+        for n, d in zip(index[1:-1], thickness_m, strict=True):
+            n = mpmath.mpf(float(n))
+            phase = 2 * mpmath.pi * mpmath.mpf(frequency_hz) * n * mpmath.mpf(float(d)) / mpmath.mpf(299792458)
+            sine, cosine = mpmath.sin(phase), mpmath.cos(phase)
+            product *= mpmath.matrix([[cosine, -1j * sine / n], [-1j * n * sine, cosine]])
+        above, below = mpmath.mpf(float(index[0])), mpmath.mpf(float(index[-1]))
+        electric = product[0, 0] + product[0, 1] * below
+        magnetic = product[1, 0] + product[1, 1] * below
+        denominator = above * electric + magnetic
+        return complex((above * electric - magnetic) / denominator), complex(2 * above / denominator)
+
+
+def test_both_amplitudes_equal_a_calculation_with_fifty_digits(rng):
+    index, thickness_m = random_stack(60, rng)
+    reflection, transmission = reflect(index, thickness_m, SWEEP_HZ[::6])
+    for i, frequency_hz in enumerate(SWEEP_HZ[::6]):
+        expected = characteristic_matrix(index, thickness_m, frequency_hz)
+        # Phases of up to 2500 rad in all carry a rounding of 1e-13.
+        assert_allclose([reflection[i], transmission[i]], expected, atol=1e-12)
+
+
+def test_stacks_are_solved_side_by_side(rng):
+    stacks = [random_stack(12, rng) for _ in range(3)]
+    together = reflect(*(np.stack(parts) for parts in zip(*stacks, strict=True)), SWEEP_HZ)
+    for i, stack in enumerate(stacks):
+        for whole, alone in zip(together, reflect(*stack, SWEEP_HZ), strict=True):
+            assert (whole[i] == alone).all()
+
+
+@pytest.mark.parametrize("losses", [True, False])
+def test_what_single_scattering_leaves_out_is_of_third_order(rng, losses):
+    shape, thickness_m = rng.standard_normal(22), rng.uniform(0.01, 0.3, 20)
+    errors = []
+    for step in (1e-3, 5e-4):
+        index = 1.3 + step * shape
+        exact = reflect(index, thickness_m, SWEEP_HZ)[0]
+        errors.append(np.abs(reflect_once(index, thickness_m, SWEEP_HZ, losses=losses) - exact).max())
+    # Halving the contrast divides the error by 2^3; the next order is 5 %.
+    assert_allclose(np.log2(errors[0] / errors[1]), 3, atol=0.1)
+    assert errors[1] > 1e-11  # far from rounding
+
+
+def test_two_interfaces_lack_one_loss_and_one_multiple_in_the_born_approximation():
+    index, thickness_m = np.array([1.0, 1.2, 1.6]), [0.1]
+    r1, r2 = fresnel(1.0, 1.2), fresnel(1.2, 1.6)
+    turn = np.exp(4j * np.pi * SWEEP_HZ * 1.2 * 0.1 / SPEED_OF_LIGHT_M_S)
+    assert_allclose(reflect_once(index, thickness_m, SWEEP_HZ, losses=False), r1 + r2 * turn, rtol=1e-13)
+    assert_allclose(reflect_once(index, thickness_m, SWEEP_HZ), r1 + (1 - r1**2) * r2 * turn, rtol=1e-13)
+    airy = (r1 + r2 * turn) / (1 + r1 * r2 * turn)
+    assert_allclose(reflect(index, thickness_m, SWEEP_HZ)[0], airy, rtol=1e-13)
+
+
+def test_delays_are_two_way_through_the_media_above():
+    delay_s = interface_delays_s(np.array([1.0, 1.2, 1.5]), np.array([0.3]))
+    assert_allclose(delay_s, [0, 2 * 1.2 * 0.3 / SPEED_OF_LIGHT_M_S], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("index", "thickness_m", "frequency_hz", "message"),
+    [
+        ([1.0], [], 5e9, "two media more"),
+        ([1.0, 1.3, 1.4], [0.1, 0.1], 5e9, "two media more"),
+        ([1.0, -1.3], [], 5e9, "real part positive"),
+        ([1.0, 1.3 - 0.1j], [], 5e9, "imaginary part not negative"),
+        ([1.0, np.nan], [], 5e9, "index must be finite"),
+        ([1.0, 1.3, 1.4], [-0.1], 5e9, "thickness_m must be finite and not negative, got -0.1"),
+        ([1.0, 1.3], [], np.inf, "frequency_hz must be finite"),
+        ([1.0, 1.3 + 100j, 1.4], [10.0], 5e9, "numbers overflow"),
+    ],
+)
+def test_impossible_stacks_are_refused(index, thickness_m, frequency_hz, message):
+    for solve in (reflect, reflect_once)[: 1 if "overflow" in message else 2]:
+        with pytest.raises(ValueError, match=message):
+            solve(index, thickness_m, frequency_hz)

@@ -1,0 +1,93 @@
+"""Positions of layers and texture in renders."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from lib.diagnostics.renders import position_errors, shape_edges, surface_regions, texture_by_region
+
+N_LINES = 128
+
+
+def wavy_layers(amplitude=6.0):
+    lines = np.arange(N_LINES)
+    return np.array([np.full(N_LINES, 50.0), 100 + amplitude * np.sin(lines / 8), 160 + 0.2 * lines])
+
+
+def image_of(layer_bins, shift=0, n_range_bins=320):
+    """Black but for one bright pixel per layer and range line, `shift` bins below the layer."""
+    image = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=np.uint8)
+    for bins in layer_bins:
+        image[np.rint(bins).astype(int) + shift, np.arange(bins.size)] = 200
+    return image
+
+
+@pytest.mark.parametrize("shift", [0, 3])
+def test_planted_shifts_come_back_in_every_class(shift):
+    layers = wavy_layers()
+    edges = shape_edges([layers])
+    table = position_errors(image_of(layers, shift), layers, edges)
+    # Layers lie between pixels: rounding moves a peak by up to half a bin.
+    assert (np.abs(table["mean_abs_error_bins"] - shift) <= 0.5).all()
+    assert (table["n"] == table["n_found"]).all()
+
+
+def test_classes_are_quarters_and_hold_every_pixel_once():
+    layers = wavy_layers()
+    table = position_errors(image_of(layers), layers, shape_edges([layers]))
+    for _, rows in table.groupby("against"):
+        assert list(rows["shape_class"]) == [0, 1, 2, 3]
+        # Two layers below the surface; a slope needs 4 range lines on both sides.
+        assert rows["n"].sum() == 2 * (N_LINES - 8)
+
+
+def test_a_straight_layer_is_less_curved_than_a_wave():
+    straight, wave = wavy_layers(0.0), wavy_layers(8.0)
+    edges = shape_edges([wave[:2]])
+    assert edges["curvature"][0] == 0
+    assert np.isinf(edges["curvature"][-1])
+    table = position_errors(image_of(straight), straight, edges).set_index(["against", "shape_class"])
+    assert table.loc[("curvature", 0), "n"] == 2 * (N_LINES - 8)
+
+
+def test_scenes_without_layers_below_the_surface_have_no_edges():
+    with pytest.raises(ValueError, match="found none in any scene"):
+        shape_edges([np.full((1, N_LINES), 50.0)])
+
+
+def test_regions_keep_clear_of_the_surface():
+    layers = np.array([np.linspace(45.0, 55.0, N_LINES)])
+    regions = surface_regions(layers, 800)
+    assert (regions["above"].start, regions["above"].stop) == (0, 45 - 8)
+    assert (regions["below"].start, regions["below"].stop) == (55 + 8, 300)
+
+
+def test_noise_has_no_texture_and_a_smoothed_image_has(rng):
+    layers = np.full((1, N_LINES), 50.0)
+    noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
+    smooth = ((noise[:, :-1].astype(int) + noise[:, 1:]) // 2).astype(np.uint8)
+    smooth = np.pad(smooth, ((0, 0), (0, 1)), mode="edge")
+    of_noise = texture_by_region(noise, noise, layers).set_index("region")
+    of_smooth = texture_by_region(smooth, noise, layers).set_index("region")
+    # 42 x 128 and 242 x 128 pixels: the lag-1 correlation of noise is known to 1 / sqrt(n); four of those.
+    for region, n in (("above", 42 * 128), ("below", 242 * 128)):
+        assert_allclose(of_noise.loc[region, "autocorrelation_line"], 0, atol=4 / np.sqrt(n))
+        # The mean of two neighbours correlates by one half with the next.
+        assert_allclose(of_smooth.loc[region, "autocorrelation_line"], 0.5, atol=6 / np.sqrt(n))
+    assert_allclose(of_noise["spectrum_distance_db"], 0, atol=1e-9)
+    assert_allclose(of_noise["ssim"], 1, rtol=1e-12)
+    assert (of_smooth["spectrum_distance_db"] > 1).all()
+
+
+def test_a_constant_region_has_no_texture_to_tell():
+    layers = np.full((1, N_LINES), 50.0)
+    flat = np.full((320, N_LINES), 7, dtype=np.uint8)
+    table = texture_by_region(flat, flat, layers)
+    assert (table["deviation"] == 0).all()
+    assert table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]].isna().all().all()
+
+
+def test_too_few_rows_above_the_surface_leave_that_region_out():
+    layers = np.full((1, N_LINES), 20.0)
+    noise = np.random.default_rng(2).integers(0, 256, (320, N_LINES)).astype(np.uint8)
+    assert list(texture_by_region(noise, noise, layers)["region"]) == ["below"]

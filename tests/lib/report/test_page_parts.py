@@ -1,0 +1,167 @@
+"""What the page is made of: captions, comparisons, costs, scenes of the gallery, embedded files, templates."""
+
+import base64
+import io
+
+import jinja2
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+from PIL import Image
+
+from lib.report.content import compare_table2, compare_table3, counterparts, paper_figures, stage_costs, title_of
+from lib.report.format import config_lines, duration, groupby_stage, size
+from lib.report.gallery import choose_scenes, layer_lines
+from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
+
+
+@pytest.mark.parametrize(
+    ("caption", "numbers"),
+    [
+        ("Spectra (paper, Fig. 8), and more.", [8]),
+        ("Mean waveform (paper, Figs 6 and 7).", [6, 7]),
+        ("Several (paper, Figs 10-12).", [10, 11, 12]),
+        ("Several (paper, Figs 1, 2 and 9).", [1, 2, 9]),
+        ("A figure of ours, Fig. 3 of nothing.", []),
+    ],
+)
+def test_a_caption_names_the_paper_s_figures(caption, numbers):
+    assert paper_figures(caption) == numbers
+    found = counterparts([{"name": "x", "caption": caption}], range(1, 13))
+    assert [number for number, figures in found.items() if figures] == numbers
+
+
+def test_a_title_is_the_first_clause_without_the_paper_s_figure():
+    assert title_of("Where frames lie (paper, Fig. 4). The coast\n is schematic.") == "Where frames lie"
+    assert title_of("Closed loop: statistics of 0.5 dB.") == "Closed loop"
+    assert title_of("Time (fastest of 27 runs; all in the table) of a scene. More.") == "Time of a scene"
+    assert title_of("Errors of 0.5 dB and more") == "Errors of 0.5 dB and more"
+    assert len(title_of("word " * 60)) <= 114
+
+
+def test_table2_stands_beside_the_paper_s():
+    table2 = pd.DataFrame(
+        [
+            {"metric": metric, "statistic": statistic, "cgan": value, "phy": 2 * value}
+            for metric in ("ssim", "psnr", "rmse")
+            for value, statistic in enumerate(("min", "mean", "max"), start=1)
+        ]
+    )
+    paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
+    rows = compare_table2(table2, paper)
+    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": "2.00 / 4.00 / 6.00", "paper": "4.00 / 5.00 / 6.00"}
+
+
+def test_table3_marks_what_is_resolved():
+    rows = [
+        {"output": "fuse", "metric": metric, "training_set": name, "mean": 0.8, "low": 0.7, "high": 0.9,
+         "difference": d, "difference_low": d - 0.01, "difference_high": d + 0.01}
+        for metric in ("ods", "ois", "ap")
+        for name, d in (("rd", 0.0), ("rd_gd", 0.02), ("rd_pd", 0.0), ("rd_pd_gd", -0.02))
+    ]  # fmt: skip
+    paper = {"fuse": {name: [0.1, 0.2, 0.3] for name in ("rd", "rd_gd", "rd_pd", "rd_pd_gd")}}
+    compared = compare_table3(pd.DataFrame(rows), paper)
+    assert [row["score"] for row in compared] == ["ODS", "OIS", "AP"]
+    assert [cell["resolved"] for cell in compared[0]["cells"]] == [False, True, False, True]
+    assert [row["cells"][0]["paper"] for row in compared] == [0.1, 0.2, 0.3]
+
+
+def test_stages_cost_what_their_rules_cost(tmp_path):
+    for name, seconds in (("draw/0.tsv", 2.0), ("draw/deep/1.tsv", 3.0), ("plot/all.tsv", 1.0), ("gone/all.tsv", 99.0)):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"s\th:m:s\tmax_rss\tcpu_time\n{seconds}\t0:00:02\t512.0\t{seconds / 2}\n")
+    path.write_text("s\th:m:s\tmax_rss\tcpu_time\n99\t0:01:39\t-\t-\n")
+    costs = stage_costs(read_benchmarks(tmp_path), {"draw": "labels", "plot": "labels", "unseen": "phy"})
+    assert [stage["stage"] for stage in costs] == ["labels"]
+    assert costs[0]["n_jobs"] == 3
+    assert (costs[0]["wall_s"], costs[0]["cpu_s"], costs[0]["memory_gb"]) == (6.0, 3.0, 0.5)
+    assert [rule["wall_s"] for rule in costs[0]["rules"]] == [5.0, 1.0]
+
+
+def test_no_measured_times_cost_nothing(tmp_path):
+    assert stage_costs(read_benchmarks(tmp_path / "none"), {"draw": "labels"}) == []
+
+
+def test_scenes_of_the_gallery_spread_over_the_number_of_layers():
+    n_layers = np.random.default_rng(5).permutation(40)
+    chosen = choose_scenes(n_layers, 5)
+    assert [int(n_layers[i]) for i in chosen] == [0, 10, 20, 29, 39]
+    assert sorted(choose_scenes([3, 1, 2], 16)) == [0, 1, 2]
+
+
+def test_lines_break_where_a_layer_is_absent():
+    layer = np.array([[1.04, 2.0, np.nan, 4.0, 5.0, np.nan, np.nan, 8.0]])
+    assert layer_lines(layer, step=1) == [[[0.0, 1.0, 1.0, 2.0], [3.0, 4.0, 4.0, 5.0], [7.0, 8.0]]]
+    assert layer_lines(np.arange(6.0)[None], step=4) == [[[0.0, 0.0, 4.0, 4.0, 5.0, 5.0]]]
+
+
+def decoded(uri):
+    return base64.b64decode(uri.split(",", 1)[1])
+
+
+def test_an_embedded_image_is_the_image_but_for_compression(rng):
+    smooth = np.clip(128 + 100 * np.sin(np.arange(64)[:, None] / 9 + np.arange(48) / 7), 0, 255).astype(np.uint8)
+    with Image.open(io.BytesIO(decoded(image_uri(smooth)))) as image:
+        back = np.asarray(image.convert("L")).astype(float)
+    # WebP of quality 65 on a smooth image: about 1 grey level; an image upside down would be off by 70.
+    assert np.sqrt(np.mean((back - smooth) ** 2)) < 3
+
+
+def test_an_image_that_is_not_grey_is_refused():
+    with pytest.raises(ValueError, match="uint8 and 2-D, got float64"):
+        image_uri(np.zeros((4, 4)))
+
+
+def test_files_are_embedded_byte_for_byte(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_bytes(b"a,b\n1,2\n")
+    assert decoded(file_uri(path)) == b"a,b\n1,2\n"
+    with pytest.raises(ValueError, match=r"t\.txt: expected"):
+        file_uri(tmp_path / "t.txt")
+
+
+def test_a_large_figure_becomes_pixels_and_a_small_one_stays(tmp_path):
+    svg = tmp_path / "f.svg"
+    svg.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
+    Image.new("RGB", (40, 30), "white").save(tmp_path / "f.png")
+    assert figure_uri(svg).startswith("data:image/svg+xml;")
+    assert figure_uri(svg, most_bytes=10).startswith("data:image/webp;")
+
+
+def test_a_template_s_unknown_name_is_an_error_and_leaves_no_page(tmp_path):
+    (tmp_path / "p.j2").write_text("{{ known }} {{ unknown }}")
+    with pytest.raises(jinja2.UndefinedError, match="unknown"):
+        write_page(tmp_path / "p.html", tmp_path, "p.j2", {"known": 1}, {})
+    assert [path.name for path in tmp_path.iterdir()] == ["p.j2"]
+
+
+def test_text_from_tables_cannot_become_markup(tmp_path):
+    (tmp_path / "p.html.j2").write_text("{{ text }}")
+    write_page(tmp_path / "p.html", tmp_path, "p.html.j2", {"text": "<script>"}, {})
+    assert (tmp_path / "p.html").read_text() == "&lt;script&gt;"
+
+
+def test_settings_are_listed_by_their_full_names():
+    config = {"seed": 1, "phy": {"align": "peak", "deep": {"x": [1, 2]}}, "empty": {}}
+    assert config_lines(config) == [("seed", "1"), ("phy.align", "peak"), ("phy.deep.x", "[1, 2]"), ("empty", "{}")]
+
+
+def test_durations_and_sizes_read_well():
+    assert [duration(s) for s in (1.23, 45.2, 200, 7500)] == ["1.2 s", "45 s", "3 min 20 s", "2 h 5 min"]
+    assert [size(n) for n in (820, 12_000, 1_340_000)] == ["820 B", "12 kB", "1.3 MB"]
+
+
+def test_stages_come_in_the_page_s_order_and_unknown_ones_last():
+    figures = [{"stage": stage} for stage in ("new_part", "tracker", "charts", "tracker")]
+    assert [(stage, len(group)) for stage, group in groupby_stage(figures)] == [
+        ("charts", 1), ("tracker", 2), ("new_part", 1),
+    ]  # fmt: skip
+
+
+def test_shares_of_a_stage_s_rules_add_up():
+    jobs = pd.DataFrame({"rule": ["a", "b"], "s": [1.0, 2.0], "cpu_time": [0.5, np.nan], "max_rss": [100.0, 2048.0]})
+    stage = stage_costs(jobs, {"a": "x", "b": "x"})[0]
+    assert_allclose(stage["wall_s"], sum(rule["wall_s"] for rule in stage["rules"]))
+    assert stage["memory_gb"] == 2.0

@@ -1,0 +1,1 @@
+"""What measures, stresses and compares the stages."""

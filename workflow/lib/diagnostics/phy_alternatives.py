@@ -1,0 +1,311 @@
+"""Slow, other and failing ways to the same scene, kept to be compared with: no renderer uses them.
+
+Eq. (1) by quadrature: slow, sharing no formula with the closed form; what the atlas judges by.
+Shortcuts to eq. (1) that people take, kept to show where they fail: no renderer uses them.
+"""
+
+import dataclasses
+
+import numba
+import numpy as np
+from scipy.signal import fftconvolve
+from scipy.special import erfc
+
+from snowsim.phy.parameters import checked_power, checked_waveforms
+from snowsim.phy.plan import plan_power
+from snowsim.phy.power import exact_power, planned_power
+from snowsim.phy.speckle import checked_looks, draw_speckle
+from snowsim.phy.tables import LARGEST_ERROR, find_supports, tabulated_power
+from snowsim.phy.waveform import waveform_unchecked
+
+
+def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
+    """One scene's power as printed: whole columns convolved, then M looks of 4 normals for every pixel.
+
+    Parameters and return value are those of `render`, without a tolerance: float64 (range_bin, range_line).
+
+    Notes
+    -----
+    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
+    """
+    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
+    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
+    n_looks = int(checked_looks(parameters["n_looks"]))
+    signal = np.sqrt(convolved_power(waveforms) / 2)
+    noise = np.sqrt(checked_power("noise_power", parameters["noise_power"]) / 2)
+    total = np.zeros(waveforms.shape)
+    for _ in range(n_looks):
+        normals = rng.standard_normal((4, *waveforms.shape))
+        total += (signal * normals[0] + noise * normals[2]) ** 2 + (signal * normals[1] + noise * normals[3]) ** 2
+    return total / n_looks
+
+
+def render_scatterers(
+    layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, resolution_bins=1.0, align="gaussian"
+):
+    """One scene's power as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
+
+    Each layer and range line has `n_scatterers` scatterers, normal about the layer plus an exponential delay, with
+    exponential power and sinc-squared responses that are evaluated on every row. The scatterers are its only speckle:
+    `n_looks` acts on the noise. Parameters and return value are those of `render`, without a tolerance.
+    """
+    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
+    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, "peak", align)
+    n_looks = checked_looks(parameters["n_looks"])
+    noise = np.full(waveforms.shape, checked_power("noise_power", parameters["noise_power"]))
+    power = draw_speckle(noise, n_looks, method="gamma", rng=rng)
+    rows = np.arange(n_range_bins)[:, None]
+    deviation = np.sqrt(waveforms.variance_bins2)
+    # A waveform holds sqrt(2 pi d) / a in all, a response `resolution_bins`.
+    energy = waveforms.amplitude * np.sqrt(2 * np.pi) * deviation / waveforms.decay_rate
+    for layer, line in np.argwhere(np.isfinite(waveforms.centre_bins)):
+        delay = deviation[layer] * rng.standard_normal(n_scatterers)
+        delay += rng.exponential(1 / waveforms.decay_rate[layer], n_scatterers)
+        strength = rng.exponential(energy[layer] / (n_scatterers * resolution_bins), n_scatterers)
+        response = np.sinc((rows - waveforms.centre_bins[layer, line] - delay) / resolution_bins) ** 2
+        power[:, line] += response @ strength
+    return power
+
+
+def mean_power_by(
+    way,
+    layer_bins,
+    peak_power,
+    variance_bins2,
+    decay_rate,
+    n_range_bins,
+    *,
+    tolerance_db,
+    noise_power,
+    normalise="peak",
+    align="peak",
+    dtype=float,
+):
+    """Mean power by a named way of computing it, for charts of speed against accuracy.
+
+    Parameters
+    ----------
+    way : {"convolved", "closed_form", "closed_form_in_support", "table", "recursive"}
+        Numerical convolution of whole columns; closed form on every row; closed form, or a recursive filter, within
+        the supports of the tolerance; sub-bin tables as `mean_power` has them.
+    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, noise_power, normalise, align
+        See `mean_power`; `noise_power` is positive.
+    tolerance_db : float
+        What supports and tables are chosen for. The recursive filter does not keep it.
+    dtype : numpy.dtype
+        Of the recursive filter's state.
+
+    Returns
+    -------
+    ndarray, (range_bin, range_line)
+
+    Raises
+    ------
+    ValueError
+        If `way` is unknown, the supports cannot be had, or as `mean_power`.
+    """
+    waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
+    if way == "convolved":
+        return convolved_power(waveforms)
+    if way == "closed_form":
+        return exact_power(waveforms)
+    if way == "table":
+        return planned_power(plan_power(waveforms, noise_power, tolerance_db))
+    if way not in ("closed_form_in_support", "recursive"):
+        msg = f"way must be convolved, closed_form, closed_form_in_support, table or recursive, got {way!r}"
+        raise ValueError(msg)
+    supports = find_supports(waveforms, noise_power, min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR))
+    if supports is None:
+        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
+        raise ValueError(msg)
+    if way == "closed_form_in_support":
+        return _power_in_support(waveforms, supports)
+    power = np.zeros(waveforms.shape, dtype=dtype)
+    per_layer = (waveforms.amplitude, waveforms.variance_bins2, waveforms.decay_rate)
+    ends = (np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins))
+    _filter_layers(waveforms.centre_bins, *per_layer, *ends, power)
+    return power
+
+
+def convolved_power(waveforms, samples_per_bin=1):
+    """Mean power by numerical convolution of whole columns, float64 (range_bin, range_line).
+
+    The convolution integral becomes a sum, so narrow Gaussians alias and fast decays are summed coarsely; the Fourier
+    transform leaves 1e-16 of the peak everywhere. Columns start above the topmost layer, so nothing wraps around.
+    """
+    topmost = np.nanmin(waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0)
+    n_above = int(np.ceil(-topmost)) * samples_per_bin
+    n_samples = (waveforms.n_range_bins - 1) * samples_per_bin + 1 + n_above
+    x_bins = ((np.arange(n_samples) - n_above) / samples_per_bin)[:, None]
+    delay = np.arange(n_samples) / samples_per_bin
+    power = np.zeros((n_samples, waveforms.shape[1]))
+    for layer, centre in enumerate(waveforms.centre_bins):
+        lines = np.isfinite(centre)
+        gaussian = np.exp(-((x_bins - centre[lines]) ** 2) / (2 * waveforms.variance_bins2[layer]))
+        exponential = np.exp(-waveforms.decay_rate[layer] * delay) * waveforms.amplitude[layer] / samples_per_bin
+        exponential[0] /= 2  # trapezoids: the exponential starts with a step
+        power[:, lines] += fftconvolve(gaussian, exponential[:, None], axes=0)[:n_samples]
+    return np.maximum(power[n_above::samples_per_bin], 0)
+
+
+def waveform_naive(x_bins, variance_bins2, decay_rate):
+    """The closed form as it is usually written: overflows for wide or fast-decaying waveforms, NaN in its head."""
+    x_bins = np.asarray(x_bins, dtype=float)
+    z = (decay_rate * variance_bins2 - x_bins) / np.sqrt(2 * variance_bins2)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        growth = np.exp(decay_rate**2 * variance_bins2 / 2 - decay_rate * x_bins)
+        return np.sqrt(np.pi * variance_bins2 / 2) * growth * erfc(z)
+
+
+def _power_in_support(waveforms, supports):
+    """Closed form on the rows of each layer's support only."""
+    power = np.zeros(waveforms.shape)
+    for layer in np.flatnonzero(supports.kept):
+        lines = np.flatnonzero(np.isfinite(waveforms.centre_bins[layer]))
+        centre = waveforms.centre_bins[layer, lines]
+        first = np.clip(np.ceil(centre + supports.first_bins[layer]), 0, waveforms.n_range_bins).astype(int)
+        stop = np.clip(np.floor(centre + supports.last_bins[layer]) + 1, 0, waveforms.n_range_bins).astype(int)
+        rows = first + np.arange((stop - first).max(initial=0))[:, None]
+        inside = rows < stop
+        x_bins = (rows - centre)[inside]
+        one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[rows[inside], np.broadcast_to(lines, rows.shape)[inside]] += waveforms.amplitude[layer] * one
+    return power
+
+
+@numba.njit(cache=True)
+def _filter_layers(centre_bins, amplitude, variance, decay, first_bins, last_bins, power):
+    """Add layers by recursion: Simpson's rule over one bin of Gaussian, itself stepped by ratios of ratios."""
+    one = power.dtype.type(1)
+    for layer in range(centre_bins.shape[0]):
+        fade = power.dtype.type(np.exp(-decay[layer]))
+        half_fade = power.dtype.type(4 * np.exp(-decay[layer] / 2))
+        bend = power.dtype.type(np.exp(-0.25 / variance[layer]))
+        for line in range(centre_bins.shape[1]):
+            centre = centre_bins[layer, line]
+            start = np.ceil(centre + first_bins[layer])
+            stop = min(np.floor(centre + last_bins[layer]) + 1, power.shape[0])
+            if not start < stop:
+                continue
+            x = start - centre
+            gaussian = power.dtype.type(amplitude[layer] * np.exp(-x * x / (2 * variance[layer])) / 6)
+            ratio = power.dtype.type(np.exp(-(x / 2 + 0.125) / variance[layer]))
+            state = one * 0
+            for row in range(int(start), int(stop)):
+                if row >= 0:
+                    power[row, line] += state
+                between = gaussian * ratio
+                ratio *= bend
+                after = between * ratio
+                ratio *= bend
+                state = state * fade + gaussian * fade + between * half_fade + after
+                gaussian = after
+
+
+REACH_DEVIATIONS = 9.5  # beyond, a Gaussian is below 3e-20 of its peak
+REACH_DECAYS = 45  # beyond, an exponential is
+CHUNK = 20_000
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(128)
+
+
+def quadrature_power(waveforms, rows):
+    """Mean power on some rows, float64 (len(rows), range_line).
+
+    Parameters
+    ----------
+    waveforms : Waveforms
+        The scene's layers.
+    rows : array_like of int
+        Range bins wanted.
+    """
+    power = np.zeros((len(rows), waveforms.shape[1]))
+    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
+        x_bins = np.asarray(rows, dtype=float)[:, None] - waveforms.centre_bins[layer, lines]
+        one = waveform_by_quadrature(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[:, lines] += waveforms.amplitude[layer] * one
+    return power
+
+
+def waveform_by_quadrature(x_bins, variance_bins2, decay_rate):
+    """Waveform of one layer, ``int_0^inf exp(-(x - t)^2 / 2d - a t) dt``, float64 of the shape of `x_bins`.
+
+    Gauss-Legendre over where the integrand, whose logarithm is a parabola, exceeds 1e-19 of its largest value. All
+    terms are positive, so nothing cancels.
+    """
+    x_bins = np.asarray(x_bins, dtype=float)
+    flat = x_bins.ravel()
+    chunks = [_integral(flat[i : i + CHUNK], variance_bins2, decay_rate) for i in range(0, flat.size, CHUNK)]
+    return np.concatenate([np.empty(0), *chunks]).reshape(x_bins.shape)
+
+
+@np.errstate(under="ignore", over="ignore")
+def _integral(x, variance, decay):
+    """Over u = t - t0, t0 >= 0 where the integrand is largest: there ``x - t0 = min(a d, x)``, and nothing cancels."""
+    reach = REACH_DEVIATIONS * np.sqrt(variance)
+    largest_at = np.maximum(x - decay * variance, 0)
+    largest = -(np.minimum(decay * variance, x) ** 2) / (2 * variance) - decay * largest_at
+    slope = np.maximum(decay - x / variance, 0)  # where t0 = 0, how fast the integrand falls
+    start = -np.minimum(largest_at, reach)
+    stop = np.minimum(reach, REACH_DECAYS / np.maximum(slope, 1e-300))
+    half = (stop - start)[:, None] / 2
+    u = start[:, None] + half * (1 + NODES)
+    exponent = largest[:, None] - slope[:, None] * u - u**2 / (2 * variance)
+    return (half * WEIGHTS * np.exp(exponent)).sum(axis=1)
+
+
+CUT_DEVIATIONS, CUT_BINS = 5, 150  # the support that is often assumed
+
+
+def naive_power(waveforms):
+    """Closed form on every row as it is usually written."""
+    return _summed(waveforms, waveform_naive)
+
+
+def cut_power(waveforms):
+    """Closed form between 5 deviations above and 150 bins below each Gaussian's centre, whatever the decay."""
+
+    def cut(x_bins, variance_bins2, decay_rate):
+        inside = (x_bins >= -CUT_DEVIATIONS * np.sqrt(variance_bins2)) & (x_bins <= CUT_BINS)
+        return np.where(inside, waveform_unchecked(x_bins, variance_bins2, decay_rate), 0)
+
+    return _summed(waveforms, cut)
+
+
+def nearest_power(waveforms, n_phases=16):
+    """Closed form with centres moved to the nearest of `n_phases` places a bin, as tables without interpolation do."""
+    rounded = np.rint(waveforms.centre_bins * n_phases) / n_phases
+    return _summed(dataclasses.replace(waveforms, centre_bins=rounded), waveform_unchecked)
+
+
+def wrapped_power(waveforms):
+    """Convolution of the window's columns by Fourier transforms of the window's height, without padding."""
+    rows = np.arange(waveforms.n_range_bins)[:, None]
+    power = np.zeros(waveforms.shape)
+    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
+        x_bins = rows - waveforms.centre_bins[layer, lines]
+        gaussian = np.exp(-(x_bins**2) / (2 * waveforms.variance_bins2[layer]))
+        exponential = np.exp(-waveforms.decay_rate[layer] * rows)
+        exponential[0] /= 2
+        spectrum = np.fft.rfft(gaussian, axis=0) * np.fft.rfft(exponential, axis=0)
+        power[:, lines] += waveforms.amplitude[layer] * np.fft.irfft(spectrum, len(rows), axis=0)
+    return np.maximum(power, 0)
+
+
+def single_precision_power(waveforms, noise_power, error):
+    """Sub-bin tables for a relative `error`, with tables and sums forced into float32; ValueError without supports."""
+    supports = find_supports(waveforms, noise_power, error)
+    if supports is None:
+        msg = f"no support keeps a relative error of {error:g} with noise_power {noise_power:g}"
+        raise ValueError(msg)
+    return tabulated_power(waveforms, dataclasses.replace(supports, dtype=np.dtype(np.float32)), 0.0)
+
+
+def _summed(waveforms, waveform):
+    """Sum of all layers by ``waveform(x_bins, variance_bins2, decay_rate)`` on every row."""
+    rows = np.arange(waveforms.n_range_bins)[:, None]
+    power = np.zeros(waveforms.shape)
+    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
+        x_bins = rows - waveforms.centre_bins[layer, lines]
+        one = waveform(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[:, lines] += waveforms.amplitude[layer] * one
+    return power

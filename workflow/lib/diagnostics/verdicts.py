@@ -1,0 +1,78 @@
+"""What a verdict on a claim is, and how it follows from differences."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import stats
+
+CONFIRMED, CONTRADICTED, OPEN, MISSING = "confirmed", "contradicted", "not resolved", "no evidence"
+BY_INTERVAL = (
+    "Confirmed where the 95 % interval of the mean difference, paired by scene, lies wholly on the claimed side of "
+    "zero, contradicted where it lies wholly on the other, else not resolved."
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run says of one claim.
+
+    Attributes
+    ----------
+    claim, verdict, evidence, rule : str
+        The claim in one sentence; "confirmed", "contradicted", "not resolved" or "no evidence"; the numbers; how the
+        verdict follows from them.
+    caveat : str
+        What makes the evidence weaker than it looks, or empty.
+    tables : tuple of str
+        Names of the tables it was computed from.
+    """
+
+    claim: str
+    verdict: str
+    evidence: str
+    rule: str
+    caveat: str = ""
+    tables: tuple = field(default=())
+
+
+def side_of_zero(low, high):
+    """Verdict on "positive" from the ends of an interval."""
+    if low > 0:
+        return CONFIRMED
+    return CONTRADICTED if high < 0 else OPEN
+
+
+def paired_verdict(differences, unit=""):
+    """Verdict on a positive mean difference, and its evidence as text, from differences scene by scene."""
+    mean, low, high = mean_interval(differences)
+    n = np.isfinite(np.asarray(differences, dtype=float)).sum()
+    text = f"{signed(mean)} [{signed(low)}, {signed(high)}]{unit and ' ' + unit}, {n} scenes"
+    return (OPEN if not np.isfinite(low) else side_of_zero(low, high)), text
+
+
+def all_of(verdicts):
+    """Verdict on a claim that needs every one of several: contradicted by one, confirmed by all."""
+    if CONTRADICTED in verdicts:
+        return CONTRADICTED
+    return CONFIRMED if set(verdicts) == {CONFIRMED} else OPEN
+
+
+def mean_interval(values, level=0.95):
+    """Mean of the finite values and the ends of its Student t interval, three floats; NaN ends from fewer than two."""
+    values = np.asarray(values, dtype=float)
+    values = values[np.isfinite(values)]
+    if values.size == 0:
+        return np.nan, np.nan, np.nan
+    mean = values.mean()
+    if values.size < 2:
+        return mean, np.nan, np.nan
+    half = stats.t.ppf(0.5 + level / 2, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size)
+    return mean, mean - half, mean + half
+
+
+def signed(value):
+    """A difference with its sign, three decimals below 1 and two above; a real minus sign."""
+    if not np.isfinite(value):
+        return "unknown"
+    text = f"{value:+.3f}" if abs(value) < 1 else f"{value:+.2f}"
+    return text.replace("-", "\N{MINUS SIGN}")

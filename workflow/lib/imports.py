@@ -1,0 +1,50 @@
+"""What a script depends on: the files of this project that it imports, and that those import in turn.
+
+Snakemake does not follow imports, so rules name these files as inputs. Importing a module also executes the
+``__init__`` of its folder; a script takes nothing from it, so an edit there does not count.
+"""
+
+import ast
+import functools
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Where the first part of a dotted name lies, and what it may be: scripts import each other by their bare names.
+PLACES = {"snowsim": ROOT, "lib": ROOT / "workflow"}
+SCRIPTS = ROOT / "workflow/scripts"
+# Logs, errors and progress of every script: no result depends on it.
+WITHOUT = {SCRIPTS / "job.py"}
+
+
+def module_file(name):
+    """File of a dotted module name of this project, or None where there is no such module."""
+    top = name.partition(".")[0]
+    path = PLACES.get(top, SCRIPTS).joinpath(*name.split("."))
+    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+@functools.cache
+def imported_files(path):
+    """Files of this project from which one file imports names, anywhere in it."""
+    files = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            files += [module_file(alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            own = module_file(node.module)
+            files += [module_file(f"{node.module}.{alias.name}") or own for alias in node.names] if own else []
+    return sorted(set(filter(None, files)) - WITHOUT)
+
+
+@functools.cache
+def closure(path):
+    """Files of this project on which the result of a file depends, itself left out, sorted."""
+    found, waiting = set(), [Path(path)]
+    while waiting:
+        new = set(imported_files(waiting.pop())) - found
+        found |= new
+        waiting += new
+    return sorted(found - {Path(path)})

@@ -1,0 +1,1 @@
+"""Tables to the report's page."""

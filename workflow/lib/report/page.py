@@ -1,0 +1,115 @@
+"""A page from templates, and the small text files that go into one.
+
+Files and images as data URIs, for pages that stand alone.
+"""
+
+import base64
+import io
+import json
+from pathlib import Path
+
+import jinja2
+import numpy as np
+import pandas as pd
+import yaml
+from PIL import Image
+
+from snowsim.io.files import written_whole
+
+
+def write_page(path, folder, template, context, filters):
+    """Write a page from a Jinja2 template of a folder, whole or not at all; an undefined name is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= filters
+    page = environment.get_template(template).render(context)
+    with written_whole(path) as aside:
+        aside.write_text(page, encoding="utf-8")
+
+
+def read_text(path):
+    """A small text file."""
+    return Path(path).read_text(encoding="utf-8")
+
+
+def read_yaml(path):
+    """A YAML file of plain values."""
+    return yaml.safe_load(read_text(path))
+
+
+def write_json(path, value):
+    """Write plain values as JSON, whole or not at all, with the same bytes for the same value."""
+    with written_whole(path) as aside:
+        aside.write_text(json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False), encoding="utf-8")
+
+
+def read_json(path):
+    """A JSON file."""
+    return json.loads(read_text(path))
+
+
+def read_benchmarks(folder):
+    """What Snakemake measured of every job, a row per job with its `rule`; no rows where nothing was measured.
+
+    Files lie under ``folder/rule/...``; of a repeated measurement all lines count.
+    """
+    folder = Path(folder)
+    tables = [
+        pd.read_csv(path, sep="\t").assign(rule=path.relative_to(folder).parts[0])
+        for path in sorted(folder.rglob("*.tsv"))
+    ]
+    if not tables:
+        return pd.DataFrame({"rule": [], "s": [], "cpu_time": [], "max_rss": []})
+    return pd.concat(tables, ignore_index=True)
+
+
+MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".csv": "text/csv"}
+MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
+WEBP = {"format": "WEBP", "method": 4}
+
+
+def data_uri(content, media_type):
+    """Bytes as a base64 data URI of a media type."""
+    return f"data:{media_type};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def file_uri(path):
+    """A file as it stands, as a data URI; ValueError unless it ends in .svg, .png or .csv."""
+    path = Path(path)
+    if path.suffix not in MEDIA_TYPES:
+        msg = f"{path}: expected a file that ends in {', '.join(MEDIA_TYPES)}"
+        raise ValueError(msg)
+    return data_uri(path.read_bytes(), MEDIA_TYPES[path.suffix])
+
+
+def figure_uri(path, most_bytes=MOST_BYTES):
+    """A figure as a data URI: as it stands, or if larger than `most_bytes` its pixels as WebP of quality 80.
+
+    The pixels of an SVG figure are those of the PNG that `lib.figures.style.write_figure` leaves beside it.
+    """
+    path = Path(path)
+    pixels = path.with_suffix(".png")
+    if path.stat().st_size <= most_bytes or not pixels.exists():
+        return file_uri(path)
+    with Image.open(pixels) as image:
+        return _webp(image.convert("RGB"), quality=80)
+
+
+def image_uri(image, quality=65):
+    """An 8-bit grey image, (row, column), as a WebP data URI; lossy, for looking at."""
+    image = np.asarray(image)
+    if image.dtype != np.uint8 or image.ndim != 2:
+        msg = f"image must be uint8 and 2-D, got {image.dtype} of shape {image.shape}"
+        raise ValueError(msg)
+    return _webp(Image.fromarray(image), quality=quality)
+
+
+def _webp(image, quality):
+    content = io.BytesIO()
+    image.save(content, quality=quality, **WEBP)
+    return data_uri(content.getvalue(), "image/webp")
