@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import jsonschema
+import yaml
 from snakemake.exceptions import WorkflowError
 
 # Where this workflow lies, also where another uses it as a module.
@@ -178,6 +179,14 @@ def imported_by(script):
     return lambda wildcards: [
         str(file) for file in closure(ROOT / "workflow/scripts" / script)
     ]
+
+
+FIGURES = yaml.safe_load((ROOT / "workflow/figures.yaml").read_text())
+
+
+def figure_files(stage):
+    """Figures of a stage, as the registry names them."""
+    return [f"results/figures/{file}" for file in FIGURES[stage]]
 
 
 def targets(prefix=""):

@@ -44,6 +44,33 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
+def run(function):
+    """Call a script's one function with what its rule names; nothing happens where the script is imported.
+
+    Inputs, outputs and params reach it by their names in the rule, `code` left out; nothing is handed by position.
+    """
+    if function.__module__ == "__main__":
+        snakemake = sys.modules["__main__"].snakemake
+        with job(snakemake):
+            function(**named(snakemake))
+
+
+def named(snakemake):
+    """Inputs, outputs and params of a job by name; ValueError where one has no name, or two have the same."""
+    given = {}
+    for kind in (snakemake.input, snakemake.output, snakemake.params):
+        if len(dict(kind.items())) < len(list(kind.keys())) or (len(kind) and not list(kind.keys())):
+            msg = f"rule {snakemake.rule}: expected names for all inputs, outputs and params"
+            raise ValueError(msg)
+        for name, value in kind.items():
+            if name in given:
+                msg = f"rule {snakemake.rule}: expected every name once, found {name} twice"
+                raise ValueError(msg)
+            if name != "code":
+                given[name] = value
+    return given
+
+
 def check_memory(mem_mb):
     """Refuse to start where less memory is available than the rule asks for."""
     available = available_memory_mb()
