@@ -13,8 +13,8 @@ import torch
 import train_cgan
 from toy_scenes import toy_scenes
 from train_cgan import train
-from training import TrainingRun, Validation, check_memory, enough_memory
 
+from lib.training import TrainingRun, Validation, check_memory, enough_memory
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
