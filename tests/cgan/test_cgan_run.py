@@ -1,38 +1,21 @@
-"""A training through its script survives kill -9, and what it leaves on disk is checked when it is taken up again."""
+"""A training through its script survives kill -9; a collapse is stated, with the weights kept or without."""
 
-import os
-import signal
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 import train_cgan
 from toy_scenes import toy_scenes
 from train_cgan import train
+from trainings import kill_midway
 
-from lib.training import TrainingRun, Validation, check_memory, enough_memory
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 
-ROOT = Path(__file__).resolve().parents[2]
 SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
 SETTINGS = {**SMALL, "n_steps": 240}
 EVERY_STEPS = 20
-# Runs the script in a process of its own and tells every step it has taken.
-CHILD = """
-import sys, train_cgan
-def told(training, scenes, steps=train_cgan.train_steps):
-    for step, losses in steps(training, scenes):
-        print(step, flush=True)
-        yield step, losses
-train_cgan.train_steps = told
-train_cgan.train(**eval(sys.argv[1]))
-"""
 
 
 def arguments(folder, **changes):
@@ -70,15 +53,7 @@ def whole(tmp_path_factory):
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
     killed = whole.parent / "killed"
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])}
-    command = [sys.executable, "-c", CHILD, repr(arguments(killed))]
-    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
-        for line in child.stdout:
-            if int(line) >= 3.5 * EVERY_STEPS:
-                child.send_signal(signal.SIGKILL)
-                break
-        last_told = max([int(line), *map(int, child.stdout.read().split())])
-    assert child.returncode == -signal.SIGKILL
+    last_told = kill_midway("train_cgan", arguments(killed), 3.5 * EVERY_STEPS)
     assert not (killed / "generator.safetensors").exists()
     _, metadata = read_model(killed / "unfinished.safetensors")
     assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
@@ -193,106 +168,3 @@ def test_a_width_that_memory_cannot_hold_is_refused_in_one_line(tmp_path):
     # 54 million weights at width 64 are 1.2e13 at 470 times that: 190 TB with gradients and moments.
     with pytest.raises(ValueError, match=r"too little memory for a cGAN of width 30000: it needs at least .* GB"):
         train(**arguments(tmp_path / "run", settings={**SETTINGS, "width": 30000, "depth": 8}))
-
-
-class Counter:
-    """A training that counts: what it has added up is all its state."""
-
-    def __init__(self, fails_after=None):
-        self.step, self.total, self.fails_after = 0, 0.0, fails_after
-
-    def state(self):
-        return {"total": torch.tensor([self.total], dtype=torch.float64)}
-
-    def restore(self, state, step):
-        self.step, self.total = step, float(state["total"][0])
-
-    def steps(self, n):
-        while self.step < n:
-            if self.step == self.fails_after:
-                raise KeyboardInterrupt
-            self.step += 1
-            self.total += 1 / self.step
-            yield self.step, {"zeta": self.total, "alpha": 1 / self.step}
-
-
-def counted(path, counter, n_steps=50, made_of=7, patience=None):
-    """The run of a counter that is best at step 23 or, of those validated, at 20."""
-    validation = Validation(
-        every_steps=10,
-        score=lambda: {"near": -abs(counter.step - 23.0), "also": counter.total},
-        weights=lambda: counter.state(),
-        by="near",
-        patience=patience,
-    )
-    with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7, validation=validation) as run:
-        run.take(counter.steps(n_steps), n_steps, "counter")
-    return run
-
-
-def test_losses_scores_and_the_best_survive_an_interruption(tmp_path):
-    path = tmp_path / "unfinished.safetensors"
-    whole = counted(tmp_path / "other.safetensors", Counter())
-    with pytest.raises(KeyboardInterrupt):
-        counted(path, Counter(fails_after=38))
-    resumed = counted(path, Counter())
-    assert list(resumed.losses().columns) == ["step", "zeta", "alpha"]
-    assert resumed.losses().equals(whole.losses())
-    assert resumed.scores().equals(whole.scores())
-    assert resumed.scores()["step"].tolist() == [10, 20, 30, 40, 50]
-    assert whole.best_step == resumed.best_step == 20
-    assert resumed.best["total"] == whole.best["total"] == sum(1 / n for n in range(1, 21))
-    assert not path.exists()
-
-
-def test_a_training_stops_when_validation_brings_nothing_better(tmp_path):
-    run = counted(tmp_path / "unfinished.safetensors", Counter(), n_steps=500, patience=3)
-    assert run.has_stalled
-    assert run.losses()["step"].iloc[-1] == 50  # best at 20, none better at 30, 40 and 50
-    assert run.best_step == 20
-
-
-@pytest.fixture
-def unfinished(tmp_path):
-    path = tmp_path / "unfinished.safetensors"
-    with pytest.raises(KeyboardInterrupt):
-        counted(path, Counter(fails_after=15))
-    return path
-
-
-def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished):
-    with pytest.raises(ValueError, match=r"made_of: expected 8, got 7: another .*: remove it to begin anew") as error:
-        counted(unfinished, Counter(), made_of=8)
-    assert "\n" not in str(error.value)
-    assert unfinished.exists()
-
-
-@pytest.mark.parametrize("kept", [0, 5, 100, -1])
-def test_a_truncated_checkpoint_is_refused_in_one_line(unfinished, kept):
-    unfinished.write_bytes(unfinished.read_bytes()[:kept])
-    with pytest.raises(ValueError, match=r"unfinished.safetensors: expected a whole .*remove it") as error:
-        counted(unfinished, Counter())
-    assert "\n" not in str(error.value)
-
-
-def test_events_are_written_for_tensorboard(tmp_path):
-    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
-
-    counter = Counter()
-    with TrainingRun(counter, tmp_path / "u.safetensors", {}, every_steps=50, path_to_events=tmp_path / "e") as run:
-        run.take(counter.steps(30), 30, "counter")
-    events = EventAccumulator(str(tmp_path / "e"))
-    events.Reload()
-    assert [event.step for event in events.Scalars("loss/alpha")] == [10, 20, 30]
-    np.testing.assert_allclose([event.value for event in events.Scalars("loss/alpha")], [1 / 10, 1 / 20, 1 / 30])
-
-
-def test_too_little_memory_is_one_line():
-    with pytest.raises(ValueError, match=r"too little memory for a network: it needs at least 1e\+09 GB"):
-        check_memory(1e18, "a network")
-    check_memory(1, "a number")
-    with pytest.raises(ValueError, match="too little memory for a tensor: ") as error, enough_memory("a tensor"):
-        torch.empty(1 << 60, dtype=torch.uint8)
-    assert "\n" not in str(error.value)
-    with pytest.raises(RuntimeError, match="shape"), enough_memory("a tensor"):
-        torch.ones(2).reshape(3)
