@@ -15,6 +15,8 @@ from snowsim.io.scenes import SceneSet, write_scenes
 
 SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
 SETTINGS = {**SMALL, "n_steps": 240}
+SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
+VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None}
 EVERY_STEPS = 20
 
 
@@ -33,7 +35,7 @@ def arguments(folder, **changes):
         "device": "cpu",
         "settings": SETTINGS,
         "statistics": "scene",
-        "validation": {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None},
+        "validation": VALIDATION,
         "on_collapse": "fail",
         "source": "no",
         "checkpoint": str(folder / "unfinished.safetensors"),
@@ -86,62 +88,45 @@ def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_vali
 
 
 @pytest.fixture
-def collapse_after(monkeypatch):
-    """Plant a fault in every validation from a step on."""
+def collapse(tmp_path, monkeypatch):
+    """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""
 
-    def plant(step):
-        def measured(generator, scenes, **options):
-            return {"mask_response": 0.0 if judges[-1].training.step >= step else 1.0}
+    def train_on(first_step, on_collapse, every_steps=10):
+        def planted(losses, adversarial):
+            return {"mask_response": 0.0 if losses[-1]["step"] >= first_step else 1.0}
 
-        class Watched(train_cgan.Judge):
-            def __init__(self, *arguments, **options):
-                super().__init__(*arguments, **options)
-                judges.append(self)
-
-        judges = []
         monkeypatch.setattr(train_cgan, "WINDOW_STEPS", 20)
-        monkeypatch.setattr(train_cgan, "measure_losses", lambda losses, adversarial: {})
-        monkeypatch.setattr(train_cgan, "measure_renders", measured)
-        monkeypatch.setattr(train_cgan, "Judge", Watched)
+        monkeypatch.setattr(train_cgan, "measure_losses", planted)
+        monkeypatch.setattr(train_cgan, "measure_renders", lambda *arguments, **options: {})
+        validation = {**VALIDATION, "every_steps": every_steps}
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=validation, on_collapse=on_collapse))
+        return read_model(tmp_path / "run/generator.safetensors")[1]
 
-    return plant
-
-
-SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
-OFTEN = {"n_scenes": 2, "every_steps": 10, "by": "psnr", "patience": None}
+    return train_on
 
 
-def test_a_collapse_says_so_and_fails(tmp_path, collapse_after):
-    collapse_after(45)
+def test_a_collapse_says_so_and_fails(tmp_path, collapse):
     with pytest.raises(ValueError, match=r"cGAN training collapsed at step 60: mask ignored") as error:
-        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN))
+        collapse(45, "fail")
     assert "\n" not in str(error.value)
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["events"]
 
 
-def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, collapse_after, caplog):
-    collapse_after(45)
-    with caplog.at_level("WARNING", logger="snowsim"):
-        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN, on_collapse="fall_back"))
-    _, metadata = read_model(tmp_path / "run/generator.safetensors")
+def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, collapse, caplog):
+    metadata = collapse(45, "fall_back")
     assert metadata["collapse"].startswith("step 60: mask ignored")
     assert metadata["step"] <= 40
     assert f"the weights after step {metadata['step']} are kept" in caplog.text
     assert read_table(tmp_path / "run/validation.csv")["step"].tolist() == [10, 20, 30, 40, 50]
 
 
-def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(tmp_path, collapse_after):
-    collapse_after(0)
-    rarely = {**OFTEN, "every_steps": 40}  # from step 20 on losses are judged: no weights count as good
+def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(collapse):
     with pytest.raises(ValueError, match="collapsed at step 80"):
-        train(**arguments(tmp_path / "run", settings=SHORT, validation=rarely, on_collapse="fall_back"))
+        collapse(0, "fall_back", every_steps=40)  # from step 20 on losses are judged: no weights count as good
 
 
-def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse_after, caplog):
-    collapse_after(0)
-    with caplog.at_level("WARNING", logger="snowsim"):
-        train(**arguments(tmp_path / "run", settings=SHORT, validation=OFTEN, on_collapse="go_on"))
-    _, metadata = read_model(tmp_path / "run/generator.safetensors")
+def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse, caplog):
+    metadata = collapse(0, "go_on")
     scores = read_table(tmp_path / "run/validation.csv")
     assert metadata["steps_taken"] == SHORT["n_steps"]
     assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
@@ -152,9 +137,8 @@ def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, 
 
 
 def test_setting_every_scene_aside_is_refused(tmp_path):
-    everything = {"n_scenes": 6, "every_steps": 50, "by": "psnr", "patience": None}
     with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
-        train(**arguments(tmp_path / "run", validation=everything))
+        train(**arguments(tmp_path / "run", validation={**VALIDATION, "n_scenes": 6}))
 
 
 def test_a_scene_set_aside_that_cannot_be_rendered_is_named(tmp_path):
