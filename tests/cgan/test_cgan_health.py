@@ -32,20 +32,12 @@ def test_a_healthy_image_has_no_fault(monkeypatch):
     assert faults(measured(image_of, monkeypatch), dropout=0.5) == []
 
 
-def one_image(mask, rng):
-    return image_of(np.indices(mask.shape)[0] % 25 == 20, rng)
-
-
 def without_draws(mask, rng):
     return image_of(mask, np.random.default_rng(1))
 
 
 def no_finite(mask, rng):
     raise FloatingPointError
-
-
-def negative(mask, rng):
-    return 255 - image_of(mask, rng)
 
 
 def chequered(period):
@@ -59,10 +51,10 @@ def chequered(period):
 @pytest.mark.parametrize(
     ("make", "fault"),
     [
-        (one_image, "mask ignored"),
+        (lambda mask, rng: image_of(np.indices(mask.shape)[0] % 25 == 20, rng), "mask ignored"),
         (lambda mask, rng: 100 + 6 * rng.standard_normal(mask.shape), "mask ignored"),
         (without_draws, "dropout ignored"),
-        (negative, "nothing learnt"),
+        (lambda mask, rng: 255 - image_of(mask, rng), "nothing learnt"),
         (chequered(2), "checkerboard"),
         (chequered(4), "checkerboard"),
         (chequered(8), "checkerboard"),
@@ -144,9 +136,8 @@ def trained_faults(settings, seed, *, spoil=lambda training: None):
 
 
 def freeze_discriminator(training):
-    """The discriminator stays as it was drawn: its rate is zero."""
-    adam = training._optimisers["discriminator_adam"]
-    adam.step = lambda: None
+    """The discriminator stays as it was drawn."""
+    training._optimisers["discriminator_adam"].step = lambda: None
 
 
 @pytest.mark.study
