@@ -21,15 +21,13 @@ class Scene:
     name : str
         Unique within its set.
     n_range_bins : int
-        Height of the image in range bins.
+        Height of the image.
     layer_bins : ndarray, (layer, range_line)
         Annotated layers in fractional range bins, row 0 the snow surface; NaN where not annotated.
     image : ndarray of uint8, (range_bin, range_line), or None
-        Scaled by the rule of `to_uint8`.
+        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are what its 0 (plus 10 dB) and 255 stand for.
     complete_layer_bins : ndarray, (layer, range_line), or None
         Every layer there is, where `layer_bins` holds only what a picker found.
-    noise_floor_db, maximum_db : float
-        What 8-bit 0 (plus 10 dB) and 255 stand for; NaN without an image.
     zone : int
         Accumulation zone, -1 where unknown.
     notes : dict
@@ -65,18 +63,9 @@ def scene_height(layer_bins):
 
 
 def layer_mask(layer_bins, n_range_bins):
-    """One pixel per layer and range line, at the rounded bin.
+    """One pixel per layer and range line at the rounded bin, ndarray of bool (`n_range_bins`, range_line).
 
-    Parameters
-    ----------
-    layer_bins : array_like, (layer, range_line)
-        Fractional range bins; NaN where absent. Layers outside the window leave no pixel.
-    n_range_bins : int
-        Height of the mask.
-
-    Returns
-    -------
-    ndarray of bool, (range_bin, range_line)
+    `layer_bins`: (layer, range_line), fractional; no pixel where it is NaN or outside the window.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     mask = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=bool)
@@ -120,27 +109,18 @@ def to_db(power):
 
 
 def to_uint8(power):
-    """8-bit image of linear power by the rule of the published benchmark.
+    """8-bit image of linear power: 0 is ``noise_floor_db - 10`` and below, 255 the maximum.
 
     Parameters
     ----------
     power : array_like, (range_bin, range_line)
-        Linear power, positive and finite.
+        Linear; ValueError unless positive and finite everywhere, and not all the same.
 
     Returns
     -------
     image : ndarray of uint8, (range_bin, range_line)
     noise_floor_db, maximum_db : float
-        The smallest row mean of the dB image, and its maximum.
-
-    Raises
-    ------
-    ValueError
-        If a pixel is not positive and finite, or if the image has no contrast.
-
-    Notes
-    -----
-    0 stands for ``noise_floor_db - 10`` and below, 255 for the maximum: the rule of the koenig_TC2016_ML data set.
+        The smallest row mean of the dB image, and its maximum; the rule of the koenig_TC2016_ML data set.
     """
     power = np.asarray(power)
     bad = ~((power > 0) & np.isfinite(power))
@@ -174,9 +154,8 @@ def bin_size_s(echogram):
 def check_echogram(echogram, where="echogram"):
     """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
 
-    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt` evenly spaced;
-    `Data` (linear power, not negative, NaN where missing); `Latitude`, `Longitude`, `Elevation` and `Surface` along
-    `slow_time`.
+    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt` evenly spaced; `Data`
+    (linear power, not negative, NaN where missing); `Latitude`, `Longitude`, `Elevation`, `Surface` along `slow_time`.
     """
     _require(echogram, {"Data": {"twtt", "slow_time"}, **{name: {"slow_time"} for name in ECHOGRAM_ALONG_TRACK}}, where)
     _check_slow_time(echogram, where)

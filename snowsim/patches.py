@@ -11,12 +11,7 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene):
-    """Raise ValueError, naming the scene, unless it has an image with contrast that fits its layers, and a layer.
-
-    Parameters
-    ----------
-    scene : Scene
-    """
+    """Raise ValueError, naming the `Scene`, unless its image has contrast and fits its layers, and a layer is seen."""
     shape = (scene.n_range_bins, scene.n_range_lines)
     if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
         got = "no image" if scene.image is None else f"{scene.image.dtype} of shape {scene.image.shape}"
@@ -31,25 +26,10 @@ def check_trainable(scene):
 
 
 def draw_index(n, position, seed, *keys):
-    """Which of `n` items the draw at `position` gives: all of them once, in random order, before any comes again.
+    """Which of `n` items the draw at `position` gives: every one once, in random order, before any comes again.
 
-    Parameters
-    ----------
-    n : int
-        Number of items.
-    position : int
-        Number of draws before this one.
-    seed : int
-    *keys : str or int
-        What is drawn, as for `random_stream`.
-
-    Returns
-    -------
-    int
-
-    Notes
-    -----
-    A function of its arguments alone: a training that resumes at a position needs no saved sampler.
+    `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training that resumes at a
+    position needs no saved sampler.
     """
     times_through, place = divmod(position, n)
     return int(_order(n, seed, *keys, times_through)[place])
@@ -63,8 +43,8 @@ def _order(n, seed, *keys):
 def scaled(image, layer_bins, scale):
     """A scene at another size, its layers still one pixel thick.
 
-    The image is averaged down; the layers are moved as curves and drawn again, because a mask that is resized like an
-    image loses or thickens them.
+    The image is averaged down; layers are moved as curves and drawn again: a mask resized like an image loses or
+    thickens them.
 
     Parameters
     ----------
@@ -72,18 +52,13 @@ def scaled(image, layer_bins, scale):
     layer_bins : ndarray, (layer, range_line)
         Fractional range bins; NaN where absent.
     scale : float
-        In (0, 1]: 0.5 halves both sides.
+        0.5 halves both sides; ValueError outside (0, 1].
 
     Returns
     -------
     image : ndarray of uint8, (range_bin, range_line)
     layer_bins : ndarray, (layer, range_line)
         NaN where one of the two range lines a value lies between has none.
-
-    Raises
-    ------
-    ValueError
-        If `scale` lies outside (0, 1].
     """
     if not 0 < scale <= 1:
         msg = f"scale must lie in (0, 1], got {scale}"
@@ -103,13 +78,12 @@ def scaled(image, layer_bins, scale):
 
 
 def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng):
-    """One random crop of each scene, all of one size.
-
-    Each crop holds at least one annotated pixel: a pixel is drawn from the mask, then a window from those around it.
+    """One random crop of each scene, all of one size, each holding at least one annotated pixel.
 
     Parameters
     ----------
     scenes : sequence of Scene
+        ValueError unless `check_trainable` passes them.
     n_range_bins, n_range_lines : int, optional
         Size of the crops; the smallest scene bounds it, and so does None.
     scale : float
@@ -117,21 +91,14 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, fl
     flip : bool
         Turn left and right about with probability 1/2, scene by scene.
     known : callable, optional
-        ``known(scene, layer_bins, n_range_bins)``, with the layers as scaled, gives a map of bool (range_bin,
-        range_line); it is cut like the mask and returned third. It consumes nothing of `rng`.
+        ``known(scene, layer_bins, n_range_bins)``, layers as scaled, gives a map of bool (range_bin, range_line) to be
+        cut like the mask. It consumes nothing of `rng`.
     rng : numpy.random.Generator
 
     Returns
     -------
-    images : ndarray of uint8, (patch, range_bin, range_line)
-    masks : ndarray of bool, (patch, range_bin, range_line)
-    known : ndarray of bool, (patch, range_bin, range_line)
-        If `known` was given.
-
-    Raises
-    ------
-    ValueError
-        If a scene has no image, no contrast or no layer (see `check_trainable`).
+    images, masks[, known] : ndarray of uint8, of bool, of bool, (patch, range_bin, range_line)
+        The third if `known` was given.
     """
     whole = []
     for scene in scenes:
@@ -164,10 +131,7 @@ def _draw_patch(maps, size, flip, rng):
 
 
 def to_signed(array):
-    """Stack of images or masks as a float32 tensor in [-1, 1], (patch, 1, range_bin, range_line).
-
-    0 and False become -1, 255 and True become 1.
-    """
+    """Float32 tensor (patch, 1, range_bin, range_line) in [-1, 1] of a stack of images (0 to 255) or masks."""
     array = np.asarray(array)
     full = 1 if array.dtype == bool else 255
     return torch.from_numpy(array.astype(np.float32) * np.float32(2 / full) - np.float32(1))[:, None]

@@ -6,28 +6,27 @@ import numpy as np
 
 
 def seed_entropy(seed, *keys):
-    """128 bits that depend on `seed` and on every key, and on nothing else, as an int.
+    """128 bits that depend on `seed` and on every key, on their order, and on nothing else, as an int.
 
-    Keys are compared by their text, so ``1`` and ``"1"`` name the same stream; their order counts.
+    Keys are compared by their text: ``1`` and ``"1"`` name the same stream.
     """
     text = "\x1f".join(str(part) for part in (seed, *keys))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:16], "little")
 
 
 def random_stream(seed, *keys):
-    """Random generator for one purpose.
+    """Random generator for one purpose, named by keys: ``random_stream(seed, "render_phy", scene)``.
 
     Parameters
     ----------
     seed : int
         The seed of the configuration.
     *keys : str or int
-        What the numbers are for, most general first: ``random_stream(seed, "render_phy", scene)``.
+        What the numbers are for, most general first.
 
     Returns
     -------
     numpy.random.Generator
-        PCG64 seeded from a SHA-256 digest of seed and keys: streams with different keys are independent, and none
-        depends on how work was divided or ordered.
+        PCG64 seeded by `seed_entropy`: independent streams, whatever the order and division of work.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))

@@ -34,19 +34,9 @@ CHECKERBOARD, CHECKERBOARD_OBSERVED = 3.0, 3.0
 
 
 def measure_losses(losses, adversarial):
-    """How decided the discriminator was of late.
+    """`discriminator_ratio`: mean loss over the last `WINDOW_STEPS` steps, relative to an undecided discriminator's.
 
-    Parameters
-    ----------
-    losses : sequence of dict
-        Of every step so far, as `train_steps` yields them.
-    adversarial : str
-        `bce` or `lsgan`.
-
-    Returns
-    -------
-    dict of float
-        `discriminator_ratio`: its mean loss over the last `WINDOW_STEPS` steps as a share of an undecided one's.
+    `losses` of the steps so far, as `train_steps` yields them; `adversarial` is `bce` or `lsgan`.
     """
     late = losses[-WINDOW_STEPS:]
     mean = np.mean([(step["discriminator_real"] + step["discriminator_fake"]) / 2 for step in late])
@@ -54,29 +44,13 @@ def measure_losses(losses, adversarial):
 
 
 def measure_renders(generator, scenes, *, dropout, statistics="training", precision="float32", seed):
-    """What the renders of a few scenes answer to, and the pattern they carry.
+    """What the renders of the first `N_SCENES` observed scenes depend on, and the pattern they carry, a dict.
 
-    Parameters
-    ----------
-    generator : UNetGenerator
-    scenes : sequence of Scene
-        Observed; the first `N_SCENES` are used, their masks cut to the smallest of them. Two or more.
-    dropout, statistics, precision
-        As for `render`.
-    seed : int
-
-    Returns
-    -------
-    dict of float
-        `mask_response`: root mean square difference between renders of different masks by the same dropout, as a share
-        of that between the observed images; `draw_spread`: the same between two draws for one mask [grey levels];
-        `error_share`: root mean square error as a share of the observed images' standard deviation; `checkerboard`,
-        `checkerboard_observed` [grey levels], see `checkerboard`. All of renders are NaN if one is not finite.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two scenes.
+    `mask_response`: root mean square difference between renders of different masks by the same dropout, as a share of
+    that between the observed images; `draw_spread`: the same between two draws for one mask [grey levels];
+    `error_share`: root mean square error as a share of the observed images' standard deviation; `checkerboard` and
+    `checkerboard_observed` [grey levels]. NaN if a render is not finite; ValueError for fewer than two scenes.
+    Masks are cut to the smallest of them; `dropout`, `statistics`, `precision` as for `render`.
     """
     scenes = [scenes[number] for number in range(min(N_SCENES, len(scenes)))]
     if len(scenes) < 2:
@@ -114,16 +88,9 @@ def measure_renders(generator, scenes, *, dropout, statistics="training", precis
 def checkerboard(image):
     """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
 
-    Parameters
-    ----------
-    image : array_like, (range_bin, range_line)
-
-    Returns
-    -------
-    float
-        The strongest of the periods: the standard deviation of the median over all cells of a grid of that period, each
-        less its own mean, and less what is the same all along a row: that might be snow. Layers and edges, bright in
-        few cells, do not move a median.
+    The strongest of the periods: the standard deviation of the median over all cells of a grid of that period, each
+    less its own mean, and less what is the same all along a row, which might be snow. Layers and edges, bright in few
+    cells, do not move a median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []
@@ -141,16 +108,8 @@ def checkerboard(image):
 def faults(numbers, *, dropout):
     """What is wrong by the limits of this module, a phrase each; empty for a healthy training.
 
-    Parameters
-    ----------
-    numbers : dict of float
-        Of `measure_losses` and `measure_renders`; those missing are not judged.
-    dropout : float
-        Without dropout draws may be equal.
-
-    Returns
-    -------
-    list of str
+    `numbers` of `measure_losses` and `measure_renders`; those missing are not judged. Without dropout draws may be
+    equal.
     """
     found = []
     ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)

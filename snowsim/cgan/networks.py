@@ -12,19 +12,10 @@ N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out, pix2pi
 class UNetGenerator(nn.Module):
     """U-Net of pix2pix from a layer mask to an image, both (patch, 1, range_bin, range_line) in [-1, 1].
 
-    Parameters
-    ----------
-    width : int
-        Channels of the outermost stage; 64 as published.
-    depth : int
-        Number of stages that each halve the image; 8 as published.
-
-    Notes
-    -----
-    Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``. Any image size: the mask
-    is continued to a multiple of ``2**depth``, downwards without layers and sideways with its last range line, and the
-    output is cut back. Batch normalisation is by the statistics of the images at hand in training, and by kept ones,
-    set once by `train.settle_statistics`, in rendering.
+    Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``, `depth` halvings. Any
+    image size: the mask is continued to a multiple of ``2**depth``, downwards without layers and sideways with its last
+    range line, and the output cut back. Batch normalisation is by the images at hand in training, and in rendering by
+    statistics that `train.settle_statistics` sets once.
     """
 
     def __init__(self, width=64, depth=8):
@@ -53,20 +44,9 @@ class UNetGenerator(nn.Module):
         return range(self.depth - 2, max(self.depth - 2 - N_NOISY_BLOCKS, 0), -1)
 
     def draw_noise(self, n_patches, n_range_bins, n_range_lines, *, dropout=0.5, rng):
-        """Dropout of one pass, the only noise of pix2pix: factors 0 or 1 / (1 - dropout).
+        """Dropout of one pass, the only noise of pix2pix: 0 or 1 / (1 - dropout) for masks of this shape.
 
-        Parameters
-        ----------
-        n_patches, n_range_bins, n_range_lines : int
-            Shape of the masks to come.
-        dropout : float
-            Share of dropped values.
-        rng : numpy.random.Generator
-
-        Returns
-        -------
-        dict of tensor, (patch, channel, row, column)
-            By stage.
+        A dict by stage of tensors (patch, channel, row, column).
         """
         rows, columns = (-(-n // 2**self.depth) * 2**self.depth for n in (n_range_bins, n_range_lines))
         noise = {}
@@ -113,12 +93,7 @@ class UNetGenerator(nn.Module):
 class PatchDiscriminator(nn.Module):
     """PatchGAN of pix2pix: logits, one per patch, for real (mask, image) pairs against rendered ones.
 
-    Parameters
-    ----------
-    width : int
-        Channels of the first stage; 64 as published.
-    n_strided : int
-        Number of stages that halve the image: patches of 16, 34, 70 (as published) and 142 pixels for 1 to 4.
+    Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that halve, of 1 to 4.
     """
 
     def __init__(self, width=64, n_strided=3):

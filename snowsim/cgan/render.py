@@ -1,7 +1,4 @@
-"""Layer masks to 8-bit echograms with a trained generator.
-
-Similarity of a generator's renders to scenes it was not trained on, while it is being trained.
-"""
+"""Layer masks to 8-bit echograms with a trained generator, and how near they come to scenes it was not trained on."""
 
 import numpy as np
 import torch
@@ -10,47 +7,29 @@ from snowsim.cgan.networks import UNetGenerator
 from snowsim.metrics.image import similarity
 from snowsim.patches import draw_index, from_signed, to_signed
 from snowsim.seeding import random_stream
-from snowsim.training import load_weights
+from snowsim.training import arithmetic, load_weights
 
 STATISTICS = ("training", "scene")
 
 
 def render(generator, mask, *, dropout=0.5, statistics="training", precision="float32", rng):
-    """Echogram of one layer mask, the whole scene at once.
+    """Echogram of one layer mask, the whole scene at once: uint8, of the shape of the mask (range_bin, range_line).
 
-    A scene does not depend on which others are rendered, in what order or by how many processes. There are no seams and
-    nothing is resized.
+    A scene does not depend on which others are rendered, in what order or by how many processes; any size.
 
     Parameters
     ----------
     generator : UNetGenerator
     mask : ndarray of bool, (range_bin, range_line)
-        `Scene.mask`; any size.
+        ValueError if it holds no layer.
     dropout : float
-        As in training.
+        As in training: it stays on, as in pix2pix, drawn from `rng`.
     statistics : str
-        Normalise by `training`, averages over what was trained on, or by `scene`, those of the scene, as pix2pix does.
+        Normalise by `training`, averages over what was trained on, or by `scene`, those of the image, as pix2pix does:
+        they change with the height, so that the same layers in a taller scene are another render.
     precision : str
-        `float32` or `bfloat16` arithmetic.
+        Arithmetic, `float32` or `bfloat16`; FloatingPointError if a pixel is not finite.
     rng : numpy.random.Generator
-        Draws the dropout, which stays on as in pix2pix: its only noise.
-
-    Returns
-    -------
-    ndarray of uint8, (range_bin, range_line)
-
-    Raises
-    ------
-    ValueError
-        If the mask is not bool with two dimensions, or holds no layer; if the generator has no statistics yet.
-    FloatingPointError
-        If a pixel is not finite: the weights come from a training that diverged.
-
-    Notes
-    -----
-    pix2pix renders one image at a time by that image's own statistics, `scene`: those change with the height, so that
-    the same layers in a taller scene are another render. Averages over training do not; where crops were trained on,
-    `scene` differs from what the weights were trained with.
     """
     mask = np.asarray(mask)
     if mask.dtype != bool or mask.ndim != 2:
@@ -68,7 +47,7 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
     generator.eval()
     device = next(generator.parameters()).device
     noise = generator.draw_noise(1, *mask.shape, dropout=dropout, rng=rng)
-    with torch.inference_mode(), torch.autocast(device.type, torch.bfloat16, enabled=precision == "bfloat16"):
+    with torch.inference_mode(), arithmetic(device, precision):
         image = generator(to_signed(mask[None]).to(device), noise, own_statistics=statistics == "scene")
         if not torch.isfinite(image).all():
             msg = "generator renders values that are not finite: its training diverged"
@@ -88,13 +67,7 @@ class Collapsed(ValueError):
 
 
 def held_out(n_scenes, n_held, *, seed):
-    """Which of a number of scenes to train on and which to set aside, two sorted lists of numbers.
-
-    Raises
-    ------
-    ValueError
-        If none would be left to train on.
-    """
+    """Numbers of the scenes to train on and of those to validate with, two sorted lists; ValueError if none is left."""
     if n_held >= n_scenes:
         msg = f"validation sets {n_held} train scenes aside, there are {n_scenes}: none is left to train on"
         raise ValueError(msg)
@@ -103,23 +76,9 @@ def held_out(n_scenes, n_held, *, seed):
 
 
 def validate(generator, scenes, *, dropout, statistics, precision, seed):
-    """Render scenes and compare them with what was observed.
+    """Render observed scenes and compare: means of `rmse`, `psnr`, `ssim` as a dict, and the renders as a list.
 
-    Parameters
-    ----------
-    generator : UNetGenerator
-    scenes : sequence of Scene
-        With images.
-    dropout, statistics, precision
-        As for `render`.
-    seed : int
-
-    Returns
-    -------
-    scores : dict of float
-        `rmse`, `psnr`, `ssim`: means over the scenes.
-    images : list of ndarray of uint8, (range_bin, range_line)
-        The renders.
+    `dropout`, `statistics` and `precision` as for `render`.
     """
     images = [
         render(

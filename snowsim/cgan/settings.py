@@ -11,27 +11,23 @@ class Settings:
     ----------
     width : int
         Channels of the outermost stage of both networks; 64 as published.
-    depth : int
-        Halvings of the generator; 8 as published.
-    n_strided : int
-        Halvings of the discriminator; 3, as published, makes its patches 70 pixels wide.
-    n_steps : int
-        Gradient steps of each network.
-    batch_size : int
-        Patches a step.
+    depth, n_strided : int
+        Halvings of the generator and of the discriminator; 8 and 3 (patches of 70 pixels) as published.
+    n_steps, batch_size : int
+        Gradient steps of each network; patches a step.
     n_range_bins, n_range_lines : int or None
-        Size of random crops, taken at full resolution; None takes whole scenes, as pix2pix does. A generator learns
-        what lies where from where the image ends: trained on crops, it does not know how deep in a scene it is.
+        Size of random crops; None takes whole scenes, as pix2pix does. A generator learns what lies where from where
+        the image ends: trained on crops, it does not know how deep in a scene it is.
     learning_rate, beta1, beta2 : float
         Of Adam; the rate is constant for half the steps, then falls linearly to zero.
     l1_weight : float
-        Weight of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
+        Of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
     adversarial : str
         `bce`, as published, or `lsgan`.
     dropout : float
         Share of dropped values in the noisy stages of the generator.
     precision : str
-        `float32` or `bfloat16` arithmetic; weights are float32 in both.
+        Arithmetic, `float32` or `bfloat16`.
     """
 
     width: int = 16

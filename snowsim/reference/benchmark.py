@@ -18,22 +18,9 @@ SPARE_KM = 1.0
 
 
 def scene_position(index, split, length_km):
-    """Track and start of a scene, disjoint from every other scene and from the sample flight.
+    """Track and start [km] of a scene on a line of `length_km`, disjoint from every other and from the sample flight.
 
-    Each split flies tracks of its own, parallel to the sample flight; a track has 160 places.
-
-    Parameters
-    ----------
-    index : int
-    split : str
-        `train`, `validation` or `test`.
-    length_km : float
-        Of the line.
-
-    Returns
-    -------
-    track : str
-    start_km : float
+    Each split (`train`, `validation`, `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
     """
     if split not in SPLITS or index < 0:
         msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, got {split!r} and {index}"
@@ -49,34 +36,12 @@ def scene_position(index, split, length_km):
 
 
 def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, rng):
-    """One scene of the benchmark.
+    """One scene of the benchmark, a `Scene`; `rng` is of this scene alone.
 
     Complete layers are all autumn horizons down to where they fade: where their expected rise over the snow above them
-    falls below `visible_db`, a matter of contrast and noise at the place, see `n_visible_layers`.
-
-    Parameters
-    ----------
-    index : int
-    split : str
-        In `train`, `layer_bins` is what a semi-automatic picker found on the image, and `complete_layer_bins` the
-        truth; in `validation` and `test` both are the truth.
-    climate : Climate
-    settings : Settings
-    n_looks : int
-        Looks averaged into a range line.
-    n_range_lines : int
-    rng : numpy.random.Generator
-        Of this scene alone.
-
-    Returns
-    -------
-    Scene
-        Surface near row 50, cropped 100 rows below the deepest complete layer, at least 300 rows.
-
-    Raises
-    ------
-    ValueError
-        If the split is unknown or a scene would not fit its place.
+    falls below `visible_db`, see `n_visible_layers`. In `train`, `layer_bins` is what a semi-automatic picker found on
+    the image, else the complete layers. Surface near row 50, cropped 100 rows below the deepest layer, at least 300
+    rows. ValueError if the split is unknown or a scene would not fit its place.
     """
     radar = settings.radar
     track, start_km = scene_position(index, split, line_length_km())

@@ -40,17 +40,9 @@ def draw_waves(shortest_km, longest_km, *, rng):
 class Climate:
     """What all frames and scenes share; see `draw_climate`.
 
-    Attributes
-    ----------
-    anomaly : ndarray, (2, year)
-        Standard normal anomalies of accumulation at either end of the line, last year first.
-    horizon_strength : ndarray, (year,)
-        Standard normal: how marked each autumn is.
-    crust_age, crust_strength : ndarray, (year, crust)
-        Where in the year crusts lie, in (0, 1), and how marked they are, standard normal; NaN for no crust.
-    track_seed : int
-        Seed of everything that differs between parallel tracks.
-    settings : Settings
+    Standard normal: `anomaly` (2, year) of accumulation at either end of the line, last year first;
+    `horizon_strength` (year,), how marked each autumn is; `crust_strength` (year, crust). `crust_age` (year, crust):
+    where in the year crusts lie, in (0, 1), NaN for none. `track_seed`: of all that differs between parallel tracks.
     """
 
     anomaly: np.ndarray
@@ -73,22 +65,10 @@ class Climate:
         return float(firn.fade_least_m + above_least_m)
 
     def draw_accumulation(self, track, position_km, n_years, *, rng):
-        """Water equivalent of the slabs between autumn horizons, youngest first.
+        """Water equivalent of the slabs between autumn horizons, youngest first, (slab, range_line) [m w.e.].
 
-        Parameters
-        ----------
-        track : str
-            Which of the parallel tracks: undulations differ between them, years do not.
-        position_km : ndarray, (range_line,)
-            Along the line, evenly spaced.
-        n_years : int
-            Slabs wanted; the first is the open year.
-        rng : numpy.random.Generator
-
-        Returns
-        -------
-        ndarray, (slab, range_line)
-            [m w.e.], positive because every factor is an exponential.
+        Positive because every factor is an exponential. Undulations differ between tracks, years do not. `position_km`
+        (range_line,) is evenly spaced along the line; the first of `n_years` slabs is the open year.
         """
         if n_years > N_YEARS:
             msg = f"n_years must be at most {N_YEARS}, got {n_years}"
@@ -119,18 +99,7 @@ class Climate:
 
 
 def draw_climate(settings, *, rng):
-    """Climate of a flight and its benchmark.
-
-    Parameters
-    ----------
-    settings : Settings
-    rng : numpy.random.Generator
-        ``random_stream(seed, "climate")``, the same for every frame and scene.
-
-    Returns
-    -------
-    Climate
-    """
+    """`Climate` of a flight and its benchmark; `rng` is always ``random_stream(seed, "climate")``: all share it."""
     anomaly = rng.standard_normal((2, N_YEARS))
     horizon_strength = rng.standard_normal(N_YEARS)
     n_crusts = np.minimum(rng.poisson(settings.firn.crusts_per_year, N_YEARS), MOST_CRUSTS)

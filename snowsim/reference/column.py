@@ -22,15 +22,7 @@ PERCOLATION_FADE = 0.6  # depth of fading in full percolation, relative to dry f
 
 @dataclass(frozen=True)
 class Interfaces:
-    """Interfaces of one kind under a stretch.
-
-    Attributes
-    ----------
-    bins : ndarray, (interface, range_line)
-        Range bins below the snow surface.
-    power : ndarray, (interface, range_line)
-        Reflected power of a flat interface at nadir; zero where there is none.
-    """
+    """Interfaces of one kind, (interface, range_line): bins below the surface, power reflected at nadir (0: none)."""
 
     bins: np.ndarray
     power: np.ndarray
@@ -40,18 +32,9 @@ class Interfaces:
 class Column:
     """Firn under a stretch of range lines; see `draw_column`.
 
-    Attributes
-    ----------
-    place : Place
-        Its middle.
-    percolation : float
-        0 (dry) to 1.
-    fade_depth_m : float
-        Depth over which density steps fall to 1/e.
-    horizons, crusts, lenses : Interfaces
-        Autumn horizons, which are the layers, and what may be taken for them.
-    table_bins, table_depth_m, table_density_kg_m3 : ndarray, (node,)
-        Mean depth and density against range bins below the surface.
+    `place` is its middle; `percolation` 0 (dry) to 1; density steps fall to 1/e over `fade_depth_m`. Autumn `horizons`
+    are the layers; `crusts` and `lenses` may be taken for them. `table_*` (node,): mean depth and density against range
+    bins below the surface.
     """
 
     place: Place
@@ -70,25 +53,11 @@ class Column:
 
 
 def draw_column(climate, track, position_km, n_bins_below, *, rng):
-    """Firn under a stretch of a track.
+    """`Column` of a stretch of a track, with every horizon that comes above `n_bins_below` in some range line.
 
     Snow is dry, the pulse goes straight down, and the density profile that gives depth is the steady one of the
-    stretch's middle (Sorge's law): years with more snow are thicker, not denser.
-
-    Parameters
-    ----------
-    climate : Climate
-    track : str
-    position_km : ndarray, (range_line,)
-        Along the line, evenly spaced.
-    n_bins_below : int
-        Depth wanted, in range bins below the surface.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    Column
-        Every horizon that comes above `n_bins_below` in some range line.
+    stretch's middle (Sorge's law): years with more snow are thicker, not denser. `position_km` (range_line,) is evenly
+    spaced along the line; `n_bins_below` counts range bins from the surface.
     """
     firn, radar = climate.settings.firn, climate.settings.radar
     place = place_at(float(np.mean(position_km)), climate.settings.climate.accumulation_factor)

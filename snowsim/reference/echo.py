@@ -33,16 +33,8 @@ SURFACE_LENGTH_M = 120.0  # correlation of the surface echo's strength
 class Echo:
     """Mean power of the scatterers of a stretch.
 
-    Attributes
-    ----------
-    sub_bin_power : ndarray of float32, (range_line, sub_bin)
-        Relative to the peak of a mean surface; `margin` sub-bins more at either end.
-    margin : int
-    noise_power : float
-        Thermal part of it.
-    without_echo : ndarray of bool, (range_line,)
-        Missing range lines.
-    radar : RadarSettings
+    `sub_bin_power` float32 (range_line, sub_bin): relative to the peak of a mean surface, `margin` sub-bins more at
+    either end, `noise_power` its thermal part. `without_echo` bool (range_line,): missing range lines.
     """
 
     sub_bin_power: np.ndarray
@@ -66,23 +58,10 @@ class Echo:
 
 
 def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
-    """Mean power of every scatterer of a stretch: surface, horizons, crusts, lenses, fine layering, thermal noise.
+    """`Echo` of a stretch: surface, horizons, crusts, lenses, fine layering, thermal noise.
 
     Interfaces scatter incoherently: over a footprint of 14.5 m their height varies by more than a wavelength. Multiple
-    reflections are left out; they are of the order of reflectivity squared, 40 dB down.
-
-    Parameters
-    ----------
-    column : Column
-    surface_row : ndarray, (range_line,)
-    n_range_bins : int
-    firn : FirnSettings
-    radar : RadarSettings
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    Echo
+    reflections are left out; they are of the order of reflectivity squared, 40 dB down. `surface_row` is (range_line,).
     """
     sub = radar.n_sub_bins
     n_lines = surface_row.size
@@ -191,22 +170,10 @@ def _add_surface(power, first, waveform, strength):
 
 
 def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
-    """Fine layering of density about its trend, as logs of snow pits show it.
+    """Fine layering of density about its trend, as logs of snow pits show it, (profile, sample) [kg m-3].
 
-    Parameters
-    ----------
-    n_profiles, n_samples : int
-        Logs, and samples of each.
-    spacing_m : float
-        Between samples.
-    sd_kg_m3, length_m : float
-        Standard deviation and vertical 1/e length of the autocorrelation.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    ndarray of float32, (profile, sample)
-        Gaussian, exponential autocorrelation [kg m-3]. float32: its rounding is 1e-7 of a field known to percents.
+    Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length `length_m`, samples
+    `spacing_m` apart. float32: its rounding is 1e-7 of a field known to percents.
     """
     persistence = np.float32(np.exp(-spacing_m / length_m))
     noise = rng.standard_normal((n_profiles, n_samples), dtype=np.float32)

@@ -11,8 +11,6 @@ KOVACS_M3_KG = 0.845e-3
 def rates_herron_langway80(temperature_k):
     """Rate constants of the two stages of densification, k0 [per m w.e.] and k1 [per m w.e.^1/2 yr^1/2].
 
-    Notes
-    -----
     ``k0 = 11 exp(-10160 / RT)``, ``k1 = 575 exp(-21400 / RT)``, densities in Mg m-3: Herron & Langway (1980),
     J. Glaciol. 25, 373-385.
     """
@@ -24,30 +22,11 @@ def rates_herron_langway80(temperature_k):
 
 
 def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Steady-state density under a given mass of snow.
+    """Steady-state density [kg m-3] under a mass of snow, `water_m` [m w.e.]: accumulation times age.
 
-    Parameters
-    ----------
-    water_m : array_like
-        Mass above [m w.e.]: accumulation times age.
-    accumulation_m : float
-        Mean accumulation [m w.e. / yr].
-    temperature_k, surface_density_kg_m3 : float
-
-    Returns
-    -------
-    ndarray
-        Density [kg m-3], of the shape of `water_m`.
-
-    Raises
-    ------
-    ValueError
-        If accumulation is not positive, a mass is negative, or the surface is not below the critical density.
-
-    Notes
-    -----
-    ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1 A^1/2 (rho_ice - rho)`` above: Herron & Langway
-    (1980), J. Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice.
+    ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1 A^1/2 (rho_ice - rho)`` above, A the mean
+    accumulation [m w.e. / yr]: Herron & Langway (1980), J. Glaciol. 25, 373-385. With water = A age both integrate to
+    an exponential approach to ice. ValueError unless A > 0, masses >= 0 and the surface is below the critical density.
     """
     water_m = np.asarray(water_m, dtype=float)
     k0, k1, ratio, critical_water_m = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
@@ -61,17 +40,8 @@ def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_den
 
 
 def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Depth under which a given mass of snow lies, the closed depth-age relation.
+    """Depth [m] under which a mass of snow lies, the closed depth-age relation; arguments as for the density.
 
-    Arguments and refusals as for `density_herron_langway80`.
-
-    Returns
-    -------
-    ndarray
-        Depth [m], of the shape of `water_m`; the age is ``water_m / accumulation_m`` years.
-
-    Notes
-    -----
     Herron & Langway (1980), eqs for stage 1 and 2: ``ln(rho / (rho_ice - rho))`` grows linearly with depth, at
     ``rho_ice k0`` above the critical density and ``rho_ice k1 / A^1/2`` below, densities in Mg m-3.
     """
@@ -104,8 +74,6 @@ def _logit(density_kg_m3):
 def refractive_index_kovacs95(density_kg_m3):
     """Refractive index of dry snow, of the shape of the densities [kg m-3]; ValueError outside [0, 917].
 
-    Notes
-    -----
     ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in g cm-3: Kovacs, Gow & Morey (1995), Cold Reg.
     Sci. Technol. 23, 245-256.
     """
@@ -118,15 +86,8 @@ def refractive_index_kovacs95(density_kg_m3):
 
 
 def travel_time_s(depth_m, water_m):
-    """Two-way travel time from the snow surface down to a depth and back [s], straight down.
+    """Two-way travel time straight down from the snow surface to a depth [m] with a mass above it [m w.e.] [s].
 
-    Parameters
-    ----------
-    depth_m, water_m : array_like
-        Depth [m] and the mass above it [m w.e.].
-
-    Notes
-    -----
     ``(2 / c) integral n dz`` with the n of Kovacs et al. (1995), linear in density, is ``(2 / c) (depth + 0.845
     water)`` for any profile: no step size, and fine layering of zero mean changes nothing.
     """
@@ -137,8 +98,6 @@ def travel_time_s(depth_m, water_m):
 def reflectivity(jump_kg_m3, density_kg_m3):
     """Power reflected by a small density step, seen straight down; broadcasts.
 
-    Notes
-    -----
     Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995): the next term is a factor
     ``1 - dn / n``, below 0.3 dB for steps up to 100 kg m-3.
     """

@@ -22,30 +22,12 @@ GOOD, AUTOMATIC = 1, 2  # quality and type in CReSIS layer files
 
 
 def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
-    """One frame of the sample flight.
+    """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`; `rng` is its own.
 
-    Parameters
-    ----------
-    frame, n_frames : int
-        Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts.
-    n_range_lines : int
-    climate : Climate
-        Shared by all frames.
-    settings : Settings
-    rng : numpy.random.Generator
-        Of this frame alone.
-
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        See `snowsim.echogram.check_echogram` and `check_layers`. Layers lie where the mean echo of their horizon peaks,
-        NaN where it hardly rises over the snow above or the range line is missing; deeper ones than are seen are left
-        out. Both say in their attributes that they are synthetic, how many looks they have, and where they lie.
-
-    Raises
-    ------
-    ValueError
-        If there is no such frame, or the frames do not fit on the line.
+    Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts. Layers lie where the mean
+    echo of their horizon peaks, NaN where it hardly rises over the snow above or the range line is missing; deeper ones
+    than are seen are left out. Attributes say that they are synthetic, how many looks they have, and where they lie.
+    ValueError if there is no such frame, or the frames do not fit on the line.
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
@@ -92,16 +74,10 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
 def draw_complex_segment(*, climate, settings, rng):
     """A 5 km segment of the flight, complex, elevation-compensated and undetected, for the Doppler spectrum.
 
-    It lies where the firn shows most years, away from the ends of the line. The looks of a range line are kept as
-    range lines of their own. Scatterers are independent from one to the next: the Doppler spectrum is flat by
-    construction, here as in the paper's claim, and proves nothing.
-
-    Returns
-    -------
-    xarray.Dataset
-        `Real` and `Imaginary` (twtt, slow_time) float32, the echo of every look; `layer_twtt` (layer, slow_time) [s]
-        of all layers in the window, surface first; position and attributes as in `draw_frame`, `line_spacing_m`
-        being that of the looks.
+    It lies where the firn shows most years, away from the ends of the line. Variables: `Real` and `Imaginary` (twtt,
+    slow_time) float32, the looks of a range line as range lines of their own; `layer_twtt` (layer, slow_time) [s] of
+    all layers in the window, surface first. Scatterers are independent from look to look: the Doppler spectrum is flat
+    by construction, here as in the paper's claim, and proves nothing.
     """
     radar = settings.radar
     length_km = SEGMENT_LINES * radar.line_spacing_m / 1e3

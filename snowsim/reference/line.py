@@ -21,20 +21,7 @@ SECONDS_PER_KM = 1 / 0.12  # at 120 m/s
 
 @dataclass(frozen=True)
 class Place:
-    """Climate at one point of the line.
-
-    Attributes
-    ----------
-    position_km : float
-    latitude, longitude : float
-        [degrees]
-    elevation_m : float
-        Of the ice surface.
-    accumulation_m : float
-        Long-term mean [m w.e. / yr], without undulations.
-    temperature_k : float
-        Annual mean.
-    """
+    """Climate at one point: ice surface, long-term mean accumulation [m w.e. / yr], annual mean temperature."""
 
     position_km: float
     latitude: float
@@ -45,14 +32,7 @@ class Place:
 
 
 def place_at(position_km, accumulation_factor=1.0):
-    """Climate at one position along the line, a `Place`; ValueError outside the line.
-
-    Parameters
-    ----------
-    position_km : float
-    accumulation_factor : float
-        Times the accumulation of the profile, see `ClimateSettings`.
-    """
+    """`Place` at a position along the line; ValueError outside it. `accumulation_factor` as in `ClimateSettings`."""
     length_km = line_length_km()
     if not 0 <= position_km <= length_km:
         msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
@@ -75,15 +55,8 @@ def accumulation_m(position_km):
 
 
 def temperature_fausto09(elevation_m, latitude, longitude):
-    """Annual mean near-surface air temperature over Greenland [K].
+    """Annual mean near-surface air temperature over Greenland [K], from metres, degrees north and east.
 
-    Parameters
-    ----------
-    elevation_m, latitude, longitude : float
-        [m], degrees north, degrees east.
-
-    Notes
-    -----
     ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van As, Boggild &
     Johnsen (2009), J. Glaciol. 55, 95-105.
     """

@@ -12,22 +12,11 @@ AGAIN_DB = 0.5  # a lost layer is taken up again only when it rises this much mo
 
 
 def rise_db(mean_power, layer_bins, n_windows):
-    """How much each layer rises over the snow above it in mean power.
+    """How much each layer rises over the snow above it in mean power, (layer, window) [dB].
 
-    Parameters
-    ----------
-    mean_power : ndarray, (range_bin, range_line)
-        Expected power, without speckle, with noise.
-    layer_bins : ndarray, (layer, range_line)
-        Complete layers, row 0 the surface.
-    n_windows : int
-        Pieces along track; power is averaged along the layers over each, so that no single minimum decides.
-
-    Returns
-    -------
-    ndarray, (layer, window)
-        Power on the layer over the least power between it and the layer above [dB]; infinite for the surface, NaN
-        where the layer leaves the record.
+    Power on the layer over the least between it and the layer above, each averaged along the layers over `n_windows`
+    pieces, so that no single minimum decides; infinite for the surface, NaN where the layer leaves the record.
+    `mean_power` (range_bin, range_line) is free of speckle, with noise; `layer_bins` (layer, range_line) complete.
     """
     n_bins, n_lines = mean_power.shape
     edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
@@ -47,22 +36,10 @@ def rise_db(mean_power, layer_bins, n_windows):
 
 
 def n_visible_layers(rise, visible_db):
-    """Number of layers, surface included, down to where horizons fade.
+    """Number of layers, surface included and at least 1, down to where horizons fade.
 
-    The deepest horizon that itself rises that much decides: weaker ones between are counted, as a reader who follows
-    the years would.
-
-    Parameters
-    ----------
-    rise : ndarray, (layer,)
-        See `rise_db`, over the whole stretch.
-    visible_db : float
-        Rise below which the record ends.
-
-    Returns
-    -------
-    int
-        At least 1.
+    The deepest horizon whose own rise (layer,) over the whole stretch, see `rise_db`, reaches `visible_db` decides:
+    weaker ones between are counted, as a reader who follows the years would.
     """
     seen = np.flatnonzero(rise[1:] >= visible_db)  # NaN compares false
     return 2 + int(seen[-1]) if seen.size else 1
@@ -80,26 +57,13 @@ def pick_visible(rise, layer_bins, gap_db):
 
 
 def pick_peaks(power, layer_bins, settings):
-    """Layers as a semi-automatic picker finds them on an echogram.
+    """Layers as a semi-automatic picker finds them on an echogram, (layer, range_line), whole bins, NaN where lost.
 
     A person marks a layer where it is clearest; from there the picker follows its peak to both sides, line by line, at
     most one bin per line, on an image averaged along track. It loses a layer that rises too little over what is above
     and below (weak layers, and steep ones, which the averaging blurs), takes it up again behind the gap, and drops
     short pieces. A piece that strayed to something else is taken out by the person who checks it: the picker misses
-    pixels, it does not invent layers.
-
-    Parameters
-    ----------
-    power : ndarray, (range_bin, range_line)
-        The echogram, linear power.
-    layer_bins : ndarray, (layer, range_line)
-        Complete layers, row 0 the surface; inside the echogram.
-    settings : PickSettings
-
-    Returns
-    -------
-    ndarray, (layer, range_line)
-        Whole range bins, NaN where lost; strictly increasing with depth.
+    pixels, it does not invent layers. `power` is linear; the complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
     smooth_db = uniform_filter1d(10 * np.log10(power), settings.picker_lines, axis=1, mode="nearest")

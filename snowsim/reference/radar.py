@@ -16,21 +16,8 @@ SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
 
 
 def hann_response(delay_s, bandwidth_hz):
-    """Amplitude of an FMCW radar's answer to a point, its beat signal weighted by a Hann window.
+    """Amplitude of an FMCW radar's answer to a point, its beat signal weighted by a Hann window, 1 at zero delay.
 
-    Parameters
-    ----------
-    delay_s : array_like
-        Two-way travel time from the point [s].
-    bandwidth_hz : float
-
-    Returns
-    -------
-    ndarray
-        1 at zero delay.
-
-    Notes
-    -----
     Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with
     ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an
     equivalent width of 1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there and back, half of that in range.
@@ -42,8 +29,6 @@ def hann_response(delay_s, bandwidth_hz):
 def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
     """Angular pattern of the backscatter of a gently rough interface, not normalised, 1 at nadir.
 
-    Notes
-    -----
     Geometric optics with Gaussian slopes, ``exp(-tan^2 / 2 s^2) / cos^4``, s the slope along one axis: Ulaby, Moore &
     Fung (1982), Microwave Remote Sensing II, section 12-5; plus a diffuse share that follows the cosine.
     """
@@ -53,26 +38,14 @@ def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
 
 
 def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
-    """Power from the annulus that a pulse lights up at a delay after the nadir point, relative to zero delay.
+    """Power from the annulus that a pulse lights up at a delay [s] after the nadir point, relative to zero delay.
 
-    Parameters
-    ----------
-    delay_s : array_like
-        Two-way travel time after nadir [s], not negative.
-    height_m : float
-        Of the antenna over the interface. Refraction in the firn above a buried interface is neglected: over 20 m it
-        moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried interface is the one seen
-        from the air, n times its own.
-    rms_slope, diffuse_share : float
-        See `backscatter_geometric_optics`.
-    beamwidth_deg : float
-        Two-sided 3 dB width of one antenna, Gaussian.
-
-    Notes
-    -----
     Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay ``2 pi R dR/dt``,
     spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane form of Brown (1977), IEEE Trans.
-    Antennas Propag. 25, 67-74, before his convolution with pulse and heights.
+    Antennas Propag. 25, 67-74, before his convolution with pulse and heights. `height_m`: antenna over interface;
+    `beamwidth_deg`: two-sided, 3 dB, of one antenna, Gaussian. Refraction in the firn above a buried interface is
+    neglected: over 20 m it moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried
+    interface is the one seen from the air, n times its own.
     """
     range_m = height_m + SPEED_OF_LIGHT_M_S * np.asarray(delay_s, dtype=float) / 2
     angle = np.arccos(height_m / range_m)
@@ -84,14 +57,8 @@ def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
 class Waveform:
     """Mean echo of one interface on the sub-bin grid, before the range response.
 
-    Attributes
-    ----------
-    power : ndarray of float32, (sub_bin,)
-        Sums to 1: a rougher interface spreads its power, it does not add any.
-    lead : float
-        Sub-bins from the first sample to the peak of the waveform as it is received.
-    peak : float
-        Height of that peak.
+    `power` float32 (sub_bin,) sums to 1: a rougher interface spreads its power, it does not add any. `lead`: sub-bins
+    from its first sample to the peak of the waveform as received; `peak`: height of that peak.
     """
 
     power: np.ndarray
@@ -112,12 +79,7 @@ def range_response(radar):
 def interface_waveform(radar, rms_slope, roughness_m):
     """`Waveform` of an interface: annuli of the off-nadir tail, spread by the roughness within the footprint.
 
-    Parameters
-    ----------
-    radar : RadarSettings
-    rms_slope : float
-    roughness_m : float
-        Standard deviation of height; refraction in snow is put at 1.3.
+    `roughness_m` is the standard deviation of height; refraction in snow is put at 1.3.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
     finer = 8
@@ -138,15 +100,9 @@ def interface_waveform(radar, rms_slope, roughness_m):
 
 
 def received_mean(sub_bin_power, radar, margin):
-    """Mean detected power at range bins of a sub-bin field, (range_line, range_bin).
+    """Mean detected power at range bins, (range_line, range_bin), of the variance of scatterers (range_line, sub_bin).
 
-    Parameters
-    ----------
-    sub_bin_power : ndarray of float32, (range_line, sub_bin)
-        Variance of the scatterers, `margin` sub-bins of them before bin 0 and after the last.
-    radar : RadarSettings
-    margin : int
-        At least half the length of `range_response`.
+    `margin` sub-bins, at least half the length of `range_response`, come before bin 0 and after the last.
     """
     return _filtered(sub_bin_power, range_response(radar) ** 2, radar.n_sub_bins, margin)
 
@@ -155,16 +111,8 @@ def draw_look(amplitude, radar, margin, *, rng):
     """Complex echo of one look at range bins, complex64 (range_line, range_bin).
 
     Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian; the range response
-    makes neighbouring bins alike. float32: rounding is 1e-7 of a quantity that scatters by itself.
-
-    Parameters
-    ----------
-    amplitude : ndarray of float32, (range_line, sub_bin)
-        Square root of half the scatterers' mean power.
-    radar : RadarSettings
-    margin : int
-        Sub-bins before bin 0 and after the last.
-    rng : numpy.random.Generator
+    makes neighbouring bins alike. `amplitude` float32 (range_line, sub_bin): square root of half their mean power.
+    float32: rounding is 1e-7 of a quantity that scatters by itself.
     """
     parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
     parts *= amplitude

@@ -1,8 +1,4 @@
-"""Range checks of settings: one line that names the key, what must hold and what came.
-
-Groups of settings of the synthetic reference flight: names as in the configuration, every value checked early.
-All settings of the synthetic reference flight from one section of a configuration.
-"""
+"""All settings of the synthetic reference flight, from one section of a configuration, every value checked early."""
 
 import math
 from dataclasses import dataclass, field, fields
@@ -11,6 +7,8 @@ from snowsim.constants import BANDWIDTH_HZ, ICE_DENSITY_KG_M3
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
 from snowsim.reference.line import line_length_km, place_at
+
+DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
 
 
 def check_within(settings, low, high, *names):
@@ -32,7 +30,7 @@ def check_positive(settings, *names):
 
 
 def group_name(settings):
-    """Name of a group of settings in the configuration: `climate` for `ClimateSettings`, `picks` for `PickSettings`."""
+    """Name of a group in the configuration: `climate` for `ClimateSettings`, `picks` for `PickSettings`."""
     return {"PickSettings": "picks"}.get(type(settings).__name__, type(settings).__name__[: -len("Settings")].lower())
 
 
@@ -45,28 +43,9 @@ def _number(settings, name):
     return value
 
 
-DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
-
-
 @dataclass(frozen=True)
 class ClimateSettings:
-    """Accumulation along the line; spreads are standard deviations of its logarithm.
-
-    Attributes
-    ----------
-    accumulation_factor : float
-        Times the mean accumulation along the line, in [0.5, 3].
-    anomaly_sd : float
-        Year-to-year anomalies, shared along the flight.
-    undulation_sd, undulation_min_km, undulation_max_km : float
-        Undulations that stay in place from year to year, and the wavelengths they have [km].
-    drift_sd, drift_length_m : float
-        Accumulation of one year that differs from place to place, and its correlation length [m].
-    relief_sd, relief_length_m : float
-        Wind relief of an old surface, levelled out by the year above it, and its correlation length [m].
-    open_year : float
-        Part of a year of accumulation above the youngest autumn horizon, in (0, 1].
-    """
+    """Accumulation along the line; spreads are standard deviations of its logarithm."""
 
     accumulation_factor: float = 1.0
     anomaly_sd: float = 0.2
@@ -92,36 +71,7 @@ class ClimateSettings:
 
 @dataclass(frozen=True)
 class FirnSettings:
-    """Density contrasts in the firn.
-
-    Attributes
-    ----------
-    surface_density_kg_m3 : float
-        Mean density at the snow surface.
-    horizon_jump_kg_m3 : float
-        Median density step at an autumn horizon, seen as the footprint averages it.
-    horizon_year_sd, horizon_local_sd : float
-        Spread of its logarithm from year to year (shared along the flight) and from place to place.
-    local_length_m : float
-        Correlation length of the latter.
-    crusts_per_year, crust_jump_kg_m3, crust_sd : float
-        Wind and melt crusts between the horizons (confusers): mean number, median step, spread of its logarithm.
-    layering_sd_kg_m3, layering_length_m : float
-        Detrended density of a near-surface log: standard deviation, vertical 1/e length.
-    layering_lateral_m : float
-        Lateral correlation length of that layering: the footprint averages over what is smaller.
-    fade_least_m, fade_depth_m, fade_sd : float
-        Depth over which steps fall to 1/e: its least, its median, and the spread of the logarithm of the difference
-        from place to place.
-    percolation_elevation_m, percolation_width_m : float
-        Where half of the effect of percolation is reached, and how fast it sets in below.
-    percolation_gap_share : float
-        Share of a horizon that full percolation breaks.
-    percolation_blur_m : float
-        Spread of a horizon within one footprint in full percolation.
-    lens_jump_kg_m3, lens_length_m, lenses_per_km_m : float
-        Ice lenses of full percolation: density step, median length, number per km along track and m of depth.
-    """
+    """Density contrasts in the firn; spreads are standard deviations of their logarithm."""
 
     surface_density_kg_m3: float = 340.0
     horizon_jump_kg_m3: float = 170.0
@@ -169,41 +119,7 @@ class FirnSettings:
 
 @dataclass(frozen=True)
 class RadarSettings:
-    """The instrument, the aircraft and the product.
-
-    Attributes
-    ----------
-    bin_size_s, line_spacing_m : float
-        Two-way travel time of a range bin; distance between range lines.
-    n_range_bins, surface_bin : int
-        Rows of a frame and the row its surface is kept near.
-    n_sub_bins : int
-        Scatterers per range bin and look.
-    n_looks : int
-        Looks of the flight averaged into a range line.
-    bandwidth_hz, height_m, beamwidth_deg : float
-        Sweep, height over the snow, two-sided 3 dB beam width of one antenna.
-    surface_slope, horizon_slope : float
-        Root-mean-square slope of the snow surface and of buried horizons at the scale of the wavelength.
-    diffuse_share : float
-        Part of the backscatter that does not depend on the angle of incidence.
-    roughness_m : float
-        Spread in height of an interface within one footprint.
-    attenuation_db_m : float
-        Two-way loss per metre of firn.
-    surface_to_noise_db, sensitivity_sd_db : float
-        Mean surface peak over thermal noise, and its spread from place to place.
-    surface_sd_db : float
-        Spread of the surface's own echo along track.
-    jitter_m, tracking_sd_bins : float
-        Movement of the aircraft, compensated in whole bins; slow error of the compensation.
-    roll_enter, roll_leave, roll_gain : float
-        Two-state Markov chain of roll fades: probabilities per range line, power gain while rolled.
-    jump_rate, jump_sd_db : float
-        Brightness jumps: probability per range line and size.
-    saturated_rate, missing_rate : float
-        Probability of a range line with an overloaded receiver, or without echo.
-    """
+    """The instrument, the aircraft and the product."""
 
     bin_size_s: float = 2.886e-10
     line_spacing_m: float = 5.47
@@ -262,21 +178,7 @@ class RadarSettings:
 
 @dataclass(frozen=True)
 class PickSettings:
-    """What is annotated.
-
-    Attributes
-    ----------
-    visible_db : float
-        Truth ends where the expected rise of the horizons over the snow above them falls below this.
-    gap_db : float
-        A flight pick is missing where its horizon's own expected rise lies below this.
-    picker_db : float
-        The semi-automatic picker of the training scenes loses a layer that rises less than this.
-    picker_lines : int
-        Range lines the picker averages.
-    shortest_run : int
-        Range lines below which a found piece is given up.
-    """
+    """What is annotated."""
 
     visible_db: float = 1.0
     gap_db: float = 0.2
@@ -303,21 +205,9 @@ GROUPS = {"climate": ClimateSettings, "firn": FirnSettings, "radar": RadarSettin
 
 
 def checked_settings(reference):
-    """Settings of the reference flight from the `reference` section of a configuration.
+    """Settings from the `reference` section of a configuration: dicts `climate`, `firn`, `radar`, `picks`.
 
-    Parameters
-    ----------
-    reference : dict of dict
-        Groups `climate`, `firn`, `radar`, `picks`; what is left out keeps its default.
-
-    Returns
-    -------
-    Settings
-
-    Raises
-    ------
-    ValueError
-        Naming the key, if a group or a key is unknown or a value is out of range.
+    What is left out keeps its default. ValueError, naming the key, if one is unknown or a value out of range.
     """
     _refuse_unknown(reference, GROUPS, "reference")
     made = {}

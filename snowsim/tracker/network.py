@@ -10,15 +10,8 @@ STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the wi
 
 
 class MultiScaleNetwork(nn.Module):
-    """Maps of layer logits at five scales and fused, from one image.
+    """Maps of layer logits at five scales and fused, from one image; `width` is 64 as published.
 
-    Parameters
-    ----------
-    width : int
-        Channels of the first stage; 64 as published.
-
-    Notes
-    -----
     Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16 without its classifier and without
     batch normalisation, a 1x1 convolution on each stage, brought to the size of the image, a 1x1 convolution over the
     five. Pooling keeps odd edges (ceil mode); what is then too large by up to 15 pixels is cut, so that pixel (0, 0)
@@ -63,16 +56,8 @@ class LightNetwork(nn.Module):
     """The same outputs from a light U-Net: one convolution a stage on the way down and one on the way up.
 
     Side output k reads stage k on the way up, so that the finest has seen the coarsest; about the cost of a
-    `MultiScaleNetwork` of the same width, whose side outputs know their own scale and finer ones alone.
-
-    Parameters
-    ----------
-    width : int
-        Channels of the first stage.
-
-    Notes
-    -----
-    Ronneberger, Fischer & Brox (2015), MICCAI, with 1x1 projections added to the skips instead of concatenation.
+    `MultiScaleNetwork` of the same width, whose side outputs know their own scale and finer ones alone. Ronneberger,
+    Fischer & Brox (2015), MICCAI, with 1x1 projections added to the skips instead of concatenation.
     """
 
     def __init__(self, width=8):

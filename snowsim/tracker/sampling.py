@@ -10,13 +10,7 @@ N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
 
 
 class Completed:
-    """Scenes with every layer there is in place of what a picker found, and no longer marked as incomplete.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-        Those that hold no `complete_layer_bins` stay as they are.
-    """
+    """Scenes with their `complete_layer_bins`, where they hold them, as layers, and no longer marked as incomplete."""
 
     def __init__(self, scenes):
         self._scenes = scenes
@@ -32,14 +26,7 @@ class Completed:
 
 
 class Chosen:
-    """Some of a sequence of scenes.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-    places : sequence of int
-        Their places in it.
-    """
+    """Those of a sequence of scenes at given places."""
 
     def __init__(self, scenes, places):
         self._scenes, self._places = scenes, list(places)
@@ -52,15 +39,9 @@ class Chosen:
 
 
 class Uppermost:
-    """Scenes of which only the surface and the layers nearest to it are labelled; images stay as they are.
+    """Scenes of which only the surface and `n_layers` below it are labelled; images stay as they are.
 
     Deep layers of label sets lie below the noise: nobody would have annotated them.
-
-    Parameters
-    ----------
-    scenes : sequence of Scene
-    n_layers : int
-        Layers below the surface that keep their label.
     """
 
     def __init__(self, scenes, n_layers):
@@ -77,35 +58,22 @@ class Uppermost:
 class TrainingSet:
     """The scene of every draw of a training, for positions counted from 0 without end.
 
-    An epoch shows each real scene once and `added_per_real` times as many of each added set, in random order. Those of
-    an added set are drawn without replacement from all of it, through the epochs, before any comes again.
+    An epoch, `n_per_epoch` scenes, shows each real one once and `added_per_real` times as many of each added set, in
+    random order. Those of an added set are drawn without replacement from all of it, through the epochs. Draws are a
+    function of seed and position: a resumed training sees what it would have seen.
 
     Parameters
     ----------
     real : sequence of Scene
+        Read when drawn, and kept: they return soonest.
     added : sequence of sequence of Scene
         Synthetic sets; none for training on real scenes alone.
     added_per_real : float
-        Scenes of each added set per real scene.
+        Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is empty.
     n_draws_synthetic_first : int, optional
         Draws of the whole training, to show as many synthetic scenes as otherwise but all of them first, real ones
         last; by default both are mixed in every epoch.
     seed : int
-
-    Attributes
-    ----------
-    n_per_epoch : int
-        Scenes in an epoch.
-
-    Raises
-    ------
-    ValueError
-        If a set is empty or the share of an added set rounds to no scene.
-
-    Notes
-    -----
-    Draws are a function of seed and position: nothing to save, and a resumed training sees what it would have seen.
-    Scenes are read when drawn; real ones, which return soonest, are kept.
     """
 
     def __init__(self, real, added=(), *, added_per_real=PAPER_SCENES_PER_REAL, n_draws_synthetic_first=None, seed):

@@ -19,12 +19,8 @@ class Settings:
     ----------
     width : int
         Channels of the first stage; 64 as published.
-    n_steps : int
-        Gradients computed, one per batch.
-    batch_size : int
-        Patches a gradient.
-    n_accumulated : int
-        Gradients summed up before the weights change.
+    n_steps, batch_size, n_accumulated : int
+        Gradients, one per batch; patches a gradient; gradients summed before the weights change.
     n_range_bins, n_range_lines : int or None
         Size of the random crops, cut after scaling; None takes whole images.
     scales : tuple of float
@@ -32,17 +28,15 @@ class Settings:
     flip : bool
         Mirror left to right half of the time.
     optimiser : str
-        `adamw` or `sgd` (momentum 0.9).
-    learning_rate, weight_decay : float
+        `adamw` or `sgd` (momentum 0.9), with `learning_rate` and `weight_decay`.
     schedule : str
         `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every `n_steps_per_tenth`.
-    n_steps_per_tenth : int
     published_multipliers : bool
         Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without decay.
     reduction : str
         Loss per image: `sum` over its pixels as published, or `mean`.
     precision : str
-        `float32` or `bfloat16` arithmetic; weights are float32 in both.
+        Arithmetic, `float32` or `bfloat16`.
     mask_unannotated : bool
         Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background, as published.
     network : str

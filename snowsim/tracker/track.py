@@ -5,7 +5,7 @@ import torch
 
 from snowsim.patches import to_signed
 from snowsim.tracker.network import NETWORKS
-from snowsim.training import load_weights
+from snowsim.training import arithmetic, load_weights
 
 
 def track(network, image, *, precision="float32"):
@@ -15,19 +15,14 @@ def track(network, image, *, precision="float32"):
     ----------
     network : MultiScaleNetwork or LightNetwork
     image : ndarray of uint8, (range_bin, range_line)
-        Any size.
+        Any size; ValueError unless it has contrast.
     precision : str
-        `float32` or `bfloat16` arithmetic.
+        Arithmetic, `float32` or `bfloat16`.
 
     Returns
     -------
     ndarray of float32, (output, range_bin, range_line)
-        In [0, 1]; side outputs 1 to 5, then the fuse.
-
-    Raises
-    ------
-    ValueError
-        If the image is not uint8 with two dimensions, or has no contrast.
+        In [0, 1]; `OUTPUTS`: side outputs 1 to 5, then the fuse.
     """
     image = np.asarray(image)
     if image.dtype != np.uint8 or image.ndim != 2:
@@ -37,7 +32,7 @@ def track(network, image, *, precision="float32"):
         msg = f"image without contrast, of shape {image.shape}"
         raise ValueError(msg)
     device = next(network.parameters()).device
-    with torch.inference_mode(), torch.autocast(device.type, torch.bfloat16, enabled=precision == "bfloat16"):
+    with torch.inference_mode(), arithmetic(device, precision):
         logits = network(to_signed(image[None]).to(device))
         return torch.sigmoid(logits[:, 0, 0].float()).cpu().numpy()
 

@@ -1,7 +1,4 @@
-"""What partial annotation leaves open: pixels that may hold a layer nobody picked.
-
-Training of the multi-scale tracker, by the published recipe or a modern one, resumable to the byte.
-"""
+"""Training of the multi-scale tracker, by the published recipe or a modern one, resumable to the byte."""
 
 import math
 
@@ -12,31 +9,21 @@ from torch.nn import functional
 from snowsim.patches import draw_patches, to_signed
 from snowsim.seeding import random_stream
 from snowsim.tracker.network import NETWORKS, OUTPUTS, initialise
-from snowsim.training import load_weights, on_cpu
+from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 REACH_BINS = 8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper
+WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
+# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate.
+PUBLISHED_MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
 
 
 def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
-    """Where the picks of a scene tell layers from background.
+    """Where the picks of a scene tell layers from background, bool (`n_range_bins`, range_line).
 
     Unknown is what lies within `reach_bins` of the continuation of a picked layer across its gaps (straight between
-    picks, level beyond the first and the last), and all that lies deeper than the deepest pick or continuation by more
-    than that. A layer between two picked ones that has no pick at all goes unnoticed.
-
-    Parameters
-    ----------
-    scene : Scene
-        One that holds `complete_layer_bins` is partially annotated; any other is known everywhere.
-    layer_bins : ndarray, (layer, range_line)
-        Its layers, scaled or not [range bins]; NaN where not annotated.
-    n_range_bins : int
-        Height of the map.
-    reach_bins : float
-
-    Returns
-    -------
-    ndarray of bool, (range_bin, range_line)
+    picks, level beyond the first and the last), and all deeper than the deepest pick or continuation by more than
+    that. A layer between two picked ones that has no pick at all goes unnoticed. `layer_bins` (layer, range_line) are
+    the scene's, scaled or not; a scene without `complete_layer_bins` is known everywhere.
     """
     known = np.ones((n_range_bins, layer_bins.shape[1]), dtype=bool)
     if scene.complete_layer_bins is None:
@@ -56,11 +43,6 @@ def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
     inside = np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
     known[np.rint(layer_bins[inside]).astype(int), np.broadcast_to(lines, layer_bins.shape)[inside]] = True
     return known
-
-
-WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
-# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate.
-PUBLISHED_MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
 
 
 class Training:
@@ -95,34 +77,15 @@ class Training:
         return on_cpu(
             {
                 "network": self.network.state_dict(),
-                "optimiser": self._optimiser.state_dict()["state"],
+                "optimiser": moments_of(self._optimiser),
                 "gradient": {name: p.grad for name, p in self.network.named_parameters() if p.grad is not None},
             }
         )
 
     def restore(self, state, step):
-        """Take over a `state`, read back as nested dicts of arrays, and the number of steps it had taken.
-
-        Raises
-        ------
-        ValueError
-            If the state is not one of a training with these settings.
-        """
+        """Take over a `state`, read back as arrays, after `step` steps; ValueError if other settings made it."""
         load_weights(self.network, state.get("network", {}), "tracker")
-        parameters = [parameter for group in self._optimiser.param_groups for parameter in group["params"]]
-        moments = state.get("optimiser", {})
-        if len(moments) not in (0, len(parameters)):
-            msg = f"tracker: expected moments of {len(parameters)} weights, got {len(moments)}: other settings made it"
-            raise ValueError(msg)
-        for index, values in moments.items():
-            parameter = parameters[int(index)]
-            # Laid out in memory as the weights are.
-            self._optimiser.state[parameter] = {
-                key: (torch.empty_like(parameter) if value.ndim else torch.empty((), device=parameter.device)).copy_(
-                    torch.as_tensor(value)
-                )
-                for key, value in values.items()
-            }
+        load_moments(self._optimiser, state.get("optimiser", {}), "tracker")
         gradients = state.get("gradient", {})
         for name, parameter in self.network.named_parameters():
             if name in gradients:
@@ -138,21 +101,16 @@ def train_steps(training, scenes):
     training : Training
         Changed in place; between two steps its `state` may be saved.
     scenes : TrainingSet
-        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end.
+        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end; ValueError if it has
+        no image, no contrast or no layer.
 
     Yields
     ------
     step : int
         Gradients taken, counted from 1.
     losses : dict of float
-        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`, their sum.
-
-    Raises
-    ------
-    ValueError
-        If a scene drawn has no image, no contrast or no layer.
-    FloatingPointError
-        If the loss is not finite.
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`, their sum; FloatingPointError if that
+        is not finite.
     """
     settings = training.settings
     while training.step < settings.n_steps:
@@ -174,23 +132,11 @@ def train_steps(training, scenes):
 
 
 def balanced_cross_entropy(logits, masks, known=None):
-    """Class-balanced cross-entropy of each output, averaged over the images, (output,).
+    """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
 
-    Parameters
-    ----------
-    logits : tensor, (output, patch, 1, range_bin, range_line)
-    masks : tensor of bool, (patch, range_bin, range_line)
-    known : tensor of bool, (patch, range_bin, range_line), optional
-        Pixels that count, in the loss and in the balance; all of them unless given.
-
-    Returns
-    -------
-    tensor, (output,)
-        Summed over the pixels of an image: layers weigh by the share of background, background by the share of layers.
-
-    Notes
-    -----
-    Xie & Tu (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1.
+    `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool (patch, range_bin,
+    range_line): pixels that count. Layers weigh by the share of background, background by that of layers: Xie & Tu
+    (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1.
     """
     layer = masks[:, None].float()
     counts = torch.ones_like(layer) if known is None else known[:, None].float()
@@ -212,7 +158,7 @@ def rate_factor(settings, step):
 def _step(training, images, masks, known=None):
     """Add one gradient and, when enough are there, change the weights; the losses before."""
     settings, optimiser = training.settings, training._optimiser
-    with torch.autocast(images.device.type, torch.bfloat16, enabled=settings.precision == "bfloat16"):
+    with arithmetic(training.device, settings.precision):
         logits = training.network(images)
     per_output = balanced_cross_entropy(logits, masks, known)
     n_pixels = masks[0].numel()

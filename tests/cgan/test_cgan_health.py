@@ -15,16 +15,6 @@ from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_re
 SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=240)
 
 
-class Planted:
-    """Stands in for a generator: `make(mask, rng)` gives its image in grey levels."""
-
-    def __init__(self, make):
-        self.make = make
-
-    def render(self, generator, mask, *, rng, **options):
-        return self.make(mask, rng)
-
-
 def image_of(mask, rng):
     """A healthy image: layers with tails, speckle that changes from draw to draw."""
     level = 60.0 + 120 * np.apply_along_axis(lambda c: np.convolve(c, np.exp(-np.arange(20) / 5))[: c.size], 0, mask)
@@ -32,7 +22,8 @@ def image_of(mask, rng):
 
 
 def measured(make, monkeypatch):
-    monkeypatch.setattr(health, "render", Planted(make).render)
+    """Health of renders in grey levels by `make(mask, rng)` in place of a generator's."""
+    monkeypatch.setattr(health, "render", lambda generator, mask, *, rng, **options: make(mask, rng))
     scenes = [toy_scene(number, n_range_bins=256, n_range_lines=192, n_layers=10) for number in range(4)]
     return measure_renders(None, scenes, dropout=0.5, seed=1)
 
@@ -41,20 +32,12 @@ def test_a_healthy_image_has_no_fault(monkeypatch):
     assert faults(measured(image_of, monkeypatch), dropout=0.5) == []
 
 
-def one_image(mask, rng):
-    return image_of(np.indices(mask.shape)[0] % 25 == 20, rng)
-
-
 def without_draws(mask, rng):
     return image_of(mask, np.random.default_rng(1))
 
 
 def no_finite(mask, rng):
     raise FloatingPointError
-
-
-def negative(mask, rng):
-    return 255 - image_of(mask, rng)
 
 
 def chequered(period):
@@ -68,10 +51,10 @@ def chequered(period):
 @pytest.mark.parametrize(
     ("make", "fault"),
     [
-        (one_image, "mask ignored"),
+        (lambda mask, rng: image_of(np.indices(mask.shape)[0] % 25 == 20, rng), "mask ignored"),
         (lambda mask, rng: 100 + 6 * rng.standard_normal(mask.shape), "mask ignored"),
         (without_draws, "dropout ignored"),
-        (negative, "nothing learnt"),
+        (lambda mask, rng: 255 - image_of(mask, rng), "nothing learnt"),
         (chequered(2), "checkerboard"),
         (chequered(4), "checkerboard"),
         (chequered(8), "checkerboard"),
@@ -153,9 +136,8 @@ def trained_faults(settings, seed, *, spoil=lambda training: None):
 
 
 def freeze_discriminator(training):
-    """The discriminator stays as it was drawn: its rate is zero."""
-    adam = training._optimisers["discriminator_adam"]
-    adam.step = lambda: None
+    """The discriminator stays as it was drawn."""
+    training._optimisers["discriminator_adam"].step = lambda: None
 
 
 @pytest.mark.study

@@ -27,7 +27,7 @@ def test_a_logit_sees_a_patch_of_the_stated_size(n_strided, patch, rng):
     initialise(network, rng=rng)
     for layer in network.layers:
         if isinstance(layer, nn.BatchNorm2d):  # its statistics see the whole image
-            layer.track_running_stats, layer.running_mean, layer.running_var = True, torch.zeros(1), torch.ones(1)
+            layer.track_running_stats = True
             layer.running_mean, layer.running_var = (torch.full((layer.num_features,), v) for v in (0.0, 1.0))
     network.eval()
     image = torch.zeros(1, 1, 160, 160, requires_grad=True)
@@ -48,16 +48,21 @@ def test_weights_start_as_in_pix2pix(rng):
     assert all((norm.bias == 0).all() for norm in network.norms())
 
 
+def one_layer(row, *size):
+    """Mask of one level layer."""
+    mask = torch.full((1, 1, *size), -1.0)
+    mask[:, :, row] = 1
+    return mask
+
+
 @pytest.fixture
 def generator(rng):
     """Small generator with random weights, settled on one pass."""
     network = UNetGenerator(4, depth=4)
     initialise(network, rng=rng)
     network.train()
-    mask = torch.full((2, 1, 64, 64), -1.0)
-    mask[:, :, 20] = 1
     with torch.no_grad():
-        network(mask, network.draw_noise(2, 64, 64, rng=rng))
+        network(one_layer(20, 64, 64).repeat(2, 1, 1, 1), network.draw_noise(2, 64, 64, rng=rng))
     return network.eval()
 
 
@@ -71,8 +76,7 @@ def test_any_image_size_keeps_its_size(generator, size, rng):
 
 @pytest.mark.parametrize("n_range_bins", [49, 55, 63])
 def test_rows_without_layers_added_up_to_the_grid_change_nothing(generator, n_range_bins, rng):
-    mask = torch.full((1, 1, 64, 32), -1.0)
-    mask[:, :, 10] = 1
+    mask = one_layer(10, 64, 32)
     noise = generator.draw_noise(1, 64, 32, rng=rng)
     with torch.no_grad():
         cut, whole = generator(mask[:, :, :n_range_bins], noise), generator(mask, noise)
@@ -80,11 +84,9 @@ def test_rows_without_layers_added_up_to_the_grid_change_nothing(generator, n_ra
 
 
 def test_a_scene_moved_by_the_grid_moves_its_image(generator):
-    mask = torch.full((1, 1, 192, 16), -1.0)
-    mask[:, :, 60] = 1
     without_noise = {}
     with torch.no_grad():
-        here, below = generator(mask, without_noise), generator(mask.roll(32, dims=2), without_noise)
+        here, below = (generator(one_layer(row, 192, 16), without_noise) for row in (60, 92))
     # 4 halvings of 4x4 kernels reach 46 rows in from the edges; the same sums, but for the order float32 takes them in.
     assert_allclose(below[:, :, 78:146], here[:, :, 46:114], atol=1e-5)
     assert here.std() > 1e-3

@@ -5,22 +5,15 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from snowsim.echogram import check_layer_bins, scene_height
-from snowsim.reference import checked_settings, draw_climate, draw_scene
+from snowsim.reference import draw_scene
 from snowsim.reference.benchmark import SLOTS, scene_position
 from snowsim.reference.line import line_length_km
 from snowsim.seeding import random_stream
 
-SETTINGS = checked_settings({})
 
-
-@pytest.fixture(scope="module")
-def climate():
-    return draw_climate(SETTINGS, rng=random_stream(1, "climate"))
-
-
-def scene(climate, index, split):
+def scene(climate, index, split, **options):
     rng = random_stream(1, "scenes", split, index)
-    return draw_scene(index, split, climate=climate, settings=SETTINGS, n_looks=16, rng=rng)
+    return draw_scene(index, split, climate=climate, settings=climate.settings, n_looks=16, rng=rng, **options)
 
 
 @pytest.fixture(scope="module")
@@ -91,11 +84,11 @@ def test_scene_does_not_depend_on_what_was_drawn_before(climate, scenes):
 
 
 @pytest.mark.parametrize(("index", "split"), [(-1, "train"), (0, "dev")])
-def test_unknown_scene_is_refused(climate, rng, index, split):
+def test_unknown_scene_is_refused(climate, index, split):
     with pytest.raises(ValueError, match="expected a split"):
-        draw_scene(index, split, climate=climate, settings=SETTINGS, n_looks=16, rng=rng)
+        scene(climate, index, split)
 
 
-def test_scene_too_long_for_its_place_is_refused(climate, rng):
+def test_scene_too_long_for_its_place_is_refused(climate):
     with pytest.raises(ValueError, match="a scene must be shorter"):
-        draw_scene(0, "test", climate=climate, settings=SETTINGS, n_looks=1, n_range_lines=2000, rng=rng)
+        scene(climate, 0, "test", n_range_lines=2000)

@@ -2,17 +2,12 @@
 
 import numpy as np
 import pytest
+from flights import climate_of
 from numpy.testing import assert_allclose
 
-from snowsim.reference import checked_settings, draw_climate
+from snowsim.reference import checked_settings
 from snowsim.reference.climate import draw_along_track, draw_waves
 from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
-from snowsim.seeding import random_stream
-
-
-@pytest.fixture
-def climate():
-    return draw_climate(checked_settings({}), rng=random_stream(1, "climate"))
 
 
 def test_line_is_1200_km_from_central_to_north_west_greenland():
@@ -71,7 +66,7 @@ def test_accumulation_is_positive_and_in_the_range_of_the_ice_sheet(climate, rng
 
 def test_relief_does_not_add_up_with_depth(rng):
     drift_free = {"climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.05}}
-    climate = draw_climate(checked_settings(drift_free), rng=rng)
+    climate = climate_of(drift_free)
     # About the least of the profile along the line: no trend of the mean.
     position_km = 0.7 * line_length_km() + np.arange(-1000, 1000) * 5.47e-3
     water_m = climate.draw_accumulation("flight", position_km, 80, rng=rng)

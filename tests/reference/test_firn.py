@@ -6,16 +6,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
+from snowsim.reference import firn
 from snowsim.reference.echo import draw_layering
-from snowsim.reference.firn import (
-    density_herron_langway80,
-    depth_herron_langway80,
-    rates_herron_langway80,
-    reflectivity,
-    refractive_index_kovacs95,
-    surface_reflectivity,
-    travel_time_s,
-)
 
 PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
 
@@ -23,7 +15,7 @@ PROFILE = (0.25, 245.0, 340.0)  # accumulation, temperature, surface density
 def integrated_profile(age_yr):
     """Density and depth at an age by integrating both stages' rates of densification in time."""
     accumulation_m, temperature_k, surface_density = PROFILE
-    k0, k1 = rates_herron_langway80(temperature_k)
+    k0, k1 = firn.rates_herron_langway80(temperature_k)
 
     def rates(_, state):
         density = state[0]
@@ -46,8 +38,8 @@ def test_depth_age_relation_equals_integrated_densification(age_yr):
     density, depth_m = integrated_profile(age_yr)
     water_m = PROFILE[0] * age_yr
     # Integrator tolerance 1e-11 per step, some hundred steps.
-    assert_allclose(density_herron_langway80(water_m, *PROFILE), density, rtol=1e-8)
-    assert_allclose(depth_herron_langway80(water_m, *PROFILE), depth_m, rtol=1e-8)
+    assert_allclose(firn.density_herron_langway80(water_m, *PROFILE), density, rtol=1e-8)
+    assert_allclose(firn.depth_herron_langway80(water_m, *PROFILE), depth_m, rtol=1e-8)
 
 
 def test_both_stages_are_among_the_ages_tested():
@@ -56,37 +48,37 @@ def test_both_stages_are_among_the_ages_tested():
 
 def test_depth_and_density_hold_the_mass_above():
     water_m = np.linspace(0, 12, 40_001)
-    depth_m = depth_herron_langway80(water_m, *PROFILE)
-    density = density_herron_langway80(water_m, *PROFILE)
+    depth_m = firn.depth_herron_langway80(water_m, *PROFILE)
+    density = firn.density_herron_langway80(water_m, *PROFILE)
     # Trapezoids of 3e-4 m w.e.: error of order (step / scale)^2 = 1e-8.
     assert_allclose(np.trapezoid(density, depth_m) / 1000, 12, rtol=1e-7)
 
 
 def test_travel_time_equals_integral_of_refractive_index():
     water_m = 9.0
-    depth_m = float(depth_herron_langway80(water_m, *PROFILE))
+    depth_m = float(firn.depth_herron_langway80(water_m, *PROFILE))
     grid_water_m = np.linspace(0, water_m, 20_001)
-    grid_depth_m = depth_herron_langway80(grid_water_m, *PROFILE)
-    index = refractive_index_kovacs95(density_herron_langway80(grid_water_m, *PROFILE))
+    grid_depth_m = firn.depth_herron_langway80(grid_water_m, *PROFILE)
+    index = firn.refractive_index_kovacs95(firn.density_herron_langway80(grid_water_m, *PROFILE))
     numerical_s = 2 / SPEED_OF_LIGHT_M_S * np.trapezoid(index, grid_depth_m)
-    assert_allclose(travel_time_s(depth_m, water_m), numerical_s, rtol=1e-7)  # as above
+    assert_allclose(firn.travel_time_s(depth_m, water_m), numerical_s, rtol=1e-7)  # as above
 
 
 def test_travel_time_knows_nothing_of_layering_of_zero_mean():
-    wavy, _ = quad(lambda z: refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)), 0, 0.1, limit=200)
-    assert_allclose(travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
+    wavy, _ = quad(lambda z: firn.refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)), 0, 0.1, limit=200)
+    assert_allclose(firn.travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
 
 
 def test_permittivity_of_ice_is_that_of_kovacs():
     # Kovacs et al. (1995) find 3.15 for ice.
-    assert_allclose(refractive_index_kovacs95(917) ** 2, 3.15, atol=0.005)
+    assert_allclose(firn.refractive_index_kovacs95(917) ** 2, 3.15, atol=0.005)
 
 
 def test_small_step_reflects_as_fresnel_does():
-    above, below = refractive_index_kovacs95([400 - 5, 400 + 5])
+    above, below = firn.refractive_index_kovacs95([400 - 5, 400 + 5])
     fresnel = ((below - above) / (below + above)) ** 2
-    assert_allclose(reflectivity(10, 400), fresnel, rtol=1e-12)
-    assert_allclose(surface_reflectivity(340), ((1.2873 - 1) / (1.2873 + 1)) ** 2, rtol=1e-4)
+    assert_allclose(firn.reflectivity(10, 400), fresnel, rtol=1e-12)
+    assert_allclose(firn.surface_reflectivity(340), ((1.2873 - 1) / (1.2873 + 1)) ** 2, rtol=1e-4)
 
 
 def test_layering_has_the_standard_deviation_and_length_of_the_logs(rng):
@@ -107,12 +99,12 @@ def test_first_samples_of_layering_are_as_spread_as_the_others(rng):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: depth_herron_langway80(1.0, -0.2, 245, 340), "accumulation_m must be positive, got -0.2"),
-        (lambda: density_herron_langway80(-1.0, 0.2, 245, 340), "water_m must not be negative"),
-        (lambda: depth_herron_langway80(1.0, 0.2, 245, 600), "surface_density_kg_m3 must lie in"),
-        (lambda: depth_herron_langway80(1.0, 0.2, -3, 340), "temperature_k must be positive"),
-        (lambda: refractive_index_kovacs95([300, 930]), "got 930"),
-        (lambda: refractive_index_kovacs95(-1.0), "got -1"),
+        (lambda: firn.depth_herron_langway80(1.0, -0.2, 245, 340), "accumulation_m must be positive, got -0.2"),
+        (lambda: firn.density_herron_langway80(-1.0, 0.2, 245, 340), "water_m must not be negative"),
+        (lambda: firn.depth_herron_langway80(1.0, 0.2, 245, 600), "surface_density_kg_m3 must lie in"),
+        (lambda: firn.depth_herron_langway80(1.0, 0.2, -3, 340), "temperature_k must be positive"),
+        (lambda: firn.refractive_index_kovacs95([300, 930]), "got 930"),
+        (lambda: firn.refractive_index_kovacs95(-1.0), "got -1"),
     ],
 )
 def test_impossible_firn_is_refused(call, message):

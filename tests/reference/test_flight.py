@@ -2,138 +2,117 @@
 
 import numpy as np
 import pytest
+from flights import BARE, climate_of, column_at, peak_rows
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
-from snowsim.reference import checked_settings, draw_climate, draw_complex_segment, draw_frame
-from snowsim.reference.column import draw_column
+from snowsim.reference import draw_complex_segment, draw_frame, firn
 from snowsim.reference.echo import draw_echo
-from snowsim.reference.firn import (
-    density_herron_langway80,
-    depth_herron_langway80,
-    refractive_index_kovacs95,
-    travel_time_s,
-)
 from snowsim.reference.line import line_length_km
-from snowsim.reference.radar import range_response
 from snowsim.seeding import random_stream
 
-SETTINGS = checked_settings({})
-BARE = {  # interfaces alone: nothing that moves a peak
-    "firn": {"layering_sd_kg_m3": 0.0, "crusts_per_year": 0.0, "horizon_year_sd": 0.0, "horizon_local_sd": 0.0},
-    "radar": {"sensitivity_sd_db": 0.0, "missing_rate": 0.0, "saturated_rate": 0.0, "surface_to_noise_db": 60.0},
-}
 
-
-@pytest.fixture(scope="module")
-def climate():
-    return draw_climate(SETTINGS, rng=random_stream(1, "climate"))
+def drawn_frame(climate, frame):
+    rng = random_stream(1, "frame", frame)
+    return draw_frame(frame, 20, 192, climate=climate, settings=climate.settings, rng=rng)
 
 
 @pytest.fixture(scope="module")
 def frame(climate):
-    return draw_frame(3, 20, 192, climate=climate, settings=SETTINGS, rng=random_stream(1, "frame", 3))
+    return drawn_frame(climate, 3)
 
 
-def bare_echo(rng):
-    settings = checked_settings(BARE)
-    climate = draw_climate(settings, rng=random_stream(1, "climate"))
-    position_km = 60.0 + np.arange(40) * 5.47e-3
+@pytest.fixture
+def bare(rng):
+    """Layers of interfaces alone, and their echo."""
     surface_row = 50 + rng.uniform(-2, 2, 40)
-    column = draw_column(climate, "flight", position_km, 400, rng=rng)
-    return column, surface_row, draw_echo(column, surface_row, 450, settings.firn, settings.radar, rng=rng)
+    return echo_of(BARE, surface_row, 450, rng)
 
 
-def peak_row(echo, line, row):
-    """Row of the maximum of the mean echo next to a row, sampled at sub-bins and refined by a parabola."""
-    radar = echo.radar
-    received = np.convolve(echo.sub_bin_power[line].astype(float), range_response(radar).astype(float) ** 2, "same")
-    near = echo.margin + int(round(row * radar.n_sub_bins)) + np.arange(-4, 5)
-    top = near[received[near].argmax()]
-    left, middle, right = received[top - 1 : top + 2]
-    return (top + 0.5 * (left - right) / (left - 2 * middle + right) - echo.margin) / radar.n_sub_bins
+def echo_of(reference, surface_row, n_range_bins, rng):
+    """Layers of 60 km along the line under these settings, and their echo."""
+    climate = climate_of(reference)
+    column = column_at(climate, 60, surface_row.size, n_range_bins - 50, rng=rng)
+    echo = draw_echo(column, surface_row, n_range_bins, climate.settings.firn, climate.settings.radar, rng=rng)
+    return column.layer_bins(surface_row), echo
 
 
-def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(rng):
-    column, surface_row, echo = bare_echo(rng)
-    layer_bins = column.layer_bins(surface_row)
-    for layer in range(8):
-        error = [peak_row(echo, line, layer_bins[layer, line]) - layer_bins[layer, line] for line in range(40)]
+def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(bare):
+    layer_bins, echo = bare
+    for line, rows in enumerate(layer_bins[:8].T):
         # The tails of the layers above pull a peak upwards, by least where it rises most.
-        assert np.abs(error).max() < 0.1
+        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.1
+
+
+def profile_of(column, climate):
+    """Accumulation, temperature and surface density of a column."""
+    return column.place.accumulation_m, column.place.temperature_k, climate.settings.firn.surface_density_kg_m3
 
 
 def test_depth_table_of_a_column_is_that_of_its_place(climate, rng):
-    column = draw_column(climate, "flight", 200 + np.arange(30) * 5.47e-3, 300, rng=rng)
-    place = column.place
-    profile = (place.accumulation_m, place.temperature_k, SETTINGS.firn.surface_density_kg_m3)
+    column = column_at(climate, 200, 30, 300, rng=rng)
+    profile = profile_of(column, climate)
     water_m = np.linspace(0, 3, 7)
-    bins = travel_time_s(depth_herron_langway80(water_m, *profile), water_m) / SETTINGS.radar.bin_size_s
-    depth_m = np.interp(bins, column.table_bins, column.table_depth_m)
+    depth_m = firn.depth_herron_langway80(water_m, *profile)
+    bins = firn.travel_time_s(depth_m, water_m) / climate.settings.radar.bin_size_s
     # Linear between 400 nodes.
-    assert_allclose(depth_m, depth_herron_langway80(water_m, *profile), atol=1e-4)
+    assert_allclose(np.interp(bins, column.table_bins, column.table_depth_m), depth_m, atol=1e-4)
 
 
 def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
     steady = {"climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.0, "open_year": 1.0}}
-    settings = checked_settings(steady)
-    climate = draw_climate(settings, rng=rng)
-    column = draw_column(climate, "flight", 200 + np.arange(10) * 5.47e-3, 300, rng=rng)
+    climate = climate_of(steady)
+    column = column_at(climate, 200, 10, 300, rng=rng)
     slab_bins = np.diff(column.layer_bins(np.zeros(10)), axis=0)[:5, 5]
-    profile = (column.place.accumulation_m, column.place.temperature_k, settings.firn.surface_density_kg_m3)
+    profile = profile_of(column, climate)
     years = np.arange(5) + 0.5
-    density = density_herron_langway80(years * profile[0], *profile)
+    density = firn.density_herron_langway80(years * profile[0], *profile)
     slab_m = profile[0] * 1000 / density
     # Density at the middle of a year instead of its profile: second order in 3 % a year.
-    expected = 2 * slab_m * refractive_index_kovacs95(density) / SPEED_OF_LIGHT_M_S / settings.radar.bin_size_s
-    assert_allclose(slab_bins, expected, rtol=1e-3)
+    slab_s = 2 * slab_m * firn.refractive_index_kovacs95(density) / SPEED_OF_LIGHT_M_S
+    assert_allclose(slab_bins, slab_s / climate.settings.radar.bin_size_s, rtol=1e-3)
 
 
 def test_horizons_never_cross_and_reach_the_window_s_end(climate, rng):
     for km in (10, 700, line_length_km() - 10):
-        column = draw_column(climate, "test_0", km + np.arange(64) * 5.47e-3, 600, rng=rng)
+        column = column_at(climate, km, 64, 600, rng=rng)
         assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
         assert column.horizons.bins[-1].max() > 560
 
 
-def test_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(rng):
-    column, surface_row, echo = bare_echo(rng)
+def test_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(bare):
+    layer_bins, echo = bare
     mean_db = 10 * np.log10(echo.mean())
-    layer_bins = np.rint(column.layer_bins(surface_row)).astype(int)
-    on_layers = mean_db[layer_bins[:6], np.arange(40)].mean(axis=1)
+    on_layers = mean_db[np.rint(layer_bins[:6]).astype(int), np.arange(40)].mean(axis=1)
     assert on_layers.argmax() == 0
     assert (on_layers[0] - on_layers[1:4] > 5).all()
     assert (on_layers[0] - on_layers[1:4] < 20).all()
 
 
-def test_air_holds_thermal_noise_alone(rng):
-    _, _, echo = bare_echo(rng)
+def test_air_holds_thermal_noise_alone(bare):
+    _, echo = bare
     # The transform of the buried echoes, some 0.01 strong, rounds to 1e-7 of them: 1e-9, noise being 1e-6.
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
 
 
 def test_missing_lines_are_noise_and_positive(rng):
-    settings = checked_settings({"radar": {"missing_rate": 1.0, "saturated_rate": 0.0, "jump_rate": 0.0}})
-    climate = draw_climate(settings, rng=rng)
-    column = draw_column(climate, "flight", 60 + np.arange(20) * 5.47e-3, 200, rng=rng)
-    echo = draw_echo(column, np.full(20, 50.0), 250, settings.firn, settings.radar, rng=rng)
+    faults = {"missing_rate": 1.0, "saturated_rate": 0.0, "jump_rate": 0.0}
+    _, echo = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)
     assert echo.without_echo.all()
     assert_allclose(echo.mean(), echo.noise_power, rtol=1e-5)
     assert (echo.draw(1, rng=rng) > 0).all()
 
 
 def test_saturated_lines_are_noisy_and_clipped(rng):
-    settings = checked_settings({"radar": {"missing_rate": 0.0, "saturated_rate": 1.0, "jump_rate": 0.0}})
-    climate = draw_climate(settings, rng=rng)
-    column = draw_column(climate, "flight", 60 + np.arange(20) * 5.47e-3, 200, rng=rng)
-    mean = draw_echo(column, np.full(20, 50.0), 250, settings.firn, settings.radar, rng=rng).mean()
+    faults = {"missing_rate": 0.0, "saturated_rate": 1.0, "jump_rate": 0.0}
+    mean = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)[1].mean()
     assert_allclose(mean[:30], mean[0, 0], rtol=1e-4)
     assert mean.max() < 0.32 + mean[0, 0]
 
 
-def test_rendered_speckle_has_the_looks_of_the_flight(rng):
-    _, _, echo = bare_echo(rng)
+def test_rendered_speckle_has_the_looks_of_the_flight(bare, rng):
+    _, echo = bare
     ratio = np.concatenate([(echo.draw(5, rng=rng) / echo.mean()).ravel() for _ in range(3)])
     assert_allclose(ratio.mean(), 1, atol=4 / np.sqrt(5 * ratio.size / 1.2))
     # The mean power changes across a range cell where a horizon lies: looks stay Gamma there too.
@@ -154,21 +133,20 @@ def test_frame_follows_the_data_model(frame):
     assert_allclose(np.diff(along_track_m(echogram)), 5.47, rtol=1e-4)
 
 
-def test_surface_of_a_frame_is_its_first_layer(frame):
+def test_surface_of_a_frame_is_its_first_layer(climate, frame):
     echogram, layers = frame
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
     bins = layer_bins_of(layers, echogram)
-    assert np.abs(bins[0] - SETTINGS.radar.surface_bin).max() < 5
+    assert np.abs(bins[0] - climate.settings.radar.surface_bin).max() < 5
     # Within two bins the mean over range lines is brightest where the surface is.
     profile = echogram["Data"].mean("slow_time").values
     assert abs(profile.argmax() - bins[0].mean()) < 2
 
 
 def test_same_seed_gives_the_same_frame_and_another_frame_differs(climate, frame):
-    again = draw_frame(3, 20, 192, climate=climate, settings=SETTINGS, rng=random_stream(1, "frame", 3))
-    for one, other in zip(frame, again, strict=True):
+    for one, other in zip(frame, drawn_frame(climate, 3), strict=True):
         assert one.identical(other)
-    other, _ = draw_frame(4, 20, 192, climate=climate, settings=SETTINGS, rng=random_stream(1, "frame", 4))
+    other, _ = drawn_frame(climate, 4)
     assert not np.array_equal(other["Data"], frame[0]["Data"])
 
 
@@ -177,16 +155,17 @@ def test_same_seed_gives_the_same_frame_and_another_frame_differs(climate, frame
 )
 def test_frames_that_do_not_exist_are_refused(climate, rng, frame, n_frames, message):
     with pytest.raises(ValueError, match=message):
-        draw_frame(frame, n_frames, 1024, climate=climate, settings=SETTINGS, rng=rng)
+        draw_frame(frame, n_frames, 1024, climate=climate, settings=climate.settings, rng=rng)
 
 
 def test_segment_is_5_km_of_complex_looks_with_a_flat_spectrum_and_fifteen_layers(climate):
-    segment = draw_complex_segment(climate=climate, settings=SETTINGS, rng=random_stream(1, "segment"))
+    settings = climate.settings
+    segment = draw_complex_segment(climate=climate, settings=settings, rng=random_stream(1, "segment"))
     assert segment.attrs["synthetic"].startswith("synthetic")
     assert segment.sizes["slow_time"] == 914 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)
     assert segment.sizes["layer"] > 15
-    rows = (segment["layer_twtt"].values - segment["twtt"].values[0]) / SETTINGS.radar.bin_size_s
+    rows = (segment["layer_twtt"].values - segment["twtt"].values[0]) / settings.radar.bin_size_s
     echo = (segment["Real"] + 1j * segment["Imaginary"]).values
     surface = echo[np.rint(rows[0]).astype(int), np.arange(echo.shape[1])]
     spectrum = np.abs(np.fft.fft(surface)) ** 2

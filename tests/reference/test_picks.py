@@ -8,8 +8,6 @@ from snowsim.echogram import check_layer_bins
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
 from snowsim.reference.settings import PickSettings
 
-SETTINGS = PickSettings()
-
 
 def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     """Mean power of layers with exponential tails over noise of 1, and where they are."""
@@ -20,6 +18,11 @@ def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
         below = rows - layer
         power += 10 ** (peak_db / 10) * np.where(below >= 0, np.exp(-np.abs(below) / 10), np.exp(-np.abs(below) / 1.5))
     return power, layer_bins
+
+
+def speckled_picks(power, layer_bins, rng, settings=PickSettings()):  # noqa: B008, frozen
+    """Picks of an echogram of 16 looks."""
+    return pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
 
 
 def test_rise_is_that_of_a_layer_over_the_tail_above():
@@ -48,7 +51,7 @@ def test_layer_without_rise_is_not_picked_there():
 
 def test_clear_layers_are_found_to_the_bin(rng):
     power, layer_bins = planted(slope=0.05)
-    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked).mean() > 0.95
     found = np.isfinite(picked)
     assert np.abs((picked - layer_bins)[found]).mean() < 1
@@ -56,7 +59,7 @@ def test_clear_layers_are_found_to_the_bin(rng):
 
 def test_weak_layer_is_lost_and_nothing_invented(rng):
     power, layer_bins = planted(peaks_db=(30, 20, -10, 20))
-    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked[2]).mean() < 0.2
     assert np.isfinite(picked[[0, 1, 3]]).mean() > 0.95
 
@@ -65,7 +68,7 @@ def test_steep_layer_is_lost_before_a_level_one(rng):
     found = {}
     for slope in (0.0, 1.2):
         power, layer_bins = planted(n_lines=60, peaks_db=(30, 12, 12, 12), slope=slope)
-        picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+        picked = speckled_picks(power, layer_bins, rng)
         found[slope] = np.isfinite(picked[1:]).mean()
     assert found[1.2] < found[0.0]
 
@@ -74,7 +77,7 @@ def test_layer_that_breaks_off_is_picked_up_to_the_break(rng):
     power, layer_bins = planted()
     without, _ = planted(peaks_db=(30, 20, -20, 20))
     power[:, 100:] = without[:, 100:]
-    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, SETTINGS)
+    picked = speckled_picks(power, layer_bins, rng)
     found = np.isfinite(picked[2])
     assert found[:85].mean() > 0.95
     assert found[115:].mean() < 0.2
@@ -83,8 +86,7 @@ def test_layer_that_breaks_off_is_picked_up_to_the_break(rng):
 @pytest.mark.parametrize("threshold_db", [0.0, 2.0, 6.0])
 def test_picks_are_a_part_of_the_truth_in_order_and_near_it(rng, threshold_db):
     power, layer_bins = planted(peaks_db=(30, 12, 9, 6), slope=0.1)
-    settings = PickSettings(picker_db=threshold_db)
-    picked = pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
+    picked = speckled_picks(power, layer_bins, rng, PickSettings(picker_db=threshold_db))
     assert picked.shape == layer_bins.shape
     check_layer_bins(picked)
     assert np.nanmax(np.abs(picked - layer_bins)) <= 3

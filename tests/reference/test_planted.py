@@ -2,34 +2,34 @@
 
 import numpy as np
 import pytest
+from flights import BARE_FIRN, BARE_RADAR, climate_of, peak_rows
 from numpy.testing import assert_allclose
 
 from snowsim.echogram import SURFACE_ROW, layer_bins_of
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.reference import benchmark, checked_settings, draw_climate, draw_frame, draw_scene, flight
-from snowsim.reference.radar import range_response
+from snowsim.reference import benchmark, draw_frame, draw_scene, flight
 from snowsim.seeding import random_stream
 
-BARE = {  # interfaces alone and short tails: nothing that moves a peak
-    "firn": {"layering_sd_kg_m3": 0.0, "crusts_per_year": 0.0, "horizon_year_sd": 0.0, "horizon_local_sd": 0.0},
-    "radar": {
-        "sensitivity_sd_db": 0.0,
-        "missing_rate": 0.0,
-        "saturated_rate": 0.0,
-        "surface_to_noise_db": 60.0,
-        "surface_slope": 0.005,
-        "horizon_slope": 0.005,
-        "diffuse_share": 0.0,
-    },
-}
-SETTINGS = checked_settings(BARE)
+SHORT_TAILS = {"surface_slope": 0.005, "horizon_slope": 0.005, "diffuse_share": 0.0}
 N_LAYERS = 6  # surface and the youngest
 
 
 @pytest.fixture(scope="module")
 def climate():
-    return draw_climate(SETTINGS, rng=random_stream(1, "climate"))
+    return climate_of({"firn": BARE_FIRN, "radar": {**BARE_RADAR, **SHORT_TAILS}})
+
+
+@pytest.fixture
+def frame(climate):
+    """Draw a frame of so many range lines: echogram and layers."""
+    rng = random_stream(1, "frame")
+    return lambda n: draw_frame(1, 20, n, climate=climate, settings=climate.settings, rng=rng)
+
+
+@pytest.fixture
+def scene(climate, echoes):
+    return draw_scene(1, "test", climate=climate, settings=climate.settings, n_looks=1, rng=random_stream(1, "scene"))
 
 
 @pytest.fixture
@@ -42,20 +42,8 @@ def echoes(monkeypatch):
     return kept
 
 
-def peak_rows(echo, line, rows):
-    """Rows of the maxima of one line's mean echo next to given rows, at sub-bins, refined by parabolas."""
-    n_sub = echo.radar.n_sub_bins
-    received = np.convolve(
-        echo.sub_bin_power[line].astype(float), range_response(echo.radar).astype(float) ** 2, "same"
-    )
-    near = echo.margin + np.rint(rows * n_sub).astype(int)[:, None] + np.arange(-4, 5)
-    top = near[np.arange(len(rows)), received[near].argmax(axis=1)]
-    left, middle, right = (received[top + step] for step in (-1, 0, 1))
-    return (top + 0.5 * (left - right) / (left - 2 * middle + right) - echo.margin) / n_sub
-
-
-def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(climate, echoes, tmp_path):
-    echogram, layers = draw_frame(1, 20, 64, climate=climate, settings=SETTINGS, rng=random_stream(1, "frame"))
+def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(frame, echoes, tmp_path):
+    echogram, layers = frame(64)
     write_dataset(tmp_path / "frame.nc", echogram)
     write_dataset(tmp_path / "layers.nc", layers)
     bins = layer_bins_of(read_dataset(tmp_path / "layers.nc"), read_dataset(tmp_path / "frame.nc"))[:N_LAYERS]
@@ -67,8 +55,7 @@ def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(climate, echoes,
         assert np.isfinite(error).sum() == N_LAYERS
 
 
-def test_layers_in_a_scene_s_file_lie_where_its_mean_echo_peaks(climate, echoes, tmp_path):
-    scene = draw_scene(1, "test", climate=climate, settings=SETTINGS, n_looks=1, rng=random_stream(1, "scene"))
+def test_layers_in_a_scene_s_file_lie_where_its_mean_echo_peaks(scene, echoes, tmp_path):
     write_scenes(tmp_path / "scenes.nc", [scene])
     with SceneSet(tmp_path / "scenes.nc") as scenes:
         bins = scenes[0].layer_bins[:N_LAYERS].astype(float)
@@ -79,14 +66,13 @@ def test_layers_in_a_scene_s_file_lie_where_its_mean_echo_peaks(climate, echoes,
         assert np.abs(peak_rows(echoes[0], line, bins[:, line]) - bins[:, line]).max() < 0.1
 
 
-def test_a_shift_of_a_fifth_of_a_bin_would_be_seen(climate, echoes):
-    scene = draw_scene(1, "test", climate=climate, settings=SETTINGS, n_looks=1, rng=random_stream(1, "scene"))
+def test_a_shift_of_a_fifth_of_a_bin_would_be_seen(scene, echoes):
     bins = scene.layer_bins[:N_LAYERS] + 0.2
     assert np.abs(peak_rows(echoes[0], 7, bins[:, 7]) - bins[:, 7]).min() > 0.1
 
 
-def test_bright_pixels_of_the_file_lie_on_its_layers(climate, tmp_path):
-    echogram, layers = draw_frame(1, 20, 256, climate=climate, settings=SETTINGS, rng=random_stream(1, "frame"))
+def test_bright_pixels_of_the_file_lie_on_its_layers(frame, tmp_path):
+    echogram, layers = frame(256)
     write_dataset(tmp_path / "frame.nc", echogram)
     power = read_dataset(tmp_path / "frame.nc")["Data"].transpose("twtt", "slow_time").values
     bins = layer_bins_of(layers, echogram)[:4]

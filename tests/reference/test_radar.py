@@ -5,31 +5,20 @@ import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.reference.radar import (
-    annulus_power,
-    draw_detected,
-    draw_look,
-    draw_receiver_gain,
-    draw_roll_gain,
-    draw_surface_row,
-    hann_response,
-    interface_waveform,
-    range_response,
-    received_mean,
-)
+from snowsim.reference import radar as rd
 from snowsim.reference.settings import RadarSettings
 
 RADAR = RadarSettings()
-MARGIN = range_response(RADAR).size // 2 + RADAR.n_sub_bins
+MARGIN = rd.range_response(RADAR).size // 2 + RADAR.n_sub_bins
 
 
 def test_hann_response_has_the_published_widths():
     # 6 GHz: 0.200 m between nulls, 0.075 m equivalent width, of path there and back.
     null_s = 0.200 / SPEED_OF_LIGHT_M_S / 2
-    assert abs(hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
-    assert (hann_response(np.linspace(0, 0.999 * null_s, 100), 6e9) > 0).all()
+    assert abs(rd.hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
+    assert (rd.hann_response(np.linspace(0, 0.999 * null_s, 100), 6e9) > 0).all()
     delay_s = np.linspace(-50 / 6e9, 50 / 6e9, 200_001)
-    width_m = np.trapezoid(hann_response(delay_s, 6e9) ** 2, delay_s) * SPEED_OF_LIGHT_M_S
+    width_m = np.trapezoid(rd.hann_response(delay_s, 6e9) ** 2, delay_s) * SPEED_OF_LIGHT_M_S
     assert_allclose(width_m, 0.075, rtol=2e-3)  # likewise rounded, from 0.07495
 
 
@@ -40,26 +29,26 @@ def test_hann_response_is_the_spectrum_of_the_weighted_beat_signal():
     for x in (0.0, 0.3, 1.0, 1.73, 2.6):
         beat = np.sum(window * np.exp(2j * np.pi * (sweep - 0.5) * x)) / window.sum()
         # Midpoint rule of a smooth periodic integrand.
-        assert_allclose(hann_response(x / 6e9, 6e9), beat.real, atol=1e-6)
+        assert_allclose(rd.hann_response(x / 6e9, 6e9), beat.real, atol=1e-6)
 
 
 def test_narrow_slopes_give_an_exponential_tail():
     # tan^2 = 2 d / H for an excess range d: exp(-tan^2 / 2 s^2) is exp(-d / (H s^2)), to order d / H = 1e-3.
     excess_m = np.linspace(0, 1, 11)
-    tail = annulus_power(2 * excess_m / SPEED_OF_LIGHT_M_S, 500, 0.03, 0, 180)
+    tail = rd.annulus_power(2 * excess_m / SPEED_OF_LIGHT_M_S, 500, 0.03, 0, 180)
     assert_allclose(np.log(tail), -excess_m / (500 * 0.03**2), atol=0.02)
 
 
 def test_rougher_or_steeper_interface_only_spreads_its_power():
     for slope, roughness_m in ((0.022, 0.0), (0.03, 0.02), (0.06, 0.08)):
-        waveform = interface_waveform(RADAR, slope, roughness_m)
+        waveform = rd.interface_waveform(RADAR, slope, roughness_m)
         assert_allclose(waveform.power.sum(), 1, rtol=1e-5)  # float32 sum of some thousand values
-    assert interface_waveform(RADAR, 0.03, 0.08).peak < interface_waveform(RADAR, 0.03, 0.02).peak
+    assert rd.interface_waveform(RADAR, 0.03, 0.08).peak < rd.interface_waveform(RADAR, 0.03, 0.02).peak
 
 
 def test_buried_echo_falls_to_a_third_over_the_bins_of_the_paper():
-    waveform = interface_waveform(RADAR, RADAR.horizon_slope, RADAR.roughness_m)
-    received = np.convolve(waveform.power, range_response(RADAR) ** 2, mode="same")
+    waveform = rd.interface_waveform(RADAR, RADAR.horizon_slope, RADAR.roughness_m)
+    received = np.convolve(waveform.power, rd.range_response(RADAR) ** 2, mode="same")
     top = received.argmax()
     fall_bins = np.argmax(received[top:] < received[top] / np.e) / RADAR.n_sub_bins
     assert 8 < fall_bins < 20
@@ -71,7 +60,7 @@ def flat_field(n_lines, n_bins, power):
 
 @pytest.mark.parametrize("n_looks", [1, 5])
 def test_speckle_has_the_looks_asked_for(rng, n_looks):
-    detected = draw_detected(flat_field(400, 500, 0.7), RADAR, MARGIN, n_looks, rng=rng)
+    detected = rd.draw_detected(flat_field(400, 500, 0.7), RADAR, MARGIN, n_looks, rng=rng)
     assert detected.dtype == np.float32
     n = detected.size / 1.2  # neighbouring bins correlate by 0.08
     assert_allclose(detected.mean(), 0.7, rtol=4 / np.sqrt(n_looks * n))
@@ -81,7 +70,7 @@ def test_speckle_has_the_looks_asked_for(rng, n_looks):
 
 
 def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
-    power = draw_detected(flat_field(600, 500, 1), RADAR, MARGIN, 1, rng=rng).astype(float)
+    power = rd.draw_detected(flat_field(600, 500, 1), RADAR, MARGIN, 1, rng=rng).astype(float)
     # Field correlation is the normalised transform of the squared window; power correlation its square.
     f = np.linspace(-0.5, 0.5, 20_001)
     squared = (0.5 + 0.5 * np.cos(2 * np.pi * f)) ** 2
@@ -93,8 +82,8 @@ def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
 
 
 def test_looks_range_lines_and_phases_are_independent(rng):
-    look = draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
-    other = draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
+    look = rd.draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
+    other = rd.draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
     bound = 4 / np.sqrt(look.size)
     assert_allclose(np.mean(np.abs(look) ** 2), 1, rtol=bound * 1.2)
     assert abs(np.mean(look * other.conj())) < bound
@@ -105,15 +94,15 @@ def test_looks_range_lines_and_phases_are_independent(rng):
 def test_received_mean_is_the_mean_of_many_looks(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
-    mean = received_mean(field, RADAR, MARGIN)
-    detected = draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(axis=0)
+    mean = rd.received_mean(field, RADAR, MARGIN)
+    detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(axis=0)
     assert_allclose(detected, mean[0], rtol=5 / np.sqrt(40_000))  # the largest of 60 exponential means
 
 
 def test_range_bins_do_not_depend_on_the_window(rng):
     field = rng.random((3, 50 * RADAR.n_sub_bins + 2 * MARGIN)).astype(np.float32)
-    whole = received_mean(field, RADAR, MARGIN)
-    part = received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
+    whole = rd.received_mean(field, RADAR, MARGIN)
+    part = rd.received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
     assert whole.shape == (3, 50)
     assert_allclose(part, whole[:, :30], rtol=1e-6)  # float32
 
@@ -121,14 +110,14 @@ def test_range_bins_do_not_depend_on_the_window(rng):
 def test_point_between_bins_appears_between_them():
     field = flat_field(1, 40, 0)
     field[0, MARGIN + 20 * RADAR.n_sub_bins + 2] = 1  # half a bin below bin 20
-    mean = received_mean(field, RADAR, MARGIN)[0]
+    mean = rd.received_mean(field, RADAR, MARGIN)[0]
     assert_allclose(mean[20], mean[21], rtol=1e-5)
     assert mean.argmax() in (20, 21)
 
 
 def test_rolled_share_of_the_flight_is_that_of_the_chain(rng):
     radar = RadarSettings(roll_enter=0.02, roll_leave=0.1, roll_gain=0.5)
-    gain = draw_roll_gain(200_000, radar, rng=rng)
+    gain = rd.draw_roll_gain(200_000, radar, rng=rng)
     assert set(np.unique(gain)) == {0.5, 1.0}
     # Stationary share e / (e + l); correlation (1 - e - l) leaves n (e + l) / 2 independent lines.
     share = 0.02 / 0.12
@@ -136,15 +125,15 @@ def test_rolled_share_of_the_flight_is_that_of_the_chain(rng):
 
 
 def test_receiver_gain_jumps_as_often_as_asked(rng):
-    gain = draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01), rng=rng)
+    gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01), rng=rng)
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
-    assert (draw_receiver_gain(1000, RadarSettings(jump_rate=0.0), rng=rng) == 1).all()
+    assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0), rng=rng) == 1).all()
 
 
 def test_compensation_leaves_fractions_of_a_bin(rng):
-    row = draw_surface_row(20_000, 50, RadarSettings(tracking_sd_bins=0.0), rng=rng)
+    row = rd.draw_surface_row(20_000, 50, RadarSettings(tracking_sd_bins=0.0), rng=rng)
     assert np.abs(row - 50).max() <= 0.5
     assert row.std() > 0.2
-    tracked = draw_surface_row(20_000, 50, RadarSettings(jitter_m=0.0), rng=rng)
+    tracked = rd.draw_surface_row(20_000, 50, RadarSettings(jitter_m=0.0), rng=rng)
     # Gaussian smoothing over 20 lines leaves 20000 / (20 * 2 sqrt(pi)) = 280 independent values.
     assert_allclose(tracked.std(), 0.8, rtol=4 / np.sqrt(2 * 280))

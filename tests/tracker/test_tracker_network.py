@@ -13,49 +13,59 @@ def test_parameter_counts_are_the_published_ones(width, n_parameters):
     assert sum(parameter.numel() for parameter in MultiScaleNetwork(width).parameters()) == n_parameters
 
 
-@pytest.fixture
-def network(rng):
-    network = MultiScaleNetwork(2)
+def drawn(network, rng):
     initialise(network, rng=rng)
     return network.eval()
+
+
+@pytest.fixture
+def network(rng):
+    return drawn(MultiScaleNetwork(2), rng)
+
+
+@pytest.fixture
+def noise(rng):
+    """Image of so many rows and columns."""
+    return lambda *size: torch.from_numpy(rng.standard_normal((1, 1, *size)).astype(np.float32))
+
+
+@pytest.fixture(autouse=True)
+def _without_gradients():
+    with torch.no_grad():
+        yield
 
 
 @pytest.mark.parametrize("kind", [MultiScaleNetwork, LightNetwork])
 @pytest.mark.parametrize("size", [(64, 64), (300, 17), (33, 47), (1, 1), (15, 16)])
 def test_every_output_has_the_size_of_the_image(kind, size):
-    with torch.no_grad():
-        logits = kind(2)(torch.zeros(2, 1, *size))
+    logits = kind(2)(torch.zeros(2, 1, *size))
     assert logits.shape == (len(OUTPUTS), 2, 1, *size)
 
 
 def test_the_light_network_s_finest_side_sees_its_coarsest(rng):
-    network = LightNetwork(2)
-    initialise(network, rng=rng)
-    with torch.no_grad():
-        for parameter in network.parameters():
-            parameter.abs_()  # no unit is silent
-        here = torch.from_numpy(rng.random((1, 1, 128, 128), dtype=np.float32))
-        there = here.clone()
-        there[0, 0, 96] += 10
-        change = (network(there) - network(here))[0, 0, 0].abs().amax(dim=1)
+    network = drawn(LightNetwork(2), rng)
+    for parameter in network.parameters():
+        parameter.abs_()  # no unit is silent
+    here = torch.from_numpy(rng.random((1, 1, 128, 128), dtype=np.float32))
+    there = here.clone()
+    there[0, 0, 96] += 10
+    change = (network(there) - network(here))[0, 0, 0].abs().amax(dim=1)
     # Stage by stage down and up again, 3x3 convolutions alone would carry it 2 x (1 + 2 + 4 + 8) rows from row 96.
     assert change[: 96 - 32].max() > 0
 
 
-def test_an_image_moved_by_sixteen_rows_moves_every_output(network, rng):
-    image = torch.from_numpy(rng.standard_normal((1, 1, 400, 32)).astype(np.float32))
-    with torch.no_grad():
-        here, below = network(image), network(image.roll(16, dims=2))
+def test_an_image_moved_by_sixteen_rows_moves_every_output(network, noise):
+    image = noise(400, 32)
+    here, below = network(image), network(image.roll(16, dims=2))
     # VGG16 sees 196 rows: half of that, and the 16 that came round, from each edge are its padding's.
     inside = slice(130, 270)
     assert_allclose(below[:, :, :, 146:286], here[:, :, :, inside], atol=1e-6)
     assert here[:, :, :, inside].std(dim=(1, 2, 3, 4)).min() > 1e-4
 
 
-def test_rows_below_the_image_change_nothing_far_above(network, rng):
-    image = torch.from_numpy(rng.standard_normal((1, 1, 333, 32)).astype(np.float32))
-    with torch.no_grad():
-        cut, whole = network(image[:, :, :219]), network(image)
+def test_rows_below_the_image_change_nothing_far_above(network, noise):
+    image = noise(333, 32)
+    cut, whole = network(image[:, :, :219]), network(image)
     # Cut at a height that 16 does not divide: pixel (0, 0) stays, only the reach of the lower edge differs.
     assert_allclose(cut[:, :, :, :100], whole[:, :, :, :100], atol=1e-6)
 
@@ -63,34 +73,29 @@ def test_rows_below_the_image_change_nothing_far_above(network, rng):
 def test_side_outputs_upsample_about_pixel_centres():
     """A side map that is a ramp in its own pixels comes out as the same ramp in pixels of the image."""
     network = MultiScaleNetwork(1)
-    with torch.no_grad():
-        for parameter in network.parameters():
-            parameter.zero_()
-        for stage, side in zip(network.stages, network.sides, strict=True):
-            for convolution in stage:
-                convolution.weight[0, 0, 1, 1] = 1
-            side.weight[0, 0] = 1
-        logits = network(torch.arange(64.0).repeat(64, 1)[None, None])
+    for parameter in network.parameters():
+        parameter.zero_()
+    for stage, side in zip(network.stages, network.sides, strict=True):
+        for convolution in stage:
+            convolution.weight[0, 0, 1, 1] = 1
+        side.weight[0, 0] = 1
+    logits = network(torch.arange(64.0).repeat(64, 1)[None, None])
     # Pooling takes the largest of 2^k columns: side k + 1 holds x + (2^k - 1) / 2 between the first and last centres.
     for k, side in enumerate(logits[:5, 0, 0]):
         inside = slice(2 ** (k - 1) if k else 0, 64 - 2 ** (k - 1) if k else 64)
         assert_allclose(side[:, inside], np.tile(np.arange(64)[inside] + (2**k - 1) / 2, (64, 1)), rtol=1e-6)
 
 
-def test_the_fuse_starts_as_the_mean_of_the_sides(network, rng):
-    with torch.no_grad():
-        logits = network(torch.from_numpy(rng.standard_normal((1, 1, 32, 32)).astype(np.float32)))
+def test_the_fuse_starts_as_the_mean_of_the_sides(network, noise):
+    logits = network(noise(32, 32))
     assert_allclose(logits[5], logits[:5].mean(dim=0), atol=1e-6)
 
 
-def test_activations_neither_vanish_nor_explode_at_the_start(rng):
-    network = MultiScaleNetwork(8)
-    initialise(network, rng=rng)
-    x = torch.from_numpy(rng.standard_normal((1, 1, 64, 64)).astype(np.float32))
-    with torch.no_grad():
-        for stage in network.stages:
-            for convolution in stage:
-                x = torch.relu(convolution(x))
+def test_activations_neither_vanish_nor_explode_at_the_start(noise, rng):
+    network, x = drawn(MultiScaleNetwork(8), rng), noise(64, 64)
+    for stage in network.stages:
+        for convolution in stage:
+            x = torch.relu(convolution(x))
     # He et al. (2015) keep the mean square through 13 layers; at 8 to 64 channels it wanders, but not by powers.
     assert 0.05 < x.square().mean() < 20
 

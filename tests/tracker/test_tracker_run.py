@@ -1,35 +1,20 @@
 """A training through its script survives kill -9; what a setting of the study changes is what is shown."""
 
-import os
-import signal
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 from train_tracker import compose, train
+from trainings import kill_midway
 
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import Settings
 
-ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
 EVERY_STEPS = 10
-# Runs the script in a process of its own and tells every step it has taken.
-CHILD = """
-import sys, train_tracker
-def told(training, scenes, steps=train_tracker.train_steps):
-    for step, losses in steps(training, scenes):
-        print(step, flush=True)
-        yield step, losses
-train_tracker.train_steps = told
-train_tracker.train(**eval(sys.argv[1]))
-"""
 
 
 @pytest.fixture
@@ -63,14 +48,7 @@ def arguments(folder, scene_files):
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     train(**arguments(whole, scene_files))
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])}
-    command = [sys.executable, "-c", CHILD, repr(arguments(killed, scene_files))]
-    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
-        for line in child.stdout:
-            if int(line) >= 3.5 * EVERY_STEPS:
-                child.send_signal(signal.SIGKILL)
-                break
-    assert child.returncode == -signal.SIGKILL
+    kill_midway("train_tracker", arguments(killed, scene_files), 3.5 * EVERY_STEPS)
     assert not (killed / "network.safetensors").exists()
     _, metadata = read_model(killed / "unfinished.safetensors")
     assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]

@@ -15,6 +15,8 @@ from tqdm import tqdm
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
+from lib.machine import available_memory_mb, progress  # noqa: E402, F401
+
 logger = logging.getLogger("snowsim")
 
 # Without this a process searches all its modules for garbage while it ends, a second with torch.
@@ -77,21 +79,3 @@ def check_memory(mem_mb):
     if available is not None and available < mem_mb:
         msg = f"memory: expected at least {mem_mb} MB available, got {available:.0f} MB"
         raise ValueError(msg)
-
-
-def available_memory_mb():
-    """Memory this machine can still give without swapping [MB]; None where the system does not say."""
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-    except OSError:
-        return None
-    values = {line.split(":")[0]: float(line.split()[1]) for line in lines if len(line.split()) > 1}
-    return values["MemAvailable"] / 1024 if "MemAvailable" in values else None
-
-
-def progress(iterable, description, total=None, initial=0):
-    """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
-    interval = 0.5 if sys.stderr.isatty() else 15
-    return tqdm(
-        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
-    )

@@ -4,8 +4,8 @@ import dataclasses
 
 import torch
 from job import job
-from training import TrainingRun, Validation, check_memory, enough_memory, logger
 
+from lib.training import TrainingRun, Validation, check_memory, enough_memory, logger
 from snowsim.cgan import (
     Collapsed,
     Settings,

@@ -5,8 +5,8 @@ from contextlib import ExitStack
 
 import torch
 from job import job
-from training import TrainingRun, enough_memory
 
+from lib.training import TrainingRun, enough_memory
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet

@@ -1,0 +1,154 @@
+"""A training through its script survives kill -9; a collapse is stated, with the weights kept or without."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import train_cgan
+from toy_scenes import toy_scenes
+from train_cgan import train
+from trainings import kill_midway
+
+from snowsim.io.files import read_table
+from snowsim.io.models import read_model
+from snowsim.io.scenes import SceneSet, write_scenes
+
+SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
+SETTINGS = {**SMALL, "n_steps": 240}
+SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
+VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None}
+EVERY_STEPS = 20
+
+
+def arguments(folder, **changes):
+    """Arguments of the script, its files in `folder`, its scenes beside it."""
+    scenes = folder.parent / "scenes.nc"
+    if not scenes.exists():
+        write_scenes(scenes, toy_scenes(6))
+    return {
+        "paths_to_scenes": [str(scenes)],
+        "path_to_generator": str(folder / "generator.safetensors"),
+        "path_to_losses": str(folder / "losses.csv"),
+        "path_to_validation": str(folder / "validation.csv"),
+        "path_to_samples": str(folder / "samples.nc"),
+        "seed": 1,
+        "device": "cpu",
+        "settings": SETTINGS,
+        "statistics": "scene",
+        "validation": VALIDATION,
+        "on_collapse": "fail",
+        "source": "no",
+        "checkpoint": str(folder / "unfinished.safetensors"),
+        "checkpoint_steps": EVERY_STEPS,
+        "events": str(folder / "events"),
+        **changes,
+    }
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Folder of an uninterrupted training."""
+    folder = tmp_path_factory.mktemp("trained") / "whole"
+    train(**arguments(folder))
+    return folder
+
+
+def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
+    killed = whole.parent / "killed"
+    last_told = kill_midway("train_cgan", arguments(killed), 3.5 * EVERY_STEPS)
+    assert not (killed / "generator.safetensors").exists()
+    _, metadata = read_model(killed / "unfinished.safetensors")
+    assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
+    assert last_told - metadata["step"] <= EVERY_STEPS  # one interval lost at most
+    train(**arguments(killed))
+    for name in ("generator.safetensors", "losses.csv", "validation.csv", "samples.nc"):
+        assert (killed / name).read_bytes() == (whole / name).read_bytes()
+    assert len(read_table(killed / "losses.csv")) == SETTINGS["n_steps"]
+    assert read_table(killed / "validation.csv")["step"].tolist() == [50, 100, 150, 200, 240]
+    assert not list(whole.parent.glob("*/unfinished*"))
+
+
+def test_the_weights_written_are_those_of_the_best_validation(whole):
+    scores = read_table(whole / "validation.csv")
+    _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
+    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert metadata["steps_taken"] == SETTINGS["n_steps"]
+
+
+def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_validation(whole):
+    with SceneSet(whole / "samples.nc") as samples:
+        sheets = [(sample.name, sample.notes["step"]) for sample in samples]
+        observed = {scene.name: scene for scene in toy_scenes(6)}
+        assert all((s.image == observed[s.name].image).all() == (s.notes["step"] is None) for s in samples)
+    names = sorted({name for name, _ in sheets})
+    assert len(names) == 2
+    assert sorted(sheets, key=str) == sorted(
+        [(name, step) for name in names for step in (None, 50, 100, 150, 200, 240)], key=str
+    )
+
+
+@pytest.fixture
+def collapse(tmp_path, monkeypatch):
+    """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""
+
+    def train_on(first_step, on_collapse, every_steps=10):
+        def planted(losses, adversarial):
+            return {"mask_response": 0.0 if losses[-1]["step"] >= first_step else 1.0}
+
+        monkeypatch.setattr(train_cgan, "WINDOW_STEPS", 20)
+        monkeypatch.setattr(train_cgan, "measure_losses", planted)
+        monkeypatch.setattr(train_cgan, "measure_renders", lambda *arguments, **options: {})
+        validation = {**VALIDATION, "every_steps": every_steps}
+        train(**arguments(tmp_path / "run", settings=SHORT, validation=validation, on_collapse=on_collapse))
+        return read_model(tmp_path / "run/generator.safetensors")[1]
+
+    return train_on
+
+
+def test_a_collapse_says_so_and_fails(tmp_path, collapse):
+    with pytest.raises(ValueError, match=r"cGAN training collapsed at step 60: mask ignored") as error:
+        collapse(45, "fail")
+    assert "\n" not in str(error.value)
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["events"]
+
+
+def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, collapse, caplog):
+    metadata = collapse(45, "fall_back")
+    assert metadata["collapse"].startswith("step 60: mask ignored")
+    assert metadata["step"] <= 40
+    assert f"the weights after step {metadata['step']} are kept" in caplog.text
+    assert read_table(tmp_path / "run/validation.csv")["step"].tolist() == [10, 20, 30, 40, 50]
+
+
+def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(collapse):
+    with pytest.raises(ValueError, match="collapsed at step 80"):
+        collapse(0, "fall_back", every_steps=40)  # from step 20 on losses are judged: no weights count as good
+
+
+def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse, caplog):
+    metadata = collapse(0, "go_on")
+    scores = read_table(tmp_path / "run/validation.csv")
+    assert metadata["steps_taken"] == SHORT["n_steps"]
+    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert scores["n_faults"].tolist() == [0, *[1] * 7]
+    if metadata["step"] > 10:
+        assert metadata["collapse"].startswith(f"step {metadata['step']}: mask ignored")
+        assert "kept all the same" in caplog.text
+
+
+def test_setting_every_scene_aside_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
+        train(**arguments(tmp_path / "run", validation={**VALIDATION, "n_scenes": 6}))
+
+
+def test_a_scene_set_aside_that_cannot_be_rendered_is_named(tmp_path):
+    scenes = [replace(scene, image=np.full_like(scene.image, 7)) for scene in toy_scenes(6)]
+    write_scenes(tmp_path / "scenes.nc", scenes)
+    with pytest.raises(ValueError, match=r"scene toy \d: image without contrast, every pixel is 7"):
+        train(**arguments(tmp_path / "run"))
+
+
+def test_a_width_that_memory_cannot_hold_is_refused_in_one_line(tmp_path):
+    # 54 million weights at width 64 are 1.2e13 at 470 times that: 190 TB with gradients and moments.
+    with pytest.raises(ValueError, match=r"too little memory for a cGAN of width 30000: it needs at least .* GB"):
+        train(**arguments(tmp_path / "run", settings={**SETTINGS, "width": 30000, "depth": 8}))

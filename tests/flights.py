@@ -1,0 +1,32 @@
+"""Reference flights for tests: their climate, columns along them, and where a mean echo peaks."""
+
+import numpy as np
+
+from snowsim.reference import checked_settings, draw_climate
+from snowsim.reference.column import draw_column
+from snowsim.reference.radar import range_response
+from snowsim.seeding import random_stream
+
+BARE_FIRN = {"layering_sd_kg_m3": 0.0, "crusts_per_year": 0.0, "horizon_year_sd": 0.0, "horizon_local_sd": 0.0}
+BARE_RADAR = {"sensitivity_sd_db": 0.0, "missing_rate": 0.0, "saturated_rate": 0.0, "surface_to_noise_db": 60.0}
+BARE = {"firn": BARE_FIRN, "radar": BARE_RADAR}  # interfaces alone: nothing that moves a peak
+
+
+def climate_of(reference, seed=1):
+    return draw_climate(checked_settings(reference), rng=random_stream(seed, "climate"))
+
+
+def column_at(climate, km, n_lines, n_bins_below, *, rng):
+    """Column under range lines of the flight from a position on."""
+    return draw_column(climate, "flight", km + np.arange(n_lines) * 5.47e-3, n_bins_below, rng=rng)
+
+
+def peak_rows(echo, line, rows):
+    """Rows of the maxima of one line's mean echo next to given rows, at sub-bins, refined by parabolas."""
+    n_sub = echo.radar.n_sub_bins
+    response = range_response(echo.radar).astype(float) ** 2
+    received = np.convolve(echo.sub_bin_power[line].astype(float), response, "same")
+    near = echo.margin + np.rint(rows * n_sub).astype(int)[:, None] + np.arange(-4, 5)
+    top = near[np.arange(len(rows)), received[near].argmax(axis=1)]
+    left, middle, right = (received[top + step] for step in (-1, 0, 1))
+    return (top + 0.5 * (left - right) / (left - 2 * middle + right) - echo.margin) / n_sub

@@ -1,0 +1,110 @@
+"""What a training leaves on disk is checked when it is taken up again; memory that is missing is named."""
+
+import numpy as np
+import pytest
+import torch
+
+from lib.training import TrainingRun, Validation, check_memory, enough_memory
+
+
+class Counter:
+    """A training that counts: what it has added up is all its state."""
+
+    def __init__(self, fails_after=None):
+        self.step, self.total, self.fails_after = 0, 0.0, fails_after
+
+    def state(self):
+        return {"total": torch.tensor([self.total], dtype=torch.float64)}
+
+    def restore(self, state, step):
+        self.step, self.total = step, float(state["total"][0])
+
+    def steps(self, n):
+        while self.step < n:
+            if self.step == self.fails_after:
+                raise KeyboardInterrupt
+            self.step += 1
+            self.total += 1 / self.step
+            yield self.step, {"zeta": self.total, "alpha": 1 / self.step}
+
+
+def counted(path, counter, n_steps=50, made_of=7, patience=None):
+    """The run of a counter that is best at step 23 or, of those validated, at 20."""
+    validation = Validation(
+        every_steps=10,
+        score=lambda: {"near": -abs(counter.step - 23.0), "also": counter.total},
+        weights=lambda: counter.state(),
+        by="near",
+        patience=patience,
+    )
+    with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7, validation=validation) as run:
+        run.take(counter.steps(n_steps), n_steps, "counter")
+    return run
+
+
+def test_losses_scores_and_the_best_survive_an_interruption(tmp_path):
+    path = tmp_path / "unfinished.safetensors"
+    whole = counted(tmp_path / "other.safetensors", Counter())
+    with pytest.raises(KeyboardInterrupt):
+        counted(path, Counter(fails_after=38))
+    resumed = counted(path, Counter())
+    assert list(resumed.losses().columns) == ["step", "zeta", "alpha"]
+    assert resumed.losses().equals(whole.losses())
+    assert resumed.scores().equals(whole.scores())
+    assert resumed.scores()["step"].tolist() == [10, 20, 30, 40, 50]
+    assert whole.best_step == resumed.best_step == 20
+    assert resumed.best["total"] == whole.best["total"] == sum(1 / n for n in range(1, 21))
+    assert not path.exists()
+
+
+def test_a_training_stops_when_validation_brings_nothing_better(tmp_path):
+    run = counted(tmp_path / "unfinished.safetensors", Counter(), n_steps=500, patience=3)
+    assert run.has_stalled
+    assert run.losses()["step"].iloc[-1] == 50  # best at 20, none better at 30, 40 and 50
+    assert run.best_step == 20
+
+
+@pytest.fixture
+def unfinished(tmp_path):
+    path = tmp_path / "unfinished.safetensors"
+    with pytest.raises(KeyboardInterrupt):
+        counted(path, Counter(fails_after=15))
+    return path
+
+
+def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished):
+    with pytest.raises(ValueError, match=r"made_of: expected 8, got 7: another .*: remove it to begin anew") as error:
+        counted(unfinished, Counter(), made_of=8)
+    assert "\n" not in str(error.value)
+    assert unfinished.exists()
+
+
+@pytest.mark.parametrize("kept", [0, 5, 100, -1])
+def test_a_truncated_checkpoint_is_refused_in_one_line(unfinished, kept):
+    unfinished.write_bytes(unfinished.read_bytes()[:kept])
+    with pytest.raises(ValueError, match=r"unfinished.safetensors: expected a whole .*remove it") as error:
+        counted(unfinished, Counter())
+    assert "\n" not in str(error.value)
+
+
+def test_events_are_written_for_tensorboard(tmp_path):
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    counter = Counter()
+    with TrainingRun(counter, tmp_path / "u.safetensors", {}, every_steps=50, path_to_events=tmp_path / "e") as run:
+        run.take(counter.steps(30), 30, "counter")
+    events = EventAccumulator(str(tmp_path / "e"))
+    events.Reload()
+    assert [event.step for event in events.Scalars("loss/alpha")] == [10, 20, 30]
+    np.testing.assert_allclose([event.value for event in events.Scalars("loss/alpha")], [1 / 10, 1 / 20, 1 / 30])
+
+
+def test_too_little_memory_is_one_line():
+    with pytest.raises(ValueError, match=r"too little memory for a network: it needs at least 1e\+09 GB"):
+        check_memory(1e18, "a network")
+    check_memory(1, "a number")
+    with pytest.raises(ValueError, match="too little memory for a tensor: ") as error, enough_memory("a tensor"):
+        torch.empty(1 << 60, dtype=torch.uint8)
+    assert "\n" not in str(error.value)
+    with pytest.raises(RuntimeError, match="shape"), enough_memory("a tensor"):
+        torch.ones(2).reshape(3)

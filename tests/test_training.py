@@ -1,0 +1,130 @@
+"""Trainings of both networks repeat to the byte, resume to the byte, and refuse what is not theirs."""
+
+from dataclasses import asdict, replace
+from itertools import islice
+
+import numpy as np
+import pytest
+import torch
+from toy_scenes import toy_scenes
+from trainings import same
+
+from snowsim import cgan, tracker
+from snowsim.io.models import read_model, write_model
+
+torch.set_num_threads(1)
+CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
+TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
+PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
+ALL = pytest.mark.parametrize("settings", [CGAN, TRACKER, PUBLISHED], ids=["cgan", "tracker", "published tracker"])
+BOTH = pytest.mark.parametrize("settings", [CGAN, TRACKER], ids=["cgan", "tracker"])
+
+
+def begun(settings, seed=1):
+    """A training of these settings, and its steps on three toy scenes."""
+    if isinstance(settings, cgan.Settings):
+        training = cgan.Training(settings, seed=seed)
+        return training, cgan.train_steps(training, toy_scenes(3))
+    training = tracker.Training(settings, seed=seed)
+    return training, tracker.train_steps(training, tracker.TrainingSet(toy_scenes(3), seed=seed))
+
+
+def trained(settings, seed=1):
+    """A training that has taken its steps, and their losses."""
+    training, steps = begun(settings, seed)
+    return training, [losses for _, losses in steps]
+
+
+def settle(training):
+    """Set what the network needs to be looked at."""
+    if isinstance(training, cgan.Training):
+        cgan.settle_statistics(training, toy_scenes(3))
+
+
+@ALL
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(settings):
+    first, again, other = (trained(settings, seed)[0].state() for seed in (1, 1, 2))
+    assert same(first, again)
+    assert not same(first, other)
+
+
+@pytest.mark.parametrize("n_before", [1, 4, 5])
+@ALL
+def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_before, tmp_path):
+    whole, losses = trained(settings)
+    broken, steps = begun(settings)
+    assert len(list(islice(steps, n_before))) == n_before
+    settle(broken)  # a look at the network in between leaves no trace
+    write_model(tmp_path / "state.safetensors", broken.state(), {"step": n_before, "settings": asdict(settings)})
+    state, metadata = read_model(tmp_path / "state.safetensors", expected={"settings": asdict(settings)})
+    resumed, steps = begun(settings)
+    resumed.restore(state, metadata["step"])
+    assert [later for _, later in steps] == losses[n_before:]
+    for name, training in (("whole", whole), ("resumed", resumed)):
+        settle(training)
+        write_model(tmp_path / f"{name}.safetensors", training.state(), {"step": training.step})
+    assert (tmp_path / "whole.safetensors").read_bytes() == (tmp_path / "resumed.safetensors").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("settings", "change"),
+    [
+        (CGAN, {"adversarial": "lsgan"}),
+        (CGAN, {"precision": "float32"}),
+        (CGAN, {"batch_size": 2}),
+        (TRACKER, {"batch_size": 2}),
+        (TRACKER, {"network": "unet"}),
+        (TRACKER, {"precision": "float32"}),
+        (TRACKER, {"n_range_bins": None, "scales": (0.5, 0.25)}),
+    ],
+)
+def test_every_variant_takes_finite_steps(settings, change):
+    _, losses = trained(replace(settings, n_steps=2, **change))
+    assert len(losses) == 2
+    assert np.isfinite([list(step.values()) for step in losses]).all()
+
+
+@BOTH
+def test_a_training_that_diverges_says_so(settings):
+    with pytest.raises(FloatingPointError, match="diverged at step"):
+        trained(replace(settings, n_steps=50, learning_rate=1e30))
+
+
+@pytest.mark.parametrize(
+    ("settings", "network", "optimiser", "trained_network"),
+    [
+        (CGAN, "generator", "generator_adam", cgan.trained_generator),
+        (TRACKER, "tracker", "optimiser", tracker.trained_network),
+    ],
+)
+def test_a_state_of_other_settings_is_refused_in_one_line(settings, network, optimiser, trained_network):
+    state = begun(replace(settings, width=5))[0].state()
+    with pytest.raises(ValueError, match=f"{network}: expected .* of shape .*, got .*: other settings") as error:
+        begun(settings)[0].restore(state, 1)
+    assert "\n" not in str(error.value)
+    with pytest.raises(ValueError, match=f"{network}: expected"):
+        trained_network({}, settings)
+    halved = trained(settings)[0].state()
+    del halved[optimiser][0]
+    with pytest.raises(ValueError, match=f"{network}.*: expected moments of"):
+        begun(settings)[0].restore(halved, 1)
+
+
+@pytest.mark.parametrize(
+    ("settings", "change"),
+    [
+        (CGAN, {"n_steps": 0}),
+        (CGAN, {"dropout": 1.0}),
+        (CGAN, {"adversarial": "hinge"}),
+        (CGAN, {"precision": "int8"}),
+        (CGAN, {"learning_rate": 0.0}),
+        (TRACKER, {"n_steps": 0}),
+        (TRACKER, {"learning_rate": 0.0}),
+        (TRACKER, {"scales": ()}),
+        (TRACKER, {"scales": (2.0,)}),
+        (TRACKER, {"optimiser": "lion"}),
+    ],
+)
+def test_settings_out_of_range_are_refused(settings, change):
+    with pytest.raises(ValueError, match=next(iter(change))):
+        replace(settings, **change)
