@@ -6,18 +6,15 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.diagnostics.label_models import compare_models
-from snowsim.labels import prepare
-from snowsim.labels.models import (
-    FAMILIES,
-    MODELS,
+from lib.diagnostics.label_models import (
     choose,
-    fit_family,
-    label_model,
+    compare_models,
     tabulate_criteria,
     tabulate_families,
     whittle_log_likelihood,
 )
+from snowsim.labels import prepare
+from snowsim.labels.models import FAMILIES, MODELS, fit_family, label_model
 from snowsim.statistics.blocks import periodogram
 
 N_LINES = 256

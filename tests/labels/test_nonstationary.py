@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
 from snowsim.labels import Beyond, draw_scene, prepare
-from snowsim.labels.process import draw_beyond
+from snowsim.labels.nonstationary import draw_beyond
 
 
 def smooth(n_slabs=12):
