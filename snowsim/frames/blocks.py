@@ -1,4 +1,4 @@
-"""Blocks of 256 range lines: level frames to scenes by the rule of the published benchmark, and scenes to frames."""
+"""Level frames cut into scenes by the rule of the published benchmark, and scenes as frames."""
 
 import numpy as np
 import xarray as xr
@@ -22,33 +22,14 @@ METRES_PER_DEGREE = 6.371e6 * np.pi / 180  # of latitude, on the sphere of `echo
 
 
 def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):
-    """Scenes of a level frame by the rule of the published benchmark.
+    """Scenes of a level frame by the rule of the published benchmark, and why other blocks are none, by name.
 
-    Blocks of 256 lines overlap by 6; each is cropped so that the surface lies in row 50, and ends 100 rows below its
-    last layer but holds 300 rows at least; each is scaled to 8 bits by itself. Lines left over at the end are not used.
-
-    Parameters
-    ----------
-    echogram, layers : xarray.Dataset
-        Level (`flatten`), on the same range lines, layer 0 the snow surface. A block with one line that is `unfit`
-        (`leave_out_unfit`) is no scene: an image has no room for gaps.
-    name : str
-        Of the frame; scenes are called ``{name}_{block:03d}``.
-    n_range_lines, overlap : int
-        Width of a block, and how many lines it shares with the next.
-
-    Returns
-    -------
-    scenes : list of Scene
-        Layers without a pick in a block are left out of it, but not the surface. `notes` tell `first_line`,
-        `first_twtt_s` and `bin_size_s`.
-    skipped : dict
-        Name of every block that is no scene, and why: unfit lines, no surface, or missing pixels.
-
-    Raises
-    ------
-    ValueError
-        If the frame is narrower than a block, or the overlap is not smaller than its width.
+    Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50, and ends 100 rows
+    below its last layer but holds 300 rows at least; each is scaled to 8 bits by itself and called
+    ``{name}_{block:03d}``. Lines left over at the end are not used, nor are layers without a pick in a block. No scenes
+    are blocks with an `unfit` line (`leave_out_unfit`), without surface or with missing pixels: an image has no room
+    for gaps. `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower than a
+    block, or the overlap not smaller than it.
     """
     if not 0 <= overlap < n_range_lines:
         msg = f"overlap must lie in [0, {n_range_lines}), got {overlap}"
@@ -100,31 +81,11 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
 
 
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
-    """Echogram and layers of a scene, so that statistics can be fitted to a benchmark of images.
+    """Echogram and layers of a scene with an image, so that statistics can be fitted to a benchmark of images.
 
-    Positions and times are placeholders: a line due north from (70, -40) at one line a millisecond. Power comes back
-    from 8 bits in steps of a 255th of the contrast.
-
-    Parameters
-    ----------
-    scene : Scene
-        With an image.
-    bin_s : float
-        Bin size in two-way travel time [s]; images do not tell.
-    line_spacing_m : float
-        Distance between range lines [m].
-    contrast_db : float, optional
-        From the noise floor to the maximum [dB], for scenes that do not tell: 8-bit 255 is then this far above it.
-
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        Passing `check_echogram` and `check_layers`.
-
-    Raises
-    ------
-    ValueError
-        If the scene has no image, or neither it nor `contrast_db` tells what its grey levels stand for.
+    `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range lines [m]: images
+    tell neither. Scenes that do not tell their decibels need `contrast_db`, from the noise floor to the maximum (8-bit
+    255). Positions and times are placeholders. Power comes back in steps of a 255th of the contrast.
     """
     if scene.image is None:
         msg = f"{scene.name}: a frame needs an image, the scene has none"
@@ -135,31 +96,40 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
             msg = f"{scene.name}: the image does not tell its decibels, so contrast_db must be set, got None"
             raise ValueError(msg)
         noise_floor_db, maximum_db = 0.0, float(contrast_db)
-    n_lines = scene.n_range_lines
-    lines = np.arange(n_lines)
-    slow_time = np.datetime64("2012-01-01", "ns") + lines * np.timedelta64(1, "ms")
-    twtt = bin_s * np.arange(scene.n_range_bins)
     power = (10 ** (from_uint8(scene.image, noise_floor_db, maximum_db) / 10)).astype(np.float32)
-    layer_twtt = scene.layer_bins * bin_s
+    latitude = 70 + np.arange(scene.n_range_lines) * line_spacing_m / METRES_PER_DEGREE
+    echogram, layers = placeholder_frame(power, scene.layer_bins, latitude, bin_s=bin_s)
+    check_echogram(echogram, scene.name)
+    check_layers(layers, scene.name)
+    return echogram.assign_attrs(source_format="8-bit image", name=scene.name), layers
+
+
+def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
+    """Power and layers as datasets of the Open Polar Radar convention, due north, one line a millisecond.
+
+    `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent. Times and positions
+    are placeholders: frames sort by `minute`, their lines have the distance that `latitude` [deg] gives them.
+    """
+    n_lines = power.shape[1]
+    milliseconds = 60_000 * minute + np.arange(n_lines)
+    slow_time = np.datetime64("2012-01-01", "ns") + milliseconds * np.timedelta64(1, "ms")
+    twtt = layer_bins * bin_s
     along = {
-        "Latitude": 70 + lines * line_spacing_m / METRES_PER_DEGREE,
+        "Latitude": latitude,
         "Longitude": np.full(n_lines, -40.0),
         "Elevation": np.zeros(n_lines),
-        "Surface": layer_twtt[0],
+        "Surface": twtt[0],
     }
     echogram = xr.Dataset(
         {"Data": (("twtt", "slow_time"), power), **{key: ("slow_time", values) for key, values in along.items()}},
-        coords={"twtt": ("twtt", twtt, {"units": "s"}), "slow_time": slow_time},
-        attrs={"source_format": "8-bit image", "name": scene.name},
+        coords={"twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}), "slow_time": slow_time},
     )
     layers = xr.Dataset(
         {
-            "twtt": (("layer", "slow_time"), layer_twtt, {"units": "s"}),
-            "quality": (("layer", "slow_time"), np.ones(layer_twtt.shape, dtype=np.uint8)),
-            "type": (("layer", "slow_time"), np.full(layer_twtt.shape, 2, dtype=np.uint8)),
+            "twtt": (("layer", "slow_time"), twtt, {"units": "s"}),
+            "quality": (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)),
+            "type": (("layer", "slow_time"), np.full(twtt.shape, 2, dtype=np.uint8)),
         },
         coords={"slow_time": slow_time},
     )
-    check_echogram(echogram, scene.name)
-    check_layers(layers, scene.name)
     return echogram, layers

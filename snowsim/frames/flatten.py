@@ -1,8 +1,4 @@
-"""Layers on the range lines of an echogram, and as seen from its antenna.
-
-Surface flattening and elevation compensation: traces shifted by whole bins, nothing lost.
-Echograms at one bin size, since it differs by year and product.
-"""
+"""Frames made comparable: layers on the lines of an echogram, level surface or aircraft, one bin size."""
 
 import numpy as np
 import xarray as xr
@@ -10,33 +6,16 @@ import xarray as xr
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
 
+METHODS = ("surface", "elevation", "none")
+
 
 def align_layers(layers, echogram, where="layers"):
-    """Layers on the range lines of an echogram, and as seen from its antenna.
+    """Layers on the range lines of an echogram, and as seen from its antenna; `where` names them in messages.
 
-    Parameters
-    ----------
-    layers, echogram : xarray.Dataset
-        Of the Open Polar Radar convention, in UTC.
-    where : str
-        Names the layers in a message.
-
-    Returns
-    -------
-    xarray.Dataset
-        `twtt` (linear between neighbouring picks; NaN where either is missing), `quality` and `type` (of the nearer
-        line) on (layer, slow_time) of the echogram.
-
-    Raises
-    ------
-    ValueError
-        If the layers do not cover the echogram's time span to within one of their own lines, if a layer lies outside
-        the echogram's window, or if layers cross.
-
-    Notes
-    -----
-    Layer files hold their own antenna elevation: ``t += 2 (z_echogram - z_layers) / c`` where both are known, as in
-    the CReSIS toolbox. Without it nothing is added.
+    `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type` are those of the
+    nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram - z_layers) / c`` where both are
+    known, as in the CReSIS toolbox. ValueError if the layers do not cover the echogram's time span to within one of
+    their own lines, if one lies outside the echogram's window, or if they cross.
     """
     theirs, ours = layers["slow_time"].values, echogram["slow_time"].values
     left, weight = _between(theirs, ours, where)
@@ -96,33 +75,15 @@ def _check_window(twtt, echogram, where):
         raise ValueError(msg)
 
 
-METHODS = ("surface", "elevation", "none")
-
-
 def flatten(echogram, layers, *, method="surface"):
-    """Shift traces by whole bins so that the surface, or the aircraft, stays level.
+    """Echogram and layers with traces shifted by whole bins, so that the surface, or the aircraft, stays level.
 
-    A frame that is level already comes back as it is, so files compensated before need no setting. Nothing is lost:
-    rows are added at both ends, NaN where no trace reaches.
-
-    Parameters
-    ----------
-    echogram, layers : xarray.Dataset
-        On the same range lines (`align_layers`), layer 0 the snow surface.
-    method : {"surface", "elevation", "none"}
-        "surface" puts layer 0, or the line between its neighbours where it is not picked, into the row of its median;
-        "elevation" takes out the aircraft's change of height above the ellipsoid, as the CReSIS toolbox does.
-
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        Shifted alike; `Elevation`, `Surface` and `twtt` of the layers move along. Where the shift of a line is k bins,
-        ``Elevation += k dt c / 2`` and ``t += k dt``.
-
-    Raises
-    ------
-    ValueError
-        If the method is unknown, or the surface is not picked at all.
+    Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line between its
+    neighbours where it is not picked, into the row of its median; "elevation" takes out the aircraft's change of height
+    above the ellipsoid, as the CReSIS toolbox does; "none" nothing. Where the shift of a line is k bins, ``Elevation +=
+    k dt c / 2`` and ``t += k dt``. Nothing is lost: rows are added at both ends, NaN where no trace reaches. A frame
+    that is level already comes back as it is, so files compensated before need no setting. ValueError if the method is
+    unknown, or the surface is not picked at all.
     """
     if method not in METHODS:
         msg = f"method must be one of {', '.join(METHODS)}, got {method}"
@@ -174,26 +135,11 @@ def _shifted(echogram, layers, shift, bin_s):
 
 
 def resample_range(echogram, bin_s):
-    """Echogram at another bin size.
+    """Echogram at another bin size in two-way travel time [s], two of which must fit into it.
 
     Larger bins hold the mean power of what they cover, smaller ones the power interpolated between bin centres; the
     first bin keeps its travel time. NaN spreads to every bin it touches. A file that has the bin size to within a
     millionth comes back as it is.
-
-    Parameters
-    ----------
-    echogram : xarray.Dataset
-    bin_s : float
-        Wanted bin size in two-way travel time [s].
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    ValueError
-        If the bin size is not positive, or two of them do not fit into the echogram.
     """
     present_s = bin_size_s(echogram)
     if not bin_s > 0:

@@ -3,45 +3,26 @@
 import numpy as np
 import xarray as xr
 
+# Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each. Not unfit by
+# default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB below a bright echo: layers stay
+# where they are, and the same supplement lies beside the plain product; `low_SNR`, weak, but measured: without such
+# lines the mean power would come out too high; `land_ice`, what is on the ground, no defect.
 UNFIT_FLAGS = (
-    "coh_noise_removal_artifact",
-    "vertical_stripes_artifact",
-    "missing_data",
-    "no_good_data",
-    "unclassified_artifact",
+    "coh_noise_removal_artifact",  # power that is no echo, in the air that gives the noise and under the picks
+    "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
+    "missing_data",  # the range gate clips the echogram
+    "no_good_data",  # not to be trusted
+    "unclassified_artifact",  # not to be trusted
 )
 
 
 def leave_out_unfit(echogram, layers, *, flags=UNFIT_FLAGS):
-    """A frame without the power and the picks of range lines that quality flags call unfit.
+    """Echogram, with `unfit (slow_time)`, and layers without the power and picks of lines that have one of `flags`.
 
     Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines stay, so that their
-    neighbours keep their distance.
-
-    Parameters
-    ----------
-    echogram, layers : xarray.Dataset
-        On the same range lines (`align_layers`). The echogram's `quality_mask (slow_time)` holds one bit a flag, told
-        by its attributes `flag_masks` and `flag_meanings` (CF conventions, section 3.5).
-    flags : iterable of str
-        A line with one of these is unfit. The mask need not know them all.
-
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        The echogram with `unfit (slow_time)`, bool. Without a mask, both as they came.
-
-    Notes
-    -----
-    Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each:
-
-    - `coh_noise_removal_artifact`, coherent noise removal artifacts; `vertical_stripes_artifact`, vertical stripes or
-      raised noise floor: power that is no echo, in the air that gives the noise and under the picks.
-    - `missing_data`, the range gate clips the echogram; `no_good_data`; `unclassified_artifact`: not to be trusted.
-    - `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB below a bright echo: layers stay
-      where they are, and the same supplement lies beside the plain product. Not unfit by default.
-    - `low_SNR`: weak, but measured; without such lines the mean power would come out too high. Not unfit by default.
-    - `land_ice`: what is on the ground. No defect.
+    neighbours keep their distance. The echogram's `quality_mask (slow_time)` holds one bit a flag, told by its
+    attributes `flag_masks` and `flag_meanings` (CF conventions, section 3.5); it need not know them all. Without a
+    mask, echogram and layers come back as they are.
     """
     held = flagged_lines(echogram)
     if held is None:

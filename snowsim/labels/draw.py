@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height
-from snowsim.labels.process import Beyond, correlation_factor, draw_beyond, draw_series, lengthened, line_variances
+from snowsim.labels.nonstationary import Beyond, draw_beyond
+from snowsim.labels.process import correlation_factor, draw_series, lengthened, line_variances
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -17,35 +18,18 @@ class LabelModel:
     """Flight statistics made ready to draw many scenes of one width; see `prepare`.
 
     What a scene needs of it is worked out when the first scene needs it and kept: no result depends on the order.
-
-    Attributes
-    ----------
-    n_range_lines : int
-    n_layers : (int, int)
-        Fewest and most layers below the surface.
-    zone_edge_bins : ndarray, (edge,)
-    relative_mean, relative_deviation : ndarray, (zone, slab)
-        Gaussian of thickness relative to slab 0.
-    psd : ndarray, (zone, slab, wavenumber)
-    relative_correlation : ndarray, (separation,)
-        Of relative thickness, by separation in slabs.
-    band_correlation : ndarray, (band, separation)
-        Of undulations about the mean.
-    band_edge_wavenumber : ndarray, (band_edge,)
-    beyond : Beyond
-        What leaves the paper's stationary process; by default nothing.
     """
 
     n_range_lines: int
-    n_layers: tuple
-    zone_edge_bins: np.ndarray
-    relative_mean: np.ndarray
-    relative_deviation: np.ndarray
-    psd: np.ndarray
-    relative_correlation: np.ndarray
-    band_correlation: np.ndarray
-    band_edge_wavenumber: np.ndarray
-    beyond: Beyond = Beyond()
+    n_layers: tuple  # fewest and most below the surface
+    zone_edge_bins: np.ndarray  # (edge,)
+    relative_mean: np.ndarray  # of thickness relative to slab 0, a Gaussian, (zone, slab)
+    relative_deviation: np.ndarray  # its s.d., (zone, slab)
+    psd: np.ndarray  # (zone, slab, wavenumber)
+    relative_correlation: np.ndarray  # of relative thickness, by separation in slabs, (separation,)
+    band_correlation: np.ndarray  # of undulations about the mean, (band, separation)
+    band_edge_wavenumber: np.ndarray  # (band_edge,)
+    beyond: Beyond = Beyond()  # what leaves the paper's stationary process; by default nothing
     _kept: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property

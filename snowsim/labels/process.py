@@ -1,9 +1,5 @@
-"""Correlated Gaussian series whose block periodograms have a given mean, without the period of the block.
+"""Correlated Gaussian series whose block periodograms have a given mean, without the period of the block."""
 
-Layers beyond the paper: means that change along track, and folds that bend the layers below them.
-"""
-
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,15 +11,9 @@ ITERATIONS = 20  # of Richardson-Lucy
 def leakage_matrix(n_lines, n_long):
     """Expected periodogram of `n_lines` cut from a series of `n_long`, per unit variance at each of its wavenumbers.
 
-    Returns
-    -------
-    ndarray, (wavenumber, long wavenumber)
-        One-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from ``j / n_long``, j = 1 ... n_long / 2.
-
-    Notes
-    -----
-    A cosine of random phase has ``E|X_k|^2 = (|D(f_j - f_k)|^2 + |D(f_j + f_k)|^2) / 2`` per unit variance, with the
-    Dirichlet kernel D of the cut; the block's mean does not reach k >= 1.
+    (wavenumber, long wavenumber): one-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from ``j / n_long``, j =
+    1 ... n_long / 2. A cosine of random phase has ``E|X_k|^2 = (|D(f_j - f_k)|^2 + |D(f_j + f_k)|^2) / 2`` per unit
+    variance, with the Dirichlet kernel D of the cut; the block's mean does not reach k >= 1.
     """
     wavenumber = np.arange(1, n_lines // 2 + 1) / n_lines
     long_wavenumber = np.arange(1, n_long // 2 + 1) / n_long
@@ -42,23 +32,11 @@ def leakage_matrix(n_lines, n_long):
 def line_variances(psd, n_long):
     """Variance at each wavenumber of a long series whose cut blocks have the mean periodogram `psd`.
 
-    Parameters
-    ----------
-    psd : ndarray, (..., wavenumber)
-        One-sided mean periodogram of blocks about their mean, from wavenumber 0 to 1/2.
-    n_long : int
-        Length of the long series, at least twice that of a block.
-
-    Returns
-    -------
-    ndarray, (..., long wavenumber)
-        From ``1 / n_long`` to 1/2.
-
-    Notes
-    -----
-    A series built on the block's own wavenumbers would end where it began. A longer one does not, but cutting it leaks
-    low wavenumbers into high ones a second time. Richardson-Lucy iterations (Richardson 1972, J. Opt. Soc. Am. 62, 55)
-    find positive variances whose leaked periodogram is the one observed.
+    `psd (..., wavenumber)` is one-sided, of blocks about their mean, from wavenumber 0 to 1/2; the variances (..., long
+    wavenumber) go from ``1 / n_long`` to 1/2, `n_long` being at least twice the length of a block. A series built on
+    the block's own wavenumbers would end where it began. A longer one does not, but cutting it leaks low wavenumbers
+    into high ones a second time. Richardson-Lucy iterations (Richardson 1972, J. Opt. Soc. Am. 62, 55) find positive
+    variances whose leaked periodogram is the one observed.
     """
     n_lines = 2 * (psd.shape[-1] - 1)
     matrix = leakage_matrix(n_lines, n_long)
@@ -81,22 +59,10 @@ def lengthened(variances, n_long):
 
 
 def draw_series(variances, mixing, n_lines, *, rng):
-    """Gaussian series about their means, correlated between rows by band of wavenumber.
+    """Gaussian series of `n_lines` about their means, (row, range_line), correlated by band of wavenumber.
 
-    Parameters
-    ----------
-    variances : ndarray, (row, long wavenumber)
-        Of `line_variances`.
-    mixing : list of (slice, ndarray (row, row))
-        For each band of long wavenumbers a factor C of its correlation matrix, C C^T.
-    n_lines : int
-        Lines to cut.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    ndarray, (row, range_line)
-        Each row has mean zero over the lines cut.
+    `variances (row, long wavenumber)` are those of `line_variances`; `mixing` holds for each band a slice of long
+    wavenumbers and a factor C (row, row) of the correlation matrix C C^T there.
     """
     n_rows, n_wavenumbers = variances.shape
     normal = rng.standard_normal((2, n_rows, n_wavenumbers))
@@ -129,82 +95,3 @@ def _interpolated(values, at):
     at = np.clip(at, 0, values.shape[-1] - 1)
     low = np.minimum(at.astype(int), values.shape[-1] - 2)
     return values[..., low] + (at - low) * (values[..., low + 1] - values[..., low])
-
-
-@dataclass(frozen=True)
-class Beyond:
-    """How layers of percolation and ablation zones leave the paper's stationary process; all zero: they do not.
-
-    Attributes
-    ----------
-    trend_sd : float
-        S.d. of the change of mean thickness from the first line of a scene to its last, over the mean [1].
-    fold_sd_bins : float
-        S.d. of the amplitude of the deepest layer's fold [bins].
-    fold_length_lines : float
-        Wavelength of folds [range lines].
-    zones : tuple of int, or None
-        Zones of which scenes are so; None: all.
-
-    Raises
-    ------
-    ValueError
-        If a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no picks resolve.
-    """
-
-    trend_sd: float = 0.0
-    fold_sd_bins: float = 0.0
-    fold_length_lines: float = 64.0
-    zones: tuple | None = None
-
-    def __post_init__(self):
-        for name in ("trend_sd", "fold_sd_bins"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                msg = f"{name} must be finite and not negative, got {value}"
-                raise ValueError(msg)
-        if not self.fold_length_lines >= 4:
-            msg = f"fold_length_lines must be at least 4 range lines, got {self.fold_length_lines}"
-            raise ValueError(msg)
-
-    def applies(self, zone):
-        """Whether scenes of a zone are beyond the paper."""
-        return self.zones is None or zone in self.zones
-
-
-def draw_beyond(thickness, beyond, *, rng):
-    """Thickness with a trend along track and with folds; what is off takes no number from `rng`.
-
-    Parameters
-    ----------
-    thickness : ndarray, (slab, range_line)
-        [bins].
-    beyond : Beyond
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    thickness : ndarray, (slab, range_line)
-    notes : dict
-        `trend`, change of thickness over its mean across the scene; `fold_bins`, amplitude of the deepest layer's fold.
-
-    Notes
-    -----
-    The trend is a gradient of accumulation, one for all slabs: thickness times ``1 + g (x / (N - 1) - 1/2)``, g ~
-    N(0, trend_sd^2); it leaves the mean of the scene as it was. A fold moves the layer at mean depth z below the
-    surface by ``A (z / Z) sin(2 pi x / L + phase)``, Z the deepest, A ~ N(0, fold_sd_bins^2): slabs share it by their
-    mean thickness, the surface stays flat. Its curvature is ``A (z / Z) (2 pi / L)^2`` at most.
-    """
-    notes = {}
-    lines = np.arange(thickness.shape[1])
-    if beyond.trend_sd > 0:
-        notes["trend"] = float(beyond.trend_sd * rng.standard_normal())
-        thickness = thickness * (1 + notes["trend"] * (lines / lines[-1] - 0.5))
-    if beyond.fold_sd_bins > 0:
-        notes["fold_bins"] = float(beyond.fold_sd_bins * rng.standard_normal())
-        phase = rng.uniform(0, 2 * np.pi)
-        mean = thickness.mean(axis=1)
-        share = mean / mean.sum()
-        fold = np.sin(2 * np.pi * lines / beyond.fold_length_lines + phase)
-        thickness = thickness + notes["fold_bins"] * share[:, None] * fold
-    return thickness, notes

@@ -1,11 +1,11 @@
-"""Blocks of 256 lines: thickness of slabs, spectra of one block, and how much snow a block has.
-
-How thickness goes together from slab to slab: undulations by band of wavenumber, and block means.
-"""
+"""Thickness in blocks of 256 range lines: block means, spectra, and their correlation from slab to slab."""
 
 import numpy as np
 
 BLOCK_LINES = 256
+# Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab, decametre drift does not.
+BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
+MINIMUM_PAIRS = 4  # blocks and slabs that tell the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 SPECTRAL_SHARES = (1.0, 0.9, 0.5)  # of lines picked, that a block needs for a spectrum: the first with enough blocks
@@ -33,24 +33,11 @@ def block_means(thickness):
 
 
 def block_levels(mean):
-    """Mean thickness of slab 0 in every block, from its picks or, where they are missing, from the other slabs.
+    """Mean thickness of slab 0 in every block, (block,) [bins], and whether slab 0 was picked there, bool (block,).
 
-    Parameters
-    ----------
-    mean : ndarray, (block, slab)
-        Block means; NaN where a slab was not picked.
-
-    Returns
-    -------
-    level : ndarray, (block,)
-        [bins]; NaN for a block that shares no slab with the others.
-    own : ndarray of bool, (block,)
-        Whether slab 0 itself was picked.
-
-    Notes
-    -----
-    Where slab 0 is missing, thickness is taken as a level of the block times a factor of the slab: both follow by
-    least squares of the logarithms, in alternating sweeps from the blocks that do have slab 0.
+    From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is taken as a level of the
+    block times a factor of the slab: both follow by least squares of the logarithms, in alternating sweeps from the
+    blocks that do have slab 0. NaN for a block that shares no slab with the others.
     """
     known = np.isfinite(mean)
     own = known[:, 0]
@@ -70,28 +57,13 @@ def block_levels(mean):
 
 
 def spectral_blocks(thickness, minimum):
-    """Thickness in blocks of which spectra can be taken.
+    """Thickness (block, slab, range_line) with NaN where no spectrum can be taken, and the number of series closed.
 
-    Parameters
-    ----------
-    thickness : ndarray, (block, slab, range_line)
-        [bins]; NaN in gaps.
-    minimum : int
-        Blocks, of all slabs together, that are enough, if they are a tenth of the number of blocks too.
-
-    Returns
-    -------
-    thickness : ndarray, (block, slab, range_line)
-        [bins]; NaN in the slabs of blocks that do not serve.
-    n_closed : int
-        Slabs of blocks that serve with their gaps closed.
-
-    Notes
-    -----
-    Blocks without gaps, if there are enough of them. In short images of layers that come and go there are not: then
-    blocks with nine lines in ten, or else with half of them, gaps closed by straight lines between the picks beside
-    them, at the ends by the last pick. Closing takes from scales shorter than a gap at most the share of lines closed;
-    long gaps at the ends put some of it, measured to 18 %, into the first two wavenumbers.
+    Blocks without gaps serve if there are `minimum` of them, over all slabs, and a tenth of the number of blocks. In
+    short images of layers that come and go there are not: then blocks with nine lines in ten, or else with half of
+    them, gaps closed by straight lines between the picks beside them, at the ends by the last pick. Closing takes from
+    scales shorter than a gap at most the share of lines closed; long gaps at the ends put some of it, measured to 18 %,
+    into the first two wavenumbers.
     """
     share = np.isfinite(thickness).mean(axis=2)
     enough = max(minimum, ENOUGH_SHARE * len(share))
@@ -126,25 +98,11 @@ def _mean_where(held, values, axis):
     return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)
 
 
-# Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab, decametre drift does not.
-BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
-MINIMUM_PAIRS = 4
-
-
 def undulation_correlation(thickness, served, density):
-    """Correlation of thickness about its mean between slabs, by band of wavenumber and separation in slabs.
+    """Correlation between slabs of thickness about its block mean, (band, separation), by band of wavenumber.
 
-    Parameters
-    ----------
-    thickness : ndarray, (block, slab, range_line)
-    served : ndarray of bool, (block, slab)
-        Blocks without a gap; others do not count.
-    density : ndarray, (block, slab, wavenumber)
-        Expected spectrum of each, by which wavenumbers are made to weigh the same.
-
-    Returns
-    -------
-    ndarray, (band, separation)
+    Of the blocks (block, slab, range_line) that are `served` (block, slab), those without a gap; the expected `density`
+    (block, slab, wavenumber) makes wavenumbers weigh the same.
     """
     deviation = np.where(served[..., None], thickness - thickness.mean(axis=2, keepdims=True), 0)
     spectrum = np.fft.rfft(deviation) / np.sqrt(np.where(density > 0, density, np.inf))
@@ -153,15 +111,9 @@ def undulation_correlation(thickness, served, density):
 
 
 def mean_correlation(relative, zone, minimum):
-    """Correlation between slabs of relative block-mean thickness about the mean of its zone, (separation,).
+    """Correlation between slabs of relative block means (block, slab) about the mean of their zone, (separation,).
 
-    Parameters
-    ----------
-    relative : ndarray, (block, slab)
-        NaN where missing. Slab 0 is 1 by definition and says nothing.
-    zone : ndarray of int, (block,)
-    minimum : int
-        Blocks of a zone needed to know its mean.
+    A zone needs `minimum` blocks of a slab to know its mean. Slab 0 is 1 by definition and says nothing.
     """
     anomaly = np.zeros(relative.shape)
     for z in np.unique(zone):

@@ -1,4 +1,4 @@
-"""Values by layer of either estimator: means over groups, what is substituted where there are none, mean waveforms."""
+"""Values by layer of either estimator: means over averaged lines, rules where there are none, mean waveforms."""
 
 from dataclasses import dataclass
 

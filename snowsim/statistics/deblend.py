@@ -1,7 +1,4 @@
-"""One averaged range line as a sum of waveforms: which layers it has, their columns and slopes, their powers.
-
-Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known.
-"""
+"""Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known."""
 
 from dataclasses import dataclass
 
@@ -15,47 +12,48 @@ from snowsim.statistics.summaries import FIRST_ROW
 
 RISE_DEVIATIONS = 7.0  # a waveform is cut where it is 1e-10 of its peak above
 FALL_NEPERS = 14.0  # and 1e-6 of it below
+SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
+MAX_STEPS = 25
+STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
+LONGEST_STEP = np.array([0.5, 0.7, 2.0])
+FIRST_GUESS = np.array([np.log(0.07), np.log(8.0)])
+FIRST_DECAY = np.log([0.02, 0.5])  # range of starts, log of per bin
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about the flight's median; peak offset [bins]
+RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
+LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
+UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 
 
 @dataclass(frozen=True)
 class Groups:
-    """Averaged range lines of a flight with the layers in them.
+    """Averaged range lines of a flight with the layers in them."""
 
-    Attributes
-    ----------
-    power : ndarray, (group, row)
-        Averaged lines, rows from `FIRST_ROW` below the surface; NaN outside the record.
-    position, spread : ndarray, (group, layer, part)
-        Where a layer lies in the group: mean row and variance of the rows [bins^2] of equal parts of its lines, in
-        order of depth; NaN where absent.
-    present : ndarray of bool, (group, layer)
-    noise_power : float
-    """
-
-    power: np.ndarray
-    position: np.ndarray
-    spread: np.ndarray
-    present: np.ndarray
+    power: np.ndarray  # (group, row), rows from `FIRST_ROW` below the surface; NaN outside the record
+    # (group, layer, part), NaN where absent: equal parts of a layer's lines in order of depth
+    position: np.ndarray  # mean row
+    spread: np.ndarray  # variance of the rows [bins^2]
+    present: np.ndarray  # (group, layer), bool
     noise_power: float
 
 
 @dataclass
 class Line:
-    """One averaged line, ready to fit: rows used, power above noise, weight scale, its layers and where they are."""
+    """One averaged line, ready to fit."""
 
-    rows: np.ndarray
-    signal: np.ndarray
+    rows: np.ndarray  # those used, (row,)
+    signal: np.ndarray  # power above noise, (row,)
     noise_power: float
-    smooth: np.ndarray
-    layers: np.ndarray
-    position: np.ndarray
-    spread: np.ndarray
-    picked: np.ndarray
-    scale: np.ndarray
+    smooth: np.ndarray  # smoothed power, (row,)
+    layers: np.ndarray  # numbers of its layers, (layer,)
+    position: np.ndarray  # (layer, part)
+    spread: np.ndarray  # (layer, part)
+    picked: np.ndarray  # (layer,), False for layers that gaps hide between others
+    scale: np.ndarray  # residuals weigh 1 / scale^2, (row,)
 
 
-def prepare_line(groups, rows, group):
-    """The group as `Line`; None without a picked layer to fit."""
+def prepare_line(groups, group):
+    """The group as `Line`, down to half a slab below its last pick; None without a picked layer to fit."""
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     picked = np.flatnonzero(groups.present[group])
     if picked.size == 0:
         return None
@@ -64,7 +62,7 @@ def prepare_line(groups, rows, group):
     last = position[-1].mean()
     below = (last - position[-2].mean()) / 2 if layers.size > 1 else OPEN_END_BINS
     with np.errstate(invalid="ignore"):
-        used = (rows >= FIRST_ROW) & (rows <= last + below) & np.isfinite(groups.power[group])
+        used = (rows <= last + below) & np.isfinite(groups.power[group])
     signal = groups.power[group, used].astype(float) - groups.noise_power
     if signal.size <= 2 * layers.size:
         return None
@@ -154,53 +152,25 @@ def rescale(line, model):
     line.scale = np.maximum(model + line.noise_power, line.smooth)
 
 
-SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
-MAX_STEPS = 25
-STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
-LONGEST_STEP = np.array([0.5, 0.7, 2.0])
-FIRST_GUESS = np.array([np.log(0.07), np.log(8.0)])
-FIRST_DECAY = np.log([0.02, 0.5])  # range of starts, log of per bin
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about the flight's median; peak offset [bins]
-RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
-LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
-UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
-
-
 def deblend(groups, decay_rate):
-    """Powers and shapes of all layers of a flight.
+    """Shapes and powers of all layers of a flight, solved for jointly.
 
-    Parameters
-    ----------
-    groups : Groups
-    decay_rate : ndarray, (group, layer)
-        Of eq. (2), read off the averaged lines; NaN where there is none. Their medians are where the solution starts:
-        one start for all layers can end where a layer's neighbour takes over its echo.
+    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none, whose medians are the start:
+    one start for all layers can end where a layer's neighbour takes over its echo. Returns shapes (layer, 3), log decay
+    rate, log variance and distance of the waveform's peak below the pick [bins]; their standard errors, from the
+    scatter of the groups (sandwich); peak powers above noise and neighbours (group, layer), NaN where absent; and the
+    standard error of their mean, (layer,), from their scatter and the errors of the shapes.
 
-    Returns
-    -------
-    shape : ndarray, (layer, 3)
-        Log decay rate, log variance, and distance of the waveform's peak below the pick [bins].
-    shape_error : ndarray, (layer, 3)
-        Standard errors from the scatter of the groups (sandwich).
-    peak_power : ndarray, (group, layer)
-        Power of the waveform's peak above noise and neighbours; NaN where absent.
-    peak_power_error : ndarray, (layer,)
-        Standard error of its mean over groups: their scatter, and the errors of the shapes.
-
-    Notes
-    -----
     Mean of a group: ``P(x) = noise + sum_l p_l w(x - x_l - c_l; d_l + v_l, alpha_l)``, w of eq. (1) of Yari et al.
     (2021), averaged over the parts of a group: the rows of a layer differ within a part by a variance v_l, which to
     second order widens the Gaussian, and nothing else. Powers are free in every group and linear, so they are
     eliminated (variable projection, Kaufman 1975, BIT 15, 49-57); decay rate, variance and offset of a layer are shared
     by the flight, found by Gauss-Newton steps. Residuals weigh 1 / P^2, as speckle asks. A broad prior
     (`PRIOR_DEVIATION`) ties layers the data say nothing about to the median of the others. A layer that gaps hide
-    between two others is kept as a nuisance at an interpolated row. Lines are used down to half a slab below their last
-    pick: what lies deeper was not annotated.
+    between two others is kept as a nuisance at an interpolated row; what lies below the last pick was not annotated.
     """
-    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     n_layers = groups.present.shape[1]
-    lines = [line for group in _spread_out(groups.present) if (line := prepare_line(groups, rows, group)) is not None]
+    lines = [line for group in _spread_out(groups.present) if (line := prepare_line(groups, group)) is not None]
     shape = np.tile([*FIRST_GUESS, 0.0], (n_layers, 1))
     measured = np.isfinite(decay_rate) & (decay_rate > 0)
     for layer in np.flatnonzero(measured.any(axis=0)):
@@ -221,18 +191,17 @@ def deblend(groups, decay_rate):
         last = residual_variance
     covariance = np.linalg.solve(hessian, np.linalg.solve(hessian, scores.T @ scores).T)
     shape_error = np.sqrt(np.maximum(np.diag(covariance), 0)).reshape(n_layers, 3)
-    powers = _powers(shape, groups, rows)
+    powers = _powers(shape, groups)
     _, scatter, _ = nan_moments(powers)
     return shape, shape_error, powers, np.sqrt(scatter**2 + np.einsum("li,ij,lj->l", leverage, covariance, leverage))
 
 
 def model_lines(shape, groups):
     """Averaged lines of the fitted model with its noise, (group, row), in the rows the fit used; NaN elsewhere."""
-    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     lines = np.full(groups.power.shape, np.nan)
     described = describe(shape)
     for group in range(len(lines)):
-        line = prepare_line(groups, rows, group)
+        line = prepare_line(groups, group)
         if line is not None:
             columns = waveform_columns(described, line)
             lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
@@ -252,12 +221,9 @@ def _spread_out(present):
 
 
 def _normal_equations(shape, lines, n_layers):
-    """What a Gauss-Newton step needs.
+    """What a Gauss-Newton step needs: matrix and gradient of all shapes, gradient of each line, variance of residuals.
 
-    Returns
-    -------
-    Matrix and gradient of all shapes, gradient of each line, variance of weighted residuals, and mean change of the
-    powers with the shapes, (layer, 3 layer).
+    Last comes the mean change of the powers with the shapes, (layer, 3 layer).
     """
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
     scores = np.zeros((len(lines), 3 * n_layers))
@@ -287,12 +253,12 @@ def _normal_equations(shape, lines, n_layers):
     return hessian, scores.sum(axis=0), scores, squares / max(freedom, 1), leverage
 
 
-def _powers(shape, groups, rows):
+def _powers(shape, groups):
     """Peak powers of all groups, (group, layer), NaN where a layer was not picked."""
     powers = np.full(groups.present.shape, np.nan)
     described = describe(shape)
     for group in range(len(powers)):
-        line = prepare_line(groups, rows, group)
+        line = prepare_line(groups, group)
         if line is None:
             continue
         columns = waveform_columns(described, line)

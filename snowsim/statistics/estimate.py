@@ -1,4 +1,4 @@
-"""From the merged summary of a flight to its statistics, by either estimator."""
+"""From the merged summaries of a flight to its statistics, by either estimator."""
 
 import numpy as np
 import xarray as xr
@@ -9,18 +9,11 @@ from snowsim.statistics.deblend import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
-from snowsim.statistics.zones import zone_statistics
+from snowsim.statistics.zones import as_variables, zone_statistics
 
 ESTIMATORS = ("deblended", "paper")
 MINIMUM_GROUPS = 5  # averaged lines a layer must be in to be reported
 WIDTH_EDGES = np.arange(0, 40.5, 0.5)
-DIMENSIONS = {
-    "zone_edge_bins": ("edge",),
-    "thickness_psd": ("zone", "slab", "wavenumber"),
-    "thickness_correlation": ("band", "separation"),
-    "relative_thickness_correlation": ("separation",),
-    "n_gap_blocks": ("slab",),
-}
 
 
 def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
@@ -78,13 +71,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     dataset = xr.Dataset(
         {"noise_power": ((), noise_power), "noise_power_standard_error": ((), noise_error)}
         | {name: (("layer", "lag")[: np.ndim(value)], value) for name, value in layer_values.items()}
-        | {name: (label_dimensions(name), value) for name, value in zones.items() if np.ndim(value)}
+        | as_variables(zones)
         | _widths(width)
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
-        | {
-            "tracked_power_quantile": ("probability", looks[3]),
-            "gamma_quantile": ("probability", looks[4]),
-        }
+        | {"tracked_power_quantile": ("probability", looks[3]), "gamma_quantile": ("probability", looks[4])}
         | _spectra(summary),
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
@@ -164,14 +154,9 @@ def _widths(width):
 
 
 def _spectra(summary):
-    first, mean = detected_power_spectra(summary, BLOCK_LINES)
+    first, mean = detected_power_spectra(summary)
     spectra = {"detected_power_spectrum_layer_1": first, "detected_power_spectrum_layer_mean": mean}
     return {name: ("wavenumber", value) for name, value in spectra.items() if value is not None}
-
-
-def label_dimensions(name):
-    """Dimensions of a variable of `zone_statistics` or of its standard error."""
-    return DIMENSIONS.get(name.removesuffix("_standard_error"), ("zone", "slab"))
 
 
 def _with_units(dataset):

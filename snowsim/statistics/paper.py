@@ -17,7 +17,7 @@ def is_present(n_picks):
 def tracked_moments(summary, n_layers):
     """Mean power under the picks of each layer, its standard error, and the number of picks, three (layer,).
 
-    The standard error is that of the mean over groups: lines of one group share their fading.
+    The error is that of the mean over groups: lines of one group share their fading.
     """
     lines = [frame.tracked_power[:n_layers].astype(float) for frame in summary]
     total, count = np.zeros(n_layers), np.zeros(n_layers, dtype=int)
@@ -51,28 +51,13 @@ def nan_moments(values):
 
 
 def measure_groups(power, position, present):
-    """Decay rate and 1/e width of every layer in every averaged range line.
+    """Decay rate [per bin] and 1/e width from the peak [bins] of every layer in every averaged line, (group, layer).
 
-    Parameters
-    ----------
-    power : ndarray, (group, row)
-        Averaged lines, rows from `FIRST_ROW` below the surface.
-    position : ndarray, (group, layer)
-        Row of each layer below the surface.
-    present : ndarray of bool, (group, layer)
-
-    Returns
-    -------
-    decay_rate : ndarray, (group, layer)
-        [per bin]; NaN where the layer or the next is absent or no minimum lies between.
-    width_bins : ndarray, (group, layer)
-        From peak to 1/e [bins]; NaN where the power does not fall so far before the minimum.
-
-    Notes
-    -----
-    Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins from the peak to the minimum before
-    the next layer. The peak is the largest value within `PEAK_REACH_BINS` of the layer and half way to its neighbours.
-    The 1/e crossing is interpolated linearly.
+    From averaged lines (group, row), rows of layers below the surface and whether they are present, (group, layer).
+    Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value
+    within `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next layer; NaN
+    where either layer is absent or no minimum lies between. The 1/e crossing is interpolated linearly; NaN where the
+    power does not fall so far before the minimum.
     """
     return _measure(power, position, present, FIRST_ROW, PEAK_REACH_BINS, OPEN_END_BINS)
 

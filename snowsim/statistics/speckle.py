@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.special import betaincinv
 
+from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.summaries import GROUP_LINES
 
 MOST_LOOKS = 1e6  # stands for power without speckle
@@ -10,30 +11,13 @@ QUANTILES = np.concatenate([[0.001, 0.002, 0.005], np.linspace(0.01, 0.99, 99), 
 
 
 def compare_with_gamma(tracked):
-    """Looks that fit tracked power, and its quantiles beside those of the law.
+    """Looks that fit tracked power with their standard error, and probabilities, quantiles seen, quantiles of the law.
 
-    Parameters
-    ----------
-    tracked : ndarray, (group, layer, line of the group)
-        Linear power under the picks; NaN in gaps. Only layers picked in every line of a group count.
-
-    Returns
-    -------
-    n_looks, standard_error : float
-        At most `MOST_LOOKS`, for power without speckle.
-    probability, observed, expected : ndarray, (quantile,)
-        Power over the mean of its group: quantiles seen, and those of the law.
-
-    Raises
-    ------
-    ValueError
-        If no group holds a layer without gaps.
-
-    Notes
-    -----
-    Yari et al. (2021) call tracked peak power chi-square; the average of M looks is Gamma(M). Each value is divided by
-    the mean of its 20 lines, which takes out brightness along track. If all are Gamma(M) of one mean, the quotient is
-    20 times a Beta(M, 19 M) of variance ``19 / (20 M + 1)``: looks and quantiles follow from that without bias.
+    `tracked (group, layer, line of the group)` is linear, NaN in gaps; only layers picked in every line of a group
+    count, and fewer than two are refused. Yari et al. (2021) call tracked peak power chi-square; the average of M looks
+    is Gamma(M). Each value is divided by the mean of its 20 lines, which takes out brightness along track: if all are
+    Gamma(M) of one mean, the quotient is 20 times a Beta(M, 19 M) of variance ``19 / (20 M + 1)``, and looks (at most
+    `MOST_LOOKS`, for power without speckle) and quantiles follow without bias.
     """
     whole = tracked[np.isfinite(tracked).all(axis=2)].astype(float)
     whole = whole[whole.mean(axis=1) > 0]
@@ -54,27 +38,9 @@ def compare_with_gamma(tracked):
 def doppler_spectra(amplitude, layer_bins, line_spacing_m, *, n_mean_layers=15):
     """Along-track wavenumber spectrum of complex echoes under the picks (Fig. 8 of the paper).
 
-    Parameters
-    ----------
-    amplitude : ndarray of complex, (range_bin, range_line)
-        Elevation-compensated, undetected.
-    layer_bins : ndarray, (layer, range_line)
-        Picks; layers with a gap are left out.
-    line_spacing_m : float
-    n_mean_layers : int
-        The second spectrum is the mean over layers 1 to this one.
-
-    Returns
-    -------
-    wavenumber : ndarray, (wavenumber,)
-        [cycles per m], increasing, two-sided.
-    layer_1, layer_mean : ndarray, (wavenumber,)
-        Power spectral density over its mean.
-
-    Raises
-    ------
-    ValueError
-        If layer 1 has a gap or lies outside the image.
+    `amplitude (range_bin, range_line)` is elevation-compensated and undetected, `layer_bins (layer, range_line)` the
+    picks; layers with a gap are left out, in layer 1 one is refused. Returns the two-sided wavenumber [cycles per m],
+    increasing, and power spectral density over its mean of layer 1 and on average over layers 1 to `n_mean_layers`.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     inside = (np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < len(amplitude) - 0.5)).all(axis=1)
@@ -92,28 +58,18 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m, *, n_mean_layers=15):
     return wavenumber, spectra[0], np.mean(spectra, axis=0)
 
 
-def detected_power_spectra(summary, block_lines, *, n_mean_layers=15):
-    """Along-track spectrum of detected power under the picks, for files without phase.
+def detected_power_spectra(summary, *, n_mean_layers=15):
+    """Along-track spectrum of detected power under the picks, for files without phase: two (wavenumber,) or None.
 
-    Parameters
-    ----------
-    summary : list of FrameSummary
-    block_lines : int
-        Lines of a block; blocks with a gap in a layer are left out for that layer.
-    n_mean_layers : int
-        The second spectrum is the mean over layers 1 to this one.
-
-    Returns
-    -------
-    layer_1, layer_mean : ndarray, (wavenumber,)
-        Power spectral density of power over its block mean, about the mean, over its own mean [1]: 1 everywhere where
-        lines are independent. None where no block of the layer is whole.
+    Of layer 1 and on average over layers 1 to `n_mean_layers`: power spectral density of power over its block mean,
+    about the mean, over its own mean [1]: 1 everywhere where lines are independent. Blocks with a gap are left out for
+    that layer; None where no block is whole.
     """
     spectra = {}
     for frame in summary:
-        n_blocks = frame.tracked_power.shape[1] // block_lines
+        n_blocks = frame.tracked_power.shape[1] // BLOCK_LINES
         for layer in range(1, min(n_mean_layers, frame.tracked_power.shape[0] - 1) + 1):
-            power = frame.tracked_power[layer, : n_blocks * block_lines].reshape(n_blocks, block_lines).astype(float)
+            power = frame.tracked_power[layer, : n_blocks * BLOCK_LINES].reshape(n_blocks, BLOCK_LINES).astype(float)
             power = power[np.isfinite(power).all(axis=1) & (power > 0).any(axis=1)]
             density = np.abs(np.fft.rfft(power / power.mean(axis=1, keepdims=True))[:, 1:]) ** 2
             spectra.setdefault(layer, []).append(density)

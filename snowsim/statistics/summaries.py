@@ -1,7 +1,4 @@
-"""One frame read once: picks, the power under them, averaged range lines, air; kept small, merged in any order.
-
-Summaries of frames as one flight: merged in any order, on disk and back, stacked into arrays.
-"""
+"""What the statistics need of a frame, read once: picks, power under them, averaged lines, air; merged in any order."""
 
 from dataclasses import dataclass
 
@@ -16,49 +13,37 @@ FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
 PARTS = 4  # of a group's picks of a layer, in order of depth: where its layers lie, for averages of sloping layers
 AIR_MARGIN_BINS = 30  # bins above the surface that still hold its rise: 8 standard deviations at a variance of 15
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
+SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
+BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
+BY_LINE = ("depth_bins", "tracked_power")
+BY_GROUP = ("power", "position", "spread", "n_picks", "air_sum", "air_square", "air_count")
 
 
 @dataclass(frozen=True)
 class FrameSummary:
     """What the statistics need of one frame, some 0.4 kB a range line.
 
-    Attributes
-    ----------
-    start_ns : int
-        UTC of the first range line [ns since 1970].
-    bin_size_s, line_spacing_m : float
-        Two-way travel time of a range bin; median distance of range lines.
-    depth_bins : ndarray of float32, (layer, range_line)
-        Picks below the surface; NaN in gaps. A surface gap is bridged linearly for reference, its own row stays NaN.
-    tracked_power : ndarray of float32, (layer, range_line)
-        Linear power in the bin of each pick; NaN in gaps.
-    power : ndarray of float32, (group, row)
-        Range lines averaged in groups of 20, each shifted by the whole bin of its surface, from `FIRST_ROW` down; NaN
-        outside the record. The shift leaves the sub-bin remainder, a variance of up to 1/12 bins^2, in the positions.
-    position, spread : ndarray of float32, (group, layer, part)
-        Mean row and variance of the row of each quarter of the layer's picks in a group, in order of depth; NaN with
-        fewer than `PARTS` picks.
-    n_picks : ndarray of int, (group, layer)
-        Picks in the group.
-    air_sum, air_square, air_count : ndarray, (group,)
-        Sum and sum of squares of the power in the air more than `AIR_MARGIN_BINS` above the surface, number of bins.
-    n_outside : int
-        Picks outside the record, treated as gaps.
+    Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin remainder, a variance
+    of up to 1/12 bins^2, stays in the positions.
     """
 
-    start_ns: int
-    bin_size_s: float
-    line_spacing_m: float
-    depth_bins: np.ndarray
-    tracked_power: np.ndarray
-    power: np.ndarray
-    position: np.ndarray
-    spread: np.ndarray
-    n_picks: np.ndarray
+    start_ns: int  # UTC of the first range line [ns since 1970]
+    bin_size_s: float  # two-way travel time of a range bin
+    line_spacing_m: float  # median distance of range lines
+    # (layer, range_line), float32, NaN in gaps:
+    depth_bins: np.ndarray  # picks below the surface, which is bridged linearly in its gaps but not in its own row
+    tracked_power: np.ndarray  # linear power in the bin of each pick
+    # (group, row), float32, NaN outside the record:
+    power: np.ndarray  # averaged lines from `FIRST_ROW` below the surface
+    # (group, layer, part), float32, by quarters of the picks in order of depth; NaN with fewer than `PARTS` picks:
+    position: np.ndarray  # mean row
+    spread: np.ndarray  # variance of the row [bins^2]
+    n_picks: np.ndarray  # (group, layer), int
+    # (group,), power in the air more than `AIR_MARGIN_BINS` above the surface:
     air_sum: np.ndarray
-    air_square: np.ndarray
-    air_count: np.ndarray
-    n_outside: int
+    air_square: np.ndarray  # sum of squares
+    air_count: np.ndarray  # number of bins
+    n_outside: int  # picks outside the record, treated as gaps
 
     def order(self):
         """Sorting key: time, then content for frames that share one."""
@@ -66,30 +51,11 @@ class FrameSummary:
 
 
 def summarise(echogram, layers, where="frame"):
-    """Reduce one frame to what the statistics need.
+    """One frame, echogram and layers in the Open Polar Radar convention, as a list of one `FrameSummary` for `merge`.
 
-    Parameters
-    ----------
-    echogram, layers : xarray.Dataset
-        Open Polar Radar convention: `Data` (linear power) on `twtt`, `slow_time`; `twtt` on `layer`, `slow_time`, layer
-        0 the snow surface, NaN in gaps.
-    where : str
-        Names the frame in errors.
-
-    Returns
-    -------
-    list of FrameSummary
-        One element; `merge` concatenates.
-
-    Raises
-    ------
-    ValueError
-        If a dataset breaks the convention or no two range lines have a position.
-
-    Notes
-    -----
-    Picks outside the record become gaps, counted. A frame without one surface pick adds nothing. Up to 19
-    range lines at the end of a frame belong to no group. Data that are exactly zero are padding and no air.
+    Layer 0 is the snow surface. Picks outside the record become gaps, counted; a frame without one surface pick adds
+    nothing; up to 19 range lines at its end belong to no group; data that are exactly zero are padding and no air.
+    ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range lines have a position.
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
@@ -99,25 +65,26 @@ def summarise(echogram, layers, where="frame"):
     with np.errstate(invalid="ignore"):
         outside = (layer_bins <= -0.5) | (layer_bins >= n_range_bins - 0.5)
     layer_bins[outside] = np.nan
-    surface_row, picked = _surface_rows(layer_bins)
+    picked = np.isfinite(layer_bins[:1]).any()
     if not picked:
         layer_bins[:] = np.nan
+    surface = _bridged(layer_bins[0]) if picked else np.zeros(n_lines)
+    surface_row = np.rint(surface).astype(np.int64)
     rows = layer_bins - surface_row
     n_groups = n_lines // GROUP_LINES if picked else 0
     deepest = int(np.ceil(np.nanmax(rows))) if picked else 0
     averaged, air = _average(power, surface_row, n_groups, deepest + ROWS_BELOW - FIRST_ROW + 1)
     grouped = rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
-    position, spread = _positions_compiled(np.sort(grouped), PARTS)
+    position, spread = _positions(np.sort(grouped))
     spacing = np.diff(along_track_m(echogram)) if n_lines > 1 else np.array([np.nan])
     if not np.isfinite(spacing).any():
         msg = f"{where}: Latitude and Longitude must be finite on two neighbouring range lines, are on none"
         raise ValueError(msg)
-    surface = layer_bins[0] if layer_bins.shape[0] else np.empty(n_lines)
     summary = FrameSummary(
         start_ns=int(echogram["slow_time"].values[0].astype("datetime64[ns]").astype(np.int64)),
         bin_size_s=bin_size_s(echogram),
         line_spacing_m=float(np.nanmedian(spacing)),
-        depth_bins=(layer_bins - _bridged(surface)).astype(np.float32),
+        depth_bins=(layer_bins - surface).astype(np.float32),
         tracked_power=_tracked(power, layer_bins),
         power=averaged,
         position=position,
@@ -132,18 +99,9 @@ def summarise(echogram, layers, where="frame"):
 
 
 def _bridged(surface):
-    """Surface with its gaps bridged linearly; NaN throughout if there is nothing to bridge from."""
+    """Surface with its gaps bridged linearly."""
     known = np.isfinite(surface)
-    if not known.any():
-        return np.full(surface.shape, np.nan)
     return np.interp(np.arange(surface.size), np.flatnonzero(known), surface[known])
-
-
-def _surface_rows(layer_bins):
-    """Whole bin of the surface in every line, (range_line,), and whether a surface pick exists at all."""
-    if not (layer_bins.shape[0] and np.isfinite(layer_bins[0]).any()):
-        return np.zeros(layer_bins.shape[1], dtype=np.int64), False
-    return np.rint(_bridged(layer_bins[0])).astype(np.int64), True
 
 
 def _tracked(power, layer_bins):
@@ -154,26 +112,22 @@ def _tracked(power, layer_bins):
     return tracked
 
 
+@njit(cache=True)
 def _average(power, surface_row, n_groups, n_rows):
     """Averaged lines float32 (group, row), and air (3, group): sum, sum of squares, count."""
-    return _average_compiled(power, surface_row, n_groups, n_rows, GROUP_LINES, FIRST_ROW, AIR_MARGIN_BINS)
-
-
-@njit(cache=True)
-def _average_compiled(power, surface_row, n_groups, n_rows, group_lines, first_row, air_margin):
     averaged = np.full((n_groups, n_rows), np.nan, dtype=np.float32)
     air = np.zeros((3, n_groups))
     for group in range(n_groups):
         total = np.zeros(n_rows)
         count = np.zeros(n_rows)
-        for line in range(group * group_lines, (group + 1) * group_lines):
-            top = surface_row[line] + first_row
+        for line in range(group * GROUP_LINES, (group + 1) * GROUP_LINES):
+            top = surface_row[line] + FIRST_ROW
             for row in range(max(0, -top), min(n_rows, power.shape[1] - top)):
                 value = power[line, top + row]
                 if not np.isnan(value):
                     total[row] += value
                     count[row] += 1
-            for range_bin in range(max(0, min(surface_row[line] - air_margin, power.shape[1]))):
+            for range_bin in range(max(0, min(surface_row[line] - AIR_MARGIN_BINS, power.shape[1]))):
                 value = np.float64(power[line, range_bin])
                 if value > 0:
                     air[0, group] += value
@@ -181,51 +135,33 @@ def _average_compiled(power, surface_row, n_groups, n_rows, group_lines, first_r
                     air[2, group] += 1
         for row in range(n_rows):
             # A row that only some lines of a group reach would mix depths of different noise and fading.
-            if 2 * count[row] >= group_lines:
+            if 2 * count[row] >= GROUP_LINES:
                 averaged[group, row] = total[row] / count[row]
     return averaged, air
 
 
 @njit(cache=True)
-def _positions_compiled(rows, n_parts):
-    """Mean and variance of each part of rows (group, layer, line) sorted along the last axis with NaN at its end."""
+def _positions(rows):
+    """Mean and variance of each part of rows (group, layer, line) sorted along the last axis, NaN at its end."""
     n_groups, n_layers, n_lines = rows.shape
-    position = np.full((n_groups, n_layers, n_parts), np.nan, dtype=np.float32)
-    spread = np.full((n_groups, n_layers, n_parts), np.nan, dtype=np.float32)
+    position = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
+    spread = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
     for group in range(n_groups):
         for layer in range(n_layers):
             n_picks = 0
             while n_picks < n_lines and not np.isnan(rows[group, layer, n_picks]):
                 n_picks += 1
-            if n_picks < n_parts:
+            if n_picks < PARTS:
                 continue
-            for part in range(n_parts):
-                held = rows[group, layer, part * n_picks // n_parts : (part + 1) * n_picks // n_parts]
+            for part in range(PARTS):
+                held = rows[group, layer, part * n_picks // PARTS : (part + 1) * n_picks // PARTS]
                 position[group, layer, part] = held.mean()
                 spread[group, layer, part] = held.var()
     return position, spread
 
 
-SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
-
-
 def merge(summaries):
-    """Summaries of several lots of frames as one, whatever their order and partition.
-
-    Parameters
-    ----------
-    summaries : iterable of list of FrameSummary
-
-    Returns
-    -------
-    list of FrameSummary
-        Sorted by time.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or bin sizes differ.
-    """
+    """Lists of `FrameSummary` as one, sorted by time; ValueError if there is no frame or their bin sizes differ."""
     frames = sorted((frame for summary in summaries for frame in summary), key=FrameSummary.order)
     if not frames:
         msg = "a flight needs at least one frame, got none"
@@ -239,16 +175,11 @@ def merge(summaries):
     return frames
 
 
-_BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
-_BY_LINE = ("depth_bins", "tracked_power")  # (layer, range_line)
-_BY_GROUP = ("power", "position", "spread", "n_picks", "air_sum", "air_square", "air_count")
-
-
 def summary_to_dataset(summary):
     """A summary as a dataset for `snowsim.io.files.write_dataset`: frames one after the other, padded with NaN."""
     n_layers = max(frame.depth_bins.shape[0] for frame in summary)
     n_rows = max(frame.power.shape[1] for frame in summary)
-    variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in _BY_FRAME}
+    variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME}
     shape = {
         "n_lines": [frame.depth_bins.shape[1] for frame in summary],
         "n_groups": [frame.power.shape[0] for frame in summary],
@@ -256,10 +187,10 @@ def summary_to_dataset(summary):
         "n_rows": [frame.power.shape[1] for frame in summary],
     }
     variables |= {name: ("frame", np.array(values, dtype=np.int64)) for name, values in shape.items()}
-    for name in _BY_LINE:
+    for name in BY_LINE:
         parts = [_widened(getattr(frame, name).T, n_layers) for frame in summary]
         variables[name] = (("range_line", "layer"), np.concatenate(parts))
-    for name in _BY_GROUP:
+    for name in BY_GROUP:
         parts = [getattr(frame, name) for frame in summary]
         if parts[0].ndim == 1:
             variables[name] = ("group", np.concatenate(parts))
@@ -281,9 +212,9 @@ def summary_from_dataset(dataset):
         lines = slice(line, line + int(variables["n_lines"][i]))
         groups = slice(group, group + int(variables["n_groups"][i]))
         n_layers, n_rows = int(variables["n_layers"][i]), int(variables["n_rows"][i])
-        parts = {name: variables[name][i].item() for name in _BY_FRAME}
-        parts |= {name: np.ascontiguousarray(variables[name][lines, :n_layers].T) for name in _BY_LINE}
-        for name in _BY_GROUP:
+        parts = {name: variables[name][i].item() for name in BY_FRAME}
+        parts |= {name: np.ascontiguousarray(variables[name][lines, :n_layers].T) for name in BY_LINE}
+        for name in BY_GROUP:
             part = variables[name][groups]
             parts[name] = part if part.ndim == 1 else part[:, : n_rows if name == "power" else n_layers]
         summary.append(FrameSummary(**parts))

@@ -1,56 +1,48 @@
-"""Accumulation zones: quartiles of first-slab thickness, with moments and spectra of every slab in each."""
+"""Accumulation zones of a flight: moments and spectra of every slab in each, and how well a number of zones fits."""
 
 import numpy as np
+import xarray as xr
 
 from snowsim.statistics.blocks import (
+    BAND_EDGES,
     BLOCK_LINES,
     block_levels,
     block_means,
     mean_correlation,
     periodogram,
     spectral_blocks,
+    thickness_blocks,
     undulation_correlation,
 )
 
 N_ZONES = 4
 MINIMUM_BLOCKS = 4  # with fewer a variance has a standard error of its own size: the zone is pooled with the others
-OWN_ZONE, ALL_ZONES, OTHER_SLABS = 0, 1, 2
+OWN_ZONE, ALL_ZONES, OTHER_SLABS = 0, 1, 2  # where values of a zone and slab come from
+DIMENSIONS = {
+    "zone_edge_bins": ("edge",),
+    "thickness_psd": ("zone", "slab", "wavenumber"),
+    "thickness_correlation": ("band", "separation"),
+    "relative_thickness_correlation": ("separation",),
+    "n_gap_blocks": ("slab",),
+}  # of the others zone and slab
 
 
 def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES):
-    """Statistics of thickness by accumulation zone.
+    """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone: dict of arrays.
 
-    Parameters
-    ----------
-    thickness : ndarray, (block, slab, range_line)
-        [bins]; NaN in gaps.
-    zone_edge_bins : array_like, (edge,), optional
-        Edges of the zones in mean thickness of slab 0; by default its quantiles over all blocks.
-    n_zones : int
-        Zones of equally many blocks where no edges are given; quartiles in Yari et al. (2021).
+    Zones hold equally many blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021), or lie between
+    `zone_edge_bins (edge,)`. Returned are `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
+    `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
+    each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
+    `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)` and
+    `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`, `n_closed_blocks`. ValueError if slab 0 is
+    picked in half of the lines of no block.
 
-    Returns
-    -------
-    dict
-        Arrays by name: `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
-        `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
-        each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
-        `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)`
-        and `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`, `n_closed_blocks`.
-
-    Raises
-    ------
-    ValueError
-        If slab 0 is picked in half of the lines of no block.
-
-    Notes
-    -----
-    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have,
-    or fewer where hardly a block is without gaps (`spectral_blocks`, counted by `n_closed_blocks`). A block in
-    which slab 0 is not picked is placed by its other slabs (`block_levels`). A zone with fewer than
-    `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as a share of the first (source 1); a slab with too few
-    everywhere takes the one above, the first all slabs together (source 2). Standard errors take blocks as
-    independent, those of variances take thickness as Gaussian.
+    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have, or
+    fewer where hardly a block is without gaps (`spectral_blocks`). A block in which slab 0 is not picked is placed by
+    its other slabs (`block_levels`). A zone with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as
+    a share of the first (source 1); a slab with too few everywhere takes the one above, the first all slabs together
+    (source 2). Standard errors take blocks as independent, those of variances take thickness as Gaussian.
     """
     mean = block_means(thickness)
     level, own = block_levels(mean) if mean.shape[1] else (np.zeros(len(mean)), np.zeros(len(mean), dtype=bool))
@@ -83,6 +75,22 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES):
 def zone_of(first_thickness_bins, zone_edge_bins):
     """Zone of a mean first-slab thickness, 0 the shallowest; beyond the outer edges the outer zones."""
     return np.searchsorted(zone_edge_bins[1:-1], first_thickness_bins, side="right")
+
+
+def place_blocks(thickness, zone_edge_bins):
+    """Block means (block, slab), mean thickness of slab 0 (block,), NaN where unknown, and zone (block,), -1 there."""
+    mean = block_means(thickness)
+    level, _ = block_levels(mean)
+    placed = np.isfinite(level)
+    return mean, level, np.where(placed, zone_of(np.where(placed, level, 0), zone_edge_bins), -1)
+
+
+def as_variables(zones):
+    """Arrays of `zone_statistics` as variables of a dataset, name to (dimensions, values)."""
+    names = [name for name, value in zones.items() if np.ndim(value)]
+    return {
+        name: (DIMENSIONS.get(name.removesuffix("_standard_error"), ("zone", "slab")), zones[name]) for name in names
+    }
 
 
 def _edges(level, given, n_zones):
@@ -160,3 +168,88 @@ def _moments(values):
     n = values.size
     variance = values.var(ddof=1) if n > 1 else 0.0
     return values.mean(), np.sqrt(variance / n), variance, variance * np.sqrt(2 / max(n - 1, 1))
+
+
+def zone_models(summary, n_layers, counts):
+    """Thickness statistics of a flight divided into other numbers of zones: a dataset for each of `counts`, from 1.
+
+    Each holds what `snowsim.labels.prepare` needs, of the `n_layers` layers that `estimate` reports; `block_psd (zone,
+    slab, wavenumber)`, mean periodogram of the zone's own blocks, 0 where it has none; and attributes
+    `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block means relative to
+    slab 0, and `dispersion`.
+
+    Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
+    blocks for values of their own add nothing. `means_aic_penalty` is that of Hurvich & Tsai (1989), Biometrika 76,
+    297-307, cell by cell, for cells hold few blocks: ``2 k n / (n - k - 1)``. Dispersion is the mean over cells and
+    wavenumbers of the variance of periodograms over their squared mean: 1 for a Gaussian process, more where blocks of
+    one cell differ in level.
+    """
+    counts = list(counts)
+    if min(counts) < 1:
+        msg = f"a flight has at least one zone, got {min(counts)}"
+        raise ValueError(msg)
+    thickness = thickness_blocks(summary, n_layers)
+    return [_zone_model(thickness, n_zones) for n_zones in counts]
+
+
+def _zone_model(thickness, n_zones):
+    values = zone_statistics(thickness, n_zones=n_zones)
+    mean, level, zone = place_blocks(thickness, values["zone_edge_bins"])
+    dataset = xr.Dataset(
+        as_variables(values) | {"block_psd": (DIMENSIONS["thickness_psd"], _own_density(thickness, zone, n_zones))},
+        coords={
+            "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
+            "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
+        },
+    )
+    likelihood = _means_likelihood(mean / level[:, None], zone, values)
+    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values))
+
+
+def _own_density(thickness, zone, n_zones):
+    """Mean periodogram of each zone's own blocks, (zone, slab, wavenumber); 0 where there is none."""
+    thickness, _ = spectral_blocks(thickness, MINIMUM_BLOCKS)
+    served = np.isfinite(thickness).all(axis=2)
+    density = np.zeros((n_zones, thickness.shape[1], thickness.shape[2] // 2 + 1))
+    for z, slab in np.ndindex(density.shape[:2]):
+        held = served[:, slab] & (zone == z)
+        if held.any():
+            density[z, slab] = periodogram(thickness[held, slab]).mean(axis=0)
+    return density
+
+
+def _means_likelihood(relative, zone, values):
+    """Log likelihood of relative block means and the penalties of their Gaussians."""
+    total = {"means_log_likelihood": 0.0, "means_aic_penalty": 0.0, "means_bic_penalty": 0.0, "means_n_parameters": 0}
+    names = ("relative_thickness_mean", "relative_thickness_variance", "source")
+    for slab in range(1, relative.shape[1]):
+        known = np.isfinite(relative[:, slab]) & (zone >= 0)
+        for z, (mean, variance, source) in enumerate(zip(*(values[name][:, slab] for name in names), strict=True)):
+            held = relative[known & (zone == z), slab]
+            if held.size and variance > 0 and source != OTHER_SLABS:
+                squares = (held - mean) ** 2 / variance
+                total["means_log_likelihood"] -= 0.5 * (np.log(2 * np.pi * variance) + squares).sum()
+            _add_penalty(total, held.size if source == OWN_ZONE else 0)
+        # Zones with too few blocks of a slab share one Gaussian of all.
+        _add_penalty(total, known.sum() if (values["source"][:, slab] == ALL_ZONES).any() else 0)
+    return total
+
+
+def _add_penalty(total, n, k=2):
+    """Penalties of the mean and variance of `n` values; too few to tell, as of one more than they need."""
+    if n:
+        total["means_aic_penalty"] += float(2 * k * n / max(n - k - 1, 1))
+        total["means_bic_penalty"] += float(k * np.log(n))
+        total["means_n_parameters"] += k
+
+
+def _dispersion(values):
+    """Variance of periodograms over their squared mean, mean of the cells with spectra of their own; at least 1."""
+    own = values["psd_source"] == OWN_ZONE
+    if not own.any():
+        return 1.0
+    n = values["n_psd_samples"][own][:, None]
+    density, error = (values[name][own] for name in ("thickness_psd", "thickness_psd_standard_error"))
+    share = np.divide(error, density, out=np.zeros_like(error), where=density > 0)
+    # The error is s / sqrt(n); (s / m)^2 of n exponential values has the mean n / (n + 1).
+    return max(float(((n + 1) * share**2)[:, 1:-1].mean()), 1.0)

@@ -1,26 +1,15 @@
 import numpy as np
 import pytest
-import xarray as xr
+from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import Scene, along_track_m, bin_size_s, layer_bins_of, to_uint8
 from snowsim.frames import cut_blocks, frame_of_scene
 
-BIN_S = 2.886e-10
-
 
 def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=(0, 30, 90)):
     bins = surface_row + np.repeat(np.array(depth_bins, dtype=float)[:, None], n_lines, axis=1)
-    power = rng.gamma(10, 1e-3, size=(n_bins, n_lines)).astype(np.float32)
-    slow_time = np.datetime64("2012-03-30", "ns") + np.arange(n_lines) * np.timedelta64(50, "ms")
-    along = {name: ("slow_time", np.zeros(n_lines)) for name in ("Latitude", "Longitude", "Elevation", "Surface")}
-    coords = {"twtt": 3e-6 + BIN_S * np.arange(n_bins), "slow_time": slow_time}
-    echogram = xr.Dataset({"Data": (("twtt", "slow_time"), power), **along}, coords=coords)
-    flags = {name: (("layer", "slow_time"), np.ones(bins.shape, np.uint8)) for name in ("quality", "type")}
-    layers = xr.Dataset(
-        {"twtt": (("layer", "slow_time"), 3e-6 + BIN_S * bins), **flags}, coords={"slow_time": slow_time}
-    )
-    return echogram, layers
+    return made_up_frame(rng.gamma(10, 1e-3, size=(n_bins, n_lines)).astype(np.float32), bins)
 
 
 def test_blocks_follow_the_published_rule(rng):

@@ -25,9 +25,9 @@ def crowded(rng, planted, n_groups=60):
 
 def test_slopes_are_those_of_the_waveform(planted, rng):
     groups = crowded(rng, planted, 1)
-    line = prepare_line(groups, np.arange(groups.power.shape[1]) + FIRST_ROW, 0)
+    line = prepare_line(groups, 0)
     line.spread = np.linspace(0, 4, 5)[:, None]
-    shape = np.column_stack([np.log(planted.decay_rate), np.log(planted.variance), np.linspace(-1, 1, 5)])
+    shape = np.column_stack([np.log(planted.decay_rate), np.log(planted.variance_bins2), np.linspace(-1, 1, 5)])
     slopes = waveform_columns(describe(shape), line, with_slopes=True)
     step = 1e-5
     for i in range(3):

@@ -3,14 +3,14 @@
 import pandas as pd
 from job import job, logger
 
-from lib.diagnostics.label_models import compare_models
+from lib.diagnostics.label_models import choose, compare_models, tabulate_criteria, tabulate_families
 from lib.timing import device_name, time_rounds
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.labels import draw_scene, prepare
-from snowsim.labels.models import choose, label_model, tabulate_criteria, tabulate_families
+from snowsim.labels.models import label_model
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summary_from_dataset
-from snowsim.statistics.zone_models import zone_models
+from snowsim.statistics.zones import zone_models
 
 PAPER = (4, "tabulated")
 TIMED_SCENES, TIMED_ROUNDS = 30, 5

@@ -6,6 +6,7 @@ import pytest
 from lib.diagnostics.planted import Planted, is_finite, judged, rules_applied
 from lib.diagnostics.statistics_atlas import COLUMNS, SWEEPS, draw_atlas, with_gaps
 from snowsim.seeding import random_stream
+from snowsim.statistics import fit
 
 
 @pytest.fixture(scope="module")
@@ -70,8 +71,6 @@ def test_what_is_not_finite_is_told(rng):
     frames = list(planted.frames(rng))
     rows = judged("panel", 1.0, planted, frames, "paper")
     assert {row["outcome"] for row in rows} <= {"within", "beyond"}
-    from snowsim.statistics import fit
-
     fitted = fit(frames)
     assert is_finite(fitted)
     assert rules_applied(fitted) == rows[0]["note"]

@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 import pytest
+from made_up import made_up_frame
 from numpy.testing import assert_allclose
-from planted import as_frame
 from scipy.stats import kstest
 
 from lib.diagnostics.thickness_tests import lilliefors, thickness_tests
@@ -123,8 +123,7 @@ def test_a_line_is_the_sum_of_its_layers(summary, estimator):
 
 
 def test_layers_of_a_planted_line_have_their_powers(planted):
-    layer_bins = np.repeat(50 + 44.0 * np.arange(5)[:, None], 256, axis=1)
-    summary = statistics.summarise(*as_frame(planted.power(layer_bins, 360), layer_bins))
+    summary = statistics.summarise(*made_up_frame(*planted.level()))
     line = superposition(summary, statistics.estimate(summary))
     # Without speckle what is left is where the fit ends, and rows on which no waveform's peak falls.
     assert_allclose(line.filter(like="layer_").max(), planted.peak_power, rtol=0.01)

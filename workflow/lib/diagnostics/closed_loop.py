@@ -1,21 +1,19 @@
-"""The closed loop: statistics of renders beside the statistics they were rendered from.
-
-Rendered scenes as frames of a flight, so that their statistics can be taken like a flight's.
-"""
+"""The closed loop: statistics of renders beside the statistics they were rendered from."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
+from snowsim.frames.blocks import placeholder_frame
 from snowsim.statistics.blocks import BLOCK_LINES
+from snowsim.statistics.summaries import BY_GROUP
 from snowsim.statistics.zones import OWN_ZONE
 
 SURE = 2.0  # standard errors by which a difference counts as one
-NARROW_BINS2 = (
-    1.0  # a Gaussian of variance 1 stands in three bins: below, its width is not seen in samples one bin apart
-)
+# A Gaussian of variance 1 stands in three bins: below, its width is not seen in samples one bin apart.
+NARROW_BINS2 = 1.0
+EARTH_RADIUS_M = 6.371e6  # of `snowsim.echogram.along_track_m`
 
 
 @dataclass(frozen=True)
@@ -48,31 +46,13 @@ COLUMNS = (
 
 
 def compare(given, recovered):
-    """What comes back of the statistics that went into renders.
+    """What comes back of the statistics that went into renders, a row a value of `BOUNDS`, with `COLUMNS`.
 
-    Parameters
-    ----------
-    given, recovered : xarray.Dataset
-        Of `estimate`: those that layers and renders were drawn from, and those of the renders, with the same zones.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row per quantity and `layer`, or `zone` and `slab`, or `zone`, `slab` and `band` of wavenumber of a spectrum
-        (-1 where it has none): `given` and `recovered` with their standard errors; `error`, recovered against given, in
-        `unit` (relative, bins, dB) with the standard error that sampling of the renders gives it; the `bound` of
-        `BOUNDS`; whether the error is `within` it; and the `reason` for one that is not, see `_reason`.
-
-    Raises
-    ------
-    ValueError
-        If zones or bands differ.
-
-    Notes
-    -----
-    Compared is what both hold. Left out is what is no measurement: values given as NaN, recovered in `paper` for the
-    deepest layer, recovered where `substituted` is 1 or zones were pooled (`source`, `psd_source`), and slab 0 relative
-    to itself.
+    `given` and `recovered` are of `estimate`, with the same zones and bands, or a ValueError says so. `layer`, `zone`,
+    `slab` and `band` of wavenumber are -1 where a quantity has none; `error` is recovered against given, in `unit`
+    (relative, bins, dB), its standard error that of sampling the renders; for `reason` see `_reason`. Left out is what
+    is no measurement: values given as NaN, recovered in `paper` for the deepest layer, recovered where `substituted` is
+    1 or zones were pooled (`source`, `psd_source`), and slab 0 relative to itself.
     """
     for name in ("zone_edge_bins", "band_edge_wavenumber"):
         ours, theirs = given[name].values, recovered[name].values
@@ -92,15 +72,10 @@ def compare(given, recovered):
 
 
 def largest_errors(table):
-    """Median and largest error of each quantity of a table of `compare`.
+    """Errors in a table of `compare`: `<quantity>_bound`, and `<quantity>_median` and `<quantity>_largest` magnitude.
 
-    Returns
-    -------
-    dict
-        `<quantity>_bound`, `<quantity>_median`, `<quantity>_largest`: of the magnitude of the error in its own unit;
-        the largest over what sampling resolves, that is, where the standard error of the error is below half the bound.
-        NaN where there is none. `score`: mean over powers, decay rates, noise, widths and, where they are estimated,
-        offsets of the median error over its bound.
+    The largest is over what sampling resolves (`_is_resolved`), NaN where that is nothing. `score`: mean over powers,
+    decay rates, noise, widths and, where they are estimated, offsets of the median error over its bound.
     """
     magnitude = table["error"].abs()
     resolved = _is_resolved(table)
@@ -117,14 +92,10 @@ def largest_errors(table):
 
 
 def summarise_loop(table):
-    """A table of `compare` in short: a row a quantity.
+    """A table of `compare` in short, a row a quantity: how many values lie `n_within` their bound, and errors.
 
-    Returns
-    -------
-    pandas.DataFrame
-        `n` values compared and `n_within` their bound; `n_resolved`, of which sampling resolves the bound, as in
-        `largest_errors`, and `n_resolved_within`; `median` and `largest` magnitude of the error,
-        `median_standard_error`, and `reasons`, how many of those beyond have which.
+    `n_resolved` and `n_resolved_within` count where sampling resolves the bound; `median` and `largest` are those of
+    `largest_errors`; `reasons` says how many of those beyond have which.
     """
     errors = largest_errors(table)
     rows = []
@@ -160,12 +131,17 @@ def _values(statistics, quantity, dims):
     names = (quantity, f"{quantity}_standard_error")
     if "band" not in dims:
         return [statistics[name].transpose(*dims).values.astype(float) for name in names]
-    edges = np.rint(statistics["band_edge_wavenumber"].values * BLOCK_LINES).astype(int)
     density, error = (statistics[name].transpose("zone", "slab", "wavenumber").values for name in names)
-    bands = [slice(low, high) for low, high in zip(edges[:-1], edges[1:], strict=True)]
+    bands = _bands(statistics)
     # Periodograms of different wavenumbers are independent, all but for leakage.
     errors = [np.sqrt((error[..., band] ** 2).sum(axis=-1)) / error[..., band].shape[-1] for band in bands]
     return [np.stack([density[..., band].mean(axis=-1) for band in bands], axis=-1), np.stack(errors, axis=-1)]
+
+
+def _bands(statistics):
+    """Slices of wavenumber, one a band."""
+    edges = np.rint(statistics["band_edge_wavenumber"].values * BLOCK_LINES).astype(int)
+    return [slice(low, high) for low, high in zip(edges[:-1], edges[1:], strict=True)]
 
 
 def _measured(recovered, quantity, shape):
@@ -250,54 +226,15 @@ def _drawn_evenly(quantity, where, given):
 def _falls_steeply(given, where):
     """Whether a band of a given spectrum lies below the lowest band's continued as k^-2."""
     density = given["thickness_psd"].transpose("zone", "slab", "wavenumber").values[where["zone"], where["slab"]]
-    edges = np.rint(given["band_edge_wavenumber"].values * BLOCK_LINES).astype(int)
-    lowest, band = slice(edges[0], edges[1]), slice(*edges[where["band"] : where["band"] + 2])
+    lowest, band = (_bands(given)[i] for i in (0, where["band"]))
     square = np.maximum(np.arange(density.size), 1.0) ** 2
     return density[band].mean() < (density * square)[lowest].mean() * (1 / square[band]).mean()
 
 
-START = np.datetime64("2012-01-01T00:00:00", "ns")
-EARTH_RADIUS_M = 6.371e6  # of `snowsim.echogram.along_track_m`
-
-
 def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
-    """One rendered scene as a frame that `summarise` reads.
-
-    Parameters
-    ----------
-    power : ndarray, (range_bin, range_line)
-        Linear.
-    layer_bins : ndarray, (layer, range_line)
-        Fractional range bins; NaN where absent.
-    index : int
-        Of the scene: frames sort by it.
-    bin_size_s, line_spacing_m : float
-
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        Open Polar Radar convention. Times and positions are made up: a minute a scene, northward.
-    """
-    n_lines = power.shape[1]
-    start = START + index * np.timedelta64(1, "m")
-    slow_time = start + np.arange(n_lines) * np.timedelta64(1, "ms")
-    twtt = bin_size_s * layer_bins
-    along = {
-        "Latitude": 70 + np.degrees(line_spacing_m / EARTH_RADIUS_M) * np.arange(n_lines),
-        "Longitude": np.full(n_lines, -45.0),
-        "Elevation": np.zeros(n_lines),
-        "Surface": twtt[0],
-    }
-    echogram = xr.Dataset(
-        {"Data": (("twtt", "slow_time"), power)} | {name: ("slow_time", values) for name, values in along.items()},
-        coords={"twtt": bin_size_s * np.arange(len(power)), "slow_time": slow_time},
-    )
-    ones = np.ones(layer_bins.shape, dtype=np.int8)
-    dims = ("layer", "slow_time")
-    layers = xr.Dataset(
-        {"twtt": (dims, twtt), "quality": (dims, ones), "type": (dims, ones)}, coords={"slow_time": slow_time}
-    )
-    return echogram, layers
+    """One rendered scene, linear power and layers, as a frame that `summarise` reads; frames sort by `index`."""
+    latitude = 70 + np.degrees(line_spacing_m / EARTH_RADIUS_M) * np.arange(power.shape[1])
+    return placeholder_frame(power, layer_bins, latitude, bin_s=bin_size_s, minute=index)
 
 
 def thinned(summary, stride):
@@ -306,5 +243,4 @@ def thinned(summary, stride):
     The groups of a scene differ in speckle alone and `deblend` takes a limited number of them for the shapes: more
     cost time and disk, not accuracy. A frame keeps at least its first group.
     """
-    names = ("power", "position", "spread", "n_picks", "air_sum", "air_square", "air_count")
-    return [replace(frame, **{name: getattr(frame, name)[::stride] for name in names}) for frame in summary]
+    return [replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP}) for frame in summary]

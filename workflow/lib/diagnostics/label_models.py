@@ -1,26 +1,121 @@
-"""What label models with fewer parameters cost: thickness statistics of scenes drawn from each."""
+"""Label models side by side: how well they explain the flight, the best by a criterion, what fewer parameters cost."""
 
 import numpy as np
 import pandas as pd
 
 from snowsim.labels.draw import draw_scene
+from snowsim.labels.models import FAMILIES, MODELS, TABULATED, densities_of, fit_family
+from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
+
+CRITERIA = ("aic", "bic")
+
+
+def tabulate_criteria(zone_models):
+    """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
+
+    `zone_models` are those of `snowsim.statistics.zones`. Columns `n_zones`, `psd`, `n_parameters`, `log_likelihood`,
+    `aic`, `bic`; `dispersion`, the same in all.
+
+    Means are Gaussian, periodograms exponential about their density (Whittle), cells independent. Densities of
+    neighbouring blocks of different level scatter more than that: log likelihoods of spectra are divided by the
+    dispersion of the finest division, as for a quasi-likelihood (Burnham & Anderson 2002, section 2.5). The penalty of
+    a tabulated density is exact for exponential values, ``2 n / (n - 1)`` a wavenumber in `aic`. Slabs undulate
+    together, so the flight tells less than is counted here: both criteria lean to more parameters.
+    """
+    finest = max(zone_models, key=lambda model: model.sizes["zone"])
+    dispersion = finest.attrs["dispersion"]
+    rows = []
+    for model in zone_models:
+        for psd in MODELS:
+            likelihood, n_parameters, penalty = _spectra_likelihood(model, psd)
+            total = model.attrs["means_log_likelihood"] + likelihood / dispersion
+            rows.append(
+                {
+                    "n_zones": model.sizes["zone"],
+                    "psd": psd,
+                    "n_parameters": model.attrs["means_n_parameters"] + n_parameters,
+                    "log_likelihood": total,
+                    "aic": model.attrs["means_aic_penalty"] + penalty["aic"] - 2 * total,
+                    "bic": model.attrs["means_bic_penalty"] + penalty["bic"] - 2 * total,
+                    "dispersion": dispersion,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _spectra_likelihood(model, psd):
+    """Log likelihood of block periodograms, number of parameters, and penalties by criterion."""
+    tabulated, own, n, source = (
+        model[name].values for name in ("thickness_psd", "block_psd", "n_psd_samples", "psd_source")
+    )
+    # Slabs with too few blocks everywhere take the one above: they tell nothing, and it is the same ones in all models.
+    n = np.where(source > ALL_ZONES, 0, n)
+    likelihood = whittle_log_likelihood(own, densities_of(tabulated, psd), n)
+    # Cells with too few blocks share what all blocks of their slab give.
+    blocks = [count for count, where in zip(n.ravel(), source.ravel(), strict=True) if where == OWN_ZONE]
+    blocks += [n[:, slab].sum() for slab in range(n.shape[1]) if (source[:, slab] == ALL_ZONES).any()]
+    blocks = np.array(blocks, dtype=float)
+    n_wavenumbers = tabulated.shape[-1] - 2
+    if psd == TABULATED:
+        n_parameters, aic = n_wavenumbers * blocks.size, (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
+        bic = (n_wavenumbers * np.log(blocks)).sum()
+    else:
+        k = FAMILIES[psd].n_parameters
+        n_parameters, aic, bic = k * blocks.size, 2.0 * k * blocks.size, (k * np.log(n_wavenumbers * blocks)).sum()
+    return likelihood, n_parameters, {"aic": float(aic), "bic": float(bic)}
+
+
+def whittle_log_likelihood(periodogram, density, n):
+    """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each for a density.
+
+    Wavenumbers 0 and 1/2 are left out; cells without blocks, and those whose density is 0, add nothing.
+    """
+    periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
+    held = density > 0
+    safe = np.where(held, density, 1)
+    return float(-(n[..., None] * np.where(held, np.log(safe) + periodogram / safe, 0)).sum())
+
+
+def choose(table, n_zones, psd):
+    """Number of zones and kind of spectrum asked for, or the best by a criterion among those asked for.
+
+    `n_zones` may be "aic" or "bic" instead of a number, `psd` instead of one of `MODELS`. ValueError if they are left
+    to different criteria, or the table of `tabulate_criteria` does not hold what is asked for.
+    """
+    asked = {value for value in (n_zones, psd) if value in CRITERIA}
+    if len(asked) > 1:
+        msg = f"zones and spectra are chosen by one criterion, got {n_zones} and {psd}"
+        raise ValueError(msg)
+    held = table
+    for column, value in (("n_zones", n_zones), ("psd", psd)):
+        if value not in CRITERIA:
+            held = held[held[column] == value]
+    if held.empty:
+        msg = f"label models hold no {n_zones} zones with {psd} spectra"
+        raise ValueError(msg)
+    row = held.loc[held[next(iter(asked))].idxmin()] if asked else held.iloc[0]
+    return int(row["n_zones"]), str(row["psd"])
+
+
+def tabulate_families(psd):
+    """Spectra of one slab (zone, wavenumber) beside what each family makes of them [bins^2 per cycle per line].
+
+    Columns `zone`, `wavenumber`, `tabulated` and one a family.
+    """
+    parts = []
+    for zone, tabulated in enumerate(psd):
+        wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
+        columns = {"zone": zone, "wavenumber": wavenumber, "tabulated": tabulated}
+        parts.append(pd.DataFrame(columns | {name: fit_family(name, tabulated)[0] for name in FAMILIES})[1:])
+    return pd.concat(parts, ignore_index=True)
 
 
 def scene_statistics(model, n_scenes, *, rng):
     """Thickness statistics of scenes drawn from a label model.
 
-    Parameters
-    ----------
-    model : LabelModel
-    n_scenes : int
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    dict
-        `thickness_mean_bins`, over all slabs of all scenes; `thickness_deviation_bins`, of slab means about it;
-        `undulation_deviation_bins`, of thickness about slab means, all bands of wavenumber; `undulation_<band>_bins`,
-        the same of one band; `touched_share` of samples under the rule for thin slabs.
+    `thickness_mean_bins`, over all slabs of all scenes; `thickness_deviation_bins`, of slab means about it;
+    `undulation_deviation_bins`, of thickness about slab means, all bands of wavenumber; `undulation_<band>_bins`, the
+    same of one band; `touched_share` of samples under the rule for thin slabs.
     """
     means, variance, touched = [], 0.0, np.zeros(2)
     edges = np.rint(model.band_edge_wavenumber * model.n_range_lines).astype(int)
@@ -44,23 +139,11 @@ def scene_statistics(model, n_scenes, *, rng):
 
 
 def compare_models(models, criteria, n_scenes, stream):
-    """Label models side by side.
+    """Label models side by side, a row each, by what chose it: (number of zones, kind of spectrum, `LabelModel`).
 
-    Parameters
-    ----------
-    models : dict of str to (int, str, LabelModel)
-        Number of zones, kind of spectrum and model by what chose it; the first is what others are compared with.
-    criteria : pandas.DataFrame
-        Of `snowsim.labels.models.tabulate_criteria`.
-    n_scenes : int
-    stream : callable
-        Gives the same fresh random generator for every model.
-
-    Returns
-    -------
-    pandas.DataFrame
-        A row a model: `model`, `n_zones`, `psd`, `n_parameters`, `parameters_saved` (share of the first's),
-        `aic`, `bic`, and `scene_statistics` with `<name>_change`, relative to the first.
+    `criteria` are those of `tabulate_criteria`; `stream` gives the same fresh random generator for every model. Columns
+    `model`, `n_zones`, `psd`, `n_parameters`, `parameters_saved` (share of the first's), `aic`, `bic`, and
+    `scene_statistics` with `<name>_change`, relative to the first.
     """
     rows = []
     for name, (n_zones, psd, model) in models.items():

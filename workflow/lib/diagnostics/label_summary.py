@@ -5,32 +5,18 @@ import pandas as pd
 
 
 def summarise_labels(scenes, statistics):
-    """Tables of a set of synthetic labels beside the flight statistics.
+    """Tables of a set of synthetic labels beside the flight statistics, by name.
 
-    Parameters
-    ----------
-    scenes : iterable of Scene
-        Of `draw_scene`, all as wide as a block of the statistics; read once.
-    statistics : xarray.Dataset
-        Of `snowsim.statistics.fit`.
+    `scenes` of `draw_scene` are read once; there must be one, and all as wide as a block of the statistics, or a
+    ValueError says so. By zone and slab, unless said otherwise, and `observed` beside `synthetic`:
 
-    Returns
-    -------
-    dict of pandas.DataFrame
-        `layers`: number of scenes by `n_layers` below the surface.
-        `moments`: by `zone` and `slab` number of scenes, and `observed` and `synthetic` mean and variance of thickness
-        relative to slab 0 and variance about the mean (the integral of the spectrum).
-        `rule`: by zone samples, samples touched by the rule for thin slabs, thickness mean and variance drawn and kept
-        (means over scenes, variances within a scene), slabs deeper than the flight shows.
-        `spectra`: by zone, slab and wavenumber `observed`, `synthetic` [bins^2 per cycle per line].
-        `correlation`: by band (-1: of relative means) and separation `observed`, `synthetic`.
-        `histograms`: by zone, slab and `low_bins`, the lower edge of a bin one range bin wide, number of lines of that
-        thickness, and by zone, slab -1, number of scenes of that mean thickness of slab 0.
-
-    Raises
-    ------
-    ValueError
-        If there is no scene or one is not as wide as a block.
+    `layers`: number of scenes by `n_layers` below the surface. `moments`: number of scenes, mean and variance of
+    thickness relative to slab 0 and variance about the mean (the integral of the spectrum). `rule`: by zone samples,
+    samples touched by the rule for thin slabs, thickness mean and variance drawn and kept (means over scenes, variances
+    within a scene), slabs deeper than the flight shows. `spectra`: also by wavenumber [bins^2 per cycle per line].
+    `correlation`: by band (-1: of relative means) and separation. `histograms`: by `low_bins`, the lower edge of a bin
+    one range bin wide, number of lines of that thickness, and, as slab -1, number of scenes of that mean thickness of
+    slab 0.
     """
     n_zones, n_slabs, n_wavenumbers = (statistics.sizes[dim] for dim in ("zone", "slab", "wavenumber"))
     n_lines = 2 * (n_wavenumbers - 1)
@@ -103,28 +89,25 @@ def _add_pairs(totals, values):
 
 
 def _moment_table(moments, spectra, statistics):
-    rows = []
-    number, total, square = moments
-    for zone, slab in np.argwhere(number > 1):
-        n = number[zone, slab]
-        mean = total[zone, slab] / n
-        psd = statistics["thickness_psd"].values[zone, slab]
-        n_lines = 2 * (psd.size - 1)
-        rows.append(
-            {
-                "zone": zone,
-                "slab": slab,
-                "n_scenes": int(n),
-                "relative_mean_observed": statistics["relative_thickness_mean"].values[zone, slab],
-                "relative_mean_synthetic": mean,
-                "relative_variance_observed": statistics["relative_thickness_variance"].values[zone, slab],
-                # Of slab 0 it is zero but for rounding.
-                "relative_variance_synthetic": max((square[zone, slab] - n * mean**2) / (n - 1), 0.0),
-                "variance_observed": psd.sum() / n_lines,
-                "variance_synthetic": spectra[zone, slab].sum() / n / n_lines,
-            }
-        )
-    return pd.DataFrame(rows)
+    zone, slab = np.nonzero(moments[0] > 1)
+    n, total, square = moments[:, zone, slab]
+    mean = total / n
+    psd = statistics["thickness_psd"].values[zone, slab]
+    n_lines = 2 * (psd.shape[1] - 1)
+    return pd.DataFrame(
+        {
+            "zone": zone,
+            "slab": slab,
+            "n_scenes": n.astype(int),
+            "relative_mean_observed": statistics["relative_thickness_mean"].values[zone, slab],
+            "relative_mean_synthetic": mean,
+            "relative_variance_observed": statistics["relative_thickness_variance"].values[zone, slab],
+            # Of slab 0 it is zero but for rounding.
+            "relative_variance_synthetic": np.maximum((square - n * mean**2) / (n - 1), 0.0),
+            "variance_observed": psd.sum(axis=1) / n_lines,
+            "variance_synthetic": spectra[zone, slab].sum(axis=1) / n / n_lines,
+        }
+    )
 
 
 def _rule_table(rules):

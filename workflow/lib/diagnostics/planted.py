@@ -17,26 +17,15 @@ QUANTITIES = ("peak_power", "decay_rate", "width_bins", "noise_power")
 
 @dataclass(frozen=True)
 class Planted:
-    """A flight of layers of eq. (1); the default is five layers 44 bins apart, as many looks as a flight line has.
+    """A flight of layers of eq. (1); the default is five layers 44 bins apart, as many looks as a flight line has."""
 
-    Attributes
-    ----------
-    peak_power, decay_rate : tuple of float
-        By layer; powers above the noise, rates per bin.
-    variance_bins2, noise_power, slab_bins, thickness_sd : float
-        Gaussian variance of all layers, noise, mean thickness of slabs and its relative s.d. from group to group.
-    n_looks : float
-        Of a range line; infinite: no speckle.
-    n_frames, n_lines : int
-    """
-
-    peak_power: tuple = (1.0, 0.3, 0.2, 0.15, 0.1)
-    decay_rate: tuple = (0.09, 0.07, 0.06, 0.06, 0.05)
-    variance_bins2: float = 12.5
+    peak_power: tuple = (1.0, 0.3, 0.2, 0.15, 0.1)  # above the noise, by layer
+    decay_rate: tuple = (0.09, 0.07, 0.06, 0.06, 0.05)  # per bin, by layer
+    variance_bins2: float = 12.5  # of the Gaussian of all layers
     noise_power: float = 1e-3
-    slab_bins: float = 44.0
-    thickness_sd: float = 0.05
-    n_looks: float = 5
+    slab_bins: float = 44.0  # mean thickness of slabs
+    thickness_sd: float = 0.05  # its relative s.d., from frame to frame and from group to group
+    n_looks: float = 5  # of a range line; infinite: no speckle
     n_frames: int = 4
     n_lines: int = 256
 

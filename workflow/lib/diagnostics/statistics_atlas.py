@@ -1,12 +1,9 @@
-"""Sweeps over what makes estimation hard: thin slabs, noise, speckle, short flights, gaps.
-
-Flights at the borders of what can be fitted, and beyond: what degrades by which rule, what is refused.
-The stability atlas of the estimators: planted flights pushed to where one or both lose what was planted.
+"""The stability atlas of the estimators: planted flights pushed to where one or both lose what was planted.
 
 A row has `panel, value, estimator, quantity`, mean `error` over layers against what was planted, its `largest`
 magnitude, the mean `standard_error` claimed, `unit`, `bound`, the `outcome` and, as `note`, the rule that degraded the
-result or the line that refused it. Outcomes: ``within`` the bound, ``beyond`` it, ``refused`` by a ValueError,
-``not finite``, which must not be.
+result or the line that refused it. Outcomes: ``within`` the bound, ``beyond`` it, ``refused`` by a ValueError, ``not
+finite``, which must not be.
 """
 
 from dataclasses import replace
@@ -17,11 +14,12 @@ import pandas as pd
 from lib.diagnostics.planted import Planted, judged
 from snowsim.statistics.estimate import ESTIMATORS
 
+PANEL = "borders"  # of the panels the one that is no sweep
 GAP_LINES = 24  # mean length of a gap in a layer's picks [range lines]
-
-
-def _spaced(value):
-    return Planted(slab_bins=value)
+COLUMNS = (
+    *("panel", "value", "estimator", "quantity", "error", "largest", "standard_error"),
+    *("unit", "bound", "outcome", "note"),
+)
 
 
 def _noisy(value):
@@ -29,38 +27,21 @@ def _noisy(value):
     return Planted(noise_power=weakest * 10 ** (-value / 10))
 
 
-def _speckled(value):
-    return Planted(n_looks=value)
-
-
-def _short(value):
-    return Planted(n_frames=1, n_lines=int(value))
-
-
+# Values of each sweep, and the flight planted for one.
 SWEEPS = {
-    "slab thickness [bins]": ((3, 5, 8, 12, 18, 27, 44, 80), _spaced),
+    "slab thickness [bins]": ((3, 5, 8, 12, 18, 27, 44, 80), lambda value: Planted(slab_bins=value)),
     "weakest layer over noise [dB]": ((-15, -10, -5, 0, 5, 10, 20, 30), _noisy),
-    "looks of a range line": ((0.2, 0.5, 1, 2, 5, 20, 100), _speckled),
-    "range lines of a flight": ((200, 256, 512, 1024, 2048, 4096), _short),
+    "looks of a range line": ((0.2, 0.5, 1, 2, 5, 20, 100), lambda value: Planted(n_looks=value)),
+    "range lines of a flight": ((200, 256, 512, 1024, 2048, 4096), lambda value: Planted(n_frames=1, n_lines=value)),
     "share of picks missing": ((0, 0.2, 0.4, 0.6, 0.8, 0.95), lambda _: Planted()),
 }
 
 
 def sweep(panel, stream, *, share=1.0):
-    """Rows of one sweep: every value by every estimator, from the same flight.
+    """Rows of one panel of `SWEEPS`: every value by every estimator, from the same flight.
 
-    Parameters
-    ----------
-    panel : str
-        Of `SWEEPS`.
-    stream : callable
-        Gives the random generator of a panel and a value.
-    share : float
-        Share of the values to run, spread evenly, both ends included.
-
-    Returns
-    -------
-    list of dict
+    `stream` gives the random generator of a panel and a value; `share` of the values, spread evenly, both ends
+    included, are run.
     """
     values, plant = SWEEPS[panel]
     chosen = np.unique(np.linspace(0, len(values) - 1, max(int(np.ceil(share * len(values))), 2)).round().astype(int))
@@ -89,15 +70,6 @@ def with_gaps(frame, share, rng):
             missing = np.where(missing, turn >= leave, turn < min(enter, 1.0))
             layers["twtt"].values[1:, line] = np.where(missing[1:], np.nan, layers["twtt"].values[1:, line])
     return echogram, layers
-
-
-def few_layers(n):
-    """The default flight with its first layers only."""
-    planted = Planted()
-    return replace(planted, peak_power=planted.peak_power[:n], decay_rate=planted.decay_rate[:n])
-
-
-PANEL = "borders"
 
 
 def _picks(frames, change):
@@ -152,7 +124,7 @@ def border_cases(stream):
         ("as planted", default, frames, None),
         ("no layers", default, _picks(frames, _without(slice(None))), None),
         ("surface alone", default, _picks(frames, _without(buried)), None),
-        own("one slab", few_layers(2)),
+        own("one slab", replace(default, peak_power=default.peak_power[:2], decay_rate=default.decay_rate[:2])),
         own("one zone: level slabs", replace(default, thickness_sd=0.0)),
         ("zones without data", default, frames, [10.0, 20, 30, 40, 90]),
         ("less than a block", default, cut(slow_time=slice(0, 255)), None),
@@ -170,36 +142,10 @@ def border_cases(stream):
     ]
 
 
-def sweep_borders(stream):
-    """Rows of all border cases by every estimator."""
-    return [
-        row
-        for name, planted, frames, edges in border_cases(stream)
-        for estimator in ESTIMATORS
-        for row in judged(PANEL, name, planted, frames, estimator, zone_edge_bins=edges)
-    ]
-
-
-COLUMNS = (
-    *("panel", "value", "estimator", "quantity", "error", "largest", "standard_error"),
-    *("unit", "bound", "outcome", "note"),
-)
-
-
 def draw_atlas(stream, *, share=1.0):
-    """Rows of all panels as a table.
-
-    Parameters
-    ----------
-    stream : callable
-        Gives the random generator of a panel and a value on it.
-    share : float
-        Share of the values of each sweep to run, ends included; borders are always run.
-
-    Returns
-    -------
-    pandas.DataFrame
-        With `COLUMNS`.
-    """
+    """Rows of all panels as a table with `COLUMNS`; `stream` and `share` as for `sweep`, borders are always run."""
     rows = [row for panel in SWEEPS for row in sweep(panel, stream, share=share)]
-    return pd.DataFrame([*rows, *sweep_borders(stream)], columns=list(COLUMNS))
+    for name, planted, frames, edges in border_cases(stream):
+        for estimator in ESTIMATORS:
+            rows += judged(PANEL, name, planted, frames, estimator, zone_edge_bins=edges)
+    return pd.DataFrame(rows, columns=list(COLUMNS))

@@ -5,8 +5,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import ndtr
 
-from snowsim.statistics.blocks import block_levels, block_means, periodogram
-from snowsim.statistics.zones import MINIMUM_BLOCKS, zone_of
+from snowsim.statistics.blocks import periodogram
+from snowsim.statistics.zones import MINIMUM_BLOCKS, place_blocks
 
 NULL_VALUES, NULL_DRAWS = 50, 20_000  # of the law under the null hypothesis; the seed is its own, the result a constant
 NULL_SEED = 1967
@@ -15,27 +15,10 @@ NULL_SEED = 1967
 def lilliefors(values, n_effective=None):
     """Distance of values from a Gaussian of their own mean and variance, and the probability of a larger one.
 
-    Parameters
-    ----------
-    values : ndarray
-        At least 4.
-    n_effective : float, optional
-        Independent values they are worth; by default all of them.
-
-    Returns
-    -------
-    distance, p_value : float
-
-    Raises
-    ------
-    ValueError
-        With fewer than 4 values, or values that are all the same.
-
-    Notes
-    -----
-    Lilliefors (1967), J. Am. Stat. Assoc. 62, 399-402: Kolmogorov's distance with estimated parameters. Its law for any
-    n follows from that of ``D (sqrt n - 0.01 + 0.85 / sqrt n)`` (Stephens 1974, J. Am. Stat. Assoc. 69, 730-737), which
-    is taken from 20,000 draws: p-values to 0.003.
+    There must be at least 4 values that differ; they may be worth only `n_effective` independent ones. Lilliefors
+    (1967), J. Am. Stat. Assoc. 62, 399-402: Kolmogorov's distance with estimated parameters. Its law for any n follows
+    from that of ``D (sqrt n - 0.01 + 0.85 / sqrt n)`` (Stephens 1974, J. Am. Stat. Assoc. 69, 730-737), which is taken
+    from 20,000 draws: p-values to 0.003.
     """
     values = np.sort(np.asarray(values, dtype=float))
     if values.size < 4 or values[0] == values[-1]:
@@ -69,41 +52,24 @@ def _null():
 
 
 def thickness_tests(thickness, zone_edge_bins, *, rng, n_draws=199):
-    """Tests of the two Gaussian laws labels are drawn from, by zone and slab.
+    """Tests of the two Gaussian laws labels are drawn from, by zone and slab: a dict each.
 
-    Parameters
-    ----------
-    thickness : ndarray, (block, slab, range_line)
-        [bins]; NaN in gaps. Blocks of a frame stand together, in order.
-    zone_edge_bins : array_like, (edge,)
-    rng : numpy.random.Generator
-    n_draws : int
-        Gaussian flights that undulations are compared with.
+    `thickness (block, slab, range_line)` [bins] has NaN in gaps; blocks of a frame stand together, in order. `of` is
+    ``relative block mean`` (of slabs below the first) or ``undulation``, thickness of lines about the mean of their
+    block over its s.d.; `p_value` holds if all `n` values were independent, `p_value_correlated` as they are.
 
-    Returns
-    -------
-    list of dict
-        `of`: ``relative block mean`` (of slabs below the first), or ``undulation``, thickness of lines about the mean
-        of their block over its s.d.; `zone`, `slab`, `n` values, `n_effective`, their `mean` and `deviation`, the
-        `distance`, its `p_value` if all values were independent, and `p_value_correlated`.
-
-    Notes
-    -----
     Neighbouring blocks share kilometre undulations: block means are worth ``n (1 - r) / (1 + r)`` values, not fewer
     than 4, r their correlation from block to block, not below 0. Lines are worth ``2 (sum P)^2 / sum P^2`` values a
-    block for the mean periodogram P; their probability comes from Gaussian series of that spectrum, as many, and
+    block for the mean periodogram P; their probability comes from `n_draws` Gaussian flights of that spectrum, as many,
     treated alike.
     """
-    mean = block_means(thickness)
-    level, _ = block_levels(mean)
-    placed = np.isfinite(level)
-    zone = np.where(placed, zone_of(np.where(placed, level, 0), np.asarray(zone_edge_bins)), -1)
+    mean, level, zone = place_blocks(thickness, zone_edge_bins)
     whole = np.isfinite(thickness).all(axis=2)
     rows = []
     for z, slab in np.ndindex(len(zone_edge_bins) - 1, mean.shape[1]):
         held = np.isfinite(mean[:, slab]) & (zone == z)
         if slab > 0 and held.sum() >= MINIMUM_BLOCKS:
-            share = np.where(held, mean[:, slab] / np.where(placed, level, 1), np.nan)
+            share = np.where(held, mean[:, slab] / level, np.nan)
             rows += _means_row(share, z, slab)
         held = whole[:, slab] & (zone == z)
         if held.sum() >= MINIMUM_BLOCKS:

@@ -5,10 +5,10 @@ import pandas as pd
 
 from lib.diagnostics.thickness_tests import thickness_tests
 from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.statistics.blocks import BLOCK_LINES, block_levels, block_means, thickness_blocks
+from snowsim.statistics.blocks import BLOCK_LINES, thickness_blocks
 from snowsim.statistics.paper import is_present
 from snowsim.statistics.summaries import FIRST_ROW, stacked
-from snowsim.statistics.zones import zone_of
+from snowsim.statistics.zones import place_blocks
 
 TEST_COLUMNS = (
     *("of", "zone", "slab", "n", "n_effective", "mean", "deviation"),
@@ -17,29 +17,17 @@ TEST_COLUMNS = (
 
 
 def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
-    """Tables of the flight beside what was made of its statistics.
+    """Tables of the flight beside what was made of its statistics: `thickness`, `tests`, `distributions`.
 
-    Parameters
-    ----------
-    summary : list of FrameSummary
-        Of the flight.
-    statistics, rendered : xarray.Dataset
-        Of `estimate`: of the flight, and of PHY's renders of the labels.
-    labels : (pandas.DataFrame, pandas.DataFrame)
-        `layers` and `histograms` of `snowsim.labels.summarise_labels`.
-    zone_edge_bins : array_like, (edge,)
-        Zones that labels were drawn in.
-    rng : numpy.random.Generator
-        For `thickness_tests`.
+    `summary` is the flight's; `statistics` and `rendered` are of `estimate`, of the flight and of PHY's renders of the
+    labels; `labels` are the tables `layers` and `histograms` of `summarise_labels`, drawn in the zones of
+    `zone_edge_bins`.
 
-    Returns
-    -------
-    dict of pandas.DataFrame
-        `thickness`: histograms by `zone`, `slab` and `low_bins` (bins one range bin wide): lines `n_observed` in the
-        flight's whole and broken blocks, `n_synthetic` in the labels; slab -1: mean thickness of slab 0, of blocks and
-        of label scenes. `tests`: `thickness_tests`. `distributions`: by `quantity` and bin from `low` to `high`,
-        numbers observed and synthetic: `n_layers` below the surface (of blocks: layers picked in half of the lines),
-        `width_bins` of averaged lines.
+    `thickness`: histograms by `zone`, `slab` and `low_bins` (bins one range bin wide): lines `n_observed` in the
+    flight's whole and broken blocks, `n_synthetic` in the labels; slab -1: mean thickness of slab 0, of blocks and of
+    label scenes. `tests`: `thickness_tests`. `distributions`: by `quantity` and bin from `low` to `high`, numbers
+    observed and synthetic: `n_layers` below the surface (of blocks: layers picked in half of the lines), `width_bins`
+    of averaged lines.
     """
     label_layers, label_histograms = labels
     edges = np.asarray(zone_edge_bins, dtype=float)
@@ -55,13 +43,10 @@ def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
 
 def _thickness_histograms(thickness, edges, synthetic):
     """Histograms of thickness by zone and slab beside those of labels."""
-    mean = block_means(thickness)
-    level, _ = block_levels(mean)
-    placed = np.flatnonzero(np.isfinite(level))
-    zone = zone_of(level[placed], edges)
+    _, level, zone = place_blocks(thickness, edges)
     parts = []
     for z in range(edges.size - 1):
-        inside = placed[zone == z]
+        inside = np.flatnonzero(zone == z)
         parts += [_counts(z, slab, thickness[inside, slab].ravel()) for slab in range(thickness.shape[1])]
         parts.append(_counts(z, -1, level[inside]))
     keys = ["zone", "slab", "low_bins"]
@@ -86,14 +71,8 @@ def _layer_counts(summary, label_layers):
         counts += (2 * picked.sum(axis=2) >= BLOCK_LINES).sum(axis=0).tolist()
     most = max([*counts, int(label_layers["n_layers"].max())])
     synthetic = np.bincount(label_layers["n_layers"], weights=label_layers["n_scenes"], minlength=most + 1)
-    return pd.DataFrame(
-        {
-            "quantity": "n_layers",
-            "low": np.arange(most + 1) - 0.5,
-            "high": np.arange(most + 1) + 0.5,
-            "n_observed": np.bincount(counts, minlength=most + 1),
-            "n_synthetic": synthetic.astype(int),
-        }
+    return _distribution(
+        "n_layers", np.arange(most + 2) - 0.5, np.bincount(counts, minlength=most + 1), synthetic.astype(int)
     )
 
 
@@ -103,36 +82,21 @@ def _width_counts(statistics, rendered):
     edges = statistics["width_edge_bins"].values[::2]
     counts = [dataset["width_histogram"].sum("layer").values for dataset in (statistics, rendered)]
     counts = [count.reshape(-1, 2).sum(axis=1) for count in counts]
-    return pd.DataFrame(
-        {
-            "quantity": "width_bins",
-            "low": edges[:-1],
-            "high": edges[1:],
-            "n_observed": counts[0],
-            "n_synthetic": counts[1],
-        }
-    )
+    return _distribution("width_bins", edges, *counts)
+
+
+def _distribution(quantity, edges, observed, synthetic):
+    """Numbers observed and synthetic of a quantity by bin."""
+    columns = {"quantity": quantity, "low": edges[:-1], "high": edges[1:]}
+    return pd.DataFrame(columns | {"n_observed": observed, "n_synthetic": synthetic})
 
 
 def superposition(summary, statistics):
-    """One averaged range line with the layers fitted to it (Figs 6 and 7 of the paper).
+    """One averaged range line with the layers fitted to it (Figs 6 and 7 of the paper): the first with most layers.
 
-    Parameters
-    ----------
-    summary : list of FrameSummary
-    statistics : xarray.Dataset
-        Of `estimate`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        `row` below the surface, `observed`, `model` with its noise, and a column ``layer_<i>`` for each layer of the
-        line: the group with most layers, of those the first.
-
-    Notes
-    -----
-    Powers are those of this line, by least squares with weights 1 / P^2; shapes are the flight's. Layers count where
-    they were picked. Where `paper` gives a layer no decay rate, it is that of the layer above.
+    `row` below the surface, `observed`, `model` with its noise, and a column ``layer_<i>`` a layer that was picked.
+    Powers are those of this line, by least squares with weights 1 / P^2; shapes are the flight's. Where `paper` gives a
+    layer no decay rate, it is that of the layer above.
     """
     present = is_present(stacked(summary, "n_picks"))[:, : statistics.sizes["layer"]]
     group = int(present.sum(axis=1).argmax())

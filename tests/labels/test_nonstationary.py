@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
 from snowsim.labels import Beyond, draw_scene, prepare
-from snowsim.labels.process import draw_beyond
 
 
 def smooth(n_slabs=12):
@@ -74,14 +73,6 @@ def test_trends_and_folds_keep_layers_apart_and_are_counted():
     bent = scenes(smooth(), Beyond(trend_sd=1.0, fold_sd_bins=80.0), n=60)
     assert all(np.diff(scene.layer_bins, axis=0).min() >= 1 - 1e-9 for scene in bent)
     assert sum(scene.notes["n_touched"] for scene in bent) > 0
-
-
-def test_nothing_is_drawn_where_all_is_off(rng):
-    before = rng.bit_generator.state
-    thickness, notes = draw_beyond(np.ones((3, 8)), Beyond(), rng=rng)
-    assert rng.bit_generator.state == before
-    assert notes == {}
-    assert_array_equal(thickness, 1)
 
 
 def test_impossible_settings_are_refused():

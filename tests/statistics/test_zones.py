@@ -9,8 +9,7 @@ from scipy.stats import norm
 
 from snowsim import labels, statistics
 from snowsim.statistics.blocks import periodogram
-from snowsim.statistics.zone_models import zone_models
-from snowsim.statistics.zones import zone_statistics
+from snowsim.statistics.zones import zone_models, zone_statistics
 
 
 @pytest.fixture(scope="module")
