@@ -5,7 +5,8 @@ How thickness goes together from slab to slab: undulations by band of wavenumber
 
 import numpy as np
 
-BLOCK_LINES = 256
+from snowsim.constants import BLOCK_LINES
+
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 SPECTRAL_SHARES = (1.0, 0.9, 0.5)  # of lines picked, that a block needs for a spectrum: the first with enough blocks

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from snowsim.constants import EARTH_RADIUS_M
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.zones import OWN_ZONE
 
@@ -257,7 +258,6 @@ def _falls_steeply(given, where):
 
 
 START = np.datetime64("2012-01-01T00:00:00", "ns")
-EARTH_RADIUS_M = 6.371e6  # of `snowsim.echogram.along_track_m`
 
 
 def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
