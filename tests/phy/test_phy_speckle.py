@@ -66,27 +66,6 @@ def test_speckle_scales_with_the_mean(rng):
         assert_array_equal(draw_speckle(0 * mean_power, 16, method=method, rng=rng), 0)
 
 
-def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
-    # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
-    means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
-    literal = draw_speckle(means, 20, method="looks", rng=rng)
-    matched = draw_speckle(means, 20, method="gamma", rng=rng)
-    expected_mean, expected_variance = means[:, 0, 0].mean(), (means[:, 0, 0] ** 2).sum() / 20**2
-    for power in (literal, matched):
-        # Known to 1 / sqrt(200_000) of a deviation, and about 2 sqrt(2 / 200_000): allow five of those.
-        assert_allclose(power.mean(), expected_mean, rtol=5e-3)
-        assert_allclose(power.var(), expected_variance, rtol=0.03)
-    # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
-    assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
-
-
-def test_geometry_that_stands_still_is_the_exact_case(rng):
-    mean_power = rng.uniform(0.1, 1, (30, 40))
-    still = draw_speckle(np.broadcast_to(mean_power, (12, 30, 40)), 12, method="gamma", rng=np.random.default_rng(5))
-    # Equal means give a shape of 12, to rounding; the gamma draw depends on it smoothly.
-    assert_allclose(still, draw_speckle(mean_power, 12, method="gamma", rng=np.random.default_rng(5)), rtol=1e-9)
-
-
 def test_same_seed_same_bytes_whatever_the_memory_order(rng):
     mean_power = rng.uniform(0.1, 1, (30, 40)).astype(np.float32)
     for method in ("looks", "gamma", "quantile", "cube"):
@@ -101,15 +80,14 @@ def test_same_seed_same_bytes_whatever_the_memory_order(rng):
     [
         ([[1.0, -1.0]], 10, "gamma", r"mean_power must be finite and not negative, got -1.0 at \(0, 1\)"),
         ([[1.0, np.nan]], 10, "gamma", r"mean_power must be finite and not negative, got nan at \(0, 1\)"),
-        ([1.0], 10, "gamma", r"mean_power: expected \(range_bin, range_line\), .* got \(1,\)"),
+        ([1.0], 10, "gamma", r"mean_power: expected \(range_bin, range_line\), got \(1,\)"),
         ([[1.0]], 0, "gamma", "n_looks must be finite and at least 1, got 0"),
         ([[1.0]], np.inf, "gamma", "n_looks must be finite and at least 1, got inf"),
         ([[1.0]], 2.5, "looks", "looks needs a whole number of looks, got 2.5"),
         ([[1.0]], 9, "cube", "cube needs at least 10 looks, got 9"),
         ([[1.0]], 2e6, "quantile", "quantile needs at most 1e.06 looks, got 2e.06"),
         ([[1.0]], 10, "rice", "speckle method must be one of looks, gamma, cube, quantile, got 'rice'"),
-        (np.ones((3, 2, 2)), 4, "gamma", "expected one mean for each of 4 looks, got 3"),
-        (np.ones((4, 2, 2)), 4, "quantile", "quantile needs one mean per pixel"),
+        (np.ones((4, 2, 2)), 4, "gamma", r"mean_power: expected \(range_bin, range_line\), got \(4, 2, 2\)"),
     ],
 )
 def test_bad_input_is_refused(mean_power, n_looks, method, message, rng):

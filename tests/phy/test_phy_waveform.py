@@ -1,8 +1,8 @@
 """One layer's waveform against arbitrary precision, its peak and its width."""
 
-import mpmath
 import numpy as np
 import pytest
+from eighty_digits import waveform_in_80_digits
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -11,17 +11,6 @@ from lib.diagnostics.phy_alternatives import waveform_naive
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 
 SMALLEST_NORMAL = np.finfo(float).tiny
-
-
-def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
-    """Eq. (1) for one layer by its textbook form, precise enough to survive it."""
-    with mpmath.workdps(80):
-        x, d, a = (mpmath.mpf(float(value)) for value in (x_bins, variance_bins2, decay_rate))
-        return (
-            mpmath.sqrt(mpmath.pi * d / 2)
-            * mpmath.exp(a * a * d / 2 - a * x)
-            * mpmath.erfc((a * d - x) / mpmath.sqrt(2 * d))
-        )
 
 
 def log_uniform(low, high):

@@ -1,15 +1,16 @@
-"""Measures of error: what they measure is known in other ways."""
+"""Measures of error, and the best fit of eq. (1): what they give is known in other ways."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.special import gammainc
-from scipy.stats import kstest
+from scipy.stats import ks_2samp, kstest
 
-from lib.diagnostics.phy_alternatives import render_scatterers
+from lib.diagnostics.phy_alternatives import draw_moving_speckle, render_scatterers
 from lib.diagnostics.phy_errors import (
     cube_below,
     cube_distance,
+    fit_waveform,
     largest_error_db,
     mean_of_looks_below,
     moving_distance,
@@ -19,6 +20,7 @@ from lib.diagnostics.phy_errors import (
 )
 from snowsim.echogram import check_layer_bins
 from snowsim.phy import draw_speckle
+from snowsim.phy.waveform import waveform_exact
 
 
 @pytest.mark.parametrize(("n_layers", "n_range_bins"), [(1, 64), (15, 256), (80, 1024)])
@@ -62,12 +64,34 @@ def test_distances_are_those_of_drawn_values(rng):
     quantile = draw_speckle(ones, 16, method="quantile", rng=rng).ravel()
     assert kstest(quantile, lambda x: gammainc(16, 16 * x)).statistic < noise + quantile_distance(16)
     moving = np.broadcast_to(means[:, None, None], (16, 400, 1000))
-    matched = draw_speckle(moving, 16, method="gamma", rng=rng).ravel()
+    matched = draw_moving_speckle(moving, method="gamma", rng=rng).ravel()
     table = np.linspace(1e-4, matched.max(), 3000)
     literal = kstest(matched, lambda x: np.interp(x, table, mean_of_looks_below(table, means))).statistic
     # 1.4e-2 here, several times the noise.
     assert abs(literal - moving_distance(means)) < noise
     assert moving_distance(means) > 4 * noise
+
+
+def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
+    # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
+    means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
+    literal = draw_moving_speckle(means, method="looks", rng=rng)
+    matched = draw_moving_speckle(means, method="gamma", rng=rng)
+    expected_mean, expected_variance = means[:, 0, 0].mean(), (means[:, 0, 0] ** 2).sum() / 20**2
+    for power in (literal, matched):
+        # Known to 1 / sqrt(200_000) of a deviation, and about 2 sqrt(2 / 200_000): allow five of those.
+        assert_allclose(power.mean(), expected_mean, rtol=5e-3)
+        assert_allclose(power.var(), expected_variance, rtol=0.03)
+    # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
+    assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
+
+
+def test_geometry_that_stands_still_is_the_exact_case(rng):
+    mean_power = rng.uniform(0.1, 1, (30, 40))
+    looks = np.broadcast_to(mean_power, (12, 30, 40))
+    still = draw_moving_speckle(looks, method="gamma", rng=np.random.default_rng(5))
+    # Equal means give a shape of 12, to rounding; the gamma draw depends on it smoothly.
+    assert_allclose(still, draw_speckle(mean_power, 12, method="gamma", rng=np.random.default_rng(5)), rtol=1e-9)
 
 
 def test_scatterers_have_the_mean_that_is_stated(rng):
@@ -78,3 +102,41 @@ def test_scatterers_have_the_mean_that_is_stated(rng):
     assert_allclose(drawn, stated, rtol=0.13)
     # Sinc-squared sidelobes of the whole layer where eq. (1) has nothing: 1 / (2 pi^2 x^2) of its energy on average.
     assert stated[0, 0] > 1.1 * parameters["noise_power"]
+
+
+@pytest.mark.parametrize(("variance", "decay"), [(12.0, 0.05), (2.0, 0.09), (0.5, 0.2)])
+def test_a_waveform_of_eq_1_is_found_again(variance, decay):
+    x = np.arange(-20, 150, 0.25)
+    fit = fit_waveform(x, 0.3 * waveform_exact(x - 4.0, variance, decay), 20.0)
+    # Least squares stop at 1e-12 of the cost; the parameters' errors are its square root.
+    assert fit.rms_db < 1e-4
+    assert_allclose([fit.variance_bins2, fit.decay_rate, fit.amplitude], [variance, decay, 0.3], rtol=1e-3)
+    assert_allclose(fit.offset_bins, 4.0, atol=1e-3)
+
+
+def test_two_decays_are_no_waveform_of_eq_1_and_the_error_says_by_how_much():
+    x = np.arange(0, 200, 0.5)
+    level_db = np.where(x < 50, -0.2 * x, -10 - 0.1 * (x - 50))
+    fit = fit_waveform(x, 10 ** (level_db / 10), 20.0)
+    # Beyond its Gaussian eq. (1) is a straight line in decibels: the best line is what it can do, and hardly more.
+    line = np.polyval(np.polyfit(x[:300], level_db[:300], 1), x[:300])
+    assert_allclose(fit.rms_db, np.sqrt(np.mean((line - level_db[:300]) ** 2)), rtol=0.05)
+    assert fit.largest_db > fit.rms_db
+    fitted = fit.amplitude * waveform_exact(x[:300] - fit.offset_bins, fit.variance_bins2, fit.decay_rate)
+    error_db = 10 * np.log10(fitted) - level_db[:300]
+    assert_allclose(np.sqrt(np.mean(error_db**2)), fit.rms_db, rtol=0.02)
+    assert_allclose(fit.n_bins, 150, atol=1)
+
+
+@pytest.mark.parametrize(
+    ("power", "message"),
+    [
+        (np.ones(10), "has no end"),
+        (np.array([1.0, 0.5, *[0.0] * 8]), "six samples"),
+        (np.array([1.0, -0.5, *[0.0] * 8]), "not negative"),
+        (np.ones(4), "shapes"),
+    ],
+)
+def test_what_has_no_tail_is_refused(power, message):
+    with pytest.raises(ValueError, match=message):
+        fit_waveform(np.arange(10), power, 20.0)
