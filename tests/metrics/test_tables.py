@@ -2,7 +2,8 @@ import numpy as np
 import pandas as pd
 from numpy.testing import assert_allclose
 
-from snowsim.metrics.tables import OUTPUTS, similarity_table, ssim_against_depth, tracker_intervals, tracker_table
+from snowsim.constants import OUTPUTS
+from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals, tracker_table
 
 
 def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
