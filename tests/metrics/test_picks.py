@@ -9,21 +9,20 @@ from snowsim.metrics.edges import suppress
 from snowsim.metrics.picks import match_picks, pick_layers
 
 
-def draw_layers(rng, n_layers=8, n_lines=120):
-    """Wavy layers 12 to 30 bins apart."""
-    phase, amplitude = rng.uniform(0, 2 * np.pi, (n_layers, 1)), rng.uniform(0, 3, (n_layers, 1))
-    base = 30 + np.cumsum(rng.uniform(18, 30, (n_layers, 1)), axis=0)
-    return base + amplitude * np.sin(np.arange(n_lines) / 25 + phase)
+@pytest.fixture
+def layer_bins(rng):
+    """Eight wavy layers 12 to 30 bins apart."""
+    phase, amplitude = rng.uniform(0, 2 * np.pi, (8, 1)), rng.uniform(0, 3, (8, 1))
+    base = 30 + np.cumsum(rng.uniform(18, 30, (8, 1)), axis=0)
+    return base + amplitude * np.sin(np.arange(120) / 25 + phase)
 
 
-def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins(rng):
-    layer_bins = draw_layers(rng)
+def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins(layer_bins):
     picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
     assert_array_equal(picks, np.rint(layer_bins))
 
 
-def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(rng):
-    layer_bins = draw_layers(rng)
+def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(layer_bins):
     rows = np.arange(320)[:, None]
     edges = suppress(sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1))
     picks = pick_layers(edges, threshold=0.3)
@@ -32,8 +31,7 @@ def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(rng):
     assert np.isfinite(picks).mean() > 0.9
 
 
-def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(rng):
-    layer_bins = draw_layers(rng)
+def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(layer_bins):
     mask = layer_mask(layer_bins, 320)
     mask[:, 40:60] = False
     bridged = pick_layers(mask, threshold=0.5, max_gap_lines=20)
@@ -44,8 +42,7 @@ def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(rng):
     check_layer_bins(broken)
 
 
-def test_layers_that_begin_late_take_their_place_in_depth(rng):
-    layer_bins = draw_layers(rng)
+def test_layers_that_begin_late_take_their_place_in_depth(layer_bins):
     layer_bins[3, :50] = np.nan
     layer_bins[5, 60:] = np.nan
     picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
