@@ -7,7 +7,7 @@ fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include 
 import numpy as np
 import pytest
 
-from lib.diagnostics.phy_alternatives import mean_power_by, render_literal
+from lib.diagnostics.phy_alternatives import mean_power_by, render_literal, waveforms_of
 from snowsim.echogram import to_uint8
 from snowsim.phy import draw_speckle, mean_power, render
 
@@ -65,7 +65,8 @@ def test_mean_power(benchmark, scene, way):
     layer_bins, parameters = scene
     shapes = [parameters[name] for name in SHAPES]
     options = {"tolerance_db": TOLERANCE_DB, "noise_power": parameters["noise_power"]}
-    power = benchmark(mean_power_by, way, layer_bins, *shapes, N_BINS, **options)
+    waveforms = waveforms_of(layer_bins, parameters, N_BINS, "peak", "peak")
+    power = benchmark(mean_power_by, way, waveforms, **options)
     exact = mean_power(layer_bins, *shapes, N_BINS)
     error_db = 10 * np.log10((power + parameters["noise_power"]) / (exact + parameters["noise_power"]))
     benchmark.extra_info["largest_error_db"] = float(np.abs(error_db).max())

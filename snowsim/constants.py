@@ -1,9 +1,12 @@
-"""Physical constants in SI units and the radar's fixed figures, each with its source."""
+"""Physical constants in SI units, the radar's fixed figures, each with its source, and names that stages share."""
 
 SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI definition of the metre
 ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 4th ed.
 WATER_DENSITY_KG_M3 = 1000.0  # by convention, for metres of water equivalent
 GAS_CONSTANT_J_MOL_K = 8.31446261815324  # CODATA 2018, exact
+EARTH_RADIUS_M = 6.371e6  # mean radius; distances are taken on a sphere
+# Index of dry snow is 1 + this times density: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol. 23, 245-256.
+KOVACS_M3_KG = 0.845e-3
 
 # Snow Radar, Table I of Yari et al. (2021), IEEE JSTARS 14.
 START_FREQUENCY_HZ = 2e9
@@ -14,3 +17,6 @@ PULSE_DURATION_S = 250e-6
 PULSE_REPETITION_FREQUENCY_HZ = 2e3
 TRANSMIT_POWER_W = 0.1
 SAMPLING_FREQUENCY_HZ = 125e6
+
+BLOCK_LINES = 256  # range lines of a block, and of a scene
+OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")  # of the tracker

@@ -4,6 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from snowsim.constants import EARTH_RADIUS_M
+
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
 MINIMUM_ROWS = 300
@@ -203,7 +205,7 @@ def along_track_m(echogram):
         np.sin(np.diff(latitude) / 2) ** 2
         + np.cos(latitude[:-1]) * np.cos(latitude[1:]) * np.sin(np.diff(longitude) / 2) ** 2
     )
-    return np.concatenate([[0], np.cumsum(2 * 6.371e6 * np.arcsin(np.sqrt(half_chord)))])
+    return np.concatenate([[0], np.cumsum(2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord)))])
 
 
 def _require(dataset, variables, where):

@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from snowsim.constants import BLOCK_LINES, EARTH_RADIUS_M
 from snowsim.echogram import (
     SURFACE_ROW,
     Scene,
@@ -15,10 +16,9 @@ from snowsim.echogram import (
     to_uint8,
 )
 
-BLOCK_LINES = 256
 OVERLAP_LINES = 6
 UNFIT = "range lines flagged unfit"  # how a block with such lines is told
-METRES_PER_DEGREE = 6.371e6 * np.pi / 180  # of latitude, on the sphere of `echogram.along_track_m`
+METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180  # of latitude, on the sphere of `echogram.along_track_m`
 
 
 def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):

@@ -13,29 +13,12 @@ MOST_SEEDS = 100
 
 
 def compare(counts, pairs, *, n_bootstrap, rng):
-    """Differences of edge scores between pairs of trainings, with intervals and smallest detectable differences.
+    """Differences of edge scores between pairs of names, a row per pair and metric of `METRICS`.
 
-    Parameters
-    ----------
-    counts : dict
-        Name -> list over replicas of lists over images of count dicts. Replicas and images are in one order: replica r
-        of every name began from the same weights.
-    pairs : sequence of (str, str)
-        What is compared, and with what.
-    n_bootstrap : int
-        Resamples of the images, the same for every name.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `name, base, metric, mean, base_mean, difference, low, high, p_value, verdict, seed_spread,
-        image_error, detectable, seeds_to_resolve, n_replicas, n_images`, see `paired_difference`.
-
-    Raises
-    ------
-    ValueError
-        If a name of a pair has no counts, or two have unlike numbers of replicas or images.
+    `counts` maps a name to a list over replicas of lists over images of count dicts, in one order: replica r of every
+    name began from the same weights. `n_bootstrap` resamples of the images, the same for every name, give the images'
+    error. Columns `name, base, metric, mean, base_mean` and those of `paired_difference`. Names without counts, or with
+    unlike numbers of replicas or images, are refused.
     """
     stacked = {name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()}
     for name, base in pairs:
@@ -48,9 +31,9 @@ def compare(counts, pairs, *, n_bootstrap, rng):
             raise ValueError(msg)
     n_images = next(iter(stacked.values()))[0]["n_truth"].shape[0]
     draws = rng.integers(n_images, size=(n_bootstrap, n_images))
-    points = {name: _scores(replicas) for name, replicas in stacked.items()}
+    points = {name: replica_scores(replicas) for name, replicas in stacked.items()}
     resampled = {
-        name: np.array([_scores(replicas, images).mean(axis=0) for images in draws])
+        name: np.array([replica_scores(replicas, images).mean(axis=0) for images in draws])
         for name, replicas in stacked.items()
     }
     rows = []
@@ -66,30 +49,18 @@ def compare(counts, pairs, *, n_bootstrap, rng):
 
 
 def paired_difference(differences, image_error, n_images):
-    """Mean of paired differences with its 95 % interval, its test, and what such a comparison could resolve.
+    """Mean of paired differences, (replica,), with 95 % interval and test, and what such a comparison could resolve.
 
-    Parameters
-    ----------
-    differences : array_like, (replica,)
-        Two or more, or one: then only the images' share of the error is known.
-    image_error : float
-        Standard error of the mean difference that comes from the choice of images.
-    n_images : int
+    `image_error` is the standard error of the mean that comes from the choice of images; of a single replica it is all
+    that is known. Returns `difference`, `low`, `high`, `p_value` (two-sided: the level at which the interval just
+    reaches zero), `verdict` (`higher`, `lower` or `not resolved`), `seed_spread`, the standard deviation between
+    replicas (NaN for one), `image_error`, `detectable`, the smallest true difference found in 80 % of cases,
+    `seeds_to_resolve`, the replicas that would find a true difference as large as this one in 80 % of cases (-1 where a
+    hundred do not), `n_replicas`, `n_images`.
 
-    Returns
-    -------
-    dict
-        `difference`; `low` and `high`; `p_value`, two-sided; `verdict`: `higher`, `lower` or `not resolved`;
-        `seed_spread`, the standard deviation between replicas (NaN for one); `image_error`; `detectable`, the smallest
-        true difference that such a comparison finds in 80 % of cases; `seeds_to_resolve`, the replicas that would find
-        a true difference as large as this one in 80 % of cases, -1 where a hundred do not; `n_replicas`, `n_images`.
-
-    Notes
-    -----
-    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n + (t_{images-1} e)^2``
-    with the 0.975 quantiles of Student's t. Each part keeps its own degrees of freedom, so that two seeds are not taken
-    for more; the interval covers a little more than 95 %. For the detectable difference each quantile is ``t_0.975 +
-    t_0.8``. The p value is the level at which the interval just reaches zero.
+    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n + (t_{images-1} e)^2`` with
+    the 0.975 quantiles of Student's t, for the detectable difference ``t_0.975 + t_0.8``. Each part keeps its own
+    degrees of freedom, so that two seeds are not taken for more; the interval covers a little more than 95 %.
     """
     differences = np.asarray(differences, dtype=float)
     n = differences.size
@@ -143,7 +114,7 @@ def _seeds_to_resolve(difference, spread, image_error, n_images):
     return int(n[np.argmax(enough)]) if enough.any() else -1
 
 
-def _scores(replicas, images=slice(None)):
-    """Scores of every replica on some images, (replica, metric)."""
+def replica_scores(replicas, images=slice(None)):
+    """`METRICS` of every replica, given its stacked counts, on some images, (replica, metric)."""
     scores = [score({name: values[images] for name, values in replica.items()}) for replica in replicas]
     return np.array([[one[metric] for metric in METRICS] for one in scores])

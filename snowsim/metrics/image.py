@@ -1,12 +1,11 @@
 """Similarity of two 8-bit echograms: RMSE, PSNR and SSIM."""
 
 import numpy as np
-from scipy.ndimage import correlate1d
+from skimage.metrics import structural_similarity
 
 DATA_RANGE = 255
-K1, K2 = 0.01, 0.03
 WINDOW_SIGMA = 1.5  # [pixels]
-WINDOW_RADIUS = 5  # 3.5 sigma
+WINDOW_RADIUS = 5  # 3.5 sigma, where scikit-image cuts the window
 
 
 def similarity(image, reference):
@@ -54,43 +53,16 @@ def similarity(image, reference):
 
 
 def ssim_map(image, reference):
-    """Structural similarity around every pixel.
+    """Structural similarity around every pixel of two uint8 images, float64 (range_bin, range_line), at most 1.
 
-    Parameters
-    ----------
-    image, reference : ndarray of uint8, (range_bin, range_line)
-
-    Returns
-    -------
-    ndarray of float64, (range_bin, range_line)
-        At most 1; within 5 pixels of the border both images are mirrored, the edge pixel repeated.
-
-    Raises
-    ------
-    ValueError
-        If an image is not uint8 or smaller than 11 x 11, or if sizes differ.
-
-    Notes
-    -----
     Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh & Simoncelli (2004), IEEE
-    TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``. Means, variances and the covariance are those
-    of the population under a Gaussian window, sigma 1.5 pixels, cut at 5; ``C = (K 255)^2``, K1 0.01, K2 0.03.
+    TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``, ``C = (K 255)^2``, K1 0.01, K2 0.03. Moments
+    are those of the population under a Gaussian window, sigma 1.5 pixels, cut at 5; within 5 pixels of the border both
+    images are mirrored, the edge pixel repeated. Refuses what `similarity` refuses.
     """
     _check_images(image, reference)
-    a, b = image.astype(np.float64), reference.astype(np.float64)
-    mean_a, mean_b = _window_mean(a), _window_mean(b)
-    product, squares = mean_a * mean_b, mean_a * mean_a + mean_b * mean_b
-    covariance = _window_mean(a * b) - product
-    variances = _window_mean(a * a + b * b) - squares
-    c1, c2 = (K1 * DATA_RANGE) ** 2, (K2 * DATA_RANGE) ** 2
-    return (2 * product + c1) * (2 * covariance + c2) / ((squares + c1) * (variances + c2))
-
-
-def _window_mean(values):
-    """Mean of every pixel's surroundings under the Gaussian window."""
-    weights = np.exp(-0.5 * (np.arange(-WINDOW_RADIUS, WINDOW_RADIUS + 1) / WINDOW_SIGMA) ** 2)
-    weights /= weights.sum()
-    return correlate1d(correlate1d(values, weights, axis=0, mode="reflect"), weights, axis=1, mode="reflect")
+    options = {"gaussian_weights": True, "sigma": WINDOW_SIGMA, "use_sample_covariance": False, "full": True}
+    return structural_similarity(image, reference, data_range=DATA_RANGE, K1=0.01, K2=0.03, **options)[1]
 
 
 def _check_images(image, reference):

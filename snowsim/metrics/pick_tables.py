@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.metrics.picks import match_picks
 
 ZONES = ("none", "shallow", "medium", "high", "very high")  # of zone -1, 0, 1, 2, 3
@@ -26,28 +26,12 @@ SUMS = (
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     """What became of every true layer of a scene, and every picked layer that is none, as sums over range lines.
 
-    Parameters
-    ----------
-    picks, layer_bins : array_like, (pick, range_line) and (layer, range_line)
-        Fractional range bins, NaN where absent; layer 0 is the snow surface.
-    max_distance_bins : float
-        See `snowsim.metrics.picks.match_picks` [range bins].
-    within_bins : float
-        What counts as a small error [range bins].
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `layer` (-1: a picked layer of which less than half belongs to any true one), `depth_bins` (mean below
-        the surface) and `SUMS`: true pixels, those with a pick, sum of errors (pick less truth) and of their absolute
-        values [range bins], errors of at most `within_bins`; the same of the thickness of the slab above the layer,
-        where both of its bounds have a pick; picks of false layers; 1 or 0 for a layer, for one missed (a pick in less
-        than half of its range lines) and for a false one.
-
-    Raises
-    ------
-    ValueError
-        As `match_picks`; if the surface is absent.
+    `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present. Columns `layer`
+    (-1: a picked layer of which less than half belongs to any true one), `depth_bins` (mean below the surface) and
+    `SUMS`: true pixels, those with a pick, sum of errors (pick less truth) and of their absolute values [range bins],
+    errors of at most `within_bins`; the same of the thickness of the slab above the layer, where both of its bounds
+    have a pick; picks of false layers; 1 or 0 for a layer, for one missed (a pick in less than half of its range lines)
+    and for a false one.
     """
     picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
     error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
@@ -90,28 +74,11 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
 
 
 def pool_picks(rows, by, *, bin_size_m):
-    """Errors of picks, pooled over all pixels of a group.
+    """Errors of picks, from rows of `layer_rows`, pooled over all pixels of each group of the columns `by`.
 
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Rows of `layer_rows` of any number of scenes, and the columns of `by`.
-    by : list of str
-        What to group by; groups in the order of first appearance.
-    bin_size_m : float
-        Thickness of a range bin in snow [m].
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns of `by`, then `mean_absolute_error_bins`, `_m`, `bias_bins`, `_m`, `share_within` and `share_found` of
-        the true pixels, `thickness_mean_absolute_error_bins`, `_m`, `thickness_bias_bins`, `_m`, `n_layers`,
-        `n_missed_layers`, `n_false_layers`, `n_true`, `n_found`; NaN where nothing was found.
-
-    Raises
-    ------
-    ValueError
-        If there is no row, or `bin_size_m` is not above 0.
+    Columns of `by`, in order of first appearance, then `mean_absolute_error_bins`, `bias_bins`, the same of the
+    thickness and all four as `_m`, with range bins of `bin_size_m` in snow; `share_within`, `share_found` of the true
+    pixels, `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true`, `n_found`. NaN where nothing was found.
     """
     if len(rows) == 0 or not bin_size_m > 0:
         msg = f"expected rows of picks and bin_size_m above 0, got {len(rows)} and {bin_size_m}"
@@ -134,12 +101,8 @@ def pool_picks(rows, by, *, bin_size_m):
 
 
 def snow_per_bin_m(bin_size_s, density_kg_m3):
-    """Thickness of snow that a pulse crosses and comes back through in one range bin [m].
-
-    ``c t / (2 n)`` with ``n = 1 + 0.845 rho``, rho in g cm-3, from Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol.
-    23, 245-256.
-    """
-    return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + 0.845e-3 * density_kg_m3))
+    """Thickness of snow [m] that a pulse crosses and comes back through in one range bin, ``c t / (2 n)``."""
+    return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + KOVACS_M3_KG * density_kg_m3))
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):

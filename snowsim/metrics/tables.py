@@ -1,26 +1,17 @@
-"""Per-image scores to the paper's tables: Table II, SSIM against depth, Table III with intervals."""
+"""Scores of images and trainings to the paper's tables: Table II, SSIM against depth, Table III with intervals."""
 
 import numpy as np
 import pandas as pd
 
-from snowsim.metrics.edges import score, stack_counts
-
-OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")
-COUNTS = ("matched_truth", "n_truth", "matched_prediction", "n_prediction")
+from snowsim.constants import OUTPUTS
+from snowsim.metrics.comparison import METRICS, replica_scores
+from snowsim.metrics.edges import COUNTS, score, stack_counts
 
 
 def similarity_table(images):
-    """Table II: minimum, mean and maximum of each metric over the images, a column a method.
+    """Table II: minimum, mean and maximum of each metric over the images, a column a method, in alphabetical order.
 
-    Parameters
-    ----------
-    images : pandas.DataFrame
-        Columns `scene, method, rmse, psnr, ssim`, a row per image and method.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `metric, statistic` and one per method, methods in alphabetical order.
+    `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and the methods.
     """
     rows = [
         {
@@ -37,17 +28,8 @@ def similarity_table(images):
 def ssim_against_depth(rows, window_rows):
     """Mean SSIM of every row over the depth that all images share, and its moving average (Fig. 12).
 
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Columns `scene, method, range_bin, ssim`: the row means of each image's SSIM map.
-    window_rows : int
-        Length of the centred moving average [range bins]; fewer rows at the two ends.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `method, range_bin, ssim, ssim_smooth`.
+    `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is centred over
+    `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim, ssim_smooth`.
     """
     common_depth = rows.groupby(["method", "scene"])["range_bin"].max().min()
     common = rows[rows["range_bin"] <= common_depth]
@@ -65,22 +47,9 @@ def counts_by_image(table):
 
 
 def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
-    """Counts of several trainings, as `tracker_intervals` takes them.
+    """Counts of trainings as `tracker_intervals` takes them, replicas of the first training set first.
 
-    Parameters
-    ----------
-    tables : sequence of pandas.DataFrame
-        Counts of every training, columns `scene, output, threshold` and the counts; replicas of the first training set
-        first.
-    training_sets : sequence of str
-    n_replicas : int
-        Trainings of each set.
-    outputs : sequence of str
-
-    Returns
-    -------
-    dict
-        (training set, output) -> list over replicas of lists over images of count dicts.
+    Each table has columns `scene, output, threshold` and the counts.
     """
     counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
     keys = [training_set for training_set in training_sets for _ in range(n_replicas)]
@@ -101,24 +70,11 @@ def tracker_table(intervals):
 def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
     """Scores of every training set and output, with intervals, and their differences to the first set.
 
-    Parameters
-    ----------
-    counts : dict
-        (training set, output) -> list over replicas of lists over images of count dicts; images in one order.
-    training_sets : sequence of str
-        The first is the one others are compared with.
-    outputs : sequence of str
-    n_bootstrap : int
-        Resamples of the paired bootstrap: images, and replicas, are drawn with replacement, the same images for
-        every training set.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
-        n_replicas, n_images, n_without_truth`; intervals are the 2.5 and 97.5 percentiles. Images without truth put
-        their false positives into OIS at the lowest threshold, see `snowsim.metrics.edges.score`.
+    `counts` maps (training set, output) to a list over replicas of lists over images, in one order, of count dicts.
+    Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and replicas, are drawn `n_bootstrap`
+    times with replacement, the same for every set. Columns `output, training_set, metric, mean, low, high, difference,
+    difference_low, difference_high, n_replicas, n_images, n_without_truth`; images without truth put their false
+    positives into OIS at the lowest threshold, see `snowsim.metrics.edges.score`.
     """
     stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
     first = counts[training_sets[0], outputs[0]]
@@ -129,18 +85,12 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     ]
     rows = []
     for output in outputs:
-        point = {s: _mean_scores(stacked[s, output]) for s in training_sets}
-        resampled = {
-            s: [
-                _mean_scores([_taken(stacked[s, output][replica], images) for replica in replicas])
-                for replicas, images in draws
-            ]
-            for s in training_sets
-        }
+        point = {s: replica_scores(stacked[s, output]) for s in training_sets}
+        resampled = {s: _resampled(stacked[s, output], draws) for s in training_sets}
         for training_set in training_sets:
-            for metric in ("ods", "ois", "ap"):
-                here = np.array([scores[metric] for scores in resampled[training_set]])
-                base = np.array([scores[metric] for scores in resampled[training_sets[0]]])
+            for index, metric in enumerate(METRICS):
+                here, base = (_means(resampled[s], index) for s in (training_set, training_sets[0]))
+                mean, base_mean = _means([point[training_set], point[training_sets[0]]], index)
                 low, high = np.percentile(here, [2.5, 97.5])
                 difference_low, difference_high = np.percentile(here - base, [2.5, 97.5])
                 rows.append(
@@ -148,10 +98,10 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
                         "output": output,
                         "training_set": training_set,
                         "metric": metric,
-                        "mean": point[training_set][metric],
+                        "mean": mean,
                         "low": low,
                         "high": high,
-                        "difference": point[training_set][metric] - point[training_sets[0]][metric],
+                        "difference": mean - base_mean,
                         "difference_low": difference_low,
                         "difference_high": difference_high,
                         "n_replicas": n_replicas,
@@ -162,11 +112,11 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     return pd.DataFrame(rows)
 
 
-def _taken(stacked, images):
-    """Counts of these images, in this order, of counts stacked over all."""
-    return {name: values[images] for name, values in stacked.items()}
+def _resampled(replicas, draws):
+    """Scores of every draw of replicas and images."""
+    return [replica_scores([replicas[i] for i in chosen], images) for chosen, images in draws]
 
 
-def _mean_scores(replicas):
-    scores = [score(stacked) for stacked in replicas]
-    return {metric: float(np.mean([one[metric] for one in scores])) for metric in ("ods", "ois", "ap")}
+def _means(scores, index):
+    """Mean over replicas of one metric, for each (replica, metric) array of scores."""
+    return np.array([one[:, index].mean() for one in scores])

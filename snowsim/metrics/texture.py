@@ -6,23 +6,10 @@ from scipy.signal import savgol_coeffs
 
 
 def equivalent_number_of_looks(power):
-    """Equivalent number of looks of a homogeneous region.
+    """Equivalent number of looks of a homogeneous region of linear power, ``mean^2 / variance`` (unbiased variance).
 
-    Parameters
-    ----------
-    power : array_like, any shape
-        Linear power of one mean level, not negative.
-
-    Returns
-    -------
-    float
-        ``mean^2 / variance`` (unbiased variance), infinite where the power is constant. It is the M of Gamma(M) speckle
-        if pixels are independent; structure in the region makes it smaller.
-
-    Raises
-    ------
-    ValueError
-        If there are fewer than two pixels, or one is negative or not finite, or all are zero.
+    Infinite where the power is constant. It is the M of Gamma(M) speckle if pixels are independent; structure in the
+    region makes it smaller. Refused: fewer than two pixels, negative or infinite power, and nothing but zeros.
     """
     power = np.asarray(power, dtype=float)
     if power.size < 2 or not np.isfinite(power).all() or (power < 0).any() or not power.any():
@@ -33,27 +20,10 @@ def equivalent_number_of_looks(power):
 
 
 def autocorrelation(image, lags, *, along):
-    """Autocorrelation of an image about its overall mean.
+    """Autocorrelation of an image, in any unit, about its overall mean at lags [pixels], (lag,).
 
-    Parameters
-    ----------
-    image : array_like, (range_bin, range_line)
-        In any unit; decibels or grey levels are usual.
-    lags : sequence of int
-        [pixels], from 0 to the image's length less one.
-    along : {"range_bin", "range_line"}
-        Vertical or horizontal.
-
-    Returns
-    -------
-    ndarray, (lag,)
-        ``mean(d(x) d(x + lag)) / mean(d^2)``, d the deviation from the mean of the image; the upper mean is over the
-        pairs there are.
-
-    Raises
-    ------
-    ValueError
-        If the image is constant, not finite or not 2-D, or if a lag is out of range.
+    ``mean(d(x) d(x + lag)) / mean(d^2)``, d the deviation from the mean of the image; the upper mean is over the pairs
+    there are `along` "range_bin" or "range_line". Constant images and lags out of range are refused.
     """
     deviation = _deviation(image)
     if along not in ("range_bin", "range_line"):
@@ -73,24 +43,9 @@ def autocorrelation(image, lags, *, along):
 def radial_psd(image, n_bands=32):
     """Power spectral density of an image, averaged over rings of the wavenumber plane.
 
-    Parameters
-    ----------
-    image : array_like, (range_bin, range_line)
-    n_bands : int
-        Rings of equal width between wavenumber 0 and 0.5 cycles per pixel; corners beyond are left out.
-
-    Returns
-    -------
-    wavenumber : ndarray, (band,)
-        Centre of each ring [cycles per pixel].
-    psd : ndarray, (band,)
-        Two-sided density [unit of the image squared, pixels squared] under a Hann window, mean removed: white noise
-        of unit variance gives 1.
-
-    Raises
-    ------
-    ValueError
-        If the image is constant, not finite or not 2-D, or too small for a ring to hold a wavenumber.
+    Returns the centres of `n_bands` rings of equal width between 0 and 0.5 [cycles per pixel], corners beyond left out,
+    and the two-sided density there [unit of the image squared, pixels squared] under a Hann window, mean removed: white
+    noise of unit variance gives 1. Images that are constant, or too small for a ring to hold a wavenumber, are refused.
     """
     deviation = _deviation(image)
     # Half a sample inside both ends: an even window without zeros, so that no row or column is thrown away.
@@ -123,27 +78,9 @@ def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
     The peak is the brightest pixel of the range line within `search_bins` of the layer and not beyond half way to the
     next layer; of equals their mean. Where the brightest is the first or last pixel searched there is no local peak.
 
-    Parameters
-    ----------
-    image : array_like, (range_bin, range_line)
-    layer_bins : array_like, (layer, range_line)
-        Fractional range bins; NaN where absent.
-    search_bins : float
-        [range bins]
-    window_lines : int
-        Odd number, at least 3, of range lines over which a parabola is fitted for slope and curvature.
-
-    Returns
-    -------
-    dict of ndarray, (layer, range_line)
-        `error_bins`, peak less layer (positive: the peak lies deeper), NaN without a peak; `slope` [bins per range
-        line] and `curvature`, the second derivative [bins per range line squared], NaN where the fit's window meets a
-        gap or the end of the block.
-
-    Raises
-    ------
-    ValueError
-        If widths differ, the image is not finite and 2-D, `search_bins` is below 1 or `window_lines` not odd and >= 3.
+    Returns arrays (layer, range_line): `error_bins`, peak less layer (positive: the peak lies deeper), NaN without a
+    peak; `slope` [bins per range line] and `curvature` [bins per range line squared], of a parabola fitted over
+    `window_lines`, odd and at least 3, NaN where they meet a gap or the end of the block.
     """
     image, layer_bins = np.asarray(image, dtype=float), np.asarray(layer_bins, dtype=float)
     if image.ndim != 2 or layer_bins.ndim != 2 or image.shape[1] != layer_bins.shape[1]:
@@ -153,24 +90,15 @@ def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
         msg = f"image must be finite, is not at {tuple(int(i) for i in np.argwhere(~np.isfinite(image))[0])}"
         raise ValueError(msg)
     if not search_bins >= 1 or window_lines < 3 or window_lines % 2 == 0:
-        msg = (
-            f"search_bins must be at least 1 and window_lines odd and at least 3, got {search_bins} and {window_lines}"
-        )
+        got = f"got {search_bins} and {window_lines}"
+        msg = f"search_bins must be at least 1 and window_lines odd and at least 3, {got}"
         raise ValueError(msg)
-    derivatives = [
-        correlate1d(
-            layer_bins,
-            savgol_coeffs(window_lines, 2, deriv=order, use="dot"),
-            axis=1,
-            mode="constant",
-            cval=np.nan,
-        )
-        for order in (1, 2)
-    ]
+    fits = [savgol_coeffs(window_lines, 2, deriv=order, use="dot") for order in (1, 2)]
+    slope, curvature = (correlate1d(layer_bins, fit, axis=1, mode="constant", cval=np.nan) for fit in fits)
     return {
         "error_bins": _peak_bins(image, layer_bins, search_bins) - layer_bins,
-        "slope": derivatives[0],
-        "curvature": derivatives[1],
+        "slope": slope,
+        "curvature": curvature,
     }
 
 

@@ -1,7 +1,4 @@
-"""What eq. (1) is given: layers and their parameters, checked once, as Gaussian centres and amplitudes.
-
-Parameters of one scene's layers from the statistics of a flight.
-"""
+"""What eq. (1) is given: a scene's layers and their parameters, drawn from a flight's statistics and checked once."""
 
 from dataclasses import dataclass
 
@@ -12,6 +9,7 @@ from snowsim.phy.waveform import waveform_peak
 
 NORMALISE = ("peak", "none")
 ALIGN = ("peak", "gaussian")
+WIDTHS = ("paper", "fitted")
 
 # Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
 EXACT_BOUND_DB = 1e-11
@@ -21,16 +19,9 @@ EXACT_BOUND_DB = 1e-11
 class Waveforms:
     """One scene's layers as the terms of eq. (1), ``P_s = sum_l amplitude_l w_l(x - centre_l)``.
 
-    Attributes
-    ----------
-    centre_bins : ndarray, (layer, range_line)
-        Centre of each Gaussian [bins]; NaN where the layer is absent.
-    amplitude, variance_bins2, decay_rate : ndarray, (layer,)
-        Factor of the waveform [power per bin], variance [bins^2] and rate [per bin].
-    peak_offset_bins, peak_power : ndarray, (layer,)
-        Where each waveform peaks below its centre [bins], and its power there.
-    n_range_bins : int
-        Height of the window.
+    `centre_bins` (layer, range_line) are centres of the Gaussians, NaN where the layer is absent. By layer: `amplitude`
+    [power per bin], `variance_bins2` and `decay_rate` [per bin] of the waveform, how far it peaks below its centre,
+    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window.
     """
 
     centre_bins: np.ndarray
@@ -48,29 +39,10 @@ class Waveforms:
 
 
 def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align):
-    """Check what eq. (1) is given and express it as centres and amplitudes.
+    """`Waveforms` of what `mean_power` is given.
 
-    Parameters
-    ----------
-    layer_bins : array_like, (layer, range_line)
-        Fractional range bins; NaN where absent.
-    peak_power, variance_bins2, decay_rate : array_like, (layer,)
-        Linear power, not negative; variance [bins^2] and decay rate [per bin], positive.
-    n_range_bins : int
-        Height of the window, at least 1.
-    normalise : {"peak", "none"}
-        Whether the convolved waveform peaks at `peak_power`, or the Gaussian before convolution does.
-    align : {"peak", "gaussian"}
-        Whether the waveform's peak lies on the layer, or the Gaussian's.
-
-    Returns
-    -------
-    Waveforms
-
-    Raises
-    ------
-    ValueError
-        With the name, the value and the position of what is not as above.
+    Refused with name, value and position: what is not a number of the right shape and sign, layers that cross, unknown
+    options, powers whose sum overflows.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(layer_bins)
@@ -140,40 +112,13 @@ def _per_layer(name, value, n_layers):
     return array
 
 
-WIDTHS = ("paper", "fitted")
-
-
 def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, rng):
-    """Parameters of `render` for one scene.
+    """Parameters of `render` for one scene of `n_layers` layers, surface included, from the statistics of a flight.
 
-    Parameters
-    ----------
-    statistics : xarray.Dataset
-        Of a flight: `peak_power`, `decay_rate`, `variance_bins2` (layer), `width_bound_bins` (bound), `noise_power`.
-    n_layers : int
-        Layers of the scene, surface included.
-    width : {"paper", "fitted"}
-        ``paper``: each layer's variance is drawn from U(bounds), the bounds of the measured 1/e width passed on as
-        they are, as printed; ``fitted``: the layer's variance that fits.
-    n_looks : float, optional
-        Looks averaged; by default those of the flight, ``statistics.attrs["n_looks"]``.
-    rng : numpy.random.Generator
-        Source of randomness; used by ``paper`` only.
-
-    Returns
-    -------
-    dict
-        `peak_power`, `variance_bins2`, `decay_rate`: ndarray (layer,); `noise_power`, `n_looks`: float.
-
-    Raises
-    ------
-    ValueError
-        If `width` is unknown, a number is not positive, or the statistics hold no value for the surface.
-
-    Notes
-    -----
-    A layer for which the flight has no positive, finite value takes that of the layer above it: so layers deeper than
-    the flight shows look like its deepest.
+    A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
+    look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
+    bounds of the measured 1/e width passed on as printed; only the latter uses `rng`. `n_looks` is the flight's by
+    default.
     """
     if width not in WIDTHS:
         msg = f"width must be one of {', '.join(WIDTHS)}, got {width!r}"

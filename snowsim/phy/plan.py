@@ -1,4 +1,4 @@
-"""What a scene needs: from a tolerance in dB, which parts of eq. (1) are computed, how, how well and at what cost."""
+"""What a scene needs: from a tolerance in dB, which parts of eq. (1) are computed, how well and at what cost."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.speckle import check_method, checked_looks
-from snowsim.phy.tables import LARGEST_ERROR, Supports, find_supports
+from snowsim.phy.tables import Supports, allowed_error, find_supports
 
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
 
@@ -23,26 +23,10 @@ MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is u
 class Plan:
     """How one scene is modelled: `planned_power` and `render_plan` follow it.
 
-    Attributes
-    ----------
-    waveforms : Waveforms
-        The scene's layers.
-    noise_power : float
-        Power that errors are measured against, and that rendering adds.
-    n_looks : float
-        Looks that rendering averages; NaN where only mean power is wanted.
-    tolerance_db : float or None
-        What was asked for.
-    speckle : str
-        Method of `draw_speckle`.
-    supports : Supports or None
-        Where and how finely each layer is modelled; None for the closed form on every pixel.
-    bound_db : float
-        No pixel of ``P_s + noise_power`` is further than this from exact.
-    n_terms : int
-        Pixels times layers that are computed.
-    cost_normals : float
-        Predicted cost per pixel, in draws of one float32 normal.
+    `noise_power` is what errors are measured against and what rendering adds; `n_looks` is NaN where only mean power is
+    wanted; `supports` is None for the closed form on every pixel. No pixel of ``P_s + noise_power`` is further than
+    `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
+    in draws of one float32 normal.
     """
 
     waveforms: Waveforms
@@ -71,7 +55,7 @@ class Plan:
         return self.n_terms / max(_n_terms_full(self.waveforms), 1)
 
     def notes(self):
-        """Numbers to keep with the scene, JSON-able: names start with ``plan_``."""
+        """Numbers to keep with the scene, JSON-able."""
         return {
             "plan_method": self.method,
             "plan_speckle": self.speckle,
@@ -87,31 +71,9 @@ class Plan:
 
 
 def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, normalise="peak", align="peak"):
-    """Decide how a scene is modelled, before any pixel is computed.
+    """`Plan` of a scene, before any pixel is computed; arguments as for `render`, refusals too.
 
-    Parameters
-    ----------
-    layer_bins : array_like, (layer, range_line)
-        Fractional range bins; NaN where absent.
-    parameters : mapping
-        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`.
-    n_range_bins : int
-        Height of the scene.
-    tolerance_db : float or None
-        Largest error of ``P_s + noise_power`` at any pixel [dB]; None for exact.
-    speckle : str, optional
-        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
-    normalise, align : str
-        See `mean_power`.
-
-    Returns
-    -------
-    Plan
-
-    Raises
-    ------
-    ValueError
-        If something given is missing, unknown, out of range or of the wrong shape.
+    `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one.
     """
     if set(parameters) != set(PARAMETERS):
         got = ", ".join(map(str, parameters)) or "none"
@@ -128,14 +90,13 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
 
 
 def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma"):
-    """Plan for waveforms that are checked already; see `plan`. Without noise nothing can be left out."""
+    """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
     n_terms = _n_terms_full(waveforms)
     supports, bound_db, cost = None, EXACT_BOUND_DB, COST_CLOSED_FORM * n_terms
     if tolerance_db is not None and noise_power > 0:
-        error = min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR)
-        found = find_supports(waveforms, noise_power, error)
+        found = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
         if found is not None:
             n_table, n_exponential = found.n_rows(waveforms.centre_bins, waveforms.n_range_bins)
             cost_found = COST_NODE * found.n_nodes() + COST_TABLE_TERM * n_table + COST_EXPONENTIAL_TERM * n_exponential

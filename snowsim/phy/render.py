@@ -1,4 +1,4 @@
-"""The one entry: layers and their parameters to one scene's power after M looks."""
+"""Layers and their parameters to one scene's power after M looks."""
 
 from snowsim.phy.plan import plan
 from snowsim.phy.power import planned_power
@@ -19,9 +19,10 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     tolerance_db : float or None
         Largest error of the mean power, noise included, at any pixel [dB]; None for exact.
     rng : numpy.random.Generator
-        Source of randomness.
-    speckle, normalise, align : str
-        See `plan`.
+    speckle : str, optional
+        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
+    normalise, align : str
+        See `mean_power`.
 
     Returns
     -------
@@ -31,7 +32,7 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     Raises
     ------
     ValueError
-        See `plan`.
+        If something given is missing, unknown, out of range or of the wrong shape.
 
     Notes
     -----
@@ -49,16 +50,8 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     >>> int(power.mean(axis=1).argmax())  # the range bin of the surface
     50
     """
-    scene_plan = plan(
-        layer_bins,
-        parameters,
-        n_range_bins,
-        tolerance_db=tolerance_db,
-        speckle=speckle,
-        normalise=normalise,
-        align=align,
-    )
-    return render_plan(scene_plan, rng=rng)
+    options = {"speckle": speckle, "normalise": normalise, "align": align}
+    return render_plan(plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options), rng=rng)
 
 
 def render_plan(scene_plan, *, rng):

@@ -16,15 +16,13 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", rng):
 
     Parameters
     ----------
-    mean_power : array_like, (range_bin, range_line) or (look, range_bin, range_line)
-        Mean power of signal and noise together, not negative. With a leading axis the geometry moves: one mean for
-        each look.
+    mean_power : array_like, (range_bin, range_line)
+        Mean power of signal and noise together, not negative.
     n_looks : float
         Independent looks averaged, at least 1; whole for `looks`.
     method : {"looks", "gamma", "cube", "quantile"}
         See Notes.
     rng : numpy.random.Generator
-        Source of randomness.
 
     Returns
     -------
@@ -34,8 +32,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", rng):
     Raises
     ------
     ValueError
-        If a mean is negative or not finite, if the method is unknown or cannot do what is asked, or if a moving
-        geometry has not `n_looks` means.
+        If a mean is negative or not finite, or if the method is unknown or cannot do what is asked.
 
     Notes
     -----
@@ -43,8 +40,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", rng):
     is circular Gaussian too, so one draw stands for both.
 
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
-    - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact. For a moving geometry the shape is
-      ``(sum m)^2 / sum m^2``, which keeps mean and variance: exact where the means are equal, not elsewhere.
+    - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.
     - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17, 684-688. Its
       distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3`` low. From 10 looks.
     - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact distribution; each gives its
@@ -67,22 +63,17 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", rng):
         raise ValueError(msg)
     n_looks = checked_looks(n_looks)
     check_method(method, n_looks)
-    if mean_power.ndim == 3:
-        if mean_power.shape[0] != n_looks:
-            msg = f"mean_power: expected one mean for each of {n_looks:g} looks, got {mean_power.shape[0]}"
-            raise ValueError(msg)
-        return _draw_moving(mean_power, method, rng)
     if mean_power.ndim != 2:
-        msg = f"mean_power: expected (range_bin, range_line), a look axis before it or not, got {mean_power.shape}"
+        msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
         raise ValueError(msg)
     if method == "looks":
-        return _draw_looks(np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape)), rng)
+        return draw_looks(np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape)), rng)
     if method == "quantile":
         cell = rng.integers(0, QUANTILES, size=mean_power.shape, dtype=np.uint16)
         power = np.take(quantile_table(n_looks).astype(mean_power.dtype, copy=False), cell)
         power *= mean_power
         return power
-    draw = _draw_gamma if method == "gamma" else _draw_cube
+    draw = draw_gamma if method == "gamma" else _draw_cube
     return draw(mean_power, n_looks, rng)
 
 
@@ -122,8 +113,8 @@ def quantile_table(n_looks):
     return table
 
 
-def _draw_looks(mean_power, rng):
-    """Literal sum over the leading axis of `mean_power`, one look at a time."""
+def draw_looks(mean_power, rng):
+    """Literal sum over the leading axis of `mean_power`, (look, range_bin, range_line), one look at a time."""
     total = np.zeros(mean_power.shape[1:])
     for look in mean_power:
         in_phase, quadrature = rng.standard_normal((2, *look.shape))
@@ -131,25 +122,8 @@ def _draw_looks(mean_power, rng):
     return (total / (2 * len(mean_power))).astype(mean_power.dtype, copy=False)
 
 
-def _draw_moving(mean_power, method, rng):
-    """Looks with means of their own, by their moments unless literal."""
-    if method == "looks":
-        return _draw_looks(mean_power, rng)
-    if method == "quantile":
-        msg = "speckle method quantile needs one mean per pixel, got one for each look"
-        raise ValueError(msg)
-    mean = mean_power.mean(axis=0)
-    # Relative to the largest, so that squares neither overflow nor vanish.
-    largest = np.maximum(mean_power.max(axis=0), np.finfo(mean_power.dtype).tiny)
-    relative = mean_power / largest
-    squares = np.maximum((relative**2).sum(axis=0), np.finfo(mean_power.dtype).tiny)
-    shape = np.where(mean > 0, np.maximum(relative.sum(axis=0) ** 2 / squares, 1), len(mean_power))
-    check_method(method, float(shape.min(initial=len(mean_power))))
-    draw = _draw_gamma if method == "gamma" else _draw_cube
-    return draw(mean, shape.astype(mean.dtype), rng)
-
-
-def _draw_gamma(mean_power, shape, rng):
+def draw_gamma(mean_power, shape, rng):
+    """Gamma of a shape, one number or one for each pixel, about the mean."""
     power = rng.standard_gamma(shape, size=mean_power.shape, dtype=mean_power.dtype)
     power *= mean_power
     power /= shape

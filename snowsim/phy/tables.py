@@ -1,6 +1,6 @@
-"""Where each layer must be modelled, and how finely, for the mean power to stay within a relative error.
+"""Eq. (1) for many layers at once: by sub-bin tables where they are curved, exponentials where they have become one.
 
-Eq. (1) for many layers at once: sub-bin tables where a layer is curved, an exponential where it has become one.
+Where each layer is modelled, and how finely, follows from the relative error that is allowed.
 """
 
 from dataclasses import dataclass
@@ -22,27 +22,21 @@ MOST_PHASES = 4096
 # Taylor coefficients are differences that lose (a h / 2)^5 / 120 units in the last place: 9e3 at this product.
 LARGEST_DECAY_STEP = 32
 TABLE_ROUNDING = 1e-11
+LINES_AT_A_TIME = 16  # one cache line of float32
+
+
+def allowed_error(tolerance_db):
+    """Largest relative error of power within a tolerance [dB], at most `LARGEST_ERROR`."""
+    return min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR)
 
 
 @dataclass(frozen=True)
 class Supports:
-    """Where and how each layer is modelled; distances are in bins below the layer's Gaussian centre.
+    """Where and how each layer is modelled, arrays (layer,); distances are in bins below the layer's Gaussian centre.
 
-    Between `first_bins` and `tail_bins` a layer is read from a sub-bin table, from there to `last_bins` it is a plain
-    exponential, elsewhere it is left out.
-
-    Attributes
-    ----------
-    kept : ndarray of bool, (layer,)
-        Layers that are modelled at all.
-    first_bins, tail_bins, last_bins : ndarray, (layer,)
-        Support; ``first <= tail <= last``.
-    n_phases : ndarray of int, (layer,)
-        Table nodes per bin.
-    dtype : numpy.dtype
-        Of tables and sums.
-    error : float
-        No pixel's ``P_s + P_n`` is off by more than this share.
+    Layers that are `kept` are read from a sub-bin table of `n_phases` nodes per bin between `first_bins` and
+    `tail_bins`, are a plain exponential from there to `last_bins`, and are left out elsewhere. `dtype` is that of
+    tables and sums. No pixel's ``P_s + P_n`` is off by more than the share `error`.
     """
 
     kept: np.ndarray
@@ -73,19 +67,8 @@ class Supports:
 def find_supports(waveforms, noise_power, error):
     """Smallest supports and coarsest tables that keep ``|P - P_s| <= error (P_s + P_n)`` at every pixel.
 
-    Parameters
-    ----------
-    waveforms : Waveforms
-        The scene's layers.
-    noise_power : float
-        P_n, positive.
-    error : float
-        In (0, 0.5].
-
-    Returns
-    -------
-    Supports, or None
-        None where only the closed form is safe: noise or tolerance too close to the resolution of float64.
+    `noise_power` is P_n, positive; `error` lies in (0, 0.5]. Returns `Supports`, or None where only the closed form is
+    safe: noise or tolerance too close to the resolution of float64.
 
     Notes
     -----
@@ -176,26 +159,9 @@ def _dtype(n_layers, noise_power, reference, error):
     return None
 
 
-LINES_AT_A_TIME = 16  # one cache line of float32
-
-
 @np.errstate(under="ignore")  # to zero, far below what counts
 def tabulated_power(waveforms, supports, added_power):
-    """Mean power of a scene by its supports, plus `added_power`.
-
-    Parameters
-    ----------
-    waveforms : Waveforms
-        The scene's layers.
-    supports : Supports
-        Where and how finely they are modelled.
-    added_power : float
-        Added to every pixel: the noise, or nothing.
-
-    Returns
-    -------
-    ndarray of `supports.dtype`, (range_bin, range_line)
-    """
+    """Mean power of a scene by its supports plus `added_power`, `supports.dtype` (range_bin, range_line)."""
     kept = np.flatnonzero(supports.kept)
     variance, decay = waveforms.variance_bins2[kept], waveforms.decay_rate[kept]
     first, tail, last = (edge[kept] for edge in (supports.first_bins, supports.tail_bins, supports.last_bins))

@@ -1,4 +1,4 @@
-"""Eq. (1): the mean waveform of one layer, its peak and its width, and the mean power of many layers, exact."""
+"""Eq. (1) for one layer: its mean waveform, with where it peaks and how wide it is."""
 
 import numpy as np
 from scipy.special import erfc, erfcx
@@ -12,35 +12,17 @@ _SQRT_HALF_PI = np.sqrt(np.pi / 2)
 
 
 def waveform_exact(x_bins, variance_bins2, decay_rate):
-    """Mean waveform of one layer of unit power: a Gaussian convolved with a one-sided exponential.
+    """Mean waveform of one layer of unit power, not normalised, at `x_bins` below the Gaussian's centre; broadcasts.
 
-    Arguments broadcast against each other.
-
-    Parameters
-    ----------
-    x_bins : array_like
-        Distance below the Gaussian's centre [bins].
-    variance_bins2 : array_like
-        Variance of the Gaussian [bins^2], positive.
-    decay_rate : array_like
-        Rate of the exponential [per bin], positive.
-
-    Returns
-    -------
-    ndarray of float64
-        ``w(x)``, not normalised; zero where it underflows.
-
-    Raises
-    ------
-    ValueError
-        If an argument is not finite, or a variance or a rate is outside `SAFE_RANGE`.
+    A Gaussian of variance `variance_bins2` [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per
+    bin]; zero where it underflows. What is not finite, or outside `SAFE_RANGE`, is refused.
 
     Notes
     -----
     Yari et al. (2021), eq. (1): ``w(x) = exp(-x^2 / 2d) (*) u(x) exp(-a x)
     = sqrt(pi d / 2) exp(a^2 d / 2 - a x) erfc(z)`` with ``z = (a d - x) / sqrt(2 d)``, the exponentially modified
     Gaussian. As written the exponential overflows; for z >= 0 it is instead ``sqrt(pi d / 2) exp(-x^2 / 2d)
-    erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. Both lose at most some 5e-13 in relation.
+    erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. The relative error of both is below 5e-13.
     """
     x_bins = np.asarray(x_bins, dtype=float)
     variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
@@ -53,29 +35,8 @@ def waveform_exact(x_bins, variance_bins2, decay_rate):
 
 @np.errstate(under="ignore")
 def waveform_peak(variance_bins2, decay_rate):
-    """Where the waveform peaks and how high; arguments broadcast.
+    """How far the waveform peaks below the Gaussian's centre [bins] and its value there: two ndarray; broadcasts.
 
-    Parameters
-    ----------
-    variance_bins2 : array_like
-        Variance of the Gaussian [bins^2], positive.
-    decay_rate : array_like
-        Rate of the exponential [per bin], positive.
-
-    Returns
-    -------
-    offset_bins : ndarray
-        Distance of the peak below the Gaussian's centre [bins].
-    value : ndarray
-        ``w`` there.
-
-    Raises
-    ------
-    ValueError
-        If a variance or a rate is outside `SAFE_RANGE`.
-
-    Notes
-    -----
     ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi d)) / a``, so ``value = exp(-x^2 / 2d) / a``.
     Newton's method on ``log erfcx``, convex and decreasing, started on its left, converges from one side,
     quadratically: a step below 1e-9 leaves rounding only.
@@ -87,27 +48,8 @@ def waveform_peak(variance_bins2, decay_rate):
 
 
 def waveform_width(variance_bins2, decay_rate):
-    """Distance from the waveform's peak to where it has fallen to 1/e, on the trailing side; arguments broadcast.
+    """Distance [bins] from the waveform's peak to where it has fallen to 1/e on the trailing side; broadcasts.
 
-    Parameters
-    ----------
-    variance_bins2 : array_like
-        Variance of the Gaussian [bins^2], positive.
-    decay_rate : array_like
-        Rate of the exponential [per bin], positive.
-
-    Returns
-    -------
-    ndarray
-        1/e width [bins].
-
-    Raises
-    ------
-    ValueError
-        If a variance or a rate is outside `SAFE_RANGE`.
-
-    Notes
-    -----
     Newton's method on ``log w``, which is concave, started to the right of the root: it converges from one side,
     quadratically.
     """

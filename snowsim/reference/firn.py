@@ -2,10 +2,15 @@
 
 import numpy as np
 
-from snowsim.constants import GAS_CONSTANT_J_MOL_K, ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+from snowsim.constants import (
+    GAS_CONSTANT_J_MOL_K,
+    ICE_DENSITY_KG_M3,
+    KOVACS_M3_KG,
+    SPEED_OF_LIGHT_M_S,
+    WATER_DENSITY_KG_M3,
+)
 
 CRITICAL_DENSITY_KG_M3 = 550.0  # between the two stages of Herron & Langway (1980)
-KOVACS_M3_KG = 0.845e-3
 
 
 def rates_herron_langway80(temperature_k):

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from snowsim.constants import EARTH_RADIUS_M
+
 # The great circle from central Greenland to the north-west: (degrees north, degrees east).
 LINE_START = (69.0, -38.5)
 LINE_END = (76.7, -64.6)
-EARTH_RADIUS_KM = 6371.0
+EARTH_RADIUS_KM = EARTH_RADIUS_M / 1000
 
 # Schematic profiles along the line. Accumulation [m w.e. / yr]: south-central plateau, dry interior north of Summit,
 # wet north-west flank, in the range of Koenig et al. (2016), Cryosphere 10, 1739-1752. Ice surface [m]: rounded.

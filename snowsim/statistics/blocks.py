@@ -2,7 +2,8 @@
 
 import numpy as np
 
-BLOCK_LINES = 256
+from snowsim.constants import BLOCK_LINES
+
 # Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab, decametre drift does not.
 BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4  # blocks and slabs that tell the correlation at a separation

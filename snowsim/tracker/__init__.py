@@ -1,6 +1,7 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
-from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork
+from snowsim.constants import OUTPUTS
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork
 from snowsim.tracker.sampling import Chosen, Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network

@@ -5,7 +5,6 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the width, convolutions: VGG16
 
 

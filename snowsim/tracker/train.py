@@ -6,9 +6,10 @@ import numpy as np
 import torch
 from torch.nn import functional
 
+from snowsim.constants import OUTPUTS
 from snowsim.patches import draw_patches, to_signed
 from snowsim.seeding import random_stream
-from snowsim.tracker.network import NETWORKS, OUTPUTS, initialise
+from snowsim.tracker.network import NETWORKS, initialise
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 REACH_BINS = 8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper

@@ -26,15 +26,16 @@ def test_without_image_error_it_is_the_paired_t_test():
     assert_allclose(result["detectable"], (student.ppf(0.975, 3) + student.ppf(0.8, 3)) * error)
 
 
+def typical(n_replicas, spread):
+    """Differences of this standard deviation, as evenly likely as those of so many replicas can be."""
+    ranks = norm.ppf((np.arange(n_replicas) + 0.5) / n_replicas)
+    return spread / ranks.std(ddof=1) * ranks
+
+
 @pytest.mark.parametrize("n_replicas", [3, 20])
 def test_intervals_cover_the_truth_and_detectable_differences_are_found(rng, n_replicas):
     spread, image_error, n_trials = 0.01, 0.003, 600
-    typical = paired_difference(
-        norm.ppf((np.arange(n_replicas) + 0.5) / n_replicas), image_error=image_error / spread, n_images=60
-    )["seed_spread"]
-    planted = paired_difference(
-        spread / typical * norm.ppf((np.arange(n_replicas) + 0.5) / n_replicas), image_error, 60
-    )["detectable"]
+    planted = paired_difference(typical(n_replicas, spread), image_error, 60)["detectable"]
     covered = found = 0
     for _ in range(n_trials):
         drawn = planted + image_error * rng.standard_normal() + spread * rng.standard_normal(n_replicas)
@@ -52,13 +53,8 @@ def test_as_many_seeds_as_stated_resolve_a_difference_and_one_fewer_does_not():
     result = paired_difference(differences, image_error=0.001, n_images=60)
     n = result["seeds_to_resolve"]
     assert n > 4
-
-    def detectable(n_replicas):
-        ranks = norm.ppf((np.arange(n_replicas) + 0.5) / n_replicas)
-        scaled = result["seed_spread"] / ranks.std(ddof=1) * ranks
-        return paired_difference(scaled, 0.001, 60)["detectable"]
-
-    assert detectable(n) <= result["difference"] < detectable(n - 1)
+    enough, too_few = (paired_difference(typical(k, result["seed_spread"]), 0.001, 60) for k in (n, n - 1))
+    assert enough["detectable"] <= result["difference"] < too_few["detectable"]
 
 
 def test_no_number_of_seeds_resolves_what_the_images_hide():
@@ -75,9 +71,8 @@ def image_counts(rng, share):
 def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     worse = [[image_counts(rng, 0.7) for _ in range(30)] for _ in range(3)]
     better = [[image_counts(rng, 0.8) for _ in range(30)] for _ in range(3)]
-    table = compare(
-        {"a": worse, "b": better}, [("a", "a"), ("b", "a")], n_bootstrap=100, rng=np.random.default_rng(1)
-    ).set_index(["name", "metric"])
+    pairs = [("a", "a"), ("b", "a")]
+    table = compare({"a": worse, "b": better}, pairs, n_bootstrap=100, rng=rng).set_index(["name", "metric"])
     same = table.loc[("a", "ods")]
     assert (same["difference"], same["detectable"], same["verdict"]) == (0, 0, "not resolved")
     assert same["p_value"] == 1

@@ -1,4 +1,4 @@
-"""Rows of picks pool to what the scores of a scene say, and planted errors come back by zone and depth."""
+"""Planted errors of picks come back by layer, scene and depth."""
 
 import numpy as np
 import pandas as pd
@@ -7,38 +7,60 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.metrics.pick_tables import layer_rows, pool_picks, snow_per_bin_m, zone_of
-from snowsim.metrics.picks import score_picks
 
 
-def draw_scene(rng, n_layers=8, n_lines=60):
-    """Level layers 25 bins apart, some range lines absent, and noisy picks of all but one, with one false layer."""
-    layer_bins = 50 + 25 * np.arange(n_layers)[:, None] + rng.uniform(-2, 2, (n_layers, n_lines))
-    layer_bins[rng.random(layer_bins.shape) < 0.1] = np.nan
-    picks = layer_bins + rng.normal(0, 1.5, layer_bins.shape)
-    picks[5] = np.nan
-    picks[rng.random(picks.shape) < 0.2] = np.nan
-    return np.vstack([picks, np.full(n_lines, 400.0)]), layer_bins
+def pooled(picks, layer_bins):
+    """Errors of the picks of one scene."""
+    return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[0]
 
 
-def test_one_scene_pools_to_its_scores(rng):
-    picks, layer_bins = draw_scene(rng)
-    pooled = pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.03).iloc[0]
-    scores = score_picks(picks, layer_bins, bin_size_m=0.03)
-    for name in set(pooled.index) & set(scores):
-        assert_allclose(pooled[name], scores[name], err_msg=name)
-    assert pooled["n_missed_layers"] == pooled["n_false_layers"] == 1
-    assert_allclose(pooled["share_found"], scores["n_found"] / scores["n_true"])
+@pytest.fixture
+def layer_bins(rng):
+    """Eight wavy layers, 25 bins apart."""
+    return 50 + 25 * np.arange(8)[:, None] + 3 * np.sin(np.arange(120) / 25 + rng.uniform(0, 6, (8, 1)))
 
 
-def test_scenes_pool_by_pixel_and_not_by_scene(rng):
+def test_planted_errors_come_back(layer_bins):
+    picks = layer_bins + 1.5
+    picks[2] += 1.5
+    scores = pooled(picks, layer_bins)
+    assert_allclose(scores["mean_absolute_error_bins"], 1.5 + 1.5 / 8)
+    assert_allclose(scores["mean_absolute_error_m"], (1.5 + 1.5 / 8) * 0.0433)
+    assert_allclose(scores["bias_bins"], 1.5 + 1.5 / 8)
+    assert_allclose(scores["share_within"], 7 / 8)
+    assert scores["n_found"] == scores["n_true"] == layer_bins.size
+    # Two of seven slabs are wrong, by +1.5 and -1.5.
+    assert_allclose(scores["thickness_mean_absolute_error_bins"], 3 / 7)
+    assert_allclose(scores["thickness_bias_m"], 0, atol=1e-12)
+    assert scores["n_missed_layers"] == scores["n_false_layers"] == 0
+
+
+def test_missed_and_false_layers_are_counted(layer_bins):
+    picks = np.vstack([layer_bins, np.full((1, 120), 300.0)])  # 300 lies below every layer's reach
+    picks[4] = np.nan
+    picks[6, :61] = np.nan
+    picks[7, :60] = np.nan
+    rows = layer_rows(picks, layer_bins)
+    scores = pooled(picks, layer_bins)
+    assert scores["n_layers"] == 8
+    assert scores["n_missed_layers"] == 2  # the absent one and the one with 59 of 120 range lines
+    assert scores["n_false_layers"] == 1
+    assert_allclose(scores["share_found"], (8 * 120 - 120 - 61 - 60) / (8 * 120))
+    assert rows["n_picks"].sum() == 120
+    assert scores["mean_absolute_error_bins"] == 0
+    # A slab counts where both of its bounds have a pick: three whole slabs above layer 4, one below it, one in part.
+    assert rows["n_thickness"].sum() == 3 * 120 + 59 + 59
+
+
+def test_scenes_pool_by_pixel_and_not_by_scene():
     truth = np.array([[50.0], [80.0]]) * np.ones(100)
     short = truth.copy()
     short[:, 10:] = np.nan
     rows = pd.concat([layer_rows(truth + 1, truth), layer_rows(short + 2, short)]).assign(set="a")
-    pooled = pool_picks(rows, ["set"], bin_size_m=0.03).iloc[0]
-    assert_allclose(pooled["mean_absolute_error_bins"], (200 * 1 + 20 * 2) / 220)
-    assert_allclose(pooled["bias_m"], (200 * 1 + 20 * 2) / 220 * 0.03)
-    assert pooled["thickness_mean_absolute_error_bins"] == 0
+    both = pool_picks(rows, ["set"], bin_size_m=0.03).iloc[0]
+    assert_allclose(both["mean_absolute_error_bins"], (200 * 1 + 20 * 2) / 220)
+    assert_allclose(both["bias_m"], (200 * 1 + 20 * 2) / 220 * 0.03)
+    assert both["thickness_mean_absolute_error_bins"] == 0
 
 
 def test_errors_stay_with_the_depth_they_were_planted_at():
@@ -53,10 +75,9 @@ def test_errors_stay_with_the_depth_they_were_planted_at():
 
 
 def test_groups_without_picks_are_nan_and_miss_their_layers():
-    truth = np.array([[50.0], [80.0]]) * np.ones(40)
-    pooled = pool_picks(layer_rows(np.empty((0, 40)), truth).assign(a=1), ["a"], bin_size_m=0.03).iloc[0]
-    assert np.isnan(pooled["mean_absolute_error_bins"])
-    assert (pooled["share_found"], pooled["n_missed_layers"]) == (0, 2)
+    scores = pooled(np.empty((0, 40)), np.array([[50.0], [80.0]]) * np.ones(40))
+    assert np.isnan(scores["mean_absolute_error_bins"])
+    assert (scores["share_found"], scores["n_found"], scores["n_missed_layers"]) == (0, 0, 2)
 
 
 def test_zones_are_the_flight_s_quartiles_open_at_both_ends():
@@ -73,5 +94,7 @@ def test_a_bin_of_snow_is_thinner_than_a_bin_of_air():
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="expected the snow surface"):
         layer_rows(np.ones((1, 4)), np.array([[np.nan] * 4, [9.0] * 4]))
+    with pytest.raises(ValueError, match="bin_size_m above 0"):
+        pool_picks(layer_rows(np.ones((1, 4)), np.ones((1, 4))), ["layer"], bin_size_m=0)
     with pytest.raises(ValueError, match="expected rows of picks"):
         pool_picks(layer_rows(np.ones((1, 4)), np.ones((1, 4))).iloc[:0], ["layer"], bin_size_m=0.03)

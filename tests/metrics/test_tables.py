@@ -2,19 +2,13 @@ import numpy as np
 import pandas as pd
 from numpy.testing import assert_allclose
 
-from snowsim.metrics.tables import OUTPUTS, similarity_table, ssim_against_depth, tracker_intervals, tracker_table
+from snowsim.constants import OUTPUTS
+from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals, tracker_table
 
 
 def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
-    images = pd.DataFrame(
-        {
-            "scene": ["a", "b", "a", "b"],
-            "method": ["phy", "phy", "cgan", "cgan"],
-            "rmse": [10.0, 30.0, 1.0, 3.0],
-            "psnr": [5.0, 7.0, 20.0, 30.0],
-            "ssim": [0.1, 0.2, 0.5, 0.7],
-        }
-    )
+    rows = [("phy", 10.0, 5.0, 0.1), ("phy", 30.0, 7.0, 0.2), ("cgan", 1.0, 20.0, 0.5), ("cgan", 3.0, 30.0, 0.7)]
+    images = pd.DataFrame(rows, columns=["method", "rmse", "psnr", "ssim"]).assign(scene=["a", "b", "a", "b"])
     table = similarity_table(images).set_index(["metric", "statistic"])
     assert list(table.columns) == ["cgan", "phy"]
     assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
@@ -22,12 +16,8 @@ def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
 
 
 def test_ssim_against_depth_stops_at_the_shallowest_scene_and_averages_scenes():
-    rows = pd.concat(
-        [
-            pd.DataFrame({"scene": name, "method": "phy", "range_bin": range(n), "ssim": value})
-            for name, n, value in [("a", 4, 0.2), ("b", 6, 0.6)]
-        ]
-    )
+    scenes = [("a", n, 0.2) for n in range(4)] + [("b", n, 0.6) for n in range(6)]
+    rows = pd.DataFrame(scenes, columns=["scene", "range_bin", "ssim"]).assign(method="phy")
     table = ssim_against_depth(rows, 3)
     assert list(table["range_bin"]) == [0, 1, 2, 3]
     assert_allclose(table["ssim"], 0.4)
@@ -40,14 +30,8 @@ def make_counts(quality, n_images, rng):
     for _ in range(n_images):
         found = rng.binomial(100, quality)
         matched = np.array([found, found // 2, found // 4])
-        images.append(
-            {
-                "matched_truth": matched,
-                "n_truth": np.full(3, 100),
-                "matched_prediction": matched,
-                "n_prediction": matched + 5,
-            }
-        )
+        of_truth = {"matched_truth": matched, "n_truth": np.full(3, 100)}
+        images.append(of_truth | {"matched_prediction": matched, "n_prediction": matched + 5})
     return images
 
 

@@ -31,8 +31,10 @@ def test_deeper_layers_look_like_the_last_valid_one(statistics, rng):
     assert parameters["n_looks"] == 100
 
 
-def test_shallow_scene_takes_the_uppermost_layers(statistics, rng):
-    assert_array_equal(draw_parameters(statistics, 2, rng=rng)["peak_power"], [1, 0.3])
+def test_shallow_scene_takes_the_uppermost_layers_and_looks_may_be_given(statistics, rng):
+    parameters = draw_parameters(statistics, 2, n_looks=16, rng=rng)
+    assert_array_equal(parameters["peak_power"], [1, 0.3])
+    assert parameters["n_looks"] == 16
 
 
 def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
@@ -40,10 +42,6 @@ def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
     assert 10 <= variance.min() < variance.max() <= 15
     # Standard errors of mean and deviation of U(10, 15), 1.44 / sqrt(n): allow four.
     assert_allclose([variance.mean(), variance.std()], [12.5, 5 / np.sqrt(12)], atol=4 * 1.44 / np.sqrt(100_000))
-
-
-def test_looks_may_be_given(statistics, rng):
-    assert draw_parameters(statistics, 2, n_looks=16, rng=rng)["n_looks"] == 16
 
 
 @pytest.mark.parametrize(
@@ -54,14 +52,10 @@ def test_looks_may_be_given(statistics, rng):
         ("noise_power", 0.0, {}, "noise_power of the statistics must be positive and finite, got 0"),
         ("width_bound_bins", ("bound", [15.0, 10.0]), {"width": "paper"}, "width_bound_bins must .* got 15, 10"),
         ("noise_power", 1e-3, {"width": "narrow"}, "width must be one of paper, fitted, got 'narrow'"),
+        ("noise_power", 1e-3, {"n_layers": 0}, "n_layers must be at least 1, got 0"),
     ],
 )
 def test_bad_statistics_are_refused(statistics, name, value, options, message, rng):
     statistics[name] = value
     with pytest.raises(ValueError, match=message):
-        draw_parameters(statistics, 3, **options, rng=rng)
-
-
-def test_scene_without_layers_is_refused(statistics, rng):
-    with pytest.raises(ValueError, match="n_layers must be at least 1, got 0"):
-        draw_parameters(statistics, 0, rng=rng)
+        draw_parameters(statistics, **{"n_layers": 3} | options, rng=rng)

@@ -1,8 +1,8 @@
 """One layer's waveform against arbitrary precision, its peak and its width."""
 
-import mpmath
 import numpy as np
 import pytest
+from eighty_digits import waveform_in_80_digits
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -11,17 +11,6 @@ from lib.diagnostics.phy_alternatives import waveform_naive
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 
 SMALLEST_NORMAL = np.finfo(float).tiny
-
-
-def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
-    """Eq. (1) for one layer by its textbook form, precise enough to survive it."""
-    with mpmath.workdps(80):
-        x, d, a = (mpmath.mpf(float(value)) for value in (x_bins, variance_bins2, decay_rate))
-        return (
-            mpmath.sqrt(mpmath.pi * d / 2)
-            * mpmath.exp(a * a * d / 2 - a * x)
-            * mpmath.erfc((a * d - x) / mpmath.sqrt(2 * d))
-        )
 
 
 def log_uniform(low, high):
@@ -69,13 +58,6 @@ def test_narrow_gaussian_leaves_a_plain_exponential():
     expected = np.sqrt(2 * np.pi * 1e-6) * np.exp(-0.1 * x_bins)
     # The next term is a^2 d / 2 = 5e-9.
     assert_allclose(waveform_exact(x_bins, 1e-6, 0.1), expected, rtol=1e-8)
-
-
-def test_waveform_integrates_to_the_product_of_its_parts():
-    x_bins = np.arange(-100, 600, 0.5)
-    area = waveform_exact(x_bins, 12.0, 0.07).sum() * 0.5
-    # A trapezoid sum of a smooth function that vanishes at both ends is exact to exp(-2 pi^2 d / h^2) and the cut tail.
-    assert_allclose(area, np.sqrt(2 * np.pi * 12) / 0.07, rtol=1e-12)
 
 
 @pytest.mark.parametrize("decay_rate", [1e-12, 1e-4, 0.07, 10, 1e6])

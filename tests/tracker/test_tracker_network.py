@@ -5,7 +5,8 @@ import pytest
 import torch
 from numpy.testing import assert_allclose
 
-from snowsim.tracker.network import OUTPUTS, LightNetwork, MultiScaleNetwork, initialise
+from snowsim.constants import OUTPUTS
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, initialise
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from job import job
 
+from lib.diagnostics.phy_alternatives import draw_moving_speckle
 from lib.diagnostics.phy_errors import cube_distance, moving_distance, quantile_distance
 from lib.timing import device_name, time_rounds
 from snowsim.io.files import write_table
@@ -42,8 +43,8 @@ def measure(path_to_table, n_range_lines, n_range_bins, n_rounds, seed):
     means = look_means(movement_db, n_looks).astype(np.float32)[:, None, None]
     moving = np.broadcast_to(means, (n_looks, *shape))
     setting = f"M = {n_looks}, {movement_db:g} dB"
-    works[setting, "gamma, moving"] = partial(draw_speckle, moving, n_looks, method="gamma", rng=rng)
-    works[setting, "looks, moving"] = partial(draw_speckle, moving, n_looks, method="looks", rng=rng)
+    works[setting, "gamma, moving"] = partial(draw_moving_speckle, moving, method="gamma", rng=rng)
+    works[setting, "looks, moving"] = partial(draw_moving_speckle, moving, method="looks", rng=rng)
     about[setting, "looks, moving"] = {"distance": 0.0, "n_looks": n_looks, "movement_db": movement_db}
 
     runs = time_rounds(works, n_rounds)

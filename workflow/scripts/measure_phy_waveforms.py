@@ -6,26 +6,18 @@ import numpy as np
 import pandas as pd
 from job import job
 
-from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by, naive_power, nearest_power
+from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by, naive_power, nearest_power, waveforms_of
 from lib.diagnostics.phy_errors import largest_error_db, planted_scene
 from lib.timing import device_name, time_rounds
 from snowsim.io.files import write_table
-from snowsim.phy.parameters import checked_waveforms
 
 TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01, 1e-3, 1e-6)
 
 
 def ways_of(layer_bins, parameters, n_range_bins):
     """Work by (setting, method)."""
-    shapes = [parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate")]
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, "peak", "peak")
-    by = partial(
-        mean_power_by,
-        layer_bins=layer_bins,
-        **dict(zip(("peak_power", "variance_bins2", "decay_rate"), shapes, strict=True)),
-        n_range_bins=n_range_bins,
-        noise_power=parameters["noise_power"],
-    )
+    waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", "peak")
+    by = partial(mean_power_by, waveforms=waveforms, noise_power=parameters["noise_power"])
     works = {
         ("1 sample per bin", "convolved"): partial(convolved_power, waveforms),
         ("4 samples per bin", "convolved"): partial(convolved_power, waveforms, samples_per_bin=4),

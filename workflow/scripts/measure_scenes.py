@@ -48,9 +48,7 @@ def phy_works(layer_bins, parameters, n_range_bins, rng):
     for tolerance_db in TOLERANCES_DB:
         key = (f"{tolerance_db:g} dB", "PHY")
         works[key] = partial(eight_bits, render, *given, tolerance_db=tolerance_db, rng=rng)
-        means[key] = mean_power_by(
-            "table", layer_bins, **shapes, n_range_bins=n_range_bins, tolerance_db=tolerance_db, noise_power=noise_power
-        )
+        means[key] = mean_power_by("table", waveforms, tolerance_db=tolerance_db, noise_power=noise_power)
     return works, {key: largest_error_db(mean, exact, noise_power) for key, mean in means.items()}
 
 

@@ -22,14 +22,7 @@ ABSENT = -2
 
 
 class Matching:
-    """Maximum-cardinality matching of a changing set of predicted pixels to fixed true pixels.
-
-    Parameters
-    ----------
-    truth : ndarray of bool, (range_bin, range_line)
-    radius : float
-        Largest distance of a matched pair [pixels].
-    """
+    """Maximum-cardinality matching of a changing set of predicted pixels to true pixels within `radius` [pixels]."""
 
     def __init__(self, truth, radius):
         n_rows, n_lines = truth.shape

@@ -7,21 +7,10 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 
 
 def stack_counts(counts):
-    """Counts of the images of a set as arrays (image, threshold).
+    """Counts of the images of a set as a dict of arrays (image, threshold); what is stacked already is passed through.
 
-    Parameters
-    ----------
-    counts : sequence of dict, or dict
-        Of every image what `match_counts` gives; what this function gave is passed through.
-
-    Returns
-    -------
-    dict of ndarray, (image, threshold)
-
-    Raises
-    ------
-    ValueError
-        If there is no image, a count is missing, lengths differ, or matched pixels outnumber the pixels.
+    `counts` is of every image what `match_counts` gives. Refused: no image, missing counts, unlike lengths, and matched
+    pixels that outnumber the pixels.
     """
     if isinstance(counts, dict):
         missing = [name for name in COUNTS if np.ndim(counts.get(name)) != 2]

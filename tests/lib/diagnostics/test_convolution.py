@@ -4,20 +4,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from lib.diagnostics import convolution
 from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered, reflect
-from lib.diagnostics.convolution import (
-    MODELS,
-    bias_db,
-    error_db,
-    incoherent_profile,
-    mean_profile,
-    model_works,
-    sweep_frequencies_hz,
-)
 
 BANDWIDTH_HZ = 6e9
 DELAY_S = np.arange(-10, 150) * 2.886e-10
-FREQUENCY_HZ = sweep_frequencies_hz(2e9, 8e9, 120e-9)
+FREQUENCY_HZ = convolution.sweep_frequencies_hz(2e9, 8e9, 120e-9)
+YEARS = {"mean_density_kg_m3": 400.0, "slab_m": 0.3, "roughness_m": 0.02}
 
 
 def test_a_mirror_has_power_one_at_its_delay_and_the_null_to_null_width_of_the_window():
@@ -25,41 +18,41 @@ def test_a_mirror_has_power_one_at_its_delay_and_the_null_to_null_width_of_the_w
     mirror = np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None]
     x = np.array([0, -2, 2, 1]) / BANDWIDTH_HZ
     # The window is sampled at 721 frequencies: sums for integrals, second order.
-    assert_allclose(mean_profile(mirror, FREQUENCY_HZ, at_s + x), [1, 0, 0, 0.25], atol=1e-5)
+    assert_allclose(convolution.mean_profile(mirror, FREQUENCY_HZ, at_s + x), [1, 0, 0, 0.25], atol=1e-5)
 
 
 def test_echoes_within_the_longest_delay_are_not_folded_back():
     late = np.exp(2j * np.pi * FREQUENCY_HZ * 110e-9)[None]
-    assert mean_profile(late, FREQUENCY_HZ, DELAY_S).max() < 1e-6
+    assert convolution.mean_profile(late, FREQUENCY_HZ, DELAY_S).max() < 1e-6
 
 
 def test_one_interface_is_the_same_coherent_and_not():
     at_s = 33.3 * 2.886e-10
-    coherent = mean_profile(0.2 * np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None], FREQUENCY_HZ, DELAY_S)
+    coherent = convolution.mean_profile(0.2 * np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None], FREQUENCY_HZ, DELAY_S)
     # Side lobes beyond 8 / B, below -60 dB, are left out.
-    assert_allclose(incoherent_profile([[0.04]], [[at_s]], DELAY_S, BANDWIDTH_HZ), coherent, atol=0.04 * 1e-6)
+    assert_allclose(
+        convolution.incoherent_profile([[0.04]], [[at_s]], DELAY_S, BANDWIDTH_HZ), coherent, atol=0.04 * 1e-6
+    )
 
 
 def test_profile_peaks_where_a_layer_lies_and_as_high_as_it_reflects():
     index, thickness_m = np.array([[1.0, 1.3, 1.32]]), np.array([[1.0]])
     delay_s = interface_delays_s(index, thickness_m)[0]
-    power = mean_profile(reflect(index, thickness_m, FREQUENCY_HZ)[0], FREQUENCY_HZ, delay_s)
+    power = convolution.mean_profile(reflect(index, thickness_m, FREQUENCY_HZ)[0], FREQUENCY_HZ, delay_s)
     r1, r2 = 0.3 / 2.3, 0.02 / 2.62
     # 26 nulls apart the surface leaves less than -70 dB of itself, in amplitude 3e-4 of r1.
     assert_allclose(np.sqrt(power), [r1, (1 - r1**2) * r2], atol=1e-4)
 
 
 def test_years_have_the_contrast_and_the_roughness_asked_for(rng):
-    density, thickness_m = draw_years(
-        2000, 6, 80.0, mean_density_kg_m3=400.0, slab_m=0.3, roughness_m=0.02, rng=rng
-    )  # fmt: skip
+    density, thickness_m = draw_years(2000, 6, 80.0, **YEARS, rng=rng)
     assert_allclose(np.abs(np.diff(density, axis=1)), 80)
     depth_m = np.cumsum(thickness_m, axis=1)
     assert_allclose(depth_m.std(axis=0), 0.02, rtol=4 / np.sqrt(2 * 2000))
 
 
 def test_lenses_add_ice_and_keep_the_depths(rng):
-    density, thickness_m = draw_years(50, 8, 80.0, mean_density_kg_m3=400.0, slab_m=0.3, roughness_m=0.01, rng=rng)
+    density, thickness_m = draw_years(50, 8, 80.0, **YEARS, rng=rng)
     with_lenses, thinner_m = draw_lenses(density, thickness_m, 3, lens_m=0.03, rng=rng)
     assert ((with_lenses == 917).sum(axis=1) == 3).all()
     assert_allclose(thinner_m.sum(axis=1), thickness_m.sum(axis=1), rtol=1e-13)
@@ -69,8 +62,8 @@ def test_lenses_add_ice_and_keep_the_depths(rng):
 
 def test_impossible_stacks_are_refused(rng):
     with pytest.raises(ValueError, match=r"densities must lie in \[100, 917\] kg m-3, got 925"):
-        draw_years(2, 3, 450.0, mean_density_kg_m3=700.0, slab_m=0.3, roughness_m=0.01, rng=rng)
-    stack = draw_years(2, 3, 80.0, mean_density_kg_m3=400.0, slab_m=0.3, roughness_m=0.01, rng=rng)
+        draw_years(2, 3, 450.0, **YEARS | {"mean_density_kg_m3": 700.0}, rng=rng)
+    stack = draw_years(2, 3, 80.0, **YEARS, rng=rng)
     with pytest.raises(ValueError, match=r"n_lenses must lie in \[0, 3\], got 4"):
         draw_lenses(*stack, 4, lens_m=0.03, rng=rng)
 
@@ -78,30 +71,28 @@ def test_impossible_stacks_are_refused(rng):
 def test_models_agree_where_layers_are_weak_and_part_where_they_are_strong(rng):
     errors = {}
     for contrast in (3.0, 100.0, 600.0):
-        density, thickness_m = draw_years(
-            64, 15, contrast, mean_density_kg_m3=450.0, slab_m=0.25, roughness_m=0.02, rng=rng
-        )
+        density, thickness_m = draw_years(64, 15, contrast, **YEARS | {"mean_density_kg_m3": 450.0}, rng=rng)
         index = np.concatenate([np.ones((64, 1)), 1 + 0.845e-3 * density], axis=1)
-        works = model_works(index, thickness_m, FREQUENCY_HZ, DELAY_S, BANDWIDTH_HZ)
-        assert tuple(works) == MODELS
+        works = convolution.model_works(index, thickness_m, FREQUENCY_HZ, DELAY_S, BANDWIDTH_HZ)
+        assert tuple(works) == convolution.MODELS
         powers = {name: work() for name, work in works.items()}
         noise_power = 2e-3 * powers["transfer matrix"].max()
-        for name in MODELS[1:]:
-            errors[name, contrast] = error_db(powers[name], powers["transfer matrix"], noise_power)
+        for name in convolution.MODELS[1:]:
+            errors[name, contrast] = convolution.error_db(powers[name], powers["transfer matrix"], noise_power)
     assert errors["single scattering", 3.0] < 0.01
-    for name in MODELS[1:]:
+    for name in convolution.MODELS[1:]:
         assert errors[name, 3.0] <= errors[name, 100.0] < 0.5 < 2 < errors[name, 600.0]
 
 
 def test_errors_are_decibels_over_the_noise():
     reference = np.array([1.0, 0.1])
-    assert_allclose(error_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
-    assert_allclose(bias_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
-    assert_allclose(error_db([1.0, 0.0], [1.0, 1.0], 1.0), 10 * np.log10(2) / np.sqrt(2), rtol=1e-12)
+    assert_allclose(convolution.error_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
+    assert_allclose(convolution.bias_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
+    assert_allclose(convolution.error_db([1.0, 0.0], [1.0, 1.0], 1.0), 10 * np.log10(2) / np.sqrt(2), rtol=1e-12)
     with pytest.raises(ValueError, match="expected two positive, finite powers of one shape"):
-        error_db([1.0], [1.0, 2.0])
+        convolution.error_db([1.0], [1.0, 2.0])
     with pytest.raises(ValueError, match="expected two positive"):
-        error_db([1.0, 0.0], [1.0, 2.0])
+        convolution.error_db([1.0, 0.0], [1.0, 2.0])
 
 
 def test_a_layered_profile_ends_as_a_half_space(rng):

@@ -1,28 +1,20 @@
 """The stability atlas: judged by sums that share nothing with the closed form; public functions are never wrong."""
 
-import mpmath
 import numpy as np
 import pandas as pd
 import pytest
+from eighty_digits import waveform_in_80_digits
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.phy_alternatives import quadrature_power, waveform_by_quadrature
 from lib.diagnostics.phy_atlas import PLAIN, PUBLIC, draw_atlas, safe_regions
+from lib.diagnostics.phy_cases import quadrature_power, waveform_by_quadrature
 
 
 @pytest.fixture(scope="module")
 def atlas():
     return draw_atlas(rng=np.random.default_rng(1))
-
-
-def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
-    """Eq. (1) for one layer by its textbook form, precise enough to survive it."""
-    with mpmath.workdps(80):
-        x, d, a = (mpmath.mpf(float(value)) for value in (x_bins, variance_bins2, decay_rate))
-        z = (a * d - x) / mpmath.sqrt(2 * d)
-        return mpmath.sqrt(mpmath.pi * d / 2) * mpmath.exp(a * a * d / 2 - a * x) * mpmath.erfc(z)
 
 
 @settings(max_examples=150, deadline=None)
@@ -75,12 +67,8 @@ def test_what_must_be_refused_is_refused(atlas):
     refused = borders.groupby("value")["outcome"].agg(set) == {"refused"}
     assert refused.sum() == 12
     assert not refused[["no layers", "all absent", "one pixel", "on top border", "no range lines"]].any()
-    crossing = atlas[(atlas["setting"] == "spacing of two layers [bins]") & (atlas["value"].map(float_or_nan) <= 0)]
-    assert set(crossing["outcome"]) == {"refused"}
-
-
-def float_or_nan(value):
-    return value if isinstance(value, int | float) else np.nan
+    spacing = atlas[atlas["setting"] == "spacing of two layers [bins]"]
+    assert set(spacing[spacing["value"] <= 0]["outcome"]) == {"refused"}
 
 
 def test_recursion_drifts_in_single_precision(atlas):

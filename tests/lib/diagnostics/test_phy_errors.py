@@ -1,29 +1,21 @@
-"""Measures of error: what they measure is known in other ways."""
+"""Measures of error, and the best fit of eq. (1): what they give is known in other ways."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.special import gammainc
-from scipy.stats import kstest
+from scipy.stats import ks_2samp, kstest
 
-from lib.diagnostics.phy_alternatives import render_scatterers
-from lib.diagnostics.phy_errors import (
-    cube_below,
-    cube_distance,
-    largest_error_db,
-    mean_of_looks_below,
-    moving_distance,
-    planted_scene,
-    quantile_distance,
-    scattered_mean_power,
-)
+from lib.diagnostics import phy_errors
+from lib.diagnostics.phy_alternatives import draw_moving_speckle, render_scatterers
 from snowsim.echogram import check_layer_bins
 from snowsim.phy import draw_speckle
+from snowsim.phy.waveform import waveform_exact
 
 
 @pytest.mark.parametrize(("n_layers", "n_range_bins"), [(1, 64), (15, 256), (80, 1024)])
 def test_planted_layers_never_cross(n_layers, n_range_bins):
-    layer_bins, parameters = planted_scene(n_layers, 128, n_range_bins)
+    layer_bins, parameters = phy_errors.planted_scene(n_layers, 128, n_range_bins)
     check_layer_bins(layer_bins)
     assert parameters["peak_power"].shape == (n_layers,)
     assert np.all(np.diff(parameters["peak_power"]) < 0)
@@ -31,25 +23,25 @@ def test_planted_layers_never_cross(n_layers, n_range_bins):
 
 def test_error_is_that_of_power_plus_noise():
     # 10 log10(2) at a pixel of twice the power, nothing where both vanish.
-    assert_allclose(largest_error_db([3.0, 0.0], [1.0, 0.0], 1.0), 10 * np.log10(2))
-    assert largest_error_db([0.0], [0.0], 0.0) == 0
+    assert_allclose(phy_errors.largest_error_db([3.0, 0.0], [1.0, 0.0], 1.0), 10 * np.log10(2))
+    assert phy_errors.largest_error_db([0.0], [0.0], 0.0) == 0
     for broken in (np.nan, np.inf, -0.1):
-        assert largest_error_db([broken], [0.0], 0.0) == np.inf
-    assert largest_error_db([1e-3], [0.0], 0.0) == np.inf
+        assert phy_errors.largest_error_db([broken], [0.0], 0.0) == np.inf
+    assert phy_errors.largest_error_db([1e-3], [0.0], 0.0) == np.inf
 
 
 def test_equal_looks_are_gamma():
     level = np.array([0.3, 0.9, 1.0, 1.8])
     # The transform is summed until it has fallen to 1e-7.
-    assert_allclose(mean_of_looks_below(level, np.ones(12)), gammainc(12, 12 * level), atol=1e-7)
-    assert moving_distance(np.ones(12)) < 1e-7
+    assert_allclose(phy_errors.mean_of_looks_below(level, np.ones(12)), gammainc(12, 12 * level), atol=1e-7)
+    assert phy_errors.moving_distance(np.ones(12)) < 1e-7
 
 
 def test_two_looks_add_to_their_closed_form():
     # The mean of exponentials of mean 3 and 1 has F = 1 - (3 exp(-2x / 3) - exp(-2x)) / 2; phi falls as u^-2 only.
     level = np.array([0.2, 1.0, 5.0])
     expected = 1 - (3 * np.exp(-2 * level / 3) - np.exp(-2 * level)) / 2
-    assert_allclose(mean_of_looks_below(level, [3.0, 1.0]), expected, atol=1e-6)
+    assert_allclose(phy_errors.mean_of_looks_below(level, [3.0, 1.0]), expected, atol=1e-6)
 
 
 def test_distances_are_those_of_drawn_values(rng):
@@ -57,24 +49,84 @@ def test_distances_are_those_of_drawn_values(rng):
     ones, means = np.ones((400, 1000)), 10 ** -np.linspace(0, 2, 16)
     noise = 1.95 / np.sqrt(n_values)  # Kolmogorov: exceeded once in 1000
     cube = draw_speckle(ones, 10, method="cube", rng=rng).ravel()
-    assert kstest(cube, lambda x: cube_below(x, 10)).statistic < noise
-    assert abs(kstest(cube, lambda x: gammainc(10, 10 * x)).statistic - cube_distance(10)) < noise
+    assert kstest(cube, lambda x: phy_errors.cube_below(x, 10)).statistic < noise
+    assert abs(kstest(cube, lambda x: gammainc(10, 10 * x)).statistic - phy_errors.cube_distance(10)) < noise
     quantile = draw_speckle(ones, 16, method="quantile", rng=rng).ravel()
-    assert kstest(quantile, lambda x: gammainc(16, 16 * x)).statistic < noise + quantile_distance(16)
+    assert kstest(quantile, lambda x: gammainc(16, 16 * x)).statistic < noise + phy_errors.quantile_distance(16)
     moving = np.broadcast_to(means[:, None, None], (16, 400, 1000))
-    matched = draw_speckle(moving, 16, method="gamma", rng=rng).ravel()
+    matched = draw_moving_speckle(moving, method="gamma", rng=rng).ravel()
     table = np.linspace(1e-4, matched.max(), 3000)
-    literal = kstest(matched, lambda x: np.interp(x, table, mean_of_looks_below(table, means))).statistic
+    literal = kstest(matched, lambda x: np.interp(x, table, phy_errors.mean_of_looks_below(table, means))).statistic
     # 1.4e-2 here, several times the noise.
-    assert abs(literal - moving_distance(means)) < noise
-    assert moving_distance(means) > 4 * noise
+    assert abs(literal - phy_errors.moving_distance(means)) < noise
+    assert phy_errors.moving_distance(means) > 4 * noise
+
+
+def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
+    # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
+    means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
+    literal = draw_moving_speckle(means, method="looks", rng=rng)
+    matched = draw_moving_speckle(means, method="gamma", rng=rng)
+    expected_mean, expected_variance = means[:, 0, 0].mean(), (means[:, 0, 0] ** 2).sum() / 20**2
+    for power in (literal, matched):
+        # Known to 1 / sqrt(200_000) of a deviation, and about 2 sqrt(2 / 200_000): allow five of those.
+        assert_allclose(power.mean(), expected_mean, rtol=5e-3)
+        assert_allclose(power.var(), expected_variance, rtol=0.03)
+    # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
+    assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
+
+
+def test_geometry_that_stands_still_is_the_exact_case(rng):
+    mean_power = rng.uniform(0.1, 1, (30, 40))
+    looks = np.broadcast_to(mean_power, (12, 30, 40))
+    still = draw_moving_speckle(looks, method="gamma", rng=np.random.default_rng(5))
+    # Equal means give a shape of 12, to rounding; the gamma draw depends on it smoothly.
+    assert_allclose(still, draw_speckle(mean_power, 12, method="gamma", rng=np.random.default_rng(5)), rtol=1e-9)
 
 
 def test_scatterers_have_the_mean_that_is_stated(rng):
-    layer_bins, parameters = planted_scene(2, 1, 64, n_looks=1e9)
+    layer_bins, parameters = phy_errors.planted_scene(2, 1, 64, n_looks=1e9)
     drawn = render_scatterers(layer_bins, parameters, 64, rng=rng, n_scatterers=200_000, align="peak")
-    stated = scattered_mean_power(layer_bins, parameters, 64, align="peak")
+    stated = phy_errors.scattered_mean_power(layer_bins, parameters, 64, align="peak")
     # A pixel sees at least 1 % of the scatterers of one layer, with exponential power: 3 % each; four of those.
     assert_allclose(drawn, stated, rtol=0.13)
     # Sinc-squared sidelobes of the whole layer where eq. (1) has nothing: 1 / (2 pi^2 x^2) of its energy on average.
     assert stated[0, 0] > 1.1 * parameters["noise_power"]
+
+
+@pytest.mark.parametrize(("variance", "decay"), [(12.0, 0.05), (2.0, 0.09), (0.5, 0.2)])
+def test_a_waveform_of_eq_1_is_found_again(variance, decay):
+    x = np.arange(-20, 150, 0.25)
+    fit = phy_errors.fit_waveform(x, 0.3 * waveform_exact(x - 4.0, variance, decay), 20.0)
+    # Least squares stop at 1e-12 of the cost; the parameters' errors are its square root.
+    assert fit.rms_db < 1e-4
+    assert_allclose([fit.variance_bins2, fit.decay_rate, fit.amplitude], [variance, decay, 0.3], rtol=1e-3)
+    assert_allclose(fit.offset_bins, 4.0, atol=1e-3)
+
+
+def test_two_decays_are_no_waveform_of_eq_1_and_the_error_says_by_how_much():
+    x = np.arange(0, 200, 0.5)
+    level_db = np.where(x < 50, -0.2 * x, -10 - 0.1 * (x - 50))
+    fit = phy_errors.fit_waveform(x, 10 ** (level_db / 10), 20.0)
+    # Beyond its Gaussian eq. (1) is a straight line in decibels: the best line is what it can do, and hardly more.
+    line = np.polyval(np.polyfit(x[:300], level_db[:300], 1), x[:300])
+    assert_allclose(fit.rms_db, np.sqrt(np.mean((line - level_db[:300]) ** 2)), rtol=0.05)
+    assert fit.largest_db > fit.rms_db
+    fitted = fit.amplitude * waveform_exact(x[:300] - fit.offset_bins, fit.variance_bins2, fit.decay_rate)
+    error_db = 10 * np.log10(fitted) - level_db[:300]
+    assert_allclose(np.sqrt(np.mean(error_db**2)), fit.rms_db, rtol=0.02)
+    assert_allclose(fit.n_bins, 150, atol=1)
+
+
+@pytest.mark.parametrize(
+    ("power", "message"),
+    [
+        (np.ones(10), "has no end"),
+        (np.array([1.0, 0.5, *[0.0] * 8]), "six samples"),
+        (np.array([1.0, -0.5, *[0.0] * 8]), "not negative"),
+        (np.ones(4), "shapes"),
+    ],
+)
+def test_what_has_no_tail_is_refused(power, message):
+    with pytest.raises(ValueError, match=message):
+        phy_errors.fit_waveform(np.arange(10), power, 20.0)

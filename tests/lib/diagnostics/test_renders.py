@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 from lib.diagnostics.renders import position_errors, shape_edges, surface_regions, texture_by_region
 
 N_LINES = 128
+FLAT = np.full((1, N_LINES), 50.0)  # a surface
 
 
 def wavy_layers(amplitude=6.0):
@@ -52,7 +53,7 @@ def test_a_straight_layer_is_less_curved_than_a_wave():
 
 def test_scenes_without_layers_below_the_surface_have_no_edges():
     with pytest.raises(ValueError, match="found none in any scene"):
-        shape_edges([np.full((1, N_LINES), 50.0)])
+        shape_edges([FLAT])
 
 
 def test_regions_keep_clear_of_the_surface():
@@ -63,12 +64,11 @@ def test_regions_keep_clear_of_the_surface():
 
 
 def test_noise_has_no_texture_and_a_smoothed_image_has(rng):
-    layers = np.full((1, N_LINES), 50.0)
     noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
     smooth = ((noise[:, :-1].astype(int) + noise[:, 1:]) // 2).astype(np.uint8)
     smooth = np.pad(smooth, ((0, 0), (0, 1)), mode="edge")
-    of_noise = texture_by_region(noise, noise, layers).set_index("region")
-    of_smooth = texture_by_region(smooth, noise, layers).set_index("region")
+    of_noise = texture_by_region(noise, noise, FLAT).set_index("region")
+    of_smooth = texture_by_region(smooth, noise, FLAT).set_index("region")
     # 42 x 128 and 242 x 128 pixels: the lag-1 correlation of noise is known to 1 / sqrt(n); four of those.
     for region, n in (("above", 42 * 128), ("below", 242 * 128)):
         assert_allclose(of_noise.loc[region, "autocorrelation_line"], 0, atol=4 / np.sqrt(n))
@@ -80,14 +80,12 @@ def test_noise_has_no_texture_and_a_smoothed_image_has(rng):
 
 
 def test_a_constant_region_has_no_texture_to_tell():
-    layers = np.full((1, N_LINES), 50.0)
     flat = np.full((320, N_LINES), 7, dtype=np.uint8)
-    table = texture_by_region(flat, flat, layers)
+    table = texture_by_region(flat, flat, FLAT)
     assert (table["deviation"] == 0).all()
     assert table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]].isna().all().all()
 
 
-def test_too_few_rows_above_the_surface_leave_that_region_out():
-    layers = np.full((1, N_LINES), 20.0)
-    noise = np.random.default_rng(2).integers(0, 256, (320, N_LINES)).astype(np.uint8)
-    assert list(texture_by_region(noise, noise, layers)["region"]) == ["below"]
+def test_too_few_rows_above_the_surface_leave_that_region_out(rng):
+    noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
+    assert list(texture_by_region(noise, noise, FLAT - 30)["region"]) == ["below"]

@@ -64,21 +64,6 @@ def test_pixels_at_the_tolerance_pair_and_beyond_it_do_not():
         assert match_counts(prediction, truth, [0.5])["matched_truth"] == [pairs]
 
 
-def test_truth_as_its_own_prediction_matches_whole(rng):
-    truth = rng.random((40, 50)) < 0.2
-    counts = match_counts(truth, truth, THRESHOLDS, thin=False)
-    assert all((counts[name] == truth.sum()).all() for name in counts)
-
-
-def test_counts_do_not_depend_on_orientation_of_the_image(rng):
-    prediction, truth = draw_map(rng, (40, 30))
-    plain = match_counts(prediction, truth, THRESHOLDS, max_dist=0.05, thin=False)
-    for turn in (np.flipud, np.fliplr, np.transpose):
-        turned = match_counts(turn(prediction), turn(truth), THRESHOLDS, max_dist=0.05, thin=False)
-        for name in plain:
-            assert_array_equal(plain[name], turned[name])
-
-
 def test_thresholds_may_come_in_any_order_and_twice(rng):
     prediction, truth = draw_map(rng, (30, 30))
     order = rng.permutation(np.tile(np.arange(99), 2))
@@ -86,14 +71,6 @@ def test_thresholds_may_come_in_any_order_and_twice(rng):
     mixed = match_counts(prediction, truth, THRESHOLDS[order])
     for name in plain:
         assert_array_equal(plain[name][order], mixed[name])
-
-
-def test_counts_are_monotonic_where_sets_are_nested(rng):
-    prediction, truth = draw_map(rng, (60, 60))
-    counts = [match_counts(prediction, truth, THRESHOLDS, max_dist=d, thin=False)["matched_truth"] for d in (0.01, 0.1)]
-    assert (np.diff(counts, axis=1) <= 0).all()
-    assert (counts[1] >= counts[0]).all()
-    assert counts[1].sum() > counts[0].sum()
 
 
 def test_a_pixel_is_on_at_its_own_value():
@@ -104,13 +81,11 @@ def test_a_pixel_is_on_at_its_own_value():
 
 def test_empty_prediction_and_empty_truth_count_zero():
     empty, line = np.zeros((20, 20)), np.eye(20)
-    nothing_found = match_counts(empty, line, THRESHOLDS)
-    assert (nothing_found["n_truth"] == 20).all()
-    assert not nothing_found["n_prediction"].any()
-    no_truth = match_counts(line, empty, THRESHOLDS)
-    assert not no_truth["n_truth"].any()
-    assert not no_truth["matched_prediction"].any()
-    assert (no_truth["n_prediction"] == 20).all()
+    for prediction, truth in ((empty, line), (line, empty)):
+        counts = match_counts(prediction, truth, THRESHOLDS)
+        assert (counts["n_truth"] == truth.sum()).all()
+        assert (counts["n_prediction"] == prediction.sum()).all()
+        assert not counts["matched_prediction"].any()
 
 
 GOOD = np.full((4, 5), 0.5)

@@ -96,13 +96,9 @@ def test_shards_pool_to_the_same_scores_in_any_order(rng):
         ([{"n_truth": np.ones(3)}], "has no matched_truth"),
         ([counts_of([3], 2, [4])], "image 0, threshold 0"),
         (TWO_IMAGES[0], "list of dicts"),
+        (TWO_IMAGES, "thresholds must be 3"),
     ],
 )
 def test_bad_counts_are_refused(counts, message):
     with pytest.raises(ValueError, match=message):
-        score(counts)
-
-
-def test_thresholds_of_another_length_are_refused():
-    with pytest.raises(ValueError, match="thresholds must be 3"):
-        score(TWO_IMAGES, thresholds=[0.5])
+        score(counts, thresholds=[0.5])

@@ -10,29 +10,16 @@ PARTS = ("grey level", "mean by depth", "along track", "speckle of the render", 
 
 
 def without_speckle(image):
-    """8-bit image averaged along track, Gaussian of `SMOOTH_LINES`, float of the image's shape."""
+    """Image averaged along track by a Gaussian of `SMOOTH_LINES`, float."""
     return gaussian_filter1d(np.asarray(image, dtype=float), SMOOTH_LINES, axis=1, mode="nearest")
 
 
 def error_parts(image, reference):
-    """Mean square error of an image, taken apart.
+    """Mean square error of an 8-bit image, taken apart: a dict by `PARTS` [grey levels squared] that sums to it.
 
-    Parameters
-    ----------
-    image, reference : ndarray of uint8, (range_bin, range_line)
-
-    Returns
-    -------
-    dict of float
-        By `PARTS` [grey levels squared]; their sum is the mean square error. `grey level`: of the means of the whole
-        images; `mean by depth`: of row means, that removed; `along track`: of averages along track, both removed. Then
-        what averaging takes away: of the render, of the observed image, and, with its sign, what they have in common
-        with each other and with the averages.
-
-    Raises
-    ------
-    ValueError
-        If sizes differ.
+    `grey level`: of the means of the whole images; `mean by depth`: of row means, that removed; `along track`: of
+    averages along track, both removed. Then what averaging takes away: of the render, of the observed image, and, with
+    its sign, what they have in common with each other and with the averages. Images of different sizes are refused.
     """
     image, reference = np.asarray(image, dtype=float), np.asarray(reference, dtype=float)
     if image.shape != reference.shape:
@@ -53,38 +40,21 @@ def error_parts(image, reference):
 
 
 def with_other_speckle(image, noise_floor_db, maximum_db, n_looks, *, rng):
-    """The observed image as it might have come out of the same snow: its mean power along track under new speckle.
+    """The observed 8-bit image as it might have come out of the same snow: its mean power under new speckle.
 
-    What similarity it has to the image is the best that any renderer reaches whose speckle is as strong as observed and
-    independent of it.
-
-    Parameters
-    ----------
-    image : ndarray of uint8, (range_bin, range_line)
-    noise_floor_db, maximum_db : float
-        What 8-bit 0 (plus 10 dB) and 255 stand for, as `snowsim.echogram.to_uint8` returns them.
-    n_looks : float
-        Independent looks of a pixel.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    ndarray of uint8, (range_bin, range_line)
-
-    Notes
-    -----
-    Mean power is estimated from the image by averaging along track, so a few per cent of its speckle stays in it: the
-    bound is that much too good. Speckle of independent pixels, Gamma(n_looks).
+    What similarity it has to the image is the best that any renderer reaches whose speckle is as strong and
+    independent. `noise_floor_db` and `maximum_db` are what `snowsim.echogram.to_uint8` returns. Pixels are independent,
+    Gamma(n_looks). Mean power is the image's average along track, where a few per cent of speckle stay: the bound is
+    that much too good.
     """
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     grey_per_db = 255 / (maximum_db - bottom_db)
     power = 10 ** ((np.asarray(image, dtype=float) / grey_per_db + bottom_db) / 10)
-    mean_power = gaussian_filter1d(power, SMOOTH_LINES, axis=1, mode="nearest")
+    mean_power = without_speckle(power)
     redrawn = mean_power * rng.gamma(n_looks, 1 / n_looks, mean_power.shape)
-    grey = (10 * np.log10(redrawn) - bottom_db) * grey_per_db
-    return as_bytes(grey)
+    return as_bytes((10 * np.log10(redrawn) - bottom_db) * grey_per_db)
 
 
 def as_bytes(grey):
-    """Grey levels rounded to 8 bits; those beyond the ends are what an 8-bit image cannot hold, and become them."""
+    """Grey levels rounded to 8 bits; those beyond the ends become the ends."""
     return np.clip(np.rint(grey), 0, 255).astype(np.uint8)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from snowsim.constants import EARTH_RADIUS_M
 from snowsim.frames.blocks import placeholder_frame
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.summaries import BY_GROUP

@@ -1,59 +1,39 @@
-"""Plane waves in a stack of homogeneous layers at normal incidence: all orders of reflection, or the first alone.
+"""Stacks of snow for a coherent radar: densities drawn, and plane waves reflected by their layers at normal incidence.
 
 Fields vary as ``exp(-i w t)``: a wave that goes down a layer gains ``exp(i k n d)``, and a medium that absorbs has an
-index with a positive imaginary part.
-Stacks of snow for the coherent solver: density against depth, one profile a look.
+index with a positive imaginary part. Stacks are (look, medium), uppermost first, with thicknesses (look, layer).
 """
 
 import numpy as np
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
+
+LOW_KG_M3, HIGH_KG_M3 = 100.0, ICE_DENSITY_KG_M3  # profiles are kept between: fresh snow to ice
+MOST_OUTSIDE = 0.02  # share of fluctuating densities that may be set to a border
 
 
 def fresnel(index_above, index_below):
     """Amplitude reflected at an interface seen from above, ``(n1 - n2) / (n1 + n2)``; arguments broadcast.
 
-    Notes
-    -----
-    Fresnel's formula at normal incidence for the electric field: Born & Wolf (1999), Principles of Optics, 7th ed.,
-    section 1.5. A wave from below is reflected by the negative of it.
+    For the electric field; a wave from below is reflected by the negative of it. Born & Wolf (1999), Principles of
+    Optics, 7th ed., section 1.5.
     """
     index_above, index_below = np.asarray(index_above), np.asarray(index_below)
     return (index_above - index_below) / (index_above + index_below)
 
 
 def reflect(index, thickness_m, frequency_hz):
-    """Reflection and transmission of a stack, every multiple included, by transfer matrices.
+    """Reflection and transmission of stacks, every multiple included: two complex arrays (..., frequency).
 
-    Layers are homogeneous, flat and without end; the wave comes straight down from the uppermost medium.
+    `index` (..., medium) has a half-space above and one below, two media more than `thickness_m` (..., layer).
+    Amplitudes are those at the uppermost and below the lowermost interface, relative to the wave that comes in: without
+    absorption ``|reflection|^2 + n_below / n_above |transmission|^2 = 1``. Refused: shapes that do not fit, an index
+    that is not positive or amplifies, and stacks that let less than 1e-300 of the field through: numbers overflow.
 
-    Parameters
-    ----------
-    index : array_like, (..., medium)
-        Refractive index of the half-space above, of every layer and of the half-space below; real, or complex with an
-        imaginary part of at least 0.
-    thickness_m : array_like, (..., layer)
-        Of the layers between the half-spaces; two less than there are media.
-    frequency_hz : array_like, (frequency,)
-
-    Returns
-    -------
-    reflection, transmission : ndarray of complex, (..., frequency)
-        Amplitudes at the uppermost and below the lowermost interface, relative to the wave that comes in. Without
-        absorption ``|reflection|^2 + n_below / n_above |transmission|^2 = 1``.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not fit, an index is not positive or amplifies, a thickness or frequency is negative or not finite,
-        or if less than 1e-300 of the field comes through, so that numbers overflow.
-
-    Notes
-    -----
-    From the wave in the lowermost medium upwards, ``(down, up)`` above an interface is ``((1, r), (r, 1)) / t`` times
-    what is below it, with ``t = 2 n1 / (n1 + n2)``, and ``(exp(-i phi) down, exp(i phi) up)`` at the top of a layer of
-    phase ``phi = 2 pi f n d / c``: Born & Wolf (1999), section 1.6; Yeh (1988), Optical Waves in Layered Media,
-    chapter 5, in the basis of travelling waves.
+    Transfer matrices: from the wave in the lowermost medium upwards, ``(down, up)`` above an interface is ``((1, r),
+    (r, 1)) / t`` times what is below it, with ``t = 2 n1 / (n1 + n2)``, and ``(exp(-i phi) down, exp(i phi) up)`` at
+    the top of a layer of phase ``phi = 2 pi f n d / c``: Born & Wolf (1999), section 1.6; Yeh (1988), Optical Waves in
+    Layered Media, chapter 5, in the basis of travelling waves.
     """
     index, thickness_m, frequency_hz = _checked_stack(index, thickness_m, frequency_hz)
     r = fresnel(index[..., :-1], index[..., 1:])
@@ -75,29 +55,11 @@ def reflect(index, thickness_m, frequency_hz):
 
 
 def reflect_once(index, thickness_m, frequency_hz, *, losses=True):
-    """Reflection of a stack by single scattering: every interface once, no multiples.
+    """Reflection of stacks by single scattering, every interface once and no multiples, complex (..., frequency).
 
-    Parameters
-    ----------
-    index, thickness_m, frequency_hz : array_like
-        As for `reflect`.
-    losses : bool
-        Whether a wave loses on its way, down and up, what interfaces above reflect; without, this is the first Born
-        approximation, in the true phases.
-
-    Returns
-    -------
-    ndarray of complex, (..., frequency)
-
-    Raises
-    ------
-    ValueError
-        As for `reflect`.
-
-    Notes
-    -----
-    ``R = sum_k r_k prod_{m < k} (1 - r_m^2) exp(2 i sum_{j <= k} phi_j)``; the product is 1 without losses. What is
-    left out begins with the third order in r.
+    ``R = sum_k r_k prod_{m < k} (1 - r_m^2) exp(2 i sum_{j <= k} phi_j)``; what is left out begins with the third order
+    in r. The product is what interfaces above take from a wave, down and up; without `losses` it is 1: the first Born
+    approximation, in the true phases. Refuses what `reflect` refuses.
     """
     index, thickness_m, frequency_hz = _checked_stack(index, thickness_m, frequency_hz)
     amplitude = interface_amplitudes(index, losses=losses)
@@ -121,7 +83,7 @@ def interface_amplitudes(index, *, losses=True):
 
 
 def interface_delays_s(index, thickness_m):
-    """Two-way travel time from the uppermost interface to each interface [s], (..., interface); real part of index."""
+    """Two-way travel time [s] from the uppermost interface to each interface, by the real part of the index."""
     optical_m = np.cumsum(np.real(index)[..., 1:-1] * np.asarray(thickness_m, dtype=float), axis=-1)
     return 2 / SPEED_OF_LIGHT_M_S * np.concatenate([np.zeros_like(np.real(index)[..., :1]), optical_m], axis=-1)
 
@@ -152,40 +114,12 @@ def _checked_stack(index, thickness_m, frequency_hz):
     return index.astype(complex if np.iscomplexobj(index) else float), thickness_m, frequency_hz
 
 
-LEAST_DENSITY_KG_M3 = 100.0  # profiles are kept in [100, 917]: fresh snow to ice
-ICE_KG_M3 = 917.0
-MOST_OUTSIDE = 0.02  # share of fluctuating densities that may be set to a border
-
-
 def draw_years(n_looks, n_slabs, contrast_kg_m3, *, mean_density_kg_m3, slab_m, roughness_m, rng):
-    """Slabs of alternating density, as dense autumn and light summer snow.
+    """Stacks of slabs of alternating density, as dense autumn and light summer snow: density and thickness.
 
-    Looks see the same slabs, each interface moved by its own roughness, more than a wavelength in all: that is what
-    makes echoes of different interfaces incoherent.
-
-    Parameters
-    ----------
-    n_looks, n_slabs : int
-    contrast_kg_m3 : float
-        Density step between one slab and the next.
-    mean_density_kg_m3 : float
-        Half way between the two densities.
-    slab_m : float
-        Mean thickness of a slab; slabs differ by +-40 %.
-    roughness_m : float
-        Standard deviation of an interface's height.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    density_kg_m3 : ndarray, (look, medium)
-        Of all media below the air: slabs, then the half-space.
-    thickness_m : ndarray, (look, slab)
-
-    Raises
-    ------
-    ValueError
-        If a density leaves [100, 917].
+    Densities are half a contrast above and below the mean; slabs differ by +-40 % from `slab_m`. Looks see the same
+    slabs, each interface moved by a roughness of its own (standard deviation `roughness_m`), more than a wavelength in
+    all: that is what makes echoes of different interfaces incoherent. Densities that leave [100, 917] are refused.
     """
     step = np.where(np.arange(n_slabs + 1) % 2 == 0, -0.5, 0.5) * contrast_kg_m3
     density = np.tile(mean_density_kg_m3 + step, (n_looks, 1))
@@ -196,23 +130,7 @@ def draw_years(n_looks, n_slabs, contrast_kg_m3, *, mean_density_kg_m3, slab_m, 
 
 
 def draw_lenses(density_kg_m3, thickness_m, n_lenses, *, lens_m, rng):
-    """The same stacks with ice lenses in as many of their slabs.
-
-    Parameters
-    ----------
-    density_kg_m3, thickness_m : ndarray
-        See `draw_years`.
-    n_lenses : int
-        At most one a slab.
-    lens_m : float
-        Thickness of a lens; slabs it does not fit into are left without.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    density_kg_m3, thickness_m : ndarray
-        With two more media for every lens.
-    """
+    """The same stacks with an ice lens, at most half a slab thick, in each of `n_lenses` slabs: two media more each."""
     n_slabs = thickness_m.shape[1]
     if not 0 <= n_lenses <= n_slabs:
         msg = f"n_lenses must lie in [0, {n_slabs}], got {n_lenses}"
@@ -224,45 +142,29 @@ def draw_lenses(density_kg_m3, thickness_m, n_lenses, *, lens_m, rng):
         pieces = np.stack([above, inside, whole - inside - above], axis=1)
         thickness_m = np.concatenate([thickness_m[:, :slab], pieces, thickness_m[:, slab + 1 :]], axis=1)
         around = density_kg_m3[:, slab, None]
-        media = np.concatenate([around, np.full_like(around, ICE_KG_M3), around], axis=1)
+        media = np.concatenate([around, np.full_like(around, ICE_DENSITY_KG_M3), around], axis=1)
         density_kg_m3 = np.concatenate([density_kg_m3[:, :slab], media, density_kg_m3[:, slab + 1 :]], axis=1)
     return _checked(density_kg_m3), thickness_m
 
 
 def layered(fluctuation_kg_m3, mean_density_kg_m3, cell_m):
-    """Stack of thin cells from a fluctuating density profile.
+    """Stacks of thin cells from fluctuations of density about a mean, (look, cell); the last cell is the half-space.
 
-    Parameters
-    ----------
-    fluctuation_kg_m3 : ndarray, (look, cell)
-        About the mean. Densities beyond [100, 917], at most 2 % of the cells, are set to these.
-    mean_density_kg_m3, cell_m : float
-
-    Returns
-    -------
-    density_kg_m3 : ndarray, (look, medium)
-        The last cell goes on as the half-space.
-    thickness_m : ndarray, (look, layer)
-
-    Raises
-    ------
-    ValueError
-        If more than 2 % of the cells would leave [100, 917].
+    Densities beyond [100, 917] are set to these; more than 2 % of the cells are refused.
     """
     unbounded = mean_density_kg_m3 + fluctuation_kg_m3
-    density = np.clip(unbounded, LEAST_DENSITY_KG_M3, ICE_KG_M3)
+    density = np.clip(unbounded, LOW_KG_M3, HIGH_KG_M3)
     outside = np.mean(density != unbounded)
     if outside > MOST_OUTSIDE:
-        low, high = LEAST_DENSITY_KG_M3, ICE_KG_M3
-        msg = f"densities must lie in [{low:g}, {high:g}] kg m-3 but for {MOST_OUTSIDE:.0%}, {outside:.1%} do not"
+        limits = f"[{LOW_KG_M3:g}, {HIGH_KG_M3:g}] kg m-3"
+        msg = f"densities must lie in {limits} but for {MOST_OUTSIDE:.0%}, {outside:.1%} do not"
         raise ValueError(msg)
     return density, np.full((density.shape[0], density.shape[1] - 1), cell_m)
 
 
 def _checked(density_kg_m3):
-    outside = ~((density_kg_m3 >= LEAST_DENSITY_KG_M3) & (density_kg_m3 <= ICE_KG_M3))
+    outside = ~((density_kg_m3 >= LOW_KG_M3) & (density_kg_m3 <= HIGH_KG_M3))
     if outside.any():
-        low, high = LEAST_DENSITY_KG_M3, ICE_KG_M3
-        msg = f"densities must lie in [{low:g}, {high:g}] kg m-3, got {density_kg_m3[outside][0]:g}"
+        msg = f"densities must lie in [{LOW_KG_M3:g}, {HIGH_KG_M3:g}] kg m-3, got {density_kg_m3[outside][0]:g}"
         raise ValueError(msg)
     return density_kg_m3

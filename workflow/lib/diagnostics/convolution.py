@@ -1,21 +1,14 @@
-"""What a frequency sweep makes of a reflection: range profiles, coherent or as sums of powers.
-
-How far simpler models are from the coherent one, on ensembles of stacks.
-"""
+"""The convolution model beside simpler and full ones: mean range profiles of a sweep, and their errors."""
 
 import numpy as np
 
 from lib.diagnostics.coherent import interface_amplitudes, interface_delays_s, reflect, reflect_once
 
+MODELS = ("transfer matrix", "Born", "single scattering", "convolution")
+
 
 def sweep_frequencies_hz(start_hz, stop_hz, longest_delay_s):
-    """Frequencies of a sweep, close enough that no echo up to `longest_delay_s` is folded back, (frequency,).
-
-    Raises
-    ------
-    ValueError
-        Unless ``0 < start_hz < stop_hz`` and the delay is positive.
-    """
+    """Frequencies of a sweep, (frequency,), so close that no echo up to `longest_delay_s` is folded back."""
     if not (0 < start_hz < stop_hz and longest_delay_s > 0):
         msg = f"expected 0 < start < stop and a positive delay, got {start_hz:g}, {stop_hz:g} Hz, {longest_delay_s:g} s"
         raise ValueError(msg)
@@ -25,25 +18,10 @@ def sweep_frequencies_hz(start_hz, stop_hz, longest_delay_s):
 
 
 def mean_profile(reflection, frequency_hz, delay_s):
-    """Power of Hann-weighted range profiles, averaged over looks, (delay,).
+    """Power of Hann-weighted range profiles at two-way travel times, averaged over looks, (delay,).
 
-    Parameters
-    ----------
-    reflection : array_like of complex, (look, frequency)
-    frequency_hz : array_like, (frequency,)
-        Evenly spaced, see `sweep_frequencies_hz`.
-    delay_s : array_like, (delay,)
-        Two-way travel times wanted.
-
-    Returns
-    -------
-    ndarray, (delay,)
-        A mirror at a delay has power 1 there.
-
-    Notes
-    -----
-    ``p(t) = |sum_f w R exp(-2 pi i f t) / sum_f w|^2``, w the Hann window over the sweep: the beat signal of an FMCW
-    radar, deramped and transformed.
+    ``p(t) = |sum_f w R exp(-2 pi i f t) / sum_f w|^2``, w the Hann window over evenly spaced frequencies and R the
+    reflection (look, frequency): the beat signal of an FMCW radar, deramped and transformed. A mirror has power 1.
     """
     frequency_hz = np.asarray(frequency_hz, dtype=float)
     weight = np.sin(np.pi * (np.arange(frequency_hz.size) + 0.5) / frequency_hz.size) ** 2
@@ -53,20 +31,11 @@ def mean_profile(reflection, frequency_hz, delay_s):
 
 
 def incoherent_profile(power, at_s, delay_s, bandwidth_hz):
-    """Sum of the powers of points' Hann range responses: the convolution model, (delay,), averaged over looks.
+    """Sum of Hann range responses of points, by power and averaged over looks, (delay,): the convolution model.
 
-    Parameters
-    ----------
-    power, at_s : array_like, (look, point)
-        Reflected power and two-way travel time of every point.
-    delay_s : array_like, (delay,)
-        Evenly spaced travel times wanted.
-    bandwidth_hz : float
-
-    Notes
-    -----
-    The response is the Fourier transform of the Hann window, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with
-    ``x = B t``; beyond ``|x| = 8``, below -60 dB, it is left out.
+    `power` and `at_s` (look, point) broadcast; `delay_s` is evenly spaced. The response is the Fourier transform of the
+    Hann window, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B t``; beyond ``|x| = 8``, below -60 dB, it is
+    left out.
     """
     power, at_s = np.broadcast_arrays(np.asarray(power, dtype=float), np.asarray(at_s, dtype=float))
     delay_s = np.asarray(delay_s, dtype=float)
@@ -80,57 +49,32 @@ def incoherent_profile(power, at_s, delay_s, bandwidth_hz):
     return np.bincount(rows[inside], response[inside], minlength=delay_s.size) / power.shape[0]
 
 
-MODELS = ("transfer matrix", "Born", "single scattering", "convolution")
-
-
 def model_works(index, thickness_m, frequency_hz, delay_s, bandwidth_hz):
-    """What each of `MODELS` does for one ensemble, as callables that return its mean power, (delay,).
+    """What each of `MODELS` does for one ensemble of stacks, as callables that return its mean power, (delay,).
 
-    Parameters
-    ----------
-    index : ndarray, (look, medium)
-        Real refractive indices.
-    thickness_m : ndarray, (look, layer)
-    frequency_hz : ndarray, (frequency,)
-        Of the sweep.
-    delay_s : ndarray, (delay,)
-        Of the profile, evenly spaced.
-    bandwidth_hz : float
-
-    Returns
-    -------
-    dict of callable
-        ``transfer matrix``: all multiples, the reference. ``Born``: every interface once, undiminished by those above.
-        ``single scattering``: with what these take away. ``convolution``: powers of the same echoes added without
-        their phases, which is what eq. (1) of Yari et al. (2021), IEEE JSTARS 14, and the nature run do.
+    ``transfer matrix``: all multiples, the reference. ``Born``: every interface once, undiminished by those above.
+    ``single scattering``: with what these take away. ``convolution``: powers of the same echoes added without their
+    phases, which is what eq. (1) of Yari et al. (2021), IEEE JSTARS 14, and the nature run do.
     """
-    stack = (index, thickness_m)
+    stack = (index, thickness_m, frequency_hz)
+    sweep = (frequency_hz, delay_s)
 
     def convolution():
-        power = interface_amplitudes(index) ** 2
-        return incoherent_profile(power, interface_delays_s(*stack), delay_s, bandwidth_hz)
+        power, at_s = interface_amplitudes(index) ** 2, interface_delays_s(index, thickness_m)
+        return incoherent_profile(power, at_s, delay_s, bandwidth_hz)
 
     return {
-        "transfer matrix": lambda: mean_profile(reflect(*stack, frequency_hz)[0], frequency_hz, delay_s),
-        "Born": lambda: mean_profile(reflect_once(*stack, frequency_hz, losses=False), frequency_hz, delay_s),
-        "single scattering": lambda: mean_profile(reflect_once(*stack, frequency_hz), frequency_hz, delay_s),
+        "transfer matrix": lambda: mean_profile(reflect(*stack)[0], *sweep),
+        "Born": lambda: mean_profile(reflect_once(*stack, losses=False), *sweep),
+        "single scattering": lambda: mean_profile(reflect_once(*stack), *sweep),
         "convolution": convolution,
     }
 
 
 def error_db(power, reference, noise_power=0.0):
-    """Root mean square of the ratio of two mean powers, noise added to both [dB].
+    """Root mean square of the ratio of two mean powers, noise added to both [dB]: what lies below it does not count.
 
-    Parameters
-    ----------
-    power, reference : array_like, any one shape
-    noise_power : float
-        What lies below it does not count.
-
-    Raises
-    ------
-    ValueError
-        If shapes differ, or a power with its noise is not positive and finite.
+    Powers of different shapes, or not positive and finite with their noise, are refused.
     """
     power, reference = (np.asarray(values, dtype=float) + noise_power for values in (power, reference))
     _check(power, reference)
@@ -138,7 +82,7 @@ def error_db(power, reference, noise_power=0.0):
 
 
 def bias_db(power, reference):
-    """Ratio of the sums of two mean powers [dB]; ValueError as for `error_db`."""
+    """Ratio of the sums of two mean powers [dB]; refuses what `error_db` refuses."""
     power, reference = np.asarray(power, dtype=float), np.asarray(reference, dtype=float)
     _check(power.sum(), reference.sum())
     return float(10 * np.log10(power.sum() / reference.sum()))

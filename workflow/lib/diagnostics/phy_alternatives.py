@@ -1,10 +1,6 @@
-"""Slow, other and failing ways to the same scene, kept to be compared with: no renderer uses them.
+"""Slow, other and failing ways to the same scene, kept to be compared with: no renderer uses them."""
 
-Eq. (1) by quadrature: slow, sharing no formula with the closed form; what the atlas judges by.
-Shortcuts to eq. (1) that people take, kept to show where they fail: no renderer uses them.
-"""
-
-import dataclasses
+from dataclasses import replace
 
 import numba
 import numpy as np
@@ -14,22 +10,26 @@ from scipy.special import erfc
 from snowsim.phy.parameters import checked_power, checked_waveforms
 from snowsim.phy.plan import plan_power
 from snowsim.phy.power import exact_power, planned_power
-from snowsim.phy.speckle import checked_looks, draw_speckle
-from snowsim.phy.tables import LARGEST_ERROR, find_supports, tabulated_power
+from snowsim.phy.speckle import checked_looks, draw_gamma, draw_looks, draw_speckle
+from snowsim.phy.tables import allowed_error, find_supports, tabulated_power
 from snowsim.phy.waveform import waveform_unchecked
+
+CUT_DEVIATIONS, CUT_BINS = 5, 150  # the support that is often assumed
+
+
+def waveforms_of(layer_bins, parameters, n_range_bins, normalise, align):
+    """`Waveforms` of layers and parameters as `render` is given them."""
+    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
+    return checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
 
 
 def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
     """One scene's power as printed: whole columns convolved, then M looks of 4 normals for every pixel.
 
-    Parameters and return value are those of `render`, without a tolerance: float64 (range_bin, range_line).
-
-    Notes
-    -----
-    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
+    Takes and gives what `render` does, without a tolerance, in float64. Yari et al. (2021), eqs (1), (3), (4):
+    ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
     """
-    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
+    waveforms = waveforms_of(layer_bins, parameters, n_range_bins, normalise, align)
     n_looks = int(checked_looks(parameters["n_looks"]))
     signal = np.sqrt(convolved_power(waveforms) / 2)
     noise = np.sqrt(checked_power("noise_power", parameters["noise_power"]) / 2)
@@ -47,10 +47,9 @@ def render_scatterers(
 
     Each layer and range line has `n_scatterers` scatterers, normal about the layer plus an exponential delay, with
     exponential power and sinc-squared responses that are evaluated on every row. The scatterers are its only speckle:
-    `n_looks` acts on the noise. Parameters and return value are those of `render`, without a tolerance.
+    `n_looks` acts on the noise. Takes and gives what `render` does, without a tolerance.
     """
-    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, "peak", align)
+    waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     n_looks = checked_looks(parameters["n_looks"])
     noise = np.full(waveforms.shape, checked_power("noise_power", parameters["noise_power"]))
     power = draw_speckle(noise, n_looks, method="gamma", rng=rng)
@@ -67,44 +66,30 @@ def render_scatterers(
     return power
 
 
-def mean_power_by(
-    way,
-    layer_bins,
-    peak_power,
-    variance_bins2,
-    decay_rate,
-    n_range_bins,
-    *,
-    tolerance_db,
-    noise_power,
-    normalise="peak",
-    align="peak",
-    dtype=float,
-):
-    """Mean power by a named way of computing it, for charts of speed against accuracy.
+def draw_moving_speckle(mean_power, *, method, rng):
+    """Power averaged over looks with means of their own, (look, range_bin, range_line): the geometry moves.
 
-    Parameters
-    ----------
-    way : {"convolved", "closed_form", "closed_form_in_support", "table", "recursive"}
-        Numerical convolution of whole columns; closed form on every row; closed form, or a recursive filter, within
-        the supports of the tolerance; sub-bin tables as `mean_power` has them.
-    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, noise_power, normalise, align
-        See `mean_power`; `noise_power` is positive.
-    tolerance_db : float
-        What supports and tables are chosen for. The recursive filter does not keep it.
-    dtype : numpy.dtype
-        Of the recursive filter's state.
-
-    Returns
-    -------
-    ndarray, (range_bin, range_line)
-
-    Raises
-    ------
-    ValueError
-        If `way` is unknown, the supports cannot be had, or as `mean_power`.
+    ``looks`` is the literal sum. ``gamma`` has the shape ``(sum m)^2 / sum m^2``, which keeps mean and variance: exact
+    where the means are equal, not elsewhere.
     """
-    waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
+    if method == "looks":
+        return draw_looks(mean_power, rng)
+    mean = mean_power.mean(axis=0)
+    # Relative to the largest, so that squares neither overflow nor vanish.
+    largest = np.maximum(mean_power.max(axis=0), np.finfo(mean_power.dtype).tiny)
+    relative = mean_power / largest
+    squares = np.maximum((relative**2).sum(axis=0), np.finfo(mean_power.dtype).tiny)
+    shape = np.where(mean > 0, np.maximum(relative.sum(axis=0) ** 2 / squares, 1), len(mean_power))
+    return draw_gamma(mean, shape.astype(mean.dtype), rng)
+
+
+def mean_power_by(way, waveforms, *, tolerance_db, noise_power, dtype=float):
+    """Mean power by a named way, (range_bin, range_line), for charts of speed against accuracy.
+
+    `way` is ``convolved``, numerically and in whole columns; ``closed_form`` on every row; ``closed_form_in_support``
+    or ``recursive``, a filter with a state of `dtype`, within the supports of the tolerance; ``table`` as `mean_power`
+    has it. The filter does not keep the tolerance. Refused: other ways, and a noise or tolerance without supports.
+    """
     if way == "convolved":
         return convolved_power(waveforms)
     if way == "closed_form":
@@ -114,10 +99,7 @@ def mean_power_by(
     if way not in ("closed_form_in_support", "recursive"):
         msg = f"way must be convolved, closed_form, closed_form_in_support, table or recursive, got {way!r}"
         raise ValueError(msg)
-    supports = find_supports(waveforms, noise_power, min(1 - 10 ** (-tolerance_db / 10), LARGEST_ERROR))
-    if supports is None:
-        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
-        raise ValueError(msg)
+    supports = _found_supports(waveforms, noise_power, tolerance_db)
     if way == "closed_form_in_support":
         return _power_in_support(waveforms, supports)
     power = np.zeros(waveforms.shape, dtype=dtype)
@@ -130,8 +112,8 @@ def mean_power_by(
 def convolved_power(waveforms, samples_per_bin=1):
     """Mean power by numerical convolution of whole columns, float64 (range_bin, range_line).
 
-    The convolution integral becomes a sum, so narrow Gaussians alias and fast decays are summed coarsely; the Fourier
-    transform leaves 1e-16 of the peak everywhere. Columns start above the topmost layer, so nothing wraps around.
+    A sum for the integral: narrow Gaussians alias and fast decays are summed coarsely; the Fourier transform leaves
+    1e-16 of the peak everywhere. Columns start above the topmost layer, so nothing wraps around.
     """
     topmost = np.nanmin(waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0)
     n_above = int(np.ceil(-topmost)) * samples_per_bin
@@ -155,6 +137,14 @@ def waveform_naive(x_bins, variance_bins2, decay_rate):
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         growth = np.exp(decay_rate**2 * variance_bins2 / 2 - decay_rate * x_bins)
         return np.sqrt(np.pi * variance_bins2 / 2) * growth * erfc(z)
+
+
+def _found_supports(waveforms, noise_power, tolerance_db):
+    supports = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
+    if supports is None:
+        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
+        raise ValueError(msg)
+    return supports
 
 
 def _power_in_support(waveforms, supports):
@@ -202,63 +192,9 @@ def _filter_layers(centre_bins, amplitude, variance, decay, first_bins, last_bin
                 gaussian = after
 
 
-REACH_DEVIATIONS = 9.5  # beyond, a Gaussian is below 3e-20 of its peak
-REACH_DECAYS = 45  # beyond, an exponential is
-CHUNK = 20_000
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(128)
-
-
-def quadrature_power(waveforms, rows):
-    """Mean power on some rows, float64 (len(rows), range_line).
-
-    Parameters
-    ----------
-    waveforms : Waveforms
-        The scene's layers.
-    rows : array_like of int
-        Range bins wanted.
-    """
-    power = np.zeros((len(rows), waveforms.shape[1]))
-    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
-        x_bins = np.asarray(rows, dtype=float)[:, None] - waveforms.centre_bins[layer, lines]
-        one = waveform_by_quadrature(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-        power[:, lines] += waveforms.amplitude[layer] * one
-    return power
-
-
-def waveform_by_quadrature(x_bins, variance_bins2, decay_rate):
-    """Waveform of one layer, ``int_0^inf exp(-(x - t)^2 / 2d - a t) dt``, float64 of the shape of `x_bins`.
-
-    Gauss-Legendre over where the integrand, whose logarithm is a parabola, exceeds 1e-19 of its largest value. All
-    terms are positive, so nothing cancels.
-    """
-    x_bins = np.asarray(x_bins, dtype=float)
-    flat = x_bins.ravel()
-    chunks = [_integral(flat[i : i + CHUNK], variance_bins2, decay_rate) for i in range(0, flat.size, CHUNK)]
-    return np.concatenate([np.empty(0), *chunks]).reshape(x_bins.shape)
-
-
-@np.errstate(under="ignore", over="ignore")
-def _integral(x, variance, decay):
-    """Over u = t - t0, t0 >= 0 where the integrand is largest: there ``x - t0 = min(a d, x)``, and nothing cancels."""
-    reach = REACH_DEVIATIONS * np.sqrt(variance)
-    largest_at = np.maximum(x - decay * variance, 0)
-    largest = -(np.minimum(decay * variance, x) ** 2) / (2 * variance) - decay * largest_at
-    slope = np.maximum(decay - x / variance, 0)  # where t0 = 0, how fast the integrand falls
-    start = -np.minimum(largest_at, reach)
-    stop = np.minimum(reach, REACH_DECAYS / np.maximum(slope, 1e-300))
-    half = (stop - start)[:, None] / 2
-    u = start[:, None] + half * (1 + NODES)
-    exponent = largest[:, None] - slope[:, None] * u - u**2 / (2 * variance)
-    return (half * WEIGHTS * np.exp(exponent)).sum(axis=1)
-
-
-CUT_DEVIATIONS, CUT_BINS = 5, 150  # the support that is often assumed
-
-
 def naive_power(waveforms):
     """Closed form on every row as it is usually written."""
-    return _summed(waveforms, waveform_naive)
+    return summed_power(waveforms, waveform_naive)
 
 
 def cut_power(waveforms):
@@ -268,44 +204,40 @@ def cut_power(waveforms):
         inside = (x_bins >= -CUT_DEVIATIONS * np.sqrt(variance_bins2)) & (x_bins <= CUT_BINS)
         return np.where(inside, waveform_unchecked(x_bins, variance_bins2, decay_rate), 0)
 
-    return _summed(waveforms, cut)
+    return summed_power(waveforms, cut)
 
 
 def nearest_power(waveforms, n_phases=16):
     """Closed form with centres moved to the nearest of `n_phases` places a bin, as tables without interpolation do."""
-    rounded = np.rint(waveforms.centre_bins * n_phases) / n_phases
-    return _summed(dataclasses.replace(waveforms, centre_bins=rounded), waveform_unchecked)
+    return exact_power(replace(waveforms, centre_bins=np.rint(waveforms.centre_bins * n_phases) / n_phases))
 
 
 def wrapped_power(waveforms):
     """Convolution of the window's columns by Fourier transforms of the window's height, without padding."""
     rows = np.arange(waveforms.n_range_bins)[:, None]
-    power = np.zeros(waveforms.shape)
-    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
-        x_bins = rows - waveforms.centre_bins[layer, lines]
-        gaussian = np.exp(-(x_bins**2) / (2 * waveforms.variance_bins2[layer]))
-        exponential = np.exp(-waveforms.decay_rate[layer] * rows)
+
+    def wrapped(x_bins, variance_bins2, decay_rate):
+        gaussian = np.exp(-(x_bins**2) / (2 * variance_bins2))
+        exponential = np.exp(-decay_rate * rows)
         exponential[0] /= 2
         spectrum = np.fft.rfft(gaussian, axis=0) * np.fft.rfft(exponential, axis=0)
-        power[:, lines] += waveforms.amplitude[layer] * np.fft.irfft(spectrum, len(rows), axis=0)
-    return np.maximum(power, 0)
+        return np.fft.irfft(spectrum, len(rows), axis=0)
+
+    return np.maximum(summed_power(waveforms, wrapped), 0)
 
 
-def single_precision_power(waveforms, noise_power, error):
-    """Sub-bin tables for a relative `error`, with tables and sums forced into float32; ValueError without supports."""
-    supports = find_supports(waveforms, noise_power, error)
-    if supports is None:
-        msg = f"no support keeps a relative error of {error:g} with noise_power {noise_power:g}"
-        raise ValueError(msg)
-    return tabulated_power(waveforms, dataclasses.replace(supports, dtype=np.dtype(np.float32)), 0.0)
+def single_precision_power(waveforms, noise_power, tolerance_db):
+    """Sub-bin tables with tables and sums forced into float32; ValueError without supports."""
+    supports = _found_supports(waveforms, noise_power, tolerance_db)
+    return tabulated_power(waveforms, replace(supports, dtype=np.dtype(np.float32)), 0.0)
 
 
-def _summed(waveforms, waveform):
-    """Sum of all layers by ``waveform(x_bins, variance_bins2, decay_rate)`` on every row."""
-    rows = np.arange(waveforms.n_range_bins)[:, None]
-    power = np.zeros(waveforms.shape)
+def summed_power(waveforms, waveform, rows=None):
+    """Sum of all layers by ``waveform(x_bins, variance_bins2, decay_rate)``, float64, on every row or on some."""
+    rows = np.arange(waveforms.n_range_bins) if rows is None else np.asarray(rows)
+    power = np.zeros((len(rows), waveforms.shape[1]))
     for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
-        x_bins = rows - waveforms.centre_bins[layer, lines]
+        x_bins = rows[:, None] - waveforms.centre_bins[layer, lines]
         one = waveform(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
         power[:, lines] += waveforms.amplitude[layer] * one
     return power

@@ -1,8 +1,4 @@
-"""Sweeps of mean power: each pushes one property of a scene to where methods fail.
-
-Sweep of the number of looks: quantiles that were drawn against those of the exact law.
-Scenes at the borders of what may be given, and beyond: computed right, or refused.
-The stability atlas: scenes pushed to where ways of computing them fail, the public functions among them.
+"""The stability atlas: scenes pushed to where ways of computing them fail, the public functions among them.
 
 A row has ``setting, value, method, error_db, limit_db, outcome``: the sweep, where on it, what computed, how far off,
 how far it may be off, and ``within`` that limit, ``refused`` by a ValueError, or ``wrong``.
@@ -20,10 +16,19 @@ from lib.diagnostics.phy_errors import largest_error_db
 from snowsim.phy.render import render
 from snowsim.phy.speckle import draw_speckle
 
-LINES = np.array([[0.0, 0.26, 0.53, 0.77]])  # sub-bin positions
+# What the package offers, of which nothing may be wrong; all other methods are there to fail.
+PUBLIC = ("exact", "planned", "render", "looks", "gamma", "cube", "quantile")
 SHORTCUTS = ("naive", "sampled", "wrapped", "cut", "nearest", "recursive32")
+LINES = np.array([[0.0, 0.26, 0.53, 0.77]])  # sub-bin positions
 # One layer, peaking at 6.7 with noise of 1e-3 under it.
 PLAIN = Case(100 + LINES, np.ones(1), np.full(1, 12.0), np.full(1, 0.07))
+# Speckle is drawn on this many pixels for every number of looks, and judged at these levels of its law.
+LOOKS = (0.5, 1, 1.5, 2, 4, 9, 10, 16, 20, 100, 1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
+SHAPE, LEVELS = (512, 512), np.array([0.01, 0.1, 0.5, 0.9, 0.99])
+MOST_LOOKS_SUMMED = 20  # more take seconds
+LAW_LIMIT_DB = 0.05
+# Speckle of 1e6 looks is 4.3e-3 dB: six deviations are allowed to it.
+RENDER_LOOKS, RENDER_SPECKLE_DB = 1e6, 0.03
 
 
 def _pair(spacing_bins, **changes):
@@ -36,60 +41,50 @@ def _pair(spacing_bins, **changes):
 def sweep_decay():
     """Decay rate: exponentials that outlast the window, and ones shorter than a bin."""
     values = 10.0 ** np.arange(-6, 4.1, 0.5)
-    cases = [(value, noisy(replace(PLAIN, decay_rate=np.array([value])))) for value in values]
-    return judged("decay rate [per bin]", cases, SHORTCUTS)
+    return judged("decay rate [per bin]", values, lambda x: noisy(replace(PLAIN, decay_rate=np.array([x]))), SHORTCUTS)
 
 
 def sweep_variance():
     """Width of the Gaussian: far narrower than a bin, and far wider than the window."""
-    values = 10.0 ** np.arange(-6, 8.1, 0.5)
-    cases = [(value, noisy(replace(PLAIN, variance_bins2=np.array([value])))) for value in values]
-    return judged("variance [bins²]", cases, (*SHORTCUTS, "recursive64"))
+    values, methods = 10.0 ** np.arange(-6, 8.1, 0.5), (*SHORTCUTS, "recursive64")
+    return judged("variance [bins²]", values, lambda x: noisy(replace(PLAIN, variance_bins2=np.array([x]))), methods)
 
 
 def sweep_position():
     """Position: across the borders of the window of 256 bins, on them, and far outside."""
     inside = [-1, 0, 10, 50, 128, 200, 240, 250, 254, 255, 256, 260, 300]
     values = [*-(10.0 ** np.arange(4, 0.9, -0.5)), *inside, 1e3, 1e4]
-    return judged("position [bins]", [(value, replace(PLAIN, layer_bins=value + LINES)) for value in values], SHORTCUTS)
+    return judged("position [bins]", values, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS)
 
 
 def sweep_spacing():
     """Distance of two layers: touching, and crossing, which is refused."""
     values = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
-    cases = [(value, _pair(value)) for value in values]
-    return judged("spacing of two layers [bins]", cases, ("naive", "sampled", "nearest", "recursive32"))
+    return judged("spacing of two layers [bins]", values, _pair, ("naive", "sampled", "nearest", "recursive32"))
 
 
 def sweep_power_ratio():
     """Dynamic range: the lower of two layers ever weaker, the noise 30 dB below it."""
     values = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
-    cases = [(value, noisy(_pair(60, peak_power=np.array([1, value])))) for value in values]
-    return judged("power of the weaker layer", cases, ("naive", "sampled", "nearest", "recursive32", "table32"))
+    methods = ("naive", "sampled", "nearest", "recursive32", "table32")
+    return judged("power of the weaker layer", values, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods)
 
 
 def sweep_tolerance():
     """Tolerance: from loose to below the resolution of float32, then of float64."""
     values = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
-    cases = [(value, replace(PLAIN, tolerance_db=value)) for value in values]
-    return judged("tolerance [dB]", cases, ("table32",))
+    return judged("tolerance [dB]", values, lambda x: replace(PLAIN, tolerance_db=x), ("table32",))
 
 
 def sweep_size():
     """Height of one column, from one pixel to a million, of a layer whose tail hardly decays."""
+
+    def column(height):
+        slow = np.array([1e-6])
+        return replace(PLAIN, layer_bins=np.array([[0.3 * height]]), decay_rate=slow, n_range_bins=height)
+
     values = [1, 2, 3, 10, 100, 1000, 10_000, 100_000, 1_000_000]
-    cases = [
-        (value, replace(PLAIN, layer_bins=np.array([[0.3 * value]]), decay_rate=np.array([1e-6]), n_range_bins=value))
-        for value in values
-    ]
-    return judged("height [bins]", cases, ("wrapped", "cut", "recursive32", "recursive64"))
-
-
-LEVELS = np.array([0.01, 0.1, 0.5, 0.9, 0.99])
-SHAPE = (512, 512)
-MOST_LOOKS_SUMMED = 20  # more take seconds
-LAW_LIMIT_DB = 0.05
-VALUES = (0.5, 1, 1.5, 2, 4, 9, 10, 16, 20, 100, 1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
+    return judged("height [bins]", values, column, ("wrapped", "cut", "recursive32", "recursive64"))
 
 
 def sweep_looks(*, rng):
@@ -98,13 +93,9 @@ def sweep_looks(*, rng):
     A quantile is within when it is off by at most 0.05 dB and five standard errors of its 262,144 draws. `cube_open` is
     the cube without the floor of 10 looks that `draw_speckle` holds it to.
     """
-    rows = []
-    for n_looks in VALUES:
-        for method in ("looks", "gamma", "cube", "quantile", "cube_open"):
-            if method == "looks" and n_looks > MOST_LOOKS_SUMMED:
-                continue
-            rows.append(row("looks M", n_looks, method, _looks_verdict(method, n_looks, rng)))
-    return rows
+    methods = ("looks", "gamma", "cube", "quantile", "cube_open")
+    runs = [(n, method) for n in LOOKS for method in methods if method != "looks" or n <= MOST_LOOKS_SUMMED]
+    return [row("looks M", n_looks, method, _looks_verdict(method, n_looks, rng)) for n_looks, method in runs]
 
 
 def _looks_verdict(method, n_looks, rng):
@@ -113,7 +104,10 @@ def _looks_verdict(method, n_looks, rng):
     standard_error = np.sqrt(LEVELS * (1 - LEVELS) / np.prod(SHAPE)) / (density * exact)
     limit_db = LAW_LIMIT_DB + 10 * np.log10(1 + 5 * standard_error)
     try:
-        drawn = _cube_open(n_looks, rng) if method == "cube_open" else _public(method, n_looks, rng)
+        if method == "cube_open":
+            drawn = (1 - 1 / (9 * n_looks) + rng.standard_normal(SHAPE) / (3 * np.sqrt(n_looks))) ** 3
+        else:
+            drawn = draw_speckle(np.ones(SHAPE, dtype=np.float32), n_looks, method=method, rng=rng)
     except ValueError:
         return np.nan, float(limit_db.max()), "refused"
     quantiles = np.quantile(drawn, LEVELS)
@@ -124,26 +118,13 @@ def _looks_verdict(method, n_looks, rng):
     return error_db[worst], float(limit_db[worst]), outcome(error_db[worst], limit_db[worst])
 
 
-def _public(method, n_looks, rng):
-    return draw_speckle(np.ones(SHAPE, dtype=np.float32), n_looks, method=method, rng=rng)
-
-
-def _cube_open(n_looks, rng):
-    return (1 - 1 / (9 * n_looks) + rng.standard_normal(SHAPE) / (3 * np.sqrt(n_looks))) ** 3
-
-
-SETTING = "borders"
-# Speckle of 1e6 looks is 4.3e-3 dB: six deviations are allowed to it.
-RENDER_LOOKS, RENDER_SPECKLE_DB = 1e6, 0.03
-
-
 def border_cases():
-    """Scenes that are fine, by name."""
-    none, absent = np.empty((0, 4)), np.full((1, 4), np.nan)
+    """Scenes at the limits of valid input, by name."""
     nothing = np.empty(0)
+    none = {"layer_bins": np.empty((0, 4)), "peak_power": nothing, "variance_bins2": nothing, "decay_rate": nothing}
     return {
-        "no layers": replace(PLAIN, layer_bins=none, peak_power=nothing, variance_bins2=nothing, decay_rate=nothing),
-        "all absent": replace(PLAIN, layer_bins=absent),
+        "no layers": replace(PLAIN, **none),
+        "all absent": replace(PLAIN, layer_bins=np.nan * LINES),
         "partly absent": replace(PLAIN, layer_bins=np.where(LINES > 0.5, np.nan, 100 + LINES)),
         "no range lines": replace(PLAIN, layer_bins=np.empty((1, 0))),
         "one pixel": replace(PLAIN, layer_bins=np.zeros((1, 1)), n_range_bins=1),
@@ -174,19 +155,18 @@ def refused_cases():
         "half a row": replace(PLAIN, n_range_bins=2.5),
         "tolerance zero": replace(PLAIN, tolerance_db=0.0),
         "noise negative": replace(PLAIN, noise_power=-1e-3),
-        "layers cross": replace(PLAIN, layer_bins=np.stack([LINES[0], LINES[0, ::-1]]), peak_power=np.ones(2),
-                                variance_bins2=np.ones(2), decay_rate=np.ones(2)),
-    }  # fmt: skip
+        "layers cross": replace(_pair(0), layer_bins=np.stack([LINES[0], LINES[0, ::-1]])),
+    }
 
 
 def sweep_borders(*, rng):
     """Every border case by the public functions; a case that must be refused is wrong if it is not."""
     methods = ("exact", "planned", "render")
-    rows = [row(SETTING, name, m, _verdict(case, m, rng)) for name, case in border_cases().items() for m in methods]
+    rows = [row("borders", name, m, _verdict(case, m, rng)) for name, case in border_cases().items() for m in methods]
     for name, case in refused_cases().items():
         # The exact form is given neither tolerance nor noise.
         given = methods[1:] if name in ("tolerance zero", "noise negative") else methods
-        rows += [row(SETTING, name, method, _refusal(case, method, rng)) for method in given]
+        rows += [row("borders", name, method, _refusal(case, method, rng)) for method in given]
     return rows
 
 
@@ -198,8 +178,7 @@ def _verdict(case, method, rng):
         power = _rendered(case, rng)
     except ValueError:
         return np.nan, limit_db, "refused"
-    exact = case.computed("exact") + case.noise_power
-    error_db = largest_error_db(power, exact, 0.0)
+    error_db = largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
     return error_db, limit_db, outcome(error_db, limit_db)
 
 
@@ -219,39 +198,18 @@ def _rendered(case, rng):
                   tolerance_db=case.tolerance_db, normalise="none", align="gaussian")  # fmt: skip
 
 
-# What the package offers, of which nothing may be wrong; all other methods are there to fail.
-PUBLIC = ("exact", "planned", "render", "looks", "gamma", "cube", "quantile")
-SWEEPS_OF_POWER = (
-    sweep_decay,
-    sweep_variance,
-    sweep_position,
-    sweep_spacing,
-    sweep_power_ratio,
-    sweep_tolerance,
-    sweep_size,
-)
-SWEEPS_OF_DRAWS = (sweep_looks, sweep_borders)
-
-
 def draw_atlas(*, rng):
     """Rows of all sweeps as a table."""
-    rows = [row for sweep in SWEEPS_OF_POWER for row in sweep()]
-    return pd.DataFrame(rows + [row for sweep in SWEEPS_OF_DRAWS for row in sweep(rng=rng)])
+    rows = [*sweep_decay(), *sweep_variance(), *sweep_position(), *sweep_spacing(), *sweep_power_ratio()]
+    rows += [*sweep_tolerance(), *sweep_size(), *sweep_looks(rng=rng), *sweep_borders(rng=rng)]
+    return pd.DataFrame(rows)
 
 
 def safe_regions(atlas):
-    """Where each method of each sweep over numbers is within its limit, between which values.
+    """Where each method of each sweep over numbers is within its limit, from the rows of `draw_atlas`.
 
-    Parameters
-    ----------
-    atlas : pandas.DataFrame
-        Of `draw_atlas`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``setting, method, first_safe, last_safe, n_within, n_refused, n_wrong``: ends of the longest run of values
-        without a wrong one, refusals at its ends left out; empty where no value is within.
+    A table ``setting, method, first_safe, last_safe, n_within, n_refused, n_wrong``: ends of the longest run of values
+    without a wrong one, refusals at its ends left out; empty where no value is within.
     """
     rows = []
     for (setting, method), sweep in atlas.groupby(["setting", "method"], sort=False):
@@ -260,8 +218,7 @@ def safe_regions(atlas):
         if pd.api.types.is_number(sweep["value"].iloc[0]):
             sweep = sweep.sort_values("value", kind="stable")
             run = (sweep["outcome"] == "wrong").cumsum()
-            within = sweep[sweep["outcome"] == "within"]
-            runs = [rows for _, rows in within.groupby(run)]
+            runs = [each for _, each in sweep[sweep["outcome"] == "within"].groupby(run)]
             safe = max(runs, key=len, default=safe)
         ends = {} if safe.empty else {"first_safe": safe["value"].iloc[0], "last_safe": safe["value"].iloc[-1]}
         rows.append({"setting": setting, "method": method, "first_safe": None, "last_safe": None} | ends | counts)

@@ -1,21 +1,19 @@
-"""How far from exact: mean power in dB, speckle as a distance of distributions; and a scene to measure both on.
+"""How far PHY's shortcuts are from exact, and eq. (1) from a given echo; and a planted scene to measure both on."""
 
-The waveform of eq. (1) that fits a given mean echo best, and how far from it that remains.
-"""
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import gammainc, gammaincinv, ndtr
 
-from snowsim.phy.parameters import checked_waveforms
+from lib.diagnostics.phy_alternatives import waveforms_of
 from snowsim.phy.power import exact_power
 from snowsim.phy.speckle import quantile_table
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact
 
 VANISHED = 1e-290  # powers below have lost digits to underflow
 N_LEVELS = 2000
+MOST_SAMPLES = 150  # of a tail that are fitted: it is smooth
 
 
 def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
@@ -72,17 +70,7 @@ def quantile_distance(n_looks):
 
 
 def moving_distance(look_means):
-    """Largest distance of the moment-matched Gamma from the literal sum over looks whose means differ.
-
-    Parameters
-    ----------
-    look_means : array_like, (look,)
-        Mean power of each look, positive.
-
-    Returns
-    -------
-    float
-    """
+    """Largest distance of the moment-matched Gamma from the literal sum over looks of these means, (look,)."""
     look_means = np.asarray(look_means, dtype=float) / np.mean(look_means)
     n_matched = look_means.sum() ** 2 / (look_means**2).sum()
     level, matched = _levels(n_matched)
@@ -90,24 +78,11 @@ def moving_distance(look_means):
 
 
 def mean_of_looks_below(level, look_means):
-    """Distribution function of the mean of exponential looks, at `level`, (level,).
+    """Distribution function, at positive powers (level,), of the mean of exponential looks of these means, (look,).
 
-    Parameters
-    ----------
-    level : array_like, (level,)
-        Powers, positive.
-    look_means : array_like, (look,)
-        Mean power of each look, positive.
-
-    Returns
-    -------
-    ndarray, (level,)
-
-    Notes
-    -----
-    Gil-Pelaez (1951), Biometrika 38, 481-482: ``F(x) = 1/2 - 1/pi int Im(exp(-iux) phi(u)) / u du`` with
-    ``phi(u) = prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step. The step makes the sum periodic
-    beyond the last level by 60 decays of the slowest look, 1e-26; the sum ends where phi has fallen to 1e-7.
+    Gil-Pelaez (1951), Biometrika 38, 481-482: ``F(x) = 1/2 - 1/pi int Im(exp(-iux) phi(u)) / u du`` with ``phi(u) =
+    prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step. The step makes the sum periodic beyond the last
+    level by 60 decays of the slowest look, 1e-26; the sum ends where phi has fallen to 1e-7.
     """
     level = np.asarray(level, dtype=float)
     scale = np.asarray(look_means, dtype=float) / np.size(look_means)
@@ -128,19 +103,13 @@ def scattered_mean_power(layer_bins, parameters, n_range_bins, *, align="gaussia
     Eq. (1) convolved with the sinc-squared response of one bin, by sums at quarters of a bin: both are narrower than
     the band these resolve. Beyond `reach_bins` the response, below 3e-6, is left out.
     """
-    shapes = (parameters[name] for name in ("peak_power", "variance_bins2", "decay_rate"))
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, "peak", align)
+    waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     power = np.full(waveforms.shape, float(parameters["noise_power"]))
     for shift in np.arange(-reach_bins, reach_bins, 0.25):
         weight = 0.25 * np.sinc(shift) ** 2
         if weight > 1e-20:
-            power += weight * exact_power(_shifted(waveforms, shift))
+            power += weight * exact_power(replace(waveforms, centre_bins=waveforms.centre_bins + shift))
     return power
-
-
-def _shifted(waveforms, shift_bins):
-    """The same layers, deeper by `shift_bins`."""
-    return type(waveforms)(**(vars(waveforms) | {"centre_bins": waveforms.centre_bins + shift_bins}))
 
 
 def _levels(n_looks):
@@ -149,22 +118,9 @@ def _levels(n_looks):
     return gammaincinv(n_looks, exact) / n_looks, exact
 
 
-MOST_SAMPLES = 150  # of a tail that are fitted: it is smooth
-
-
 @dataclass(frozen=True)
 class WaveformFit:
-    """Best fit of eq. (1) to an echo.
-
-    Attributes
-    ----------
-    offset_bins, variance_bins2, decay_rate, amplitude : float
-        ``amplitude * w(x - offset_bins)`` with the Gaussian's variance and the exponential's rate.
-    rms_db, largest_db : float
-        Error over the tail fitted.
-    n_bins : float
-        Length of that tail.
-    """
+    """Best fit ``amplitude * w(x - offset_bins)`` to an echo, with its error over the `n_bins` of tail fitted."""
 
     offset_bins: float
     variance_bins2: float
@@ -174,37 +130,13 @@ class WaveformFit:
     largest_db: float
     n_bins: float
 
-    def power(self, x_bins):
-        """The fitted waveform at positions [bins]."""
-        x_bins = np.asarray(x_bins, dtype=float) - self.offset_bins
-        return self.amplitude * waveform_exact(x_bins, self.variance_bins2, self.decay_rate)
-
 
 def fit_waveform(x_bins, power, tail_db):
-    """Fit eq. (1) to the tail of a mean echo, least squares in decibels.
+    """Fit eq. (1) to the tail of a mean echo without noise, (sample,) at increasing `x_bins`, by least squares in dB.
 
-    Parameters
-    ----------
-    x_bins : array_like, (sample,)
-        Increasing positions in fast time [bins], finer than the waveform is wide.
-    power : array_like, (sample,)
-        Mean power without noise.
-    tail_db : float
-        The tail reaches from the peak to where power has first fallen by this much below it.
-
-    Returns
-    -------
-    WaveformFit
-
-    Raises
-    ------
-    ValueError
-        If arrays do not fit, power is not finite or negative, or the tail has fewer than six samples or no end.
-
-    Notes
-    -----
-    Four numbers are free: where the Gaussian lies, its variance, the decay rate and the amplitude. The samples before
-    the peak are left to the eye: what they show is the range response, which eq. (1) takes as a Gaussian.
+    The tail reaches from the peak to where power has first fallen by `tail_db` below it; with fewer than six samples or
+    no end it is refused. Free are where the Gaussian lies, its variance, the decay rate and the amplitude. Samples
+    before the peak are left out: what they show is the range response, which eq. (1) takes as a Gaussian.
     """
     x_bins, power = np.asarray(x_bins, dtype=float), np.asarray(power, dtype=float)
     if x_bins.shape != power.shape or power.ndim != 1 or not (np.isfinite(power) & (power >= 0)).all():

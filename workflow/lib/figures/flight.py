@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.patches import Rectangle
 
 from lib.figures.style import COLOURS
+from snowsim.constants import EARTH_RADIUS_M
 from snowsim.echogram import to_uint8
 
 LAYER_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7")
@@ -195,7 +196,7 @@ COAST = {
     "Arsuk": (61.2, -48.4),
     "Nanortalik": (60.1, -45.2),
 }
-EARTH_RADIUS_KM = 6371.0
+EARTH_RADIUS_KM = EARTH_RADIUS_M / 1000
 CENTRAL_LONGITUDE_DEG = -42.0
 TRUE_LATITUDE_DEG = 70.0
 PARALLELS_DEG = (60, 65, 70, 75, 80)
