@@ -14,7 +14,6 @@ from snowsim.statistics.zones import OWN_ZONE
 SURE = 2.0  # standard errors by which a difference counts as one
 # A Gaussian of variance 1 stands in three bins: below, its width is not seen in samples one bin apart.
 NARROW_BINS2 = 1.0
-EARTH_RADIUS_M = 6.371e6  # of `snowsim.echogram.along_track_m`
 
 
 @dataclass(frozen=True)
