@@ -1,20 +1,19 @@
-"""The configuration as Markdown tables, from its schema and the comments of config/config.yaml.
+"""The configuration reference as Markdown: defaults and comments of config/config.yaml, what its schema accepts.
 
-``python docs/configuration.py > config/README.md`` writes the page of that folder; the documentation takes the tables
-in when it is built.
+``python docs/configuration.py`` prints it; the documentation takes it in when it is built.
 """
 
 import json
 import re
 import sys
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config/config.yaml"
-SCHEMA = ROOT / "workflow/schemas/config.schema.json"
+SCHEMA = ROOT / "workflow/schemas/config.schema.yaml"
 
 WORDS = {
     "integer": "whole number",
@@ -24,150 +23,93 @@ WORDS = {
     "object": "mapping",
     "null": "`null`",
 }
-
-PAGE = """\
-# Configuration
-
-`config.yaml` is the default and holds every key; the other files hold what differs and are given after it:
-
-```bash
-snakemake --cores 2 --configfile config/config.yaml config/tiny.yaml
-```
-
-Keys that are not listed here, and values outside the ranges, are refused before any job starts. Plain values at the top
-can be set with `--config seed=7`; nested ones need a file of their own. `examples/` holds a worked configuration for
-each source of data. This page is made by `docs/configuration.py`.
-
-"""
-
 BOUNDS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
 
 
-@dataclass(frozen=True)
-class Setting:
-    """One key of the configuration, or a section of them.
-
-    Attributes
-    ----------
-    path : tuple of str
-        Keys from the top level down.
-    default : str or None
-        As written in the file; None for a section.
-    comment : str
-        What stands beside it in the file: unit, meaning, source.
-    description : str
-        What the schema says of it.
-    accepted : str
-        What the schema accepts; empty for a section.
-    """
+class Setting(NamedTuple):
+    """One key of the configuration: its path and default as written; of a section, the default is None."""
 
     path: tuple
     default: str | None
-    comment: str
-    description: str
     accepted: str
+    comment: str
 
 
-def read_settings(config=CONFIG, schema=SCHEMA):
-    """All settings of the configuration, in the order of the file.
-
-    Raises
-    ------
-    ValueError
-        If the file holds a key that the schema does not describe, or lacks one that it requires.
-    """
-    text = Path(config).read_text()
-    settings = list(_settings(yaml.compose(text), json.loads(Path(schema).read_text()), (), text.splitlines()))
-    return settings
+def read_settings(text, schema):
+    """All settings of a YAML text in its order; keys that only the schema knows follow the list they belong to."""
+    return list(_settings(yaml.compose(text), schema, (), text, schema))
 
 
-def markdown(settings, level=2):
-    """Tables of settings, one a section, under headings of this level and below."""
-    top = [setting for setting in settings if len(setting.path) == 1 and setting.default is not None]
-    parts = [_table(top)] if top else []
+def markdown(settings):
+    """A table for each section, under a heading of its own."""
+    parts = [_table([setting for setting in settings if len(setting.path) == 1 and setting.default is not None])]
     for section in (setting for setting in settings if setting.default is None):
         held = [s for s in settings if s.path[:-1] == section.path and s.default is not None]
-        parts.append(f"{'#' * (level + len(section.path) - 1)} {'.'.join(section.path)}")
-        parts.append(_plain(section.comment or section.description))
+        parts += [f"{'#' * (len(section.path) + 1)} {'.'.join(section.path)}", _plain(section.comment)]
         if held:
             parts.append(_table(held))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _settings(node, schema, path, lines):
-    """Settings of a mapping of the parsed file, its sections first said, then gone into."""
-    described = schema.get("properties", {})
-    keys = [key.value for key, _ in node.value]
-    missing = [key for key in schema.get("required", []) if key not in keys]
-    if missing:
-        msg = f"{CONFIG.name}: {'.'.join(path) or 'top level'}: expected key {missing[0]}, which the schema requires"
-        raise ValueError(msg)
-    for key, value in node.value:
-        here = (*path, key.value)
-        if key.value not in described:
-            msg = f"{CONFIG.name}: {'.'.join(here)}: no such key in the schema"
-            raise ValueError(msg)
-        part = described[key.value]
-        is_section = isinstance(value, yaml.MappingNode) and "properties" in part
-        comment = _comment(key.start_mark.line if is_section else value.end_mark.line, key.start_mark.line, lines)
-        default = None if is_section else _source(value, lines)
-        accepted = "" if is_section else _accepted(part)
-        yield Setting(here, default, comment, part.get("description", ""), accepted)
-        if is_section:
-            yield from _settings(value, part, here, lines)
+def resolved(part, schema):
+    """A part of the schema with what it refers to put in."""
+    while "$ref" in part:
+        target = schema
+        for key in part["$ref"].removeprefix("#/").split("/"):
+            target = target[key]
+        part = target | {key: value for key, value in part.items() if key != "$ref"}
+    return part
 
 
-def _accepted(part):
+def accepted(part):
     """Types, choices and bounds of one key of the schema in words."""
     if "enum" in part:
         return " or ".join(f"`{json.dumps(choice).strip(chr(34))}`" for choice in part["enum"])
     types = part.get("type", [])
-    types = [types] if isinstance(types, str) else types
-    if {"minimum", "maximum"} <= set(part):
-        bounds = f"from {part['minimum']:g} to {part['maximum']:g}"
-    else:
-        bounds = " and ".join(f"{word} {part[key]:g}" for key, word in BOUNDS.items() if key in part)
-    words = [WORDS.get(name, name) + (f" {bounds}" if bounds and name != "null" else "") for name in types]
-    each = f", each {_accepted(part['items'])}" if "items" in part else ""
-    return " or ".join(words) + each
+    bounds = " and ".join(f"{word} {part[key]:g}" for key, word in BOUNDS.items() if key in part)
+    words = [
+        WORDS.get(name, name) + (f" {bounds}" if bounds and name != "null" else "")
+        for name in ([types] if isinstance(types, str) else types)
+    ]
+    return " or ".join(words) + (f", each {accepted(part['items'])}" if "items" in part else "")
 
 
-def _source(value, lines):
-    """A value as it is written, on one line."""
-    if isinstance(value, yaml.ScalarNode):
-        return value.value if value.style is None else repr(value.value)
-    if value.flow_style:
-        first, last = value.start_mark, value.end_mark
-        if first.line == last.line:
-            return lines[first.line][first.column : last.column]
-    return json.dumps(yaml.safe_load(yaml.serialize(value)))
+def _settings(node, part, path, text, schema):
+    for key, value in node.value:
+        here = (*path, key.value)
+        described = resolved(part["properties"][key.value], schema)
+        is_block = isinstance(value, yaml.CollectionNode) and not value.flow_style
+        comment = _comment((key if is_block else value).end_mark.line, text.splitlines())
+        if not is_block:
+            source = text[value.start_mark.index : value.end_mark.index]
+            yield Setting(here, " ".join(source.split()), accepted(described), comment)
+            continue
+        yield Setting(here, None, "", comment)
+        if isinstance(value, yaml.MappingNode):
+            yield from _settings(value, described, here, text, schema)
+        else:
+            for name, item in described["items"]["properties"].items():
+                item = resolved(item, schema)
+                yield Setting((*here, name), "", accepted(item), item["description"])
 
 
-def _comment(line, first_line, lines):
-    """The comment behind a key, with the lines that continue it in the same column."""
-    line = line if line < len(lines) and "#" in lines[line] else first_line
+def _comment(line, lines):
+    """The comment on a line, with the lines below that continue it in the same column."""
     code, mark, comment = lines[line].partition(" #")
-    if not mark:
-        return ""
-    parts, column = [comment.strip()], len(code) + 1
+    parts = [comment.strip()] if mark else []
     for further in lines[line + 1 :]:
-        if not further.strip().startswith("#") or further.find("#") != column:
+        if not mark or not further.strip().startswith("#") or further.find("#") != len(code) + 1:
             break
-        parts.append(further.strip().lstrip("#").strip())
+        parts.append(further.strip().lstrip("# "))
     return " ".join(parts)
 
 
 def _table(settings):
-    rows = ["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|"]
-    for setting in settings:
-        cells = (
-            f"`{setting.path[-1]}`",
-            f"`{setting.default}`",
-            setting.accepted,
-            _plain(setting.comment or setting.description),
-        )
-        rows.append("| " + " | ".join(cells) + " |")
-    return "\n".join(rows)
+    rows = [
+        f"| `{s.path[-1]}` | {f'`{s.default}`' if s.default else ''} | {s.accepted} | {_plain(s.comment)} |"
+        for s in settings
+    ]
+    return "\n".join(["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|", *rows])
 
 
 def _plain(text):
@@ -177,5 +119,10 @@ def _plain(text):
     return "`".join(parts)
 
 
+def reference():
+    """The whole reference."""
+    return markdown(read_settings(CONFIG.read_text(), yaml.safe_load(SCHEMA.read_text())))
+
+
 if __name__ == "__main__":
-    sys.stdout.write(PAGE + markdown(read_settings()))
+    sys.stdout.write(reference())

@@ -5,31 +5,25 @@ pages has a file it came from, and a run of the default configuration renews the
 write stay as they are and are named on stderr.
 """
 
-import re
 import sys
 from pathlib import Path
 
 import pandas as pd
-from rulegraph import mermaid, read_rules
 from study_tables import STUDY_BLOCKS
-from table_parts import METRICS, SETS, amount, digits, markdown, read, share
+from table_parts import METRICS, SETS, amount, digits, error, markdown, read, share
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md")
-METHODS = ("cgan", "phy")
 
 
 def similarity(results):
     """Table II."""
     table = read(results, "table2").set_index(["metric", "statistic"])
     n_scenes = read(results, "table3_intervals")["n_images"].iloc[0]
-    rows = [
-        [
-            name,
-            *(" / ".join(f"{table.loc[(m, s), method]:.{n}f}" for s in ("min", "mean", "max")) for method in METHODS),
-        ]
-        for m, (name, n) in METRICS.items()
-    ]
+    rows = []
+    for metric, (name, n) in METRICS.items():
+        of_metric = table.loc[metric].loc[["min", "mean", "max"]]
+        rows.append([name, *(" / ".join(f"{value:.{n}f}" for value in of_metric[m]) for m in ("cgan", "phy"))])
     title = f"**Similarity of the renders of the {n_scenes} test masks to the observed scenes** (`table2.csv`),"
     return title + " min / mean / max:" + "\n\n" + markdown(["metric", "cGAN", "PHY"], rows)
 
@@ -49,19 +43,17 @@ def trackers(results):
 def intervals(results):
     """Differences of the fuse to training on real scenes alone."""
     table = read(results, "table3_intervals").set_index(["output", "training_set", "metric"])
+    added = {key: name for key, name in SETS.items() if key != "rd"}
     rows = []
     for metric in ("ods", "ois", "ap"):
-        cells = [
-            table.loc[("fuse", s, metric), ["difference", "difference_low", "difference_high"]]
-            for s in SETS
-            if s != "rd"
-        ]
-        rows.append([metric.upper(), *(f"{c.iloc[0]:+.3f} [{c.iloc[1]:+.3f}, {c.iloc[2]:+.3f}]" for c in cells)])
+        of_sets = [table.loc[("fuse", key, metric)] for key in added]
+        cells = [f"{r.difference:+.3f} [{r.difference_low:+.3f}, {r.difference_high:+.3f}]" for r in of_sets]
+        rows.append([metric.upper(), *cells])
     title = (
         "Difference of the fused output to RD, with 95 % intervals of the paired bootstrap over images and trainings\n"
         "(`table3_intervals.csv`):"
     )
-    return title + "\n\n" + markdown(["", *(name for s, name in SETS.items() if s != "rd")], rows)
+    return title + "\n\n" + markdown(["", *added.values()], rows)
 
 
 def tables(results):
@@ -69,25 +61,13 @@ def tables(results):
     return "\n\n".join(block(results) for block in (similarity, trackers, intervals))
 
 
-def graph(_):
-    """The stages as a flowchart."""
-    return "```mermaid\n" + mermaid(read_rules()) + "```"
-
-
 def closed_loop(results):
-    """What comes back of the statistics that went into PHY."""
-    table = read(results, "closed_loop_summary")
-    rows = [
-        [
-            f"`{r.quantity}`",
-            f"{amount(r.bound, r.unit)}",
-            f"{r.n_within} of {r.n}",
-            amount(r.median, r.unit),
-            amount(r.median_standard_error, r.unit),
-            "" if pd.isna(r.reasons) else r.reasons,
-        ]
-        for r in table.itertuples()
-    ]
+    """Statistics re-estimated from PHY's renders against those that went in."""
+    rows = []
+    for r in read(results, "closed_loop_summary").itertuples():
+        amounts = [amount(value, r.unit) for value in (r.bound, r.median, r.median_standard_error)]
+        reasons = "" if pd.isna(r.reasons) else r.reasons
+        rows.append([f"`{r.quantity}`", amounts[0], f"{r.n_within} of {r.n}", *amounts[1:], reasons])
     return markdown(["quantity", "bound", "within", "median error", "its sampling", "reasons of those beyond"], rows)
 
 
@@ -100,43 +80,34 @@ def conventions(results):
         + [digits(r.width_bins_median, 2), digits(r.offset_bins_median, 2), digits(r.score, 2)]
         for r in table.itertuples()
     ]
-    header = [
-        "estimator",
-        "normalise",
-        "align",
-        "width",
-        "power",
-        "decay rate",
-        "width [bins]",
-        "offset [bins]",
-        "score",
-    ]
-    return markdown(header, rows)
+    names = ["estimator", "normalise", "align", "width"]
+    return markdown([*names, "power", "decay rate", "width [bins]", "offset [bins]", "score"], rows)
 
 
 def waveforms(results):
     """Ways of computing the mean power."""
-    fastest = quickest(read(results, "speed_accuracy_waveforms"), ["method", "setting"])
-    rows = [[m, s, nanoseconds(r), error_db(r["error_db"])] for (m, s), r in fastest.iterrows()]
-    return markdown(["method", "setting", "ns per pixel", "largest error [dB]"], rows)
+    return timed(read(results, "speed_accuracy_waveforms"), "method", "error_db", "largest error [dB]")
 
 
 def speckle(results):
     """Ways of drawing speckle."""
     table = read(results, "speed_accuracy_speckle").dropna(subset="seconds")
-    fastest = quickest(table, ["method", "setting"])
-    rows = [
-        [m, s, nanoseconds(r), "" if pd.isna(r["distance"]) else f"{r['distance']:.1g}"]
-        for (m, s), r in fastest.iterrows()
-    ]
-    return markdown(["method", "setting", "ns per pixel", "distance of the distribution function"], rows)
+    return timed(table, "method", "distance", "distance of the distribution function")
 
 
 def scenes(results):
     """Whole scenes by every renderer."""
-    fastest = quickest(read(results, "speed_accuracy_scenes"), ["method", "setting"])
-    rows = [[m, s, nanoseconds(r), error_db(r["error_db"])] for (m, s), r in fastest.iterrows()]
-    return markdown(["renderer", "setting", "ns per pixel", "largest error [dB]"], rows)
+    return timed(read(results, "speed_accuracy_scenes"), "renderer", "error_db", "largest error [dB]")
+
+
+def timed(table, what, quantity, title):
+    """Fastest run of each method and setting, in the order of the table: time per pixel and error."""
+    fastest = table.loc[table.groupby(["method", "setting"], sort=False)["seconds"].idxmin()]
+    rows = [
+        [row["method"], row["setting"], digits(row["seconds"] / row["n_pixels"] * 1e9), error(row[quantity])]
+        for _, row in fastest.iterrows()
+    ]
+    return markdown([what, "setting", "ns per pixel", title], rows)
 
 
 def plans(results):
@@ -163,12 +134,11 @@ def realism(results):
     rows = []
     for r in read(results, "realism").dropna(subset="observed_low").itertuples():
         ours = digits(r.value, 4) if r.low == r.high else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
+        published = f"{r.observed_low:g}"
         if pd.isna(r.observed_high):
-            published = f"over {r.observed_low:g}"
-        else:
-            published = f"{r.observed_low:g}" + (
-                "" if r.observed_low == r.observed_high else f" to {r.observed_high:g}"
-            )
+            published = f"over {published}"
+        elif r.observed_low != r.observed_high:
+            published += f" to {r.observed_high:g}"
         rows.append([r.quantity, "" if r.unit == "1" else r.unit, ours, published, r.source])
     return markdown(["quantity", "unit", "here: mean (range)", "published", "source"], rows)
 
@@ -191,52 +161,33 @@ def cost(results):
 
 
 BLOCKS = (
-    *(tables, graph, similarity, trackers, intervals, closed_loop, conventions),
+    *(tables, similarity, trackers, intervals, closed_loop, conventions),
     *(waveforms, speckle, scenes, plans, stability, realism, cost),
     *STUDY_BLOCKS,
 )
 
 
-def quickest(table, keys):
-    """Fastest run of each method and setting, in the order of the table."""
-    fastest = table.groupby(keys, sort=False)["seconds"].idxmin()
-    return table.loc[fastest].set_index(keys)
-
-
-def nanoseconds(row):
-    """Time per pixel [ns]."""
-    return digits(row["seconds"] / row["n_pixels"] * 1e9)
-
-
-def error_db(value):
-    """An error in dB; nothing where there is none to state."""
-    return "" if pd.isna(value) else f"{value:.1g}"
-
-
 def fill(text, results):
     """Text with its blocks filled, and the names of those whose tables are not there.
 
-    Raises
-    ------
-    ValueError
-        If a block is opened and not closed.
+    ValueError if a block is opened and not closed.
     """
     left = []
     for block in BLOCKS:
         name = block.__name__
-        opened, closed = f"<!-- {name} -->", f"<!-- /{name} -->"
+        opened, closed = f"<!-- {name} -->\n", f"<!-- /{name} -->"
         if opened not in text:
             continue
-        if closed not in text.split(opened, 1)[1]:
-            msg = f"expected {closed} after {opened}, found none"
+        before, after = text.split(opened, 1)
+        if closed not in after:
+            msg = f"expected {closed} after {opened.strip()}, found none"
             raise ValueError(msg)
         try:
             made = block(results)
-        except FileNotFoundError as error:
-            left.append(f"{name} ({error.filename} is not there)")
-            continue
-        pattern = re.escape(opened) + ".*?" + re.escape(closed)
-        text = re.sub(pattern, lambda _, made=made: f"{opened}\n{made}\n{closed}", text, count=1, flags=re.DOTALL)  # noqa: B023
+        except FileNotFoundError as missing:
+            left.append(f"{name} ({missing.filename} is not there)")
+        else:
+            text = before + opened + made + "\n" + closed + after.split(closed, 1)[1]
     return text, left
 
 

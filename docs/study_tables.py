@@ -1,117 +1,97 @@
 """Tables of the accuracy page that studies fill."""
 
 import pandas as pd
-from table_parts import METRICS, SETS, difference, markdown, read, share, study
+from table_parts import METRICS, SETS, difference, markdown, read, share, similarities
+
+NAMES = [name for name, _ in METRICS.values()]
 
 
 def cgan_seeds(results):
     """Table II of every training of the cGAN."""
-    rows = [
-        [r.run, *(f"{getattr(r, m):.{n}f}" for m, (_, n) in METRICS.items())]
-        for r in study(results, "cgan/seeds").itertuples()
-    ]
-    return markdown(["training", *(name for name, _ in METRICS.values())], rows)
+    table = read(results, "seeds", "studies/cgan")
+    return markdown(["training", *NAMES], [[r.run, *similarities(r)] for r in table.itertuples()])
 
 
 def cgan_widths(results):
     """Widths of the cGAN at equal steps and at equal time, beside PHY."""
-    table = study(results, "cgan/widths")
-    rows = [
-        [
-            "PHY" if r.method == "phy" else f"cGAN, width {r.width}, {r.mode.replace('_', ' ')}",
-            r.n_steps or "",
-            "" if pd.isna(r.seconds_per_step) else f"{1e3 * r.seconds_per_step:.0f}",
-            f"{1e3 * r.seconds_per_render:.1f}",
-            *(f"{getattr(r, m):.{n}f}" for m, (_, n) in METRICS.items()),
-            "found" if r.n_faults else "",
-        ]
-        for r in table.itertuples()
-    ]
-    header = ["renderer", "steps", "ms a step", "ms a render", *(name for name, _ in METRICS.values()), "faults"]
-    return markdown(header, rows)
+    rows = []
+    for r in read(results, "widths", "studies/cgan").itertuples():
+        renderer = "PHY" if r.method == "phy" else f"cGAN, width {r.width}, {r.mode.replace('_', ' ')}"
+        step = "" if pd.isna(r.seconds_per_step) else f"{1e3 * r.seconds_per_step:.0f}"
+        faults = "found" if r.n_faults else ""
+        rows.append([renderer, r.n_steps or "", step, f"{1e3 * r.seconds_per_render:.1f}", *similarities(r), faults])
+    return markdown(["renderer", "steps", "ms a step", "ms a render", *NAMES, "faults"], rows)
 
 
 def cgan_stability(results):
     """What the detectors say of short trainings, by learning rate and L1 weight."""
     rows = []
-    for (rate, weight), runs in study(results, "cgan/stability").groupby(["learning_rate", "l1_weight"]):
+    table = read(results, "stability", "studies/cgan")
+    for (rate, weight), runs in table.groupby(["learning_rate", "l1_weight"]):
         faulty = runs.loc[runs["verdict"] != "healthy", "verdict"]
         kinds = sorted({fault.split(":")[0] for verdict in faulty for fault in verdict.split("; ")})
         healthy = f"{len(runs) - len(faulty)} of {len(runs)}"
-        rows.append([f"{rate:g}", f"{weight:g}", healthy, f"{runs['ssim'].mean():.2f}", f"{runs['psnr'].mean():.1f}"])
-        rows[-1].append(", ".join(kinds))
+        means = [f"{runs['ssim'].mean():.2f}", f"{runs['psnr'].mean():.1f}"]
+        rows.append([f"{rate:g}", f"{weight:g}", healthy, *means, ", ".join(kinds)])
     return markdown(["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"], rows)
 
 
 def seeds(results):
     """Differences of the fuse between training sets, with many trainings."""
-    table = study(results, "tracker/seeds")
-    n = f"{table['n_replicas'].iloc[0]} trainings a set, {table['n_images'].iloc[0]} test scenes"
-    rows = [
-        [
-            f"{SETS[r.training_set]} less {SETS[r.base]}",
-            r.metric.upper(),
-            f"{share(r.mean)} - {share(r.base_mean)}",
-            difference(r),
-            r.verdict,
-            f"{r.detectable:.4f}",
-        ]
-        for r in table.itertuples()
-    ]
+    table = read(results, "seeds", "studies/tracker")
+    rows = []
+    for r in table.itertuples():
+        sets, means = f"{SETS[r.training_set]} less {SETS[r.base]}", f"{share(r.mean)} - {share(r.base_mean)}"
+        rows.append([sets, r.metric.upper(), means, difference(r), r.verdict, f"{r.detectable:.4f}"])
     header = ["sets", "score", "means", "difference", "verdict", "smallest that this could tell"]
-    return f"{n} (`studies/tracker/seeds.csv`):\n\n" + markdown(header, rows)
+    return counted(table, "seeds", "a set", "test") + markdown(header, rows)
 
 
 def ablation(results):
     """Fused ODS of every setting of the ablation on the validation scenes."""
-    table = study(results, "tracker/ablation").query("metric == 'ods'")
-    n = f"{table['n_replicas'].iloc[0]} trainings each, {table['n_images'].iloc[0]} validation scenes"
-    return f"{n} (`studies/tracker/ablation.csv`):\n\n" + compared(table)
+    return compared(results, "ablation", "validation")
 
 
 def chosen(results):
     """Fused ODS of the best settings on the test scenes."""
-    table = study(results, "tracker/chosen").query("metric == 'ods'")
-    n = f"{table['n_replicas'].iloc[0]} trainings each, {table['n_images'].iloc[0]} test scenes"
-    return f"{n} (`studies/tracker/chosen.csv`):\n\n" + compared(table)
+    return compared(results, "chosen", "test")
 
 
-def compared(table):
+def compared(results, name, scenes):
     """Settings, each less the setting and set it is compared with."""
-    rows = [
-        [
-            r.setting.replace("_", " "),
-            SETS[r.training_set],
-            share(r.mean),
-            "" if same else f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}",
-            "" if same else difference(r),
-            "" if same else r.verdict,
-        ]
-        for r in table.itertuples()
-        for same in [(r.setting, r.training_set) == (r.base, r.base_training_set)]
-    ]
-    return markdown(["setting", "set", "ODS", "compared with", "difference", "verdict"], rows)
+    table = read(results, name, "studies/tracker").query("metric == 'ods'")
+    rows = []
+    for r in table.itertuples():
+        rows.append([r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)])
+        if (r.setting, r.training_set) == (r.base, r.base_training_set):
+            rows[-1] += ["", "", ""]
+        else:
+            rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.verdict]
+    header = ["setting", "set", "ODS", "compared with", "difference", "verdict"]
+    return counted(table, name, "each", scenes) + markdown(header, rows)
+
+
+def counted(table, name, of_what, scenes):
+    """How many trainings and scenes a table of the tracker's study rests on, and its file."""
+    first = table.iloc[0]
+    n = f"{first['n_replicas']} trainings {of_what}, {first['n_images']} {scenes} scenes"
+    return f"{n} (`studies/tracker/{name}.csv`):\n\n"
 
 
 def networks(results):
     """Trackers of other cost."""
     fastest = read(results, "speed_accuracy_tracker").sort_values("seconds").groupby("setting", sort=False).first()
-    rows = [
-        [
-            f"{r.network.replace('_', '-')}, width {r.width}",
-            f"{r.n_parameters:,}",
-            f"{1e3 * r.seconds:.0f}",
-            share(r.ods),
-        ]
-        for r in fastest.sort_values(["network", "width"]).itertuples()
-    ]
+    rows = []
+    for r in fastest.sort_values(["network", "width"]).itertuples():
+        name = f"{r.network.replace('_', '-')}, width {r.width}"
+        rows.append([name, f"{r.n_parameters:,}", f"{1e3 * r.seconds:.0f}", share(r.ods)])
     return markdown(["network", "weights", "ms an image", "ODS"], rows)
 
 
 def tracker_stability(results):
     """What becomes of a tracker under odd input and rates."""
     rows = []
-    for panel, of_panel in study(results, "tracker/stability").groupby("panel", sort=False):
+    for panel, of_panel in read(results, "stability", "studies/tracker").groupby("panel", sort=False):
         cells = [f"{value:g}: {result_of(runs)}" for value, runs in of_panel.groupby("value", sort=False)]
         rows.append([panel, ", ".join(cells)])
     return markdown(["panel", "value: result"], rows)

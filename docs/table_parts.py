@@ -12,14 +12,14 @@ def markdown(header, rows):
     return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
 
 
-def read(results, name):
-    """A table of results/tables."""
-    return pd.read_csv(results / "tables" / f"{name}.csv")
+def read(results, name, folder="tables"):
+    """A table of results/tables, or of another folder."""
+    return pd.read_csv(results / folder / f"{name}.csv")
 
 
-def study(results, name):
-    """A table of results/studies."""
-    return pd.read_csv(results / "studies" / f"{name}.csv")
+def similarities(row):
+    """SSIM, PSNR and RMSE of a row."""
+    return [f"{getattr(row, metric):.{n}f}" for metric, (_, n) in METRICS.items()]
 
 
 def difference(row):
@@ -37,6 +37,11 @@ def amount(value, unit):
     if pd.isna(value):
         return ""
     return f"{100 * value:.1f} %" if unit == "relative" else f"{value:.2g} {unit}"
+
+
+def error(value):
+    """An error with one digit; nothing where there is none to state."""
+    return "" if pd.isna(value) else f"{value:.1g}"
 
 
 def share(value):

@@ -1,5 +1,7 @@
 """README's tables come from result tables."""
 
+import re
+
 import fill_tables
 import pandas as pd
 import pytest
@@ -58,8 +60,6 @@ def test_a_block_that_is_not_closed_is_refused(results):
 
 @pytest.mark.parametrize("page", fill_tables.PAGES, ids=lambda page: page.name)
 def test_pages_hold_blocks_that_are_known_and_closed(page):
-    import re
-
     text = page.read_text()
     names = {block.__name__ for block in fill_tables.BLOCKS}
     opened = re.findall(r"<!-- (\w+) -->", text)

@@ -1,6 +1,5 @@
 """Quality flags of IRSNO1B supplements: which frames, lines and blocks they take out, what is counted, what is not."""
 
-import json
 from pathlib import Path
 
 import formats
@@ -38,7 +37,7 @@ def by_line(*lines):
 
 
 def test_the_setting_knows_the_flags_of_the_files():
-    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
     described = schema["properties"]["import"]["properties"]["unfit_flags"]
     assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
     assert yaml.safe_load((ROOT / "config/config.yaml").read_text())["import"]["unfit_flags"] == list(UNFIT_FLAGS)

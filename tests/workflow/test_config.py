@@ -1,16 +1,111 @@
-"""A configuration that cannot be right stops before any job starts."""
+"""A configuration that cannot be right stops before any job starts; default, schema and package say the same."""
 
 import re
+from copy import deepcopy
+from dataclasses import asdict, fields
+from functools import reduce
+from operator import or_
 
 import pytest
-from runs import run_snakemake
+import yaml
+from configuration import resolved
+from jsonschema import Draft202012Validator
+from runs import ROOT, run_snakemake
+
+from snowsim import cgan, tracker
+from snowsim.reference.settings import GROUPS
+
+CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+SCHEMA = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+# Dataclasses of the package whose fields are settings.
+SETTINGS = {
+    ("cgan", "training"): cgan.Settings,
+    ("tracker", "training"): tracker.Settings,
+    **{("reference", name): group for name, group in GROUPS.items()},
+}
+KINDS = {"integer": int, "number": float, "boolean": bool, "array": tuple, "null": None}
+
+
+def sections(values, schema=SCHEMA, path=()):
+    """(path, values, schema) of every section of a configuration, with what the schema refers to put in."""
+    schema = resolved(schema, SCHEMA)
+    schema = schema | {"properties": {key: resolved(part, SCHEMA) for key, part in schema["properties"].items()}}
+    yield path, values, schema
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from sections(value, schema["properties"][key], (*path, key))
+
+
+def kind(part):
+    """Type of a setting in the package, from the schema."""
+    if "enum" in part:
+        return type(part["enum"][0])
+    names = part["type"] if isinstance(part["type"], list) else [part["type"]]
+    return reduce(or_, [KINDS[name] for name in names])
+
+
+def at_the_limits(part):
+    """Values of a setting that the schema just accepts, and ones that it just refuses."""
+    step = 1 if part.get("type") == "integer" else 1e-9
+    inside = part.get("enum", []) + [part[key] for key in ("minimum", "maximum") if key in part]
+    outside = ["none of these"] if "enum" in part else []
+    outside += [part[key] + step * sign for key, sign in (("minimum", -1), ("maximum", 1)) if key in part]
+    for key, sign in (("exclusiveMinimum", 1), ("exclusiveMaximum", -1)):
+        if key in part:
+            inside.append(part[key] + sign * step)
+            outside.append(part[key])
+    return inside, outside
+
+
+def test_every_key_of_the_default_is_required_and_no_other_is_known():
+    for path, values, schema in sections(CONFIG):
+        assert schema["additionalProperties"] is False, path
+        if path != ("studies", "cgan", "stability", "training"):  # holds what differs from cgan.training
+            assert list(values) == list(schema["properties"]) == schema["required"], path
+        # The comments of the default describe its keys; only a pattern is put into words in the schema.
+        described = [key for key in values if "description" in schema["properties"][key]]
+        assert described == [key for key in values if "pattern" in schema["properties"][key]], path
+
+
+def test_the_schema_accepts_the_default_and_refuses_what_its_limits_exclude():
+    Draft202012Validator.check_schema(SCHEMA)
+    accepts = Draft202012Validator(SCHEMA).is_valid
+    config, n_limits = deepcopy(CONFIG), 0
+    assert accepts(config)
+    for path, values, schema in sections(config):
+        for key, default in list(values.items()):
+            inside, outside = at_the_limits(schema["properties"][key])
+            for value in [*inside, *outside, {"unheard_of": 1}]:
+                values[key] = value
+                assert accepts(config) == (value in inside), (*path, key, value)
+            values[key] = default
+            n_limits += len(outside)
+    assert n_limits > 150
+
+
+@pytest.mark.parametrize("path", SETTINGS, ids=".".join)
+def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration(path):
+    settings = SETTINGS[path]
+    given, schema = next((values, schema) for at, values, schema in sections(CONFIG) if at == path)
+    assert asdict(settings()) == asdict(settings(**given))
+    assert [field.name for field in fields(settings)] == list(given)
+    for field in fields(settings):
+        part = schema["properties"][field.name]
+        assert field.type == kind(part), field.name
+        inside, outside = at_the_limits(part)
+        # Settings of the flight also limit each other; of a network the package refuses only what cannot be computed.
+        for value in inside if path[0] != "reference" else []:
+            settings(**given | {field.name: value})
+        for value in outside if path[0] == "reference" or "enum" in part else []:
+            with pytest.raises(ValueError, match=field.name):
+                settings(**given | {field.name: value})
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("lables: {n_scenes: 3}", "lables"),
-        ("labels: {n_scene: 3}", "labels: .*n_scene"),
+        ("lables: {n_scenes: 3}", "lables.*expected: seed, source, import"),
+        ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
         ("labels: {n_scenes: 0}", "labels.n_scenes: 0 "),
         ("labels: {n_scenes: many}", "labels.n_scenes: 'many' "),
         ("labels: {n_layers_min: 9, n_layers_max: 6}", "labels.n_layers_min: expected at most"),
@@ -18,6 +113,7 @@ from runs import run_snakemake
         ("phy: {width: widest}", "phy.width: 'widest' "),
         ("source: moon", "source: 'moon' "),
         ("seed: 1.5", "seed: 1.5 "),
+        ('import: {description: "a\\nb"}', "import.description: .*expected: one line"),
         ("flight: {n_frames: 0}", r"flight\.n_frames: 0 "),
         ("flight: {n_frames: 9999}", r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km"),
         ("reference: {climate: {accumulation_factor: -1.0}}", r"climate\.accumulation_factor: -1\.0 "),

@@ -1,6 +1,5 @@
 """The workflow on files that are not the embedded flight's: every source, worked examples, export and back."""
 
-import json
 import shutil
 
 import formats
@@ -31,14 +30,14 @@ def merged(base, over):
 
 
 def test_there_is_a_worked_example_for_every_source():
-    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
     sources = {yaml.safe_load(path.read_text())["source"] for path in EXAMPLES}
     assert sources | {"reference"} == set(schema["properties"]["source"]["enum"])
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_worked_examples_pass_the_schema_and_explain_every_setting(path):
-    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
     default = yaml.safe_load((ROOT / "config/config.yaml").read_text())
     jsonschema.validate(merged(default, yaml.safe_load(path.read_text())), schema)
     settings = [line for line in path.read_text().splitlines() if ": " in line and not line.startswith(("#", "source"))]

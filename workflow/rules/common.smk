@@ -1,7 +1,6 @@
 # What all rules lean on: the check of the configuration, names of scene sets and shards, code as input.
 
 import hashlib
-import json
 import math
 import os
 import shutil
@@ -32,24 +31,26 @@ for variable in (
 
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
-    schema = json.loads((ROOT / "workflow/schemas/config.schema.json").read_text())
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
     error = jsonschema.exceptions.best_match(
         jsonschema.Draft202012Validator(schema).iter_errors(config)
     )
     if error is not None:
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
         expected = error.schema.get("description", "")
+        if error.validator == "additionalProperties":
+            expected = ", ".join(error.schema["properties"])
         raise WorkflowError(
             f"config: {key}: {error.message}"
             + (f" (expected: {expected})" if expected else "")
         )
-    for section, low, high in (("labels", "n_layers_min", "n_layers_max"),):
-        if config[section][low] > config[section][high]:
-            raise WorkflowError(
-                f"config: {section}.{low}: expected at most {section}.{high} = {config[section][high]}, "
-                f"got {config[section][low]}"
-            )
-    chosen = {config["labels"][key] for key in ("n_zones", "psd")} & {"aic", "bic"}
+    labels = config["labels"]
+    if labels["n_layers_min"] > labels["n_layers_max"]:
+        raise WorkflowError(
+            f"config: labels.n_layers_min: expected at most labels.n_layers_max = {labels['n_layers_max']}, "
+            f"got {labels['n_layers_min']}"
+        )
+    chosen = {labels["n_zones"], labels["psd"]} & {"aic", "bic"}
     if len(chosen) > 1:
         raise WorkflowError(
             "config: labels: expected n_zones and psd by one criterion, got aic and bic"
