@@ -1,9 +1,12 @@
-"""The machine and the software a run used, as far as they can be told."""
+"""The machine and the software a run uses, as far as they can be told, and the progress it shows."""
 
 import os
 import platform
+import sys
 from importlib import metadata
 from pathlib import Path
+
+from tqdm import tqdm
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "scikit-image", "matplotlib", "pandas", "torch", "snakemake")
 
@@ -29,6 +32,20 @@ def describe_versions(packages=PACKAGES):
         except metadata.PackageNotFoundError:
             continue
     return versions
+
+
+def available_memory_mb():
+    """Memory this machine can still give without swapping [MB]; None where the system does not say."""
+    available = _field("/proc/meminfo", "MemAvailable")
+    return float(available.split()[0]) / 1024 if available else None
+
+
+def progress(iterable, description, total=None, initial=0):
+    """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
+    interval = 0.5 if sys.stderr.isatty() else 15
+    return tqdm(
+        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
+    )
 
 
 def _field(path, name):

@@ -29,7 +29,7 @@ rule study_cgan_seed:
     output:
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
         losses="results/studies/cgan/seed_{cgan_seed}/losses.csv",
-        validation="results/studies/cgan/seed_{cgan_seed}/validation.csv",
+        scores="results/studies/cgan/seed_{cgan_seed}/validation.csv",
         samples="results/studies/cgan/seed_{cgan_seed}/samples.nc",
     log:
         "logs/study_cgan_seed/{cgan_seed}.log",

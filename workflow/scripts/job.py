@@ -15,6 +15,8 @@ from tqdm import tqdm
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
+from lib.machine import available_memory_mb, progress  # noqa: E402, F401
+
 logger = logging.getLogger("snowsim")
 
 # Without this a process searches all its modules for garbage while it ends, a second with torch.
@@ -44,10 +46,14 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
+# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files beside others.
+NOT_HANDED = {"code", "unread"}
+
+
 def run(function):
     """Call a script's one function with what its rule names; nothing happens where the script is imported.
 
-    Inputs, outputs and params reach it by their names in the rule, `code` left out; nothing is handed by position.
+    Inputs, outputs and params reach it by their names in the rule, those of `NOT_HANDED` left out.
     """
     if function.__module__ == "__main__":
         snakemake = sys.modules["__main__"].snakemake
@@ -58,17 +64,18 @@ def run(function):
 def named(snakemake):
     """Inputs, outputs and params of a job by name; ValueError where one has no name, or two have the same."""
     given = {}
-    for kind in (snakemake.input, snakemake.output, snakemake.params):
-        if len(dict(kind.items())) < len(list(kind.keys())) or (len(kind) and not list(kind.keys())):
-            msg = f"rule {snakemake.rule}: expected names for all inputs, outputs and params"
+    for kind in ("input", "output", "params"):
+        items = getattr(snakemake, kind)
+        n_named = sum(1 if end is None else end - start for _, (start, end) in items._get_names())
+        if n_named < len(items):
+            msg = f"{kind}: expected a name for every item, found {len(items) - n_named} of {len(items)} without"
             raise ValueError(msg)
-        for name, value in kind.items():
+        for name, value in items.items():
             if name in given:
-                msg = f"rule {snakemake.rule}: expected every name once, found {name} twice"
+                msg = f"{kind}: expected names that neither input, output nor params have already, found {name}"
                 raise ValueError(msg)
-            if name != "code":
-                given[name] = value
-    return given
+            given[name] = value
+    return {name: value for name, value in given.items() if name not in NOT_HANDED}
 
 
 def check_memory(mem_mb):
@@ -77,21 +84,3 @@ def check_memory(mem_mb):
     if available is not None and available < mem_mb:
         msg = f"memory: expected at least {mem_mb} MB available, got {available:.0f} MB"
         raise ValueError(msg)
-
-
-def available_memory_mb():
-    """Memory this machine can still give without swapping [MB]; None where the system does not say."""
-    try:
-        lines = Path("/proc/meminfo").read_text().splitlines()
-    except OSError:
-        return None
-    values = {line.split(":")[0]: float(line.split()[1]) for line in lines if len(line.split()) > 1}
-    return values["MemAvailable"] / 1024 if "MemAvailable" in values else None
-
-
-def progress(iterable, description, total=None, initial=0):
-    """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
-    interval = 0.5 if sys.stderr.isatty() else 15
-    return tqdm(
-        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
-    )

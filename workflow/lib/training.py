@@ -1,16 +1,13 @@
-"""What the scripts that train networks share: unfinished trainings on disk, logs, validation, progress.
+"""Unfinished trainings on disk, with their logs and validations.
 
-A script makes its training, opens a `TrainingRun` of it, takes the steps through it and writes its files before that
-closes::
+A script takes its steps through a `TrainingRun` and writes its files before that closes::
 
-    with TrainingRun(training, path_to_checkpoint, expected, every_steps=500, path_to_events=path) as run:
+    with TrainingRun(training, path_to_checkpoint, expected, every_steps=500) as run:
         run.take(train_steps(training, scenes), settings.n_steps, "cGAN")
-        write_table(path_to_losses, run.losses())
         write_model(path_to_network, training.state()["network"], metadata)
 
-Killed at any moment, the script goes on from the last checkpoint when it is run again, and its files are the same to
-the byte. The checkpoint goes when the block ends well. It is no declared output: Snakemake removes those of a failed
-job.
+Killed at any moment, it goes on from the last checkpoint when it is run again, to the same bytes. The checkpoint goes
+when the block ends well; it is no declared output, for Snakemake removes those of a failed job.
 """
 
 import logging
@@ -22,9 +19,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import torch
-from job import available_memory_mb, progress
 from torch.utils.tensorboard import SummaryWriter
 
+from lib.machine import available_memory_mb, progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
 from snowsim.training import on_cpu
@@ -37,22 +34,11 @@ logger = logging.getLogger("snowsim")
 
 @dataclass(frozen=True)
 class Validation:
-    """Scores of a training on scenes it does not train on, taken as it goes.
+    """Scores of a training on scenes it does not train on, every so many steps and after the last.
 
-    Attributes
-    ----------
-    every_steps : int
-        Steps between two validations; there is one after the last step too.
-    score : callable
-        () -> dict of float; of the training as it is. Must draw its random numbers from streams of its own.
-    weights : callable
-        () -> dict of arrays or tensors to keep of the best: what is to be written in the end.
-    by : str
-        The score to go by; higher is better.
-    samples : callable, optional
-        () -> dict of arrays to keep of every validation, called after `score`.
-    patience : int, optional
-        Validations in a row without a better score after which training stops; None never stops it.
+    `score` gives those of the training as it is, drawing from streams of its own; `weights` what to keep of the best,
+    the one highest in `by`; `samples`, called after `score`, what to keep of each. After `patience` validations in a
+    row without a better score training stops; None never stops it.
     """
 
     every_steps: int
@@ -66,37 +52,13 @@ class Validation:
 class TrainingRun:
     """One training with its checkpoint, losses, validations and logs; to be used as a context.
 
-    Parameters
-    ----------
-    training
-        Has `step`, `state()` and `restore(state, step)`, as `snowsim.cgan.Training` and `snowsim.tracker.Training` do.
-    path_to_checkpoint : path_like
-        `.safetensors`; continued where it exists, removed when the context ends without an exception.
-    expected : dict
-        What made the training, as JSON holds it: kind, settings, seed, fingerprint of the data. A checkpoint that says
-        something else is refused.
-    every_steps : int
-        Steps between checkpoints: as many are lost at most.
-    path_to_events : path_like, optional
-        Folder of TensorBoard's event files; None writes none.
-    validation : Validation, optional
-
-    Attributes
-    ----------
-    best : dict of arrays, or None
-        The weights that `validation` kept, after `best_step` steps.
-    samples : dict
-        Step -> what `validation` kept of it.
-
-    Raises
-    ------
-    ValueError
-        On entry, in one line, if the checkpoint is truncated or another configuration made it.
+    `training` has `step`, `state()` and `restore(state, step)`, as those of `snowsim.cgan` and `snowsim.tracker` do.
+    `expected` is what made it, as JSON holds it; ValueError in one line on entry if the checkpoint (`.safetensors`,
+    every `every_steps`) says something else or is truncated. Event files for TensorBoard go to the folder
+    `path_to_events`. `best` holds the weights that `validation` kept, after `best_step` steps; `samples` is by step.
     """
 
-    def __init__(
-        self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None
-    ):  # fmt: skip
+    def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None):
         self.training, self.validation, self.every_steps = training, validation, every_steps
         self.best, self.best_step, self.samples = None, 0, {}
         self._path, self._events_path = Path(path_to_checkpoint), path_to_events
@@ -141,17 +103,7 @@ class TrainingRun:
         return patience is not None and sum(row["step"] > self.best_step for row in self._scores) >= patience
 
     def take(self, steps, n_steps, description):
-        """Take the steps that are left, or fewer if validation stalls.
-
-        Parameters
-        ----------
-        steps : iterator of (int, dict of float)
-            `train_steps(training, ...)`, not begun.
-        n_steps : int
-            Number of the last step.
-        description : str
-            Stands before the progress bar.
-        """
+        """Take the `steps` left of `n_steps`, or fewer if validation stalls, beside a progress bar so described."""
         bar = progress(None, description, total=n_steps, initial=self.training.step)
         while not self.has_stalled:
             step, losses = next(steps, (None, None))
@@ -183,14 +135,10 @@ class TrainingRun:
             self.best_step = step
 
     def _save(self, step):
-        arrays = {
-            "training": self.training.state(),
-            "losses": _columns(self._losses),
-            "scores": _columns(self._scores),
-            "best": self.best or {},
-            "samples": self.samples,
-        }
-        columns = {"losses": list(self._losses[0]), "scores": list(self._scores[0]) if self._scores else []}
+        tables = {"losses": self.losses(), "scores": self.scores()}
+        arrays = {"training": self.training.state(), "best": self.best or {}, "samples": self.samples}
+        arrays |= {kind: {name: np.array(table[name]) for name in table} for kind, table in tables.items()}
+        columns = {kind: list(table) for kind, table in tables.items()}  # the file sorts them
         metadata = {**self._expected, "step": step, "best_step": self.best_step, "columns": columns}
         write_model(self._path, arrays, metadata)
 
@@ -202,7 +150,8 @@ class TrainingRun:
             raise ValueError(msg) from error
         self.training.restore(arrays["training"], metadata["step"])
         self._losses, self._scores = (
-            _rows(arrays.get(table, {}), names) for table, names in sorted(metadata["columns"].items())
+            pd.DataFrame(arrays.get(kind, {}), columns=metadata["columns"][kind]).to_dict("records")
+            for kind in ("losses", "scores")
         )
         self.best, self.best_step = arrays.get("best"), metadata["best_step"]
         samples = {int(step): kept for step, kept in arrays.get("samples", {}).items()}
@@ -236,13 +185,3 @@ def check_memory(n_bytes, what):
         needed, free = n_bytes / 1e9, available * 2**20 / 1e9
         msg = f"too little memory for {what}: it needs at least {needed:.3g} GB, {free:.3g} GB are free"
         raise ValueError(msg)
-
-
-def _columns(rows):
-    """Rows of numbers as one array a column."""
-    return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else {})}
-
-
-def _rows(columns, names):
-    """The inverse of `_columns`, given the order of the columns."""
-    return [dict(zip(names, values, strict=True)) for values in zip(*(columns[n].tolist() for n in names), strict=True)]
