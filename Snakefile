@@ -51,12 +51,7 @@ rule all:
 
 rule studies:
     input:
-        lambda wildcards: [
-            file
-            for item in targets("studies")
-            if item.name != "studies"
-            for file in item.input
-        ],
+        lambda wildcards: [file for item in targets("study_") for file in item.input],
     localrule: True
     message:
         "all studies: hours of trainings, not part of the default run"

@@ -12,9 +12,10 @@ import pytest
 import torch
 import train_cgan
 from toy_scenes import toy_scenes
-from train_cgan import train
-from training import TrainingRun, Validation, check_memory, enough_memory
+from train_cgan import train_cgan as train
 
+from lib import cgan_training
+from lib.training import TrainingRun, Validation, check_memory, enough_memory
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
@@ -31,7 +32,7 @@ def told(training, scenes, steps=train_cgan.train_steps):
         print(step, flush=True)
         yield step, losses
 train_cgan.train_steps = told
-train_cgan.train(**eval(sys.argv[1]))
+train_cgan.train_cgan(**eval(sys.argv[1]))
 """
 
 
@@ -41,11 +42,11 @@ def arguments(folder, **changes):
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
     return {
-        "paths_to_scenes": [str(scenes)],
-        "path_to_generator": str(folder / "generator.safetensors"),
-        "path_to_losses": str(folder / "losses.csv"),
-        "path_to_validation": str(folder / "validation.csv"),
-        "path_to_samples": str(folder / "samples.nc"),
+        "train": [str(scenes)],
+        "generator": str(folder / "generator.safetensors"),
+        "losses": str(folder / "losses.csv"),
+        "scores": str(folder / "validation.csv"),
+        "samples": str(folder / "samples.nc"),
         "seed": 1,
         "device": "cpu",
         "settings": SETTINGS,
@@ -118,15 +119,15 @@ def collapse_after(monkeypatch):
         def measured(generator, scenes, **options):
             return {"mask_response": 0.0 if judges[-1].training.step >= step else 1.0}
 
-        class Watched(train_cgan.Judge):
+        class Watched(cgan_training.Judge):
             def __init__(self, *arguments, **options):
                 super().__init__(*arguments, **options)
                 judges.append(self)
 
         judges = []
-        monkeypatch.setattr(train_cgan, "WINDOW_STEPS", 20)
-        monkeypatch.setattr(train_cgan, "measure_losses", lambda losses, adversarial: {})
-        monkeypatch.setattr(train_cgan, "measure_renders", measured)
+        monkeypatch.setattr(cgan_training, "WINDOW_STEPS", 20)
+        monkeypatch.setattr(cgan_training, "measure_losses", lambda losses, adversarial: {})
+        monkeypatch.setattr(cgan_training, "measure_renders", measured)
         monkeypatch.setattr(train_cgan, "Judge", Watched)
 
     return plant

@@ -33,7 +33,7 @@ def test_make_is_asked_for_targets_that_it_has(path):
 
 def test_readme_names_targets_and_files_that_are_there():
     readme = (ROOT / "README.md").read_text()
-    rules = "\n".join(path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk"))
+    rules = "\n".join(path.read_text() for path in (ROOT / "Snakefile", *(ROOT / "workflow/rules").glob("*.smk")))
     table = readme.split("| target | makes |")[1].split("\n\n")[0]
     targets = re.findall(r"`(\w+)`", table)
     assert targets

@@ -195,40 +195,41 @@ FIGURES = yaml.safe_load((ROOT / "workflow/figures.yaml").read_text())
 
 
 def figure_files(stage):
-    """Figures of a stage, as the registry names them."""
-    return [f"results/figures/{file}" for file in FIGURES[stage]]
+    """Figures of a stage, as the registry names them, without those that need what the source cannot give."""
+    return [
+        f"results/figures/{file}"
+        for file, figure in FIGURES[stage].items()
+        if figure.get("needs") not in LEFT_OUT[SOURCE]
+    ]
 
 
-def group_of(item):
-    """Whether a target is on the main path, or a diagnostic, or a study: by the file its rule stands in."""
-    stem = Path(item.snakefile).stem
-    return next((name for name in GROUPS if name in (stem, item.name)), "main")
+def targets(prefix=""):
+    """Rules that only collect what others make: what people ask for by name."""
+    return [
+        item
+        for item in workflow.rules
+        if not item.output and item.name.startswith(prefix) and item.name != "help"
+    ]
 
 
-GROUPS = {
+TARGET_GROUPS = {
     "main": "from the flight to Table III, and the report",
     "diagnostics": "nothing on the main path depends on them",
     "studies": "many trainings each, not part of the default run",
 }
 
 
-def targets(group):
-    """Rules of a group that only collect what others make: what people ask for by name."""
-    return [
-        item
-        for item in workflow.rules
-        if not item.output and item.name != "help" and group_of(item) == group
-    ]
-
-
 def describe_targets():
-    """The targets by group, with a line each."""
-    width = max(len(item.name) for group in GROUPS for item in targets(group))
-    lines = ["snakemake --cores N TARGET; targets are:"]
-    for group, about in GROUPS.items():
-        lines.append(f"{group}: {about}")
-        lines += [f"  {item.name:<{width}}  {item.message}" for item in targets(group)]
-    return "\n".join(lines)
+    """The targets with a line each, in groups by the file that their rules stand in."""
+    width = max(len(item.name) for item in targets())
+    lines = {group: [f"{group}: {about}"] for group, about in TARGET_GROUPS.items()}
+    for item in targets():
+        places = (item.name, Path(item.snakefile).stem)
+        group = next((name for name in places if name in lines), "main")
+        lines[group].append(f"  {item.name:<{width}}  {item.message}")
+    return "\n".join(
+        ["snakemake --cores N TARGET; targets are:", *sum(lines.values(), [])]
+    )
 
 
 # What scenes and frames take on disk [bytes], from a run of the default configuration: see docs/scale.md. The rest is small.

@@ -27,16 +27,8 @@ rule score_similarity:
 
 rule tabulate_similarity:
     input:
-        images=expand(
-            "results/similarity/{method}/{shard}.parquet",
-            method=METHODS,
-            shard=shards("test"),
-        ),
-        rows=expand(
-            "results/similarity/{method}/{shard}_rows.parquet",
-            method=METHODS,
-            shard=shards("test"),
-        ),
+        images=expand(rules.score_similarity.output.images, shard=shards("test")),
+        rows=expand(rules.score_similarity.output.rows, shard=shards("test")),
         code=imported_by("tabulate_similarity.py"),
     output:
         all_images="results/similarity.parquet",

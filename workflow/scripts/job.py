@@ -72,7 +72,7 @@ def named(snakemake):
             raise ValueError(msg)
         for name, value in items.items():
             if name in given:
-                msg = f"{kind}: expected names that neither input, output nor params have already, found {name}"
+                msg = f"expected each name once in input, output and params, found {name} twice"
                 raise ValueError(msg)
             given[name] = value
     return {name: value for name, value in given.items() if name not in NOT_HANDED}
