@@ -120,7 +120,7 @@ def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
     # Few enough to follow, and a job takes about a second to start.
     done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
     n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
-    assert 50 < n_jobs <= 70
+    assert 40 < n_jobs <= 70
 
 
 def test_profiles_and_environments_lie_where_snakemake_looks():
