@@ -12,7 +12,7 @@ import pytest
 import torch
 import train_cgan
 from toy_scenes import toy_scenes
-from train_cgan import train_cgan as train
+from train_cgan import train
 
 from lib import cgan_training
 from lib.training import TrainingRun, Validation, check_memory, enough_memory
@@ -32,7 +32,7 @@ def told(training, scenes, steps=train_cgan.train_steps):
         print(step, flush=True)
         yield step, losses
 train_cgan.train_steps = told
-train_cgan.train_cgan(**eval(sys.argv[1]))
+train_cgan.train(**eval(sys.argv[1]))
 """
 
 
@@ -42,7 +42,7 @@ def arguments(folder, **changes):
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
     return {
-        "train": [str(scenes)],
+        "scenes": [str(scenes)],
         "generator": str(folder / "generator.safetensors"),
         "losses": str(folder / "losses.csv"),
         "scores": str(folder / "validation.csv"),

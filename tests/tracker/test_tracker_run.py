@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from toy_scenes import toy_scenes
-from train_tracker import train_tracker as train
+from train_tracker import train
 
 from lib.tracker_training import compose
 from snowsim.io.files import read_table
@@ -29,7 +29,7 @@ def told(training, scenes, steps=train_tracker.train_steps):
         print(step, flush=True)
         yield step, losses
 train_tracker.train_steps = told
-train_tracker.train_tracker(**eval(sys.argv[1]))
+train_tracker.train(**eval(sys.argv[1]))
 """
 
 

@@ -25,7 +25,7 @@ rule render_phy:
 
 rule train_cgan:
     input:
-        train=benchmark_files("train"),
+        scenes=benchmark_files("train"),
         code=imported_by("train_cgan.py"),
     output:
         generator="results/cgan/generator.safetensors",

@@ -24,7 +24,7 @@ wildcard_constraints:
 
 rule study_cgan_seed:
     input:
-        train=benchmark_files("train"),
+        scenes=benchmark_files("train"),
         code=imported_by("train_cgan.py"),
     output:
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",

@@ -1,7 +1,7 @@
 """Train the cGAN at one width, for as many steps as the other widths or for as much processor time."""
 
 from job import job
-from train_cgan import train_cgan
+from train_cgan import train
 
 from snowsim.io.files import read_table
 
@@ -25,7 +25,7 @@ def train_width(
         "settings": {**training["settings"], "width": width, "n_steps": n_steps},
         "validation": {**training["validation"], "every_steps": max(1, n_steps // N_VALIDATIONS)},
     }
-    train_cgan(paths_to_train, *paths_to_outputs, **{**training, **changed}, checkpoint=checkpoint, events=events)
+    train(paths_to_train, *paths_to_outputs, **{**training, **changed}, checkpoint=checkpoint, events=events)
 
 
 if __name__ == "__main__":

@@ -14,8 +14,8 @@ from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.patches import check_trainable
 
 
-def train_cgan(
-    train, generator, losses, scores, samples,
+def train(
+    scenes, generator, losses, scores, samples,
     *, seed, device, settings, statistics, validation, on_collapse, source, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
     torch.set_num_threads(1)
@@ -23,15 +23,15 @@ def train_cgan(
     made_of = {
         "settings": dataclasses.asdict(settings),
         "seed": seed,
-        "data": fingerprint(train),
+        "data": fingerprint(scenes),
         "validation": validation,
         "statistics": statistics,
     }
     what = f"a cGAN of width {settings.width}"
     check_memory(least_bytes(settings), what)
-    with SceneSet(train) as scenes, enough_memory(what):
-        train_numbers, held_numbers = held_out(len(scenes), validation["n_scenes"], seed=seed)
-        train_scenes, held_scenes = Chosen(scenes, train_numbers), [scenes[number] for number in held_numbers]
+    with SceneSet(scenes) as observed, enough_memory(what):
+        train_numbers, held_numbers = held_out(len(observed), validation["n_scenes"], seed=seed)
+        train_scenes, held_scenes = Chosen(observed, train_numbers), [observed[number] for number in held_numbers]
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
@@ -70,4 +70,4 @@ def train_cgan(
             write_model(generator, taken.best, metadata)
 
 
-run(train_cgan)
+run(train)

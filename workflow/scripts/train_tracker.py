@@ -15,7 +15,7 @@ from snowsim.seeding import random_stream
 from snowsim.tracker import Settings, Training, train_steps
 
 
-def train_tracker(
+def train(
     real, phy, cgan, network, losses,
     *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
@@ -45,4 +45,4 @@ def train_tracker(
             write_model(network, training.state()["network"], metadata)
 
 
-run(train_tracker)
+run(train)
