@@ -94,7 +94,6 @@ wildcard_constraints:
     replica=r"\d+",
     split="|".join(SPLITS),
     scenes="labels|test",
-    method="|".join(METHODS),
     training_set="|".join(TRAINING_SETS),
 
 
