@@ -24,12 +24,12 @@ wildcard_constraints:
 
 rule study_cgan_seed:
     input:
-        train=benchmark_files("train"),
+        scenes=benchmark_files("train"),
         code=imported_by("train_cgan.py"),
     output:
         generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
         losses="results/studies/cgan/seed_{cgan_seed}/losses.csv",
-        validation="results/studies/cgan/seed_{cgan_seed}/validation.csv",
+        scores="results/studies/cgan/seed_{cgan_seed}/validation.csv",
         samples="results/studies/cgan/seed_{cgan_seed}/samples.nc",
     log:
         "logs/study_cgan_seed/{cgan_seed}.log",

@@ -46,6 +46,7 @@ use rule train_tracker as train_study_tracker with:
         "results/benchmarks/train_study_tracker/{setting}/{training_set}/{replica}.tsv"
     params:
         seed=config["seed"],
+        replica="{replica}",
         device=config["tracker"]["device"],
         n_epochs=study_epochs,
         data=study_data,

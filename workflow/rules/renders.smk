@@ -1,14 +1,36 @@
-# The conditional GAN: train on the benchmark's train scenes, render layers.
+# Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
+
+
+rule render_phy:
+    input:
+        layers=layers_of,
+        statistics="results/statistics.nc",
+        code=imported_by("render_phy.py"),
+    output:
+        scenes="results/phy/{scenes}/{shard}.nc",
+    log:
+        "logs/render_phy/{scenes}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    params:
+        seed=config["seed"],
+        phy=config["phy"],
+    message:
+        "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
+    script:
+        "../scripts/render_phy.py"
 
 
 rule train_cgan:
     input:
-        train=benchmark_files("train"),
+        scenes=benchmark_files("train"),
         code=imported_by("train_cgan.py"),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
-        validation="results/cgan/validation.csv",
+        scores="results/cgan/validation.csv",
         samples="results/cgan/samples.nc",
     log:
         "logs/train_cgan.log",
@@ -17,7 +39,6 @@ rule train_cgan:
     priority: 100  # the longest chain of the workflow starts here
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=3000,
         gpu=int(config["cgan"]["device"] == "cuda"),
@@ -38,36 +59,6 @@ rule train_cgan:
         "../scripts/train_cgan.py"
 
 
-rule plot_cgan_training:
-    input:
-        losses="results/cgan/losses.csv",
-        validation="results/cgan/validation.csv",
-        samples="results/cgan/samples.nc",
-        code=imported_by("plot_cgan_training.py"),
-    output:
-        losses=report(
-            "results/figures/cgan_losses.svg", caption="../report/cgan_losses.rst"
-        ),
-        samples=report(
-            "results/figures/cgan_samples.png", caption="../report/cgan_samples.rst"
-        ),
-    log:
-        "logs/plot_cgan_training.log",
-    benchmark:
-        "results/benchmarks/plot_cgan_training/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "losses and sample sheet of the cGAN"
-    script:
-        "../scripts/plot_cgan_training.py"
-
-
 rule render_cgan:
     input:
         layers=layers_of,
@@ -82,7 +73,6 @@ rule render_cgan:
     priority: 90
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=3000,
         gpu=int(config["cgan"]["device"] == "cuda"),
@@ -95,3 +85,16 @@ rule render_cgan:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
         "../scripts/render_cgan.py"
+
+
+rule renders:
+    input:
+        [
+            rendered_files(method, scenes)
+            for method in METHODS
+            for scenes in ("labels", "test")
+        ],
+        figure_files("renders"),
+    localrule: True
+    message:
+        "label sets and test masks rendered by both methods"
