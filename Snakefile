@@ -13,18 +13,10 @@ include: "workflow/rules/cgan.smk"
 include: "workflow/rules/similarity.smk"
 include: "workflow/rules/tracker.smk"
 include: "workflow/rules/charts.smk"
-include: "workflow/rules/stability.smk"
-include: "workflow/rules/stability_statistics.smk"
-include: "workflow/rules/phy_charts.smk"
-include: "workflow/rules/closed_loop.smk"
-include: "workflow/rules/validation.smk"
-include: "workflow/rules/realism.smk"
+include: "workflow/rules/diagnostics.smk"
 include: "workflow/rules/export.smk"
-include: "workflow/rules/study_tracker.smk"
-include: "workflow/rules/evidence.smk"
-include: "workflow/rules/convolution.smk"
-include: "workflow/rules/study_convolution.smk"
-include: "workflow/rules/study_cgan.smk"
+include: "workflow/rules/studies.smk"
+include: "workflow/rules/plots_tmp_diag.smk"
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/guards.smk"
 include: "workflow/rules/paper_figures.smk"
@@ -40,7 +32,6 @@ localrules:
     charts,
     charts_phy,
     stability,
-    stability_statistics,
     closed_loop,
     validation,
     realism,

@@ -1,46 +1,11 @@
 # Flight statistics -> synthetic layer sets.
 
-# Numbers of zones that criteria choose from; the schema allows no others.
-ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
 # What labels are drawn from: the flight statistics as they are, or a model with other zones or spectra.
 LABEL_STATISTICS = (
     "results/statistics.nc"
     if (config["labels"]["n_zones"], config["labels"]["psd"]) == (4, "tabulated")
     else "results/label_model.nc"
 )
-
-
-rule compare_label_models:
-    input:
-        summaries=SUMMARIES,
-        statistics="results/statistics.nc",
-        code=imported_by("compare_label_models.py"),
-    output:
-        model="results/label_model.nc",
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
-        seconds="results/tables/speed_accuracy_labels.csv",
-    log:
-        "logs/compare_label_models.log",
-    benchmark:
-        "results/benchmarks/compare_label_models/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-        n_zones=config["labels"]["n_zones"],
-        psd=config["labels"]["psd"],
-        zone_counts=ZONE_COUNTS,
-        n_range_lines=config["labels"]["n_range_lines"],
-        n_scenes=min(300, config["labels"]["n_scenes"]),
-    message:
-        "label models with fewer parameters, and what they save"
-    script:
-        "../scripts/compare_label_models.py"
 
 
 rule plot_label_models:
@@ -156,7 +121,11 @@ rule labels:
         expand("results/labels/{shard}.nc", shard=shards("labels")),
         rules.summarise_labels.output,
         rules.plot_labels.output,
-        rules.compare_label_models.output,
+        "results/label_model.nc",
+        "results/tables/label_criteria.csv",
+        "results/tables/label_savings.csv",
+        "results/tables/label_families.csv",
+        "results/tables/speed_accuracy_labels.csv",
         rules.plot_label_models.output,
     message:
         "all label sets and their tables"

@@ -1,365 +1,42 @@
-"""The flight and the benchmark beside what is published of real echograms, and the curves of its figure.
+"""The flight and the benchmark beside what is published of real echograms, and the curves of its figure."""
 
-Observed values and where they come from:
-
-- bin size: Snow Radar products of 2012, 2009, 2016 in air; line spacing and frame size: frame 20160419_04_082.
-- dynamic range: sea ice 2016, from the noise to the brightest echo; strong layers of Greenland 2012: over 20 dB.
-- tail: sea ice 2016, mean power still 10 dB over the noise within 100 bins of the surface.
-- texture: real accumulation-radar echograms of Greenland firn (600-900 MHz, 150 rows from 5 to 30 m depth): another
-  band, other bins and another line spacing, so a guide to the order of magnitude and no more. Where a folder of such
-  images is given (`realism.other_band_png`) they are measured here as the flight is, columns `other_band_*`; their
-  grey levels have no known scale in decibels, so histograms and row profiles are compared in standard deviations from
-  the mean.
-- Doppler spectrum: flat by eye, Yari et al. (2021), Fig. 8; the reference flight's is flat by construction.
-- number of layers: test scenes of Yari et al. (2021), layers below the surface.
-- accumulation: the dry interior to the western percolation zone, m water equivalent per year.
-- thickness: a published simulator of layers draws slabs as N(1.24, 0.36) of a fixed number of bins, roughness with a
-  correlation of about 18 columns, the surface 3 dB brighter and layers with 1.5 dB of spread; simulators' choices.
-- range response: a Hann window over 6 GHz, in air; density: detrended logs of near-surface snow.
-- histogram and percentiles are of decibels, the fall of power with depth and all; autocorrelation is of decibels less
-  the mean of their row. About the overall mean the same real images give 0.89-0.97 at a lag of one trace, about the
-  row's 0.59-0.74: only the latter is near the 0.63-0.79 that is published of them.
-"""
-
-import numpy as np
 import pandas as pd
-from job import job, progress
+from job import progress, run
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s, layer_bins_of, to_db
+from lib.diagnostics.realism import (
+    OTHER_BAND,
+    curve_table,
+    describe_benchmark,
+    describe_flight,
+    describe_frame,
+    describe_image,
+    describe_physics,
+    realism_table,
+    thickness_curves,
+)
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.images import read_image
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.texture import autocorrelation, equivalent_number_of_looks
 from snowsim.reference import checked_settings
-from snowsim.reference.echo import draw_layering
-from snowsim.reference.radar import hann_response
 from snowsim.seeding import random_stream
 
-ACROSS, DOWN = "range_line", "range_bin"
-SNOW_ROWS = slice(10, 160)  # [range bins below the surface] 150 rows, as the observed images have
-PROFILE_ROWS = np.arange(-60, 400)
-AIR_MARGIN_BINS = 40  # above the surface, where nothing but noise is
-LINES = 256  # of a block
-LAGS = (1, 2, 3, 5, 10, 20, 50)
-PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
-HISTOGRAM_EDGES_DB = np.arange(-15, 45.5, 0.5)
-STANDARD_EDGES = np.arange(-4, 4.25, 0.25)
-TAIL_BINS = 100
-LOG_SPACING_M, LOG_SAMPLES, N_LOGS = 0.0025, 2000, 40  # of a density log of 5 m
-SMOOTHED_WAVENUMBERS = 101
-DEPTH_STEP = 40  # [range bins] of the curve of visibility
-TEXTURE = "real 600-900 MHz firn echograms (other band)"
-OTHER_BAND = "observed, other band"
-OBSERVED_CORRELATION = {
-    (ACROSS, 1): (0.63, 0.79),
-    (ACROSS, 10): (0.51, 0.70),
-    (ACROSS, 50): (0.31, 0.57),
-    (DOWN, 1): (0.89, 0.89),
-    (DOWN, 2): (0.70, 0.70),
-    (DOWN, 3): (0.54, 0.54),
-    (DOWN, 5): (0.34, 0.34),
-}
 
-
-def describe_frame(echogram, layers):
-    """Numbers of one frame by quantity, and its curves by name."""
-    power = echogram["Data"].transpose("twtt", "slow_time").values.astype(float)
-    layer_bins = layer_bins_of(layers, echogram)
-    usable = (np.isfinite(power) & (power > 0)).all(axis=0) & np.isfinite(layer_bins[0])
-    power, layer_bins = power[:, usable], layer_bins[:, usable]
-    surface = int(np.rint(layer_bins[0].mean()))
-    air = power[: surface - AIR_MARGIN_BINS]
-    noise = air.mean()
-    over_noise = to_db(power / noise)
-    snow = over_noise[surface + SNOW_ROWS.start : surface + SNOW_ROWS.stop]
-    tracked = [power_at(power, bins) for bins in layer_bins[1:]]
-    numbers = {
-        "range bin in air": 100 * bin_size_s(echogram) * SPEED_OF_LIGHT_M_S / 2,
-        "line spacing": float(np.median(np.diff(along_track_m(echogram)))),
-        "range bins of a frame": echogram.sizes["twtt"],
-        "range lines of a frame": echogram.sizes["slow_time"],
-        "brightest echo over noise": over_noise.max(),
-        "strong layers over noise": to_db(np.nanpercentile(np.concatenate(tracked), 95) / noise),
-        f"mean power {TAIL_BINS} bins below the surface": to_db(power[surface + TAIL_BINS].mean() / noise),
-        "surface over the strongest layer": to_db(power_at(power, layer_bins[0]).mean() / strongest(tracked)),
-        "spread of a layer's power from layer to layer": layer_spread_db(tracked),
-        "looks of the noise": equivalent_number_of_looks(air),
-        "picked share of the flight": np.isfinite(layer_bins).mean(),
-        "accumulation": echogram.attrs.get("accumulation_m", np.nan),
-    }
-    numbers |= {f"power, percentile {p}": np.percentile(snow, p) for p in PERCENTILES}
-    curves = {}
-    for along, lags in ((ACROSS, LAGS), (DOWN, LAGS)):
-        correlation = autocorrelation(without_profile(snow), lags, along=along)
-        curves[f"autocorrelation along {along}"] = (lags, correlation)
-        for lag, value in zip(lags, correlation, strict=True):
-            if (along, lag) in OBSERVED_CORRELATION:
-                numbers[f"autocorrelation along {along}, lag {lag}"] = value
-    rows = PROFILE_ROWS[surface + PROFILE_ROWS < len(power)]
-    curves["row profile"] = (rows, to_db(power[surface + rows].mean(axis=1) / noise))
-    counts, _ = np.histogram(snow, HISTOGRAM_EDGES_DB, density=True)
-    curves["histogram"] = ((HISTOGRAM_EDGES_DB[1:] + HISTOGRAM_EDGES_DB[:-1]) / 2, counts)
-    curves["visibility"] = visibility(power, layer_bins)
-    curves |= standard_curves(snow)
-    return numbers, curves
-
-
-def without_profile(image):
-    """Image less the mean of every row: what changes with depth alone is no texture."""
-    return image - image.mean(axis=1, keepdims=True)
-
-
-def standard_curves(image):
-    """Histogram and row profile of an image in standard deviations from its mean: scale and offset do not count."""
-    standard = (image - image.mean()) / image.std()
-    counts, _ = np.histogram(standard, STANDARD_EDGES, density=True)
-    return {
-        "standard histogram": ((STANDARD_EDGES[1:] + STANDARD_EDGES[:-1]) / 2, counts),
-        "standard profile": (np.arange(len(image)), standard.mean(axis=1)),
-    }
-
-
-def strongest(tracked):
-    """Mean power of the layer that is brightest on average, NaN without any."""
-    means = [np.nanmean(values) for values in tracked if np.isfinite(values).any()]
-    return max(means, default=np.nan)
-
-
-def layer_spread_db(tracked):
-    """Standard deviation of mean powers from one layer to the next, without their fall with depth [dB]."""
-    levels = to_db(np.array([np.nanmean(values) for values in tracked if np.isfinite(values).any()]))
-    # Second differences know no straight line; of independent levels they have six times the variance.
-    return float(np.sqrt(np.mean(np.diff(levels, 2) ** 2) / 6)) if levels.size > 4 else np.nan
-
-
-def describe_other_band(path):
-    """What can be said of an 8-bit echogram of unknown scale: texture by quantity, and standard curves."""
-    image = read_image(path)[0].astype(float)
-    numbers, curves = {}, standard_curves(image)
-    for along, lags in ((ACROSS, LAGS), (DOWN, LAGS)):
-        correlation = autocorrelation(without_profile(image), lags, along=along)
-        curves[f"autocorrelation along {along}"] = (lags, correlation)
-        for lag, value in zip(lags, correlation, strict=True):
-            if (along, lag) in OBSERVED_CORRELATION:
-                numbers[f"autocorrelation along {along}, lag {lag}"] = value
-    return numbers, curves
-
-
-def describe_physics(reference, seed):
-    """Density logs as the flight draws them, and its range response: value, lowest and highest."""
-    settings = checked_settings(reference)
-    firn, bandwidth_hz = settings.firn, settings.radar.bandwidth_hz
+def tabulate_realism(echograms, layers, statistics, train, test, other_band, table, curves, *, reference, source, seed):
+    pairs = progress(list(zip(echograms, layers, strict=True)), "realism")
+    frames = [describe_frame(read_dataset(echogram), read_dataset(picks)) for echogram, picks in pairs]
+    others = [describe_image(read_image(path)[0]) for path in other_band]
+    flight = read_dataset(statistics)
     rng = random_stream(seed, "tabulate_realism")
-    logs = draw_layering(
-        N_LOGS, LOG_SAMPLES, LOG_SPACING_M, firn.layering_sd_kg_m3, firn.layering_length_m, rng=rng
-    ).astype(float)  # fmt: skip
-    lags = np.arange(60)
-    lengths = []
-    for log in logs:
-        correlation = np.array([np.mean(log[: LOG_SAMPLES - lag] * log[lag:]) for lag in lags]) / np.mean(log**2)
-        fallen = int(np.argmax(correlation < np.exp(-1)))
-        above, below = correlation[fallen - 1 : fallen + 1]
-        lengths.append(100 * LOG_SPACING_M * (fallen - (np.exp(-1) - below) / (above - below)))
-    x = np.arange(-8, 8, 1e-3) / bandwidth_hz
-    response = hann_response(x, bandwidth_hz) ** 2
-    side = response[x >= 0]
-    null = x[x >= 0][np.flatnonzero((side[1:-1] < side[:-2]) & (side[1:-1] <= side[2:]))[0] + 1]
-    metres = SPEED_OF_LIGHT_M_S  # there and back, as the published widths are given
-    spread = logs.std(axis=1) / 1e3
-    mean = firn.surface_density_kg_m3 / 1e3
-    return {
-        "range response, null to null": (2 * null * metres,) * 3,
-        "range response, equivalent width": (response.sum() * (x[1] - x[0]) * metres,) * 3,
-        "density of snow at the surface": (mean,) * 3,
-        "density log, detrended deviation": (np.median(spread), spread.min(), spread.max()),
-        "density log, vertical 1/e length": (np.median(lengths), min(lengths), max(lengths)),
-    }
-
-
-def power_at(power, bins):
-    """Power in the bins of one layer, (range_line,), NaN in gaps."""
-    held = np.flatnonzero(np.isfinite(bins))
-    values = np.full(bins.size, np.nan)
-    values[held] = power[np.rint(bins[held]).astype(int), held]
-    return values
-
-
-def visibility(power, layer_bins):
-    """Rise of layers over the snow above and below [dB], block by block: their depths and rises.
-
-    Snow is taken half way to either neighbour, and its decibels averaged: a steady fall with depth is no rise.
-    """
-    on = [power_at(power, bins) for bins in layer_bins]
-    off = [power_at(power, (above + below) / 2) for above, below in zip(layer_bins[:-1], layer_bins[1:], strict=True)]
-    depth, rise = [], []
-    for layer in range(1, len(layer_bins) - 1):
-        three = np.array([on[layer], off[layer - 1], off[layer]])
-        for first in range(0, three.shape[1] - LINES + 1, LINES):
-            part = three[:, first : first + LINES]
-            held = np.isfinite(part).all(axis=0)
-            if 2 * held.sum() >= LINES:
-                level = to_db(part[:, held].mean(axis=1))
-                below = layer_bins[layer] - layer_bins[0]
-                depth.append(below[first : first + LINES][held].mean())
-                rise.append(level[0] - (level[1] + level[2]) / 2)
-    return np.array(depth), np.array(rise)
-
-
-def curve_table(curves):
-    """Median, smallest and largest over frames of every curve at every x; `visibility` over layers, by depth."""
-    parts = []
-    for name in curves[0]:
-        part = pd.concat([pd.DataFrame({"x": of[name][0], "value": of[name][1]}) for of in curves if name in of])
-        if name == "visibility":
-            part["x"] = (part["x"] // DEPTH_STEP + 0.5) * DEPTH_STEP
-        by_x = part.groupby("x")["value"]
-        part = pd.DataFrame({"value": by_x.median(), "low": by_x.min(), "high": by_x.max()}).reset_index()
-        parts.append(part.assign(curve=name)[["curve", "x", "value", "low", "high"]])
-    return pd.concat(parts)
-
-
-def observed_rows():
-    """Published values by quantity: unit, lowest and highest (NaN where there is none), source."""
-    none = (np.nan, np.nan)
-    rows = {
-        "range bin in air": ("cm", 4.33, 4.33, "2012 product; 1.76 in 2009, 1.30 in 2016"),
-        "line spacing": ("m", 5.47, 5.47, "frame 20160419_04_082"),
-        "range bins of a frame": ("1", 1271, 1271, "frame 20160419_04_082, finer bins"),
-        "range lines of a frame": ("1", 904, 904, "frame 20160419_04_082"),
-        "brightest echo over noise": ("dB", 53, 53, "sea ice 2016, a brighter surface"),
-        f"mean power {TAIL_BINS} bins below the surface": ("dB over noise", 10, 10, "sea ice 2016"),
-        "strong layers over noise": ("dB", 20, np.nan, "Greenland 2012: over 20 dB"),
-        "surface over the strongest layer": ("dB", 3, 3, "choice of a published simulator"),
-        "spread of a layer's power from layer to layer": ("dB", 1.5, 1.5, "choice of a published simulator"),
-        "range response, null to null": ("m", 0.2, 0.2, "Hann window over 6 GHz"),
-        "range response, equivalent width": ("m", 0.075, 0.075, "Hann window over 6 GHz"),
-        "density of snow at the surface": ("g cm-3", 0.31, 0.37, "means of near-surface logs"),
-        "density log, detrended deviation": ("g cm-3", 0.046, 0.056, "near-surface logs"),
-        "density log, vertical 1/e length": ("cm", 2.2, 2.5, "near-surface logs"),
-        "looks of the noise": ("1", *none, "none published"),
-        "looks under the picks": ("1", *none, "none published"),
-        "Doppler spectrum, highest over lowest": ("dB", *none, "flat by eye, Yari et al. (2021), Fig. 8"),
-        "picked share of the flight": ("1", *none, "none published"),
-        "picked share of train scenes": ("1", *none, "partial, Yari et al. (2021); no number published"),
-        "missing share of labels in train scenes": ("1", *none, "some, Yari et al. (2021); no number published"),
-        "test scenes of fewer than 6 layers": ("1", 0.57, 0.57, "Yari et al. (2021), test set"),
-        "most layers of a test scene": ("1", 34, 34, "Yari et al. (2021), test set"),
-        "accumulation": ("m w.e. per year", 0.1, 0.6, "interior 0.1-0.3, western percolation zone 0.3-0.6"),
-        "mean thickness of the first slab": ("range bins", *none, "none published"),
-        "thickness, deviation over mean": ("1", 0.29, 0.29, "choice of a published simulator: N(1.24, 0.36)"),
-        "thickness, correlation length along track": ("range lines", 18, 18, "choice of a published simulator"),
-    }
-    rows |= {f"power, percentile {p}": ("dB over noise", *none, "none published") for p in PERCENTILES}
-    for (along, lag), (low, high) in OBSERVED_CORRELATION.items():
-        rows[f"autocorrelation along {along}, lag {lag}"] = ("1", low, high, TEXTURE)
-    return rows
-
-
-def describe_flight(statistics):
-    """Numbers that belong to the flight as a whole: value, lowest and highest."""
-    numbers = {"looks under the picks": (statistics.attrs["n_looks"],) * 3}
-    if "doppler_layer_mean" in statistics:
-        density = statistics["doppler_layer_mean"].values
-        window = np.full(min(SMOOTHED_WAVENUMBERS, density.size), 1 / min(SMOOTHED_WAVENUMBERS, density.size))
-        smooth = np.convolve(density, window, mode="valid")
-        numbers["Doppler spectrum, highest over lowest"] = (float(to_db(smooth.max() / smooth.min())),) * 3
-    own = statistics["source"].values == 0
-    mean, variance = (statistics[f"thickness_{name}"].values for name in ("mean_bins", "variance_bins2"))
-    first, spread = mean[:, 0], (np.sqrt(variance) / mean)[own]
-    numbers["mean thickness of the first slab"] = (np.median(first), first.min(), first.max())
-    if spread.size:
-        numbers["thickness, deviation over mean"] = (np.median(spread), spread.min(), spread.max())
-    lengths = [correlation_length(psd) for psd in statistics["thickness_psd"].values[:, 0]]
-    numbers["thickness, correlation length along track"] = (np.median(lengths), min(lengths), max(lengths))
-    return numbers
-
-
-def correlation_length(psd):
-    """Lag at which the autocorrelation of a one-sided spectrum over a block has fallen to 1/e [range lines]."""
-    correlation = np.fft.irfft(psd)
-    fallen = int(np.argmax(correlation < correlation[0] / np.e))
-    above, below = correlation[fallen - 1 : fallen + 1] / correlation[0]
-    return fallen - (np.exp(-1) - below) / (above - below)
-
-
-def thickness_curves(statistics):
-    """Spectrum of the thickness of the first slab, a curve for each zone."""
-    inner = slice(1, -1)  # the highest wavenumber of a one-sided spectrum stands for itself alone
-    wavenumber = statistics["wavenumber"].values[inner]
-    return [{"thickness PSD": (wavenumber, psd[inner])} for psd in statistics["thickness_psd"].values[:, 0]]
-
-
-def describe_benchmark(paths_to_train, paths_to_test):
-    """Picked share of train scenes, and how many layers test scenes have: value, lowest and highest."""
-    with SceneSet(paths_to_test) as scenes:
-        # The surface is no layer of the count.
-        n_layers = np.array([np.isfinite(scene.layer_bins).any(axis=1).sum() - 1 for scene in scenes])
-    with SceneSet(paths_to_train) as scenes:
-        counts = [
-            [np.isfinite(scene.layer_bins).sum(), np.isfinite(scene.complete_layer_bins).sum()]
-            for scene in scenes
-            if scene.complete_layer_bins is not None
-        ]
-    numbers = {
-        "test scenes of fewer than 6 layers": ((n_layers < 6).mean(),) * 3,
-        "most layers of a test scene": (n_layers.max(),) * 3,
-    }
-    if counts:
-        picked, complete = np.array(counts).T
-        shares = picked / complete
-        share = picked.sum() / complete.sum()
-        numbers["picked share of train scenes"] = (share, shares.min(), shares.max())
-        numbers["missing share of labels in train scenes"] = (1 - share, 1 - shares.max(), 1 - shares.min())
-    return numbers
-
-
-def tabulate(
-    paths_to_frames,
-    path_to_statistics,
-    paths_to_train,
-    paths_to_test,
-    paths_to_other_band,
-    path_to_table,
-    path_to_curves,
-    reference,
-    source,
-    seed,
-):
-    frames = [
-        describe_frame(read_dataset(echogram), read_dataset(layers))
-        for echogram, layers in progress(list(zip(*paths_to_frames, strict=True)), "realism")
-    ]
-    statistics = read_dataset(path_to_statistics)
-    by_frame = pd.DataFrame([numbers for numbers, _ in frames])
-    numbers = {name: (by_frame[name].median(), by_frame[name].min(), by_frame[name].max()) for name in by_frame}
-    numbers |= describe_flight(statistics)
-    numbers |= describe_benchmark(paths_to_train, paths_to_test)
-    numbers |= describe_physics(reference, seed)
-    observed = observed_rows()
-    columns = ["value", "low", "high", "unit", "observed_low", "observed_high", "source"]
-    table = pd.DataFrame([(*numbers[name], *observed[name]) for name in observed if name in numbers], columns=columns)
-    table.insert(0, "quantity", [name for name in observed if name in numbers])
-    others = [describe_other_band(path) for path in paths_to_other_band]
-    by_image = pd.DataFrame([found for found, _ in others], columns=[q for q in table["quantity"] if "lag" in q])
-    for column, values in (("other_band_low", by_image.min()), ("other_band_high", by_image.max())):
-        table[column] = table["quantity"].map(values)
-    write_table(path_to_table, table.assign(data=source))
-    curves = [curve_table([found for _, found in frames]), curve_table(thickness_curves(statistics))]
-    curves = [pd.concat(curves).assign(data=source)]
+    of_flight = describe_flight(flight) | describe_physics(checked_settings(reference), rng=rng)
+    with SceneSet(train) as train_scenes, SceneSet(test) as test_scenes:
+        of_flight |= describe_benchmark(train_scenes, test_scenes)
+    numbers, of_others = ([found for found, _ in described] for described in (frames, others))
+    write_table(table, realism_table(numbers, of_flight, of_others).assign(data=source))
+    drawn = [curve_table([found for _, found in frames]), curve_table(thickness_curves(flight))]
+    drawn = [pd.concat(drawn).assign(data=source)]
     if others:
-        curves.append(curve_table([found for _, found in others]).assign(data=OTHER_BAND))
-    write_table(path_to_curves, pd.concat(curves))
+        drawn.append(curve_table([found for _, found in others]).assign(data=OTHER_BAND))
+    write_table(curves, pd.concat(drawn))
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        tabulate(
-            (snakemake.input.echograms, snakemake.input.layers),
-            snakemake.input.statistics,
-            snakemake.input.train,
-            snakemake.input.test,
-            snakemake.input.get("other_band", []),
-            *snakemake.output,
-            **snakemake.params,
-        )
+run(tabulate_realism)
