@@ -14,12 +14,14 @@ def train_width(
 ):  # fmt: skip
     if mode == "equal_time":
         n_steps = steps_in(seconds, read_table(speed), width)
-    changed = {
+    options = {
+        **training,
         "settings": {**training["settings"], "width": width, "n_steps": n_steps},
         "validation": {**training["validation"], "every_steps": max(1, n_steps // N_VALIDATIONS)},
+        "checkpoint": checkpoint,
+        "events": events,
     }
-    outputs = (generator, losses, scores, samples)
-    train_cgan(train, *outputs, **{**training, **changed}, checkpoint=checkpoint, events=events)
+    train_cgan(train, generator, losses, scores, samples, **options)
 
 
 run(train_width)

@@ -1,10 +1,4 @@
-"""The flight and the benchmark as numbers and curves that can stand beside what is published of real echograms.
-
-Histogram and percentiles are of decibels, the fall of power with depth and all; autocorrelation is of decibels less the
-mean of their row. About the overall mean real images give 0.89-0.97 at a lag of one trace, about the row's 0.59-0.74:
-only the latter is near the 0.63-0.79 that is published of them. Grey levels of images of another band have no known
-scale in decibels, so histograms and row profiles are compared in standard deviations from the mean, too.
-"""
+"""The flight and the benchmark as numbers and curves that can stand beside what is published of real echograms."""
 
 import numpy as np
 import pandas as pd
@@ -97,11 +91,11 @@ def realism_table(frames, of_flight, others):
     return table
 
 
-def curve_table(curves):
-    """Median, smallest and largest over frames of every curve at every x; `visibility` over layers, by depth."""
+def curve_table(*groups):
+    """Median, smallest and largest over frames or zones (dicts of curves) at every x; `visibility` by depth."""
     parts = []
-    for name in curves[0]:
-        part = pd.concat([pd.DataFrame({"x": of[name][0], "value": of[name][1]}) for of in curves if name in of])
+    for name, group in [(name, held) for held in groups for name in held[0]]:
+        part = pd.concat([pd.DataFrame({"x": of[name][0], "value": of[name][1]}) for of in group if name in of])
         if name == "visibility":
             part["x"] = (part["x"] // DEPTH_STEP + 0.5) * DEPTH_STEP
         by_x = part.groupby("x")["value"]
@@ -155,7 +149,11 @@ def describe_image(image):
 
 
 def describe_texture(image):
-    """Autocorrelation of an image less the mean of every row: what changes with depth alone is no texture."""
+    """Autocorrelation of an image less the mean of every row: what changes with depth alone is no texture.
+
+    About the overall mean real images give 0.89-0.97 at a lag of one trace, about the row's 0.59-0.74: only the latter
+    is near the 0.63-0.79 that is published of them.
+    """
     numbers, curves = {}, {}
     for along in (ACROSS, DOWN):
         correlation = autocorrelation(image - image.mean(axis=1, keepdims=True), LAGS, along=along)
@@ -167,7 +165,7 @@ def describe_texture(image):
 
 
 def standard_curves(image):
-    """Histogram and row profile of an image in standard deviations from its mean: scale and offset do not count."""
+    """Histogram and row profile in standard deviations from the mean: images of another band have no known scale."""
     standard = (image - image.mean()) / image.std()
     return {
         "standard histogram": histogram(standard, STANDARD_EDGES),
