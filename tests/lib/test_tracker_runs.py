@@ -28,11 +28,12 @@ def test_a_setting_changes_what_it_names_and_nothing_else():
     assert data_of({"n_layers": 3, "zones": [0]}, TRACKER)["n_layers"] == 3
 
 
-def test_the_best_of_the_candidates_is_chosen_beside_the_defaults():
+def test_the_best_of_the_candidates_is_chosen_beside_the_defaults(tmp_path):
     rows = [("default", "rd", 0.5), ("masked", "rd", 0.6), ("longer", "rd", 0.9), ("default", "rd_pd", 0.7)]
     table = pd.DataFrame(rows, columns=["setting", "training_set", "mean"]).assign(metric="ods")
+    table.to_csv(tmp_path / "ablation.csv", index=False)
     # More steps are another experiment, however well they do.
-    runs = best_runs(table, ablation_of(STUDY, ["rd", "rd_pd"]))
+    runs = best_runs(tmp_path / "ablation.csv", ablation_of(STUDY, ["rd", "rd_pd"]))
     assert runs == [("default", "rd"), ("default", "rd_pd"), ("masked", "rd")]
 
 

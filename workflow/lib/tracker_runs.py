@@ -4,6 +4,10 @@ A setting is what changes: `training_sets`, and any of `labels`, `zones`, `n_lay
 (a factor), `phy` and `training`. `tracker` is the section of the configuration.
 """
 
+from pathlib import Path
+
+import pandas as pd
+
 
 def ablation_of(study, training_sets):
     """Settings of the ablation by name, the default first."""
@@ -49,11 +53,39 @@ def phy_of(changes, phy):
     return {**phy, **{key: value for key, value in changes["phy"].items() if key != "estimator"}}
 
 
-def best_runs(table, ablation):
+def estimator_of(changes, config):
+    """Estimator of the statistics that PHY of a setting renders with."""
+    return changes["phy"].get("estimator", config["statistics"]["estimator"])
+
+
+def renders_of(setting, changes, files):
+    """Label sets as PHY of a setting renders them: of its own where it changes PHY, else `files`, the default's."""
+    if "phy" not in changes:
+        return files
+    return [f"results/studies/tracker/{setting}/phy/{Path(file).name}" for file in files]
+
+
+def network_file(setting, training_set, replica):
+    """Where the network of a setting lies; that of the default is Table III's."""
+    folder = "tracker" if setting == "default" else f"studies/tracker/{setting}"
+    return f"results/{folder}/{training_set}/{replica}.safetensors"
+
+
+def count_files(split, runs, replicas):
+    """Where the counts of the fused output of every replica of some runs lie."""
+    return [
+        f"results/studies/tracker/{setting}/{training_set}/{replica}_{split}.parquet"
+        for setting, training_set in runs
+        for replica in replicas
+    ]
+
+
+def best_runs(path_to_ablation, ablation):
     """Default and best candidate of every training set, by the fused ODS of an ablation: (setting, training set).
 
     Candidates leave labels, steps and PHY as they are: what a reader of the paper would take for the same experiment.
     """
+    table = pd.read_csv(path_to_ablation)
     candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "phy"} & set(changes)]
     table = table[(table["metric"] == "ods") & table["setting"].isin(candidates)]
     best = table.loc[table.groupby("training_set")["mean"].idxmax()]

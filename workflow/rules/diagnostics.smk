@@ -108,23 +108,17 @@ LOOP_CONVENTIONS = list(
         ]
     )
 )
+TRIED = "results/closed_loop/{name}_first.{ending}"
 LOOP_LOTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
+# The flight's statistics by every estimator.
+STATISTICS = {
+    estimator: f"results/closed_loop/flight_{estimator}.nc"
+    for estimator in ("deblended", "paper")
+} | {config["statistics"]["estimator"]: "results/statistics.nc"}
 
 
 wildcard_constraints:
-    estimator="deblended|paper",
-
-
-def statistics_by(estimator=None):
-    """The flight's statistics by an estimator, that of the configuration unless told."""
-    if estimator in (None, config["statistics"]["estimator"]):
-        return "results/statistics.nc"
-    return f"results/closed_loop/flight_{estimator}.nc"
-
-
-def tried(conventions, ending):
-    """What conventions came to on the first scenes."""
-    return [f"results/closed_loop/{name}_first.{ending}" for name in conventions]
+    estimator="|".join(STATISTICS),
 
 
 use rule fit_statistics as fit_other_statistics with:
@@ -172,11 +166,11 @@ for lot, conventions in enumerate(LOOP_LOTS):
             f"try_conventions_{lot}"
         input:
             layers=[f"results/labels/{shard}.nc" for shard in LOOP_SHARDS],
-            statistics=[statistics_by(name.split("_")[0]) for name in conventions],
+            statistics=[STATISTICS[name.split("_")[0]] for name in conventions],
             code=imported_by("try_conventions.py"),
         output:
-            recovered=tried(conventions, "nc"),
-            tables=tried(conventions, "csv"),
+            recovered=expand(TRIED, name=conventions, ending="nc"),
+            tables=expand(TRIED, name=conventions, ending="csv"),
         log:
             f"logs/try_conventions/{lot}.log",
         benchmark:
@@ -199,8 +193,8 @@ rule tabulate_closed_loop:
     input:
         summaries=expand("results/closed_loop/parts/{shard}.nc", shard=shards("labels")),
         statistics="results/statistics.nc",
-        tried_tables=tried(LOOP_CONVENTIONS, "csv"),
-        tried_statistics=tried(LOOP_CONVENTIONS, "nc"),
+        tried_tables=expand(TRIED, name=LOOP_CONVENTIONS, ending="csv"),
+        tried_statistics=expand(TRIED, name=LOOP_CONVENTIONS, ending="nc"),
         code=imported_by("tabulate_closed_loop.py"),
     output:
         recovered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",

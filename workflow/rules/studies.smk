@@ -1,17 +1,15 @@
 # Studies of many trainings each: nothing on the way from flight to Table III depends on this file. Not part of the
 # default run: snakemake studies.
 
-import pandas as pd
-
 from lib import tracker_runs
 
 # What makes synthetic data help or hurt the tracker, and what the default number of trainings can resolve. Settings are
 # compared on the held-out validation scenes; of those that leave labels, steps and PHY as they are, the best is scored
 # on the test scenes, once.
-STUDY = config["studies"]["tracker"]
+STUDY, TRACKER = config["studies"]["tracker"], config["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
 # Replicas of the default training sets beyond those of the default run.
-MORE_SEEDS = list(range(config["tracker"]["n_seeds"], STUDY["n_seeds"]))
+MORE_SEEDS = list(range(TRACKER["n_seeds"], STUDY["n_seeds"]))
 ABLATION = tracker_runs.ablation_of(STUDY, TRAINING_SETS)
 ABLATION_RUNS = [
     (setting, training_set)
@@ -31,48 +29,12 @@ wildcard_constraints:
     any_setting="|".join(STUDIED),
 
 
-def of_setting(function):
-    """Parameter: what a function makes of the changes of a setting."""
-    return lambda wildcards: function(STUDIED[wildcards.setting], config["tracker"])
-
-
-def study_added_scenes(method):
-    """Input function: the label sets that join the real scenes, as PHY of the setting renders them."""
-
-    def files(wildcards):
-        if method == "phy" and "phy" in STUDIED[wildcards.setting]:
-            folder = f"results/studies/tracker/{wildcards.setting}/phy"
-            return [f"{folder}/{shard}.nc" for shard in shards("labels")]
-        return added_scenes(method)(wildcards)
-
-    return files
-
-
-def study_network(setting, training_set, replica):
-    """Where the network of a setting lies; that of the default is Table III's."""
-    folder = "tracker" if setting == "default" else f"studies/tracker/{setting}"
-    return f"results/{folder}/{training_set}/{replica}.safetensors"
-
-
-def study_counts(split, runs):
-    """Counts of the fused output of every replica of some runs."""
-    return [
-        f"results/studies/tracker/{setting}/{training_set}/{replica}_{split}.parquet"
-        for setting, training_set in runs
-        for replica in ABLATION_SEEDS
-    ]
-
-
-def chosen_runs(wildcards):
-    """Default and best candidate of every training set, on the validation scenes."""
-    table = checkpoints.tabulate_ablation.get().output.table
-    return tracker_runs.best_runs(pd.read_csv(table), ABLATION)
-
-
 use rule render_phy as render_study_phy with:
     input:
         layers="results/labels/{shard}.nc",
-        statistics=lambda w: statistics_by(STUDIED[w.setting]["phy"].get("estimator")),
+        statistics=lambda w: STATISTICS[
+            tracker_runs.estimator_of(STUDIED[w.setting], config)
+        ],
         code=imported_by("render_phy.py"),
     output:
         scenes="results/studies/tracker/{setting}/phy/{shard}.nc",
@@ -89,8 +51,10 @@ use rule render_phy as render_study_phy with:
 use rule train_tracker as train_study_tracker with:
     input:
         real=benchmark_files("train"),
-        phy=study_added_scenes("phy"),
-        cgan=study_added_scenes("cgan"),
+        phy=lambda w: tracker_runs.renders_of(
+            w.setting, STUDIED[w.setting], added_scenes("phy")(w)
+        ),
+        cgan=added_scenes("cgan"),
         code=imported_by("train_tracker.py"),
     output:
         network="results/studies/tracker/{setting}/{training_set}/{replica}.safetensors",
@@ -100,9 +64,9 @@ use rule train_tracker as train_study_tracker with:
     benchmark:
         "results/benchmarks/train_study_tracker/{setting}/{training_set}/{replica}.tsv"
     params:
-        n_epochs=of_setting(tracker_runs.epochs_of),
-        data=of_setting(tracker_runs.data_of),
-        settings=of_setting(tracker_runs.training_of),
+        n_epochs=lambda w: tracker_runs.epochs_of(STUDIED[w.setting], TRACKER),
+        data=lambda w: tracker_runs.data_of(STUDIED[w.setting], TRACKER),
+        settings=lambda w: tracker_runs.training_of(STUDIED[w.setting], TRACKER),
         checkpoint="results/checkpoints/train_study_tracker_{setting}_{training_set}_{replica}.safetensors",
         events=None,
     message:
@@ -112,7 +76,9 @@ use rule train_tracker as train_study_tracker with:
 use rule score_tracker as score_study_tracker with:
     input:
         scenes=lambda wildcards: benchmark_files(wildcards.split),
-        networks=lambda w: [study_network(w.any_setting, w.training_set, w.replica)],
+        networks=lambda w: [
+            tracker_runs.network_file(w.any_setting, w.training_set, w.replica)
+        ],
         code=imported_by("score_tracker.py"),
     output:
         counts=[
@@ -153,7 +119,7 @@ if MORE_SEEDS:
 
 checkpoint tabulate_ablation:
     input:
-        counts=study_counts("validation", ABLATION_RUNS),
+        counts=tracker_runs.count_files("validation", ABLATION_RUNS, ABLATION_SEEDS),
         code=imported_by("tabulate_ablation.py"),
     output:
         table="results/studies/tracker/ablation.csv",
@@ -165,7 +131,7 @@ checkpoint tabulate_ablation:
         "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
-        n_bootstrap=config["tracker"]["n_bootstrap"],
+        n_bootstrap=TRACKER["n_bootstrap"],
         runs=ABLATION_RUNS,
         replicas=ABLATION_SEEDS,
     message:
@@ -176,7 +142,13 @@ checkpoint tabulate_ablation:
 
 use rule tabulate_ablation as tabulate_chosen with:
     input:
-        counts=lambda wildcards: study_counts("test", chosen_runs(wildcards)),
+        counts=lambda wildcards: tracker_runs.count_files(
+            "test",
+            tracker_runs.best_runs(
+                checkpoints.tabulate_ablation.get().output.table, ABLATION
+            ),
+            ABLATION_SEEDS,
+        ),
         code=imported_by("tabulate_ablation.py"),
     output:
         table="results/studies/tracker/chosen.csv",
@@ -185,7 +157,9 @@ use rule tabulate_ablation as tabulate_chosen with:
     benchmark:
         "results/benchmarks/tabulate_chosen/all.tsv"
     params:
-        runs=chosen_runs,
+        runs=lambda wildcards: tracker_runs.best_runs(
+            checkpoints.tabulate_ablation.get().output.table, ABLATION
+        ),
     message:
         "the best settings on the test scenes"
 
@@ -208,7 +182,7 @@ rule tabulate_seeds:
         "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
-        n_bootstrap=config["tracker"]["n_bootstrap"],
+        n_bootstrap=TRACKER["n_bootstrap"],
         training_sets=list(TRAINING_SETS),
         n_replicas=STUDY["n_seeds"],
     message:
@@ -220,7 +194,9 @@ rule tabulate_seeds:
 rule time_trackers:
     input:
         scenes=benchmark_files("validation"),
-        networks=[study_network(name, "rd", 0) for name in ["default", *NETWORKS]],
+        networks=[
+            tracker_runs.network_file(name, "rd", 0) for name in ["default", *NETWORKS]
+        ],
         counts=[
             f"results/studies/tracker/{name}/rd/0_validation.parquet"
             for name in ["default", *NETWORKS]
@@ -265,7 +241,7 @@ rule stress_tracker:
         mem_mb=2000,
     params:
         seed=config["seed"],
-        settings=config["tracker"]["training"],
+        settings=TRACKER["training"],
         phy=config["phy"],
         stability=STUDY["stability"],
     message:
