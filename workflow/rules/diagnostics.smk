@@ -78,10 +78,9 @@ rule evidence:
     input:
         rules.compare_renders.output,
         figure_files("similarity"),
-        "results/gallery.json",
     localrule: True
     message:
-        "evidence on the paper's claims, scenes for the gallery"
+        "evidence on what the paper claims of renders"
 
 
 # What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
