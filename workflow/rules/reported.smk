@@ -5,15 +5,6 @@ import hashlib
 from snakemake.io import get_flag_value
 
 
-def study_rules():
-    """Rules of studies: those in files named study_*.smk."""
-    return [
-        item
-        for item in workflow.rules
-        if Path(item.snakefile).stem.startswith("study_")
-    ]
-
-
 def declared_figures(wanted):
     """Figures that rules declare with a caption, those among `wanted`: file, caption's file, stage."""
     return [
@@ -45,8 +36,7 @@ def study_files():
     What a study makes takes hours. It joins the page when it is there, and is no input of it: as one, a stale study
     would be rerun by the default run. The digests are parameters: they have the page written anew when one changes.
     """
-    declared = {str(file) for item in study_rules() for file in item.output}
-    figures = [name for name in declared if name.startswith("results/figures/")]
+    figures = figure_files("study_cgan") + figure_files("study_tracker")
     paths = [*Path("results/studies").glob("*/*.csv"), *map(Path, figures)]
     return {
         str(path): hashlib.sha256(path.read_bytes()).hexdigest()[:16]
@@ -57,9 +47,7 @@ def study_files():
 
 def study_parts():
     """Names of the studies there are rules for."""
-    return sorted(
-        {Path(item.snakefile).stem.removeprefix("study_") for item in study_rules()}
-    )
+    return sorted(item.name.removeprefix("study_") for item in targets(prefix="study_"))
 
 
 def measured_stages():
