@@ -12,7 +12,6 @@ include: "workflow/rules/phy.smk"
 include: "workflow/rules/cgan.smk"
 include: "workflow/rules/similarity.smk"
 include: "workflow/rules/tracker.smk"
-include: "workflow/rules/charts.smk"
 include: "workflow/rules/stability.smk"
 include: "workflow/rules/stability_statistics.smk"
 include: "workflow/rules/phy_charts.smk"
@@ -27,7 +26,7 @@ include: "workflow/rules/study_convolution.smk"
 include: "workflow/rules/study_cgan.smk"
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/guards.smk"
-include: "workflow/rules/paper_figures.smk"
+include: "workflow/rules/figures.smk"
 
 
 localrules:
@@ -47,7 +46,6 @@ localrules:
     export,
     study_tracker,
     evidence,
-    paper_figures,
     report,
     convolution,
     study_convolution,
@@ -71,7 +69,6 @@ rule all:
         rules.evidence.input,
         rules.validation.input,
         rules.convolution.input,
-        rules.paper_figures.input,
         "results/report.html",
     message:
         "both tables, every figure and the report (default)"

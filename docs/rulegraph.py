@@ -34,8 +34,10 @@ FLOW = {
 
 GAP, ROW, CHARACTER, HEIGHT, WAY = 16, 50, 6.4, 21, 10  # [px]
 N_SWEEPS = 24
-# A rule by its header, and one made in a loop by the name it is given.
-RULE_NAME = re.compile(r'^ *(?:rule|checkpoint) (\w+):|^ *use rule \w+ as (\w+)|^ *f"(\w+)_{lot}"', re.MULTILINE)
+# A rule by its header, and those made in a loop by the name they are given, without what tells them apart.
+RULE_NAME = re.compile(
+    r'^ *(?:rule|checkpoint) (\w+):|^ *use rule \w+ as (\w+)|^ *name:\s+(?:f")?(\w+?)(?:_{\w+}")?$', re.MULTILINE
+)
 
 
 def read_rules():
@@ -46,9 +48,9 @@ def read_rules():
     if done.returncode:
         msg = f"snakemake --rulegraph failed: {done.stderr.strip().splitlines()[-1:]}"
         raise ValueError(msg)
-    # Rules of one script, made in a loop, end with a number: one node.
+    # Rules of one script, made in a loop, end with a number, or are the plots of a stage: one node.
     labels = re.findall(r'(\d+)\[label = "(\w+)', done.stdout)
-    names = {number: re.sub(r"_\d{4}$", "", name) for number, name in labels}
+    names = {number: re.sub(r"_\d{4}$|(?<=^plot)_\w+$", "", name) for number, name in labels}
     edges = {(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", done.stdout)}
     return {edge for edge in edges if edge[1] != "all"}
 

@@ -38,36 +38,6 @@ rule train_cgan:
         "../scripts/train_cgan.py"
 
 
-rule plot_cgan_training:
-    input:
-        losses="results/cgan/losses.csv",
-        validation="results/cgan/validation.csv",
-        samples="results/cgan/samples.nc",
-        code=imported_by("plot_cgan_training.py"),
-    output:
-        losses=report(
-            "results/figures/cgan_losses.svg", caption="../report/cgan_losses.rst"
-        ),
-        samples=report(
-            "results/figures/cgan_samples.png", caption="../report/cgan_samples.rst"
-        ),
-    log:
-        "logs/plot_cgan_training.log",
-    benchmark:
-        "results/benchmarks/plot_cgan_training/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "losses and sample sheet of the cGAN"
-    script:
-        "../scripts/plot_cgan_training.py"
-
-
 rule render_cgan:
     input:
         layers=layers_of,

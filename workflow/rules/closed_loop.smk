@@ -132,35 +132,9 @@ rule tabulate_closed_loop:
         "../scripts/tabulate_closed_loop.py"
 
 
-rule plot_closed_loop:
-    input:
-        table="results/tables/closed_loop.csv",
-        conventions="results/tables/closed_loop_conventions.csv",
-        code=imported_by("plot_closed_loop.py"),
-    output:
-        figure=report(
-            "results/figures/closed_loop.svg", caption="../report/closed_loop.rst"
-        ),
-    log:
-        "logs/plot_closed_loop.log",
-    benchmark:
-        "results/benchmarks/plot_closed_loop/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the closed loop"
-    script:
-        "../scripts/plot_closed_loop.py"
-
-
 rule closed_loop:
     input:
         rules.tabulate_closed_loop.output,
-        rules.plot_closed_loop.output,
+        *figure_files("closed_loop"),
     message:
         "statistics that went into PHY beside those its renders give back"

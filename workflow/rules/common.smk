@@ -185,8 +185,12 @@ FIGURES = yaml.safe_load((ROOT / "workflow/figures.yaml").read_text())
 
 
 def figure_files(stage):
-    """Figures of a stage, as the registry names them."""
-    return [f"results/figures/{file}" for file in FIGURES[stage]]
+    """Figures of a stage, as the registry names them, without those that need what the source cannot give."""
+    return [
+        f"results/figures/{file}"
+        for file, figure in FIGURES[stage].items()
+        if figure.get("needs") not in LEFT_OUT[SOURCE]
+    ]
 
 
 def targets(prefix=""):

@@ -43,33 +43,6 @@ rule compare_label_models:
         "../scripts/compare_label_models.py"
 
 
-rule plot_label_models:
-    input:
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
-        code=imported_by("plot_label_models.py"),
-    output:
-        figure=report(
-            "results/figures/label_models.svg", caption="../report/label_models.rst"
-        ),
-    log:
-        "logs/plot_label_models.log",
-    benchmark:
-        "results/benchmarks/plot_label_models/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of label models"
-    script:
-        "../scripts/plot_label_models.py"
-
-
 rule draw_labels:
     input:
         statistics=LABEL_STATISTICS,
@@ -125,38 +98,11 @@ rule summarise_labels:
         "../scripts/summarise_labels.py"
 
 
-rule plot_labels:
-    input:
-        layers="results/tables/label_layers.csv",
-        moments="results/tables/label_moments.csv",
-        spectra="results/tables/label_spectra.csv",
-        correlation="results/tables/label_correlation.csv",
-        code=imported_by("plot_labels.py"),
-    output:
-        figure=report("results/figures/labels.svg", caption="../report/labels.rst"),
-    log:
-        "logs/plot_labels.log",
-    benchmark:
-        "results/benchmarks/plot_labels/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the label sets"
-    script:
-        "../scripts/plot_labels.py"
-
-
 rule labels:
     input:
         expand("results/labels/{shard}.nc", shard=shards("labels")),
         rules.summarise_labels.output,
-        rules.plot_labels.output,
+        *figure_files("labels"),
         rules.compare_label_models.output,
-        rules.plot_label_models.output,
     message:
         "all label sets and their tables"

@@ -33,5 +33,6 @@ rule renders:
             for method in METHODS
             for scenes in ("labels", "test")
         ],
+        *figure_files("renders"),
     message:
-        "label sets and test masks rendered by both methods"
+        "label sets and test masks rendered by both methods, and figures of single scenes"

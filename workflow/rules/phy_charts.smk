@@ -105,76 +105,13 @@ rule summarise_phy_plan:
         "../scripts/summarise_phy_plan.py"
 
 
-rule plot_phy_charts:
-    input:
-        waveforms="results/tables/speed_accuracy_waveforms.csv",
-        speckle="results/tables/speed_accuracy_speckle.csv",
-        scenes="results/tables/speed_accuracy_scenes.csv",
-        growth="results/tables/speed_accuracy_growth.csv",
-        code=imported_by("plot_phy_charts.py"),
-    output:
-        waveforms=report(
-            "results/figures/speed_accuracy_waveforms.svg",
-            caption="../report/speed_accuracy_waveforms.rst",
-        ),
-        speckle=report(
-            "results/figures/speed_accuracy_speckle.svg",
-            caption="../report/speed_accuracy_speckle.rst",
-        ),
-        scenes=report(
-            "results/figures/speed_accuracy_scenes.svg",
-            caption="../report/speed_accuracy_scenes.rst",
-        ),
-        growth=report(
-            "results/figures/speed_accuracy_growth.svg",
-            caption="../report/speed_accuracy_growth.rst",
-        ),
-    log:
-        "logs/plot_phy_charts.log",
-    benchmark:
-        "results/benchmarks/plot_phy_charts/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    message:
-        "figures of PHY's speed and accuracy"
-    script:
-        "../scripts/plot_phy_charts.py"
-
-
-rule plot_phy_plan:
-    input:
-        plans="results/phy_plans.parquet",
-        code=imported_by("plot_phy_plan.py"),
-    output:
-        figure=report("results/figures/phy_plan.svg", caption="../report/phy_plan.rst"),
-    log:
-        "logs/plot_phy_plan.log",
-    benchmark:
-        "results/benchmarks/plot_phy_plan/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of what plans left out"
-    script:
-        "../scripts/plot_phy_plan.py"
-
-
 rule charts_phy:
     input:
         rules.measure_phy_waveforms.output,
         rules.measure_phy_speckle.output,
         rules.measure_scenes.output,
         rules.summarise_phy_plan.output,
-        rules.plot_phy_charts.output,
-        rules.plot_phy_plan.output,
+        *figure_files("phy"),
         rules.stability.input,
     message:
         "speed-accuracy charts and stability atlas of PHY"

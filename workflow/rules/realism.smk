@@ -32,33 +32,9 @@ rule tabulate_realism:
         "../scripts/tabulate_realism.py"
 
 
-rule plot_realism:
-    input:
-        table="results/tables/realism.csv",
-        curves="results/tables/realism_curves.csv",
-        code=imported_by("plot_realism.py"),
-    output:
-        figure=report("results/figures/realism.svg", caption="../report/realism.rst"),
-    log:
-        "logs/plot_realism.log",
-    benchmark:
-        "results/benchmarks/plot_realism/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of flight and published values"
-    script:
-        "../scripts/plot_realism.py"
-
-
 rule realism:
     input:
         rules.tabulate_realism.output,
-        rules.plot_realism.output,
+        *figure_files("realism"),
     message:
         "how real the flight and the benchmark look"

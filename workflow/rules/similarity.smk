@@ -58,62 +58,6 @@ rule tabulate_similarity:
         "../scripts/tabulate_similarity.py"
 
 
-rule plot_similarity:
-    input:
-        images="results/similarity.parquet",
-        ssim_depth="results/tables/ssim_depth.csv",
-        code=imported_by("plot_similarity.py"),
-    output:
-        boxplots=report(
-            "results/figures/similarity_boxplots.svg",
-            caption="../report/similarity_boxplots.rst",
-        ),
-        ssim_depth=report(
-            "results/figures/ssim_depth.svg", caption="../report/ssim_depth.rst"
-        ),
-    log:
-        "logs/plot_similarity.log",
-    benchmark:
-        "results/benchmarks/plot_similarity/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of similarity"
-    script:
-        "../scripts/plot_similarity.py"
-
-
-rule plot_sample:
-    input:
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        images="results/similarity.parquet",
-        code=imported_by("plot_sample.py"),
-    output:
-        sample=report("results/figures/sample.svg", caption="../report/sample.rst"),
-    log:
-        "logs/plot_sample.log",
-    benchmark:
-        "results/benchmarks/plot_sample/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "observed, labels, cGAN, PHY of a few test scenes"
-    script:
-        "../scripts/plot_sample.py"
-
-
 rule explain_similarity:
     input:
         observed=benchmark_files("test"),
@@ -172,42 +116,11 @@ rule measure_air:
         "../scripts/measure_air.py"
 
 
-rule plot_similarity_bounds:
-    input:
-        bounds="results/tables/similarity_bounds.csv",
-        parts="results/tables/similarity_parts.csv",
-        air="results/tables/air_texture.csv",
-        code=imported_by("plot_similarity_bounds.py"),
-    output:
-        figure=report(
-            "results/figures/similarity_bounds.svg",
-            caption="../report/similarity_bounds.rst",
-        ),
-    log:
-        "logs/plot_similarity_bounds.log",
-    benchmark:
-        "results/benchmarks/plot_similarity_bounds/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the bounds of similarity"
-    script:
-        "../scripts/plot_similarity_bounds.py"
-
-
 rule similarity:
     input:
         rules.tabulate_similarity.output,
-        rules.plot_similarity.output,
-        rules.plot_sample.output,
+        *figure_files("similarity"),
         rules.explain_similarity.output,
         rules.measure_air.output,
-        rules.plot_similarity_bounds.output,
-        rules.plot_cgan_training.output,
     message:
         "Table II and its figures"

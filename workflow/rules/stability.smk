@@ -24,35 +24,10 @@ rule stress_phy:
         "../scripts/stress_phy.py"
 
 
-rule plot_phy_stability:
-    input:
-        atlas="results/tables/stability_phy.csv",
-        code=imported_by("plot_phy_stability.py"),
-    output:
-        figure=report(
-            "results/figures/stability_phy.svg", caption="../report/stability_phy.rst"
-        ),
-    log:
-        "logs/plot_phy_stability.log",
-    benchmark:
-        "results/benchmarks/plot_phy_stability/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    message:
-        "figure of the stability atlas"
-    script:
-        "../scripts/plot_phy_stability.py"
-
-
 rule stability:
     input:
         rules.stress_phy.output,
-        rules.plot_phy_stability.output,
+        *figure_files("atlas"),
         "results/tables/stability_statistics.csv",
-        "results/figures/stability_statistics.svg",
-        "results/figures/stability_statistics_borders.svg",
     message:
         "stability atlases of PHY and of the estimators, with their figures"

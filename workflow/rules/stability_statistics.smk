@@ -27,37 +27,9 @@ rule stress_statistics:
         "../scripts/stress_statistics.py"
 
 
-rule plot_statistics_stability:
-    input:
-        atlas="results/tables/stability_statistics.csv",
-        code=imported_by("plot_statistics_stability.py"),
-    output:
-        sweeps=report(
-            "results/figures/stability_statistics.svg",
-            caption="../report/stability_statistics.rst",
-        ),
-        borders=report(
-            "results/figures/stability_statistics_borders.svg",
-            caption="../report/stability_statistics_borders.rst",
-        ),
-    log:
-        "logs/plot_statistics_stability.log",
-    benchmark:
-        "results/benchmarks/plot_statistics_stability/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    message:
-        "figures of the estimators' stability atlas"
-    script:
-        "../scripts/plot_statistics_stability.py"
-
-
 rule stability_statistics:
     input:
         rules.stress_statistics.output,
-        rules.plot_statistics_stability.output,
+        *figure_files("atlas"),
     message:
         "stability atlas of the estimators and its figures"

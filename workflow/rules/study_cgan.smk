@@ -194,10 +194,6 @@ rule study_cgan_tabulate_widths:
         code=imported_by("study_cgan_tabulate_widths.py"),
     output:
         table="results/studies/cgan/widths.csv",
-        figure=report(
-            "results/figures/speed_accuracy_cgan.svg",
-            caption="../report/speed_accuracy_cgan.rst",
-        ),
     log:
         "logs/study_cgan_tabulate_widths.log",
     benchmark:
@@ -209,7 +205,6 @@ rule study_cgan_tabulate_widths:
         mem_mb=1000,
     params:
         runs=[(mode, width) for mode in CGAN_MODES for width in CGAN_STUDY["widths"]],
-        source=NOTE,
     message:
         "speed and similarity of the cGAN by width"
     script:
@@ -245,37 +240,11 @@ rule study_cgan_stability:
         "../scripts/study_cgan_stability.py"
 
 
-rule study_cgan_plot_stability:
-    input:
-        table="results/studies/cgan/stability.csv",
-        code=imported_by("study_cgan_plot_stability.py"),
-    output:
-        figure=report(
-            "results/figures/stability_cgan.svg",
-            caption="../report/stability_cgan.rst",
-        ),
-    log:
-        "logs/study_cgan_plot_stability.log",
-    benchmark:
-        "results/benchmarks/study_cgan_plot_stability/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the cGAN's stability"
-    script:
-        "../scripts/study_cgan_plot_stability.py"
-
-
 rule study_cgan:
     input:
         rules.study_cgan_tabulate_seeds.output,
         rules.study_cgan_tabulate_widths.output,
         rules.study_cgan_stability.output,
-        rules.study_cgan_plot_stability.output,
+        *figure_files("study_cgan"),
     message:
         "studies of the cGAN"

@@ -243,47 +243,6 @@ rule stress_tracker:
         "../scripts/stress_tracker.py"
 
 
-rule plot_study_tracker:
-    input:
-        ablation="results/studies/tracker/ablation.csv",
-        chosen="results/studies/tracker/chosen.csv",
-        seeds="results/studies/tracker/seeds.csv",
-        speed="results/tables/speed_accuracy_tracker.csv",
-        stability="results/studies/tracker/stability.csv",
-        code=imported_by("plot_study_tracker.py"),
-    output:
-        ablation=report(
-            "results/figures/tracker_ablation.svg",
-            caption="../report/tracker_ablation.rst",
-        ),
-        seeds=report(
-            "results/figures/tracker_seeds.svg", caption="../report/tracker_seeds.rst"
-        ),
-        speed=report(
-            "results/figures/speed_accuracy_tracker.svg",
-            caption="../report/speed_accuracy_tracker.rst",
-        ),
-        stability=report(
-            "results/figures/stability_tracker.svg",
-            caption="../report/stability_tracker.rst",
-        ),
-    log:
-        "logs/plot_study_tracker.log",
-    benchmark:
-        "results/benchmarks/plot_study_tracker/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of the studies of the tracker"
-    script:
-        "../scripts/plot_study_tracker.py"
-
-
 rule study_tracker:
     input:
         "results/studies/tracker/ablation.csv",
@@ -291,6 +250,6 @@ rule study_tracker:
         rules.tabulate_seeds.output,
         rules.time_trackers.output,
         rules.stress_tracker.output,
-        rules.plot_study_tracker.output,
+        *figure_files("study_tracker"),
     message:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"

@@ -202,80 +202,11 @@ rule track_samples:
         "../scripts/track_samples.py"
 
 
-rule plot_picks:
-    input:
-        picks="results/tables/picks.csv",
-        depths="results/tables/picks_by_depth.csv",
-        zones="results/tables/table3_zones.csv",
-        samples="results/tracker/samples.nc",
-        code=imported_by("plot_picks.py"),
-    output:
-        picks=report("results/figures/picks.svg", caption="../report/picks.rst"),
-        zones=report(
-            "results/figures/table3_zones.svg", caption="../report/table3_zones.rst"
-        ),
-        sheet=report(
-            "results/figures/side_outputs.png", caption="../report/side_outputs.rst"
-        ),
-    log:
-        "logs/plot_picks.log",
-    benchmark:
-        "results/benchmarks/plot_picks/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of picks and side outputs"
-    script:
-        "../scripts/plot_picks.py"
-
-
-rule plot_trackers:
-    input:
-        curves="results/tables/precision_recall.csv",
-        intervals="results/tables/table3_intervals.csv",
-        losses=expand(
-            "results/tracker/{training_set}/0_losses.csv", training_set=TRAINING_SETS
-        ),
-        code=imported_by("plot_trackers.py"),
-    output:
-        curves=report(
-            "results/figures/precision_recall.svg",
-            caption="../report/precision_recall.rst",
-        ),
-        scores=report("results/figures/table3.svg", caption="../report/table3.rst"),
-        losses=report(
-            "results/figures/tracker_losses.svg",
-            caption="../report/tracker_losses.rst",
-        ),
-    log:
-        "logs/plot_trackers.log",
-    benchmark:
-        "results/benchmarks/plot_trackers/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        training_sets=list(TRAINING_SETS),
-        source=NOTE,
-    message:
-        "figures of the trackers"
-    script:
-        "../scripts/plot_trackers.py"
-
-
 rule trackers:
     input:
         rules.tabulate_trackers.output,
         rules.tabulate_tracker_zones.output,
         rules.tabulate_picks.output,
-        rules.plot_trackers.output,
-        rules.plot_picks.output,
+        *figure_files("tracker"),
     message:
         "Table III, errors of picks, and their figures"

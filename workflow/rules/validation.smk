@@ -32,47 +32,9 @@ rule tabulate_validation:
         "../scripts/tabulate_validation.py"
 
 
-rule plot_validation:
-    input:
-        thickness="results/tables/validation_thickness.csv",
-        tests="results/tables/validation_tests.csv",
-        distributions="results/tables/validation_distributions.csv",
-        superposition="results/tables/superposition.csv",
-        spectra="results/tables/label_spectra.csv",
-        correlation="results/tables/label_correlation.csv",
-        loop="results/tables/closed_loop.csv",
-        code=imported_by("plot_validation.py"),
-    output:
-        thickness=report(
-            "results/figures/validation_thickness.svg",
-            caption="../report/validation_thickness.rst",
-        ),
-        validation=report(
-            "results/figures/validation.svg", caption="../report/validation.rst"
-        ),
-        superposition=report(
-            "results/figures/superposition.svg", caption="../report/superposition.rst"
-        ),
-    log:
-        "logs/plot_validation.log",
-    benchmark:
-        "results/benchmarks/plot_validation/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of the flight beside labels and renders"
-    script:
-        "../scripts/plot_validation.py"
-
-
 rule validation:
     input:
         rules.tabulate_validation.output,
-        rules.plot_validation.output,
+        *figure_files("closed_loop"),
     message:
         "the flight beside what was made of its statistics"

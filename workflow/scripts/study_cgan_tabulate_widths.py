@@ -3,14 +3,12 @@
 import pandas as pd
 from job import job
 
-from lib.figures.cgan import plot_widths
-from lib.figures.style import new_figure, note_source, write_figure
 from snowsim.io.files import read_table, write_table
 
 METRICS = ["psnr", "ssim", "rmse"]
 
 
-def tabulate(path_to_speed, path_to_bounds, paths_to_validations, path_to_table, path_to_figure, runs, source):
+def tabulate(path_to_speed, path_to_bounds, paths_to_validations, path_to_table, runs):
     seconds = read_table(path_to_speed).groupby(["method", "width", "work"])["seconds"].median()
     rows = []
     for (mode, width), path in zip(runs, paths_to_validations, strict=True):
@@ -33,15 +31,7 @@ def tabulate(path_to_speed, path_to_bounds, paths_to_validations, path_to_table,
     phy = {"method": "phy", "mode": "none", "width": 0, "n_steps": 0, "seconds_per_step": float("nan")}
     phy |= {"seconds_per_render": seconds["phy", 0, "render"]} | bounds.loc[same_scenes, METRICS].iloc[0].to_dict()
     phy |= {"n_faults": 0}
-    table = pd.DataFrame([*rows, phy])
-    write_table(path_to_table, table)
-
-    figure, axes = new_figure(1, 3, width=9)
-    for ax, metric in zip(axes[0], METRICS, strict=True):
-        plot_widths(ax, table, metric)
-    axes[0, 0].legend(fontsize=7)
-    note_source(figure, source)
-    write_figure(path_to_figure, figure)
+    write_table(path_to_table, pd.DataFrame([*rows, phy]))
 
 
 if __name__ == "__main__":
