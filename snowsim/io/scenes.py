@@ -27,14 +27,9 @@ def write_scenes(path, scenes, attributes=None):
     path : path_like
         Written aside and renamed when complete.
     scenes : iterable of Scene
-        All with the same number of range lines, and the same arrays present.
+        At least one, all with the same number of range lines and the same arrays present; others are refused.
     attributes : dict, optional
         Global attributes (what made them; ``synthetic``).
-
-    Raises
-    ------
-    ValueError
-        If there is no scene, or scenes differ in width or in what they hold.
 
     Notes
     -----
@@ -117,7 +112,7 @@ class SceneSet:
     def __init__(self, paths):
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
-        self._where = []  # (file, index in file, first pixel row, first layer row)
+        self._where = []  # (file, index in it, first pixel row, first layer row)
         self.heights, self.zones = [], []
         for path in paths:
             self._index(path)
@@ -133,15 +128,10 @@ class SceneSet:
             msg = f"{path}: expected attribute format '{FORMAT}', got {getattr(file, 'format', None)!r}"
             raise ValueError(msg)
         file.set_auto_mask(False)
-        heights = file["n_range_bins"][:]
-        first_rows = np.concatenate([[0], np.cumsum(heights)[:-1]])
-        first_layers = np.concatenate([[0], np.cumsum(file["n_layers"][:])[:-1]])
-        which = len(self._files)
+        heights, n_layers = file["n_range_bins"][:], file["n_layers"][:]
+        first_rows, first_layers = np.cumsum(heights) - heights, np.cumsum(n_layers) - n_layers
         self._files.append(file)
-        self._where += [
-            (which, i, int(row), int(layer))
-            for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
-        ]
+        self._where += [(file, i, *first) for i, first in enumerate(zip(first_rows, first_layers, strict=True))]
         self.heights += [int(height) for height in heights]
         self.zones += [int(zone) for zone in file["zone"][:]]
 
@@ -149,30 +139,20 @@ class SceneSet:
         return len(self._where)
 
     def __getitem__(self, item):
-        which, index, first_row, first_layer = self._where[item]
-        file = self._files[which]
+        file, index, first_row, first_layer = self._where[item]
         n_range_bins, n_layers = int(file["n_range_bins"][index]), int(file["n_layers"][index])
         spans = {
             "pixel_row": slice(first_row, first_row + n_range_bins),
             "layer_row": slice(first_layer, first_layer + n_layers),
         }
-        arrays = {
-            name: np.asarray(file[name][spans[dimension]])
-            for name, (dimension, _) in ARRAYS.items()
-            if name in file.variables
-        }
-        for name in ("layer_bins", "complete_layer_bins"):
-            if name in arrays:
-                arrays[name] = arrays[name].astype(float)
-        return Scene(
-            name=str(file["name"][index]),
-            n_range_bins=n_range_bins,
-            notes=json.loads(file["notes"][index]),
-            zone=int(file["zone"][index]),
-            noise_floor_db=float(file["noise_floor_db"][index]),
-            maximum_db=float(file["maximum_db"][index]),
-            **arrays,
-        )
+        arrays = {}
+        for name, (dimension, dtype) in ARRAYS.items():
+            if name in file.variables:
+                values = np.asarray(file[name][spans[dimension]])
+                arrays[name] = values if dtype == "u1" else values.astype(float)
+        numbers = {name: file[name][index].item() for name in NUMBERS}
+        notes = json.loads(file["notes"][index])
+        return Scene(str(file["name"][index]), n_range_bins, **arrays, **numbers, notes=notes)
 
     def close(self):
         """Close the files."""

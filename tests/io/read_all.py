@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.export import read_scene
 from snowsim.io.images import read_image
 from snowsim.io.png_pairs import read_pair
 
@@ -15,7 +14,6 @@ READERS = {
     "layers": read_layers,
     "image": read_image,
     "pair": read_pair,
-    "scene": read_scene,
 }
 
 

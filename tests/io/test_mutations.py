@@ -18,7 +18,7 @@ import scipy.io
 from PIL import Image
 
 from snowsim.echogram import Scene
-from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
+from snowsim.io.export import export_pairs, layer_numbers
 from snowsim.io.files import write_dataset
 
 SECONDS_PER_FILE = 2
@@ -35,7 +35,6 @@ KINDS = (
     "layers-opr",
     "image-png",
     "pair-mat73",
-    "scene-netcdf",
 )
 
 
@@ -58,9 +57,6 @@ def write_sound(kind, path, rng):
         (path.parent / "pairs" / "data_s.png").rename(path)
     elif kind == "pair-mat73":
         formats.write_mat73(path, {"data": scene.image, "layer": layer_numbers(scene.layer_bins, 300)[0]})
-    elif kind == "scene-netcdf":
-        export_netcdf(path.parent / "scenes", [scene])
-        (path.parent / "scenes" / "scene_s.nc").rename(path)
     else:
         values = {"echogram": content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}, "layers": layers}
         values = old if "old" in kind else values[kind.partition("-")[0]]
