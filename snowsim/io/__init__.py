@@ -1,7 +1,9 @@
 """Files to datasets and back; the only package that opens files.
 
-Readers are imported where they are called: every job imports this package, and h5py, scipy and xarray take it a second.
+Readers are imported where they are called: every job imports this package, and h5py, scipy and xarray take a second.
 """
+
+from snowsim.io.guard import refusal
 
 
 def read_echogram(path, *, compensated=False):
@@ -41,7 +43,6 @@ def read_echogram(path, *, compensated=False):
     ({'twtt': 300, 'slow_time': 64}, 's')
     """
     from snowsim.io import cresis, datasets, nsidc, sniff
-    from snowsim.io.guard import refusal
 
     kind = sniff.sniff(path)
     if kind == "nsidc":
@@ -89,7 +90,6 @@ def read_layers(path, *, names=None, missing="refuse"):
     (('layer', 'slow_time'), 0)
     """
     from snowsim.io import layers, sniff
-    from snowsim.io.guard import refusal
 
     readers = {
         "cresis_layer": layers.read_cresis_layers,

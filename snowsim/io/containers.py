@@ -159,9 +159,8 @@ def _dimensions(node, name):
     """Names of a variable's dimensions; names of its own where it has none."""
     if node.ndim == 1 and node.is_scale:
         return (name,)
-    return tuple(
-        scales[0].name.rpartition("/")[2] if len(scales) else f"{name}_{axis}" for axis, scales in enumerate(node.dims)
-    )
+    scales = [scales[0].name.rpartition("/")[2] if len(scales) else None for scales in node.dims]
+    return tuple(scale or f"{name}_{axis}" for axis, scale in enumerate(scales))
 
 
 def _attributes(node):
@@ -171,12 +170,12 @@ def _attributes(node):
 
 def _plain(value):
     """Text, numbers, or arrays of them."""
+    if isinstance(value, np.ndarray) and value.dtype.kind == "S":
+        value = b"".join(value.ravel().tolist())
     if isinstance(value, bytes):
         return value.decode("utf-8").replace("\0", "")
     if isinstance(value, h5py.Empty):
         return ""
     if isinstance(value, np.ndarray):
-        if value.dtype.kind == "S":
-            return b"".join(value.ravel().tolist()).decode("utf-8").replace("\0", "")
         return value.ravel()[0].item() if value.size == 1 and value.dtype.kind in "fiu" else value
     return value.item() if isinstance(value, np.generic) else value

@@ -5,7 +5,8 @@ import numpy as np
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.io import datasets
 from snowsim.io.guard import check_present, existing, matrix, one_line, refusal, vector
-from snowsim.io.matlab import names_in_matlab, read_matlab
+from snowsim.io.matlab import read_matlab
+from snowsim.io.sniff import names_in
 
 NEEDED = ("Data", "Time", *ECHOGRAM_ALONG_TRACK)
 TIMES = ("GPS_time", "UTC_time")
@@ -37,7 +38,7 @@ def read_cresis(path, *, compensated=False):
     path = existing(path)
     values = read_matlab(path, (*NEEDED, *TIMES, *ALONG_TRACK_IF_ANY, *CODES, *PARAMETER_STRUCTS))
     needed = NEEDED if "UTC_time" in values else (*NEEDED, "GPS_time")
-    check_present(path, needed, values, names_in_matlab)
+    check_present(path, needed, values, names_in)
     if "GPS_time" in values:
         slow_time = datasets.from_gps_seconds(path, "GPS_time", vector(path, "GPS_time", values["GPS_time"]))
     else:

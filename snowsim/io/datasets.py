@@ -1,8 +1,4 @@
-"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays, and checked on the way out.
-
-The archives keep GPS seconds or seconds of day, and traces shifted to simulate level flight; here they become UTC, and
-traces as they were recorded.
-"""
+"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked on the way out."""
 
 import importlib.util
 
@@ -55,18 +51,12 @@ LEAP_DAYS = (
 
 def echogram_dataset(path, content, attributes):
     """Echogram dataset of `Data` (range_bin, range_line), `twtt`, `slow_time` and values along slow_time; checked."""
-    along_track = {name: v for name, v in content.items() if name not in ("Data", "twtt", "slow_time")}
-    dataset = xr.Dataset(
-        {
-            "Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]}),
-            **{
-                name: v if isinstance(v, tuple) else ("slow_time", v, {"units": UNITS[name]})
-                for name, v in along_track.items()
-            },
-        },
-        coords={"twtt": ("twtt", content["twtt"], {"units": "s"}), "slow_time": content["slow_time"]},
-        attrs=attributes,
-    )
+    variables = {"Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]})}
+    for name, values in content.items():
+        if name not in ("Data", "twtt", "slow_time"):
+            variables[name] = values if isinstance(values, tuple) else ("slow_time", values, {"units": UNITS[name]})
+    coordinates = {"twtt": ("twtt", content["twtt"], {"units": "s"}), "slow_time": content["slow_time"]}
+    dataset = xr.Dataset(variables, coordinates, attributes)
     return checked_echogram(path, dataset)
 
 
@@ -92,7 +82,11 @@ def read_opr(path):
 def load_opr(path, needed):
     """Dataset of a NetCDF file or Zarr store in memory; those needed must be there, real numbers, and `twtt` in s."""
     path = existing(path, directory=True)
-    dataset = _decoded_store(path) if path.is_dir() else _decoded_file(path)
+    if path.is_dir():
+        dataset = _loaded_store(path)
+    else:
+        with library_errors(path, "dataset", "times and fill values that can be decoded"):
+            dataset = xr.decode_cf(read_netcdf(path), decode_timedelta=False).load()
     check_present(path, needed, dataset.variables)
     unit = str(dataset["twtt"].attrs.get("units", ""))
     if unit not in UNITS_OF_TWTT:
@@ -103,13 +97,7 @@ def load_opr(path, needed):
     return dataset
 
 
-def _decoded_file(path):
-    dataset = read_netcdf(path)
-    with library_errors(path, "dataset", "times and fill values that can be decoded"):
-        return xr.decode_cf(dataset, decode_timedelta=False).load()
-
-
-def _decoded_store(path):
+def _loaded_store(path):
     if importlib.util.find_spec("zarr") is None:
         raise refusal(path, "Zarr store", "package zarr to read it", "it is not installed")
     with (

@@ -25,10 +25,9 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     code reads. Decibels of the grey levels go into text chunks of the image. The same scenes give the same bytes.
     Read back, images are exact and layers are rounded to whole bins; what leaves the window is not drawn.
 
-    Scenes are held one at a time; `folder` may hold other sets already, each with its list. Labels are the "annotated"
-    or, for scenes that know both, the "complete" layers. Returned are `n_scenes` and `n_merged_pixels`: places where
-    two layers round to one pixel, so that the upper one's is lost. Names and folders that the loader would trip over
-    are refused, as are scenes without an image and more than 255 layers.
+    Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the "annotated" or, for
+    scenes that know both, the "complete" layers. Returned are `n_scenes` and `n_merged_pixels`, lost to a layer below.
+    Names that the loader would trip over, scenes without an image and more than 255 layers are refused.
     """
     folder = Path(folder)
     if layers not in LAYERS:
@@ -104,9 +103,7 @@ def _dataset(scene):
         "format": FORMAT,
         "name": scene.name,
         "n_range_bins": scene.n_range_bins,
-        "noise_floor_db": float(scene.noise_floor_db),
-        "maximum_db": float(scene.maximum_db),
-        "zone": int(scene.zone),
+        **{name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()},
         "notes": json.dumps(scene.notes, sort_keys=True),
     }
     return xr.Dataset(variables, attrs=attributes)

@@ -6,16 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from snowsim import frames
 from snowsim.echogram import bin_size_s
-from snowsim.frames import (
-    UNFIT_FLAGS,
-    align_layers,
-    count_unfit,
-    cut_blocks,
-    flatten,
-    leave_out_unfit,
-    resample_range,
-)
 from snowsim.frames.blocks import UNFIT
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
@@ -30,10 +22,8 @@ def read_frames(path, *, root=None):
     """The table of frames, checked as far as it goes without opening the files it names.
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to `root`, by default
-    the table's own folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin
-    with # are remarks. Refused are missing, unknown and double columns; then, with a line for every row that fails,
-    empty cells, frames that come twice, unknown roles, files that are not there, and an echogram held out for
-    validation or test that has another role too.
+    the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin with #
+    are remarks. Rows that fail are told together, each in a line; an echogram held out may have no other role.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)
@@ -76,7 +66,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
             continue
         sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
         counts = (len(scenes), len(skipped), sum(reason.endswith(UNFIT) for reason in skipped.values()))
-        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *count_unfit(echogram)))
+        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_unfit(echogram)))
     columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
     columns += ["n_unfit_blocks", "n_unfit_lines", "flags"]
     found = pd.DataFrame(rows, columns=columns)
@@ -97,14 +87,14 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
 
 def scenes_of_frame(row, echogram, layers):
     """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no block is a scene."""
-    scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
+    scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = one_line("; ".join(f"{name}: {reason}" for name, reason in skipped.items()), 200)
         raise refusal(row.echogram, "blocks", "at least one that is a scene", f"none ({reasons})")
     return scenes, skipped
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=UNFIT_FLAGS, source=None):
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=frames.UNFIT_FLAGS, source=None):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
     `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram is brought to `bin_s`
@@ -127,21 +117,22 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit
             raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
     echogram = read_echogram(row.echogram)
     layers = read_layers(row.layers, names=layer_names, missing="skip")
-    labels = [str(label) for label in layers["layer"].values]
-    if layers["layer"].dtype.kind in "OUS" and surface_among(labels) != 0:
+    index = layers.get_index("layer")
+    labels = [str(label) for label in index]
+    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
         found = one_line(", ".join(labels), 200)
         raise refusal(row.layers, "layer", "one named surface (from the organizer file beside it)", found)
     if layer_names is not None:
         layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
-    layers = align_layers(layers, echogram, where=str(row.layers))
+    layers = frames.align_layers(layers, echogram, where=str(row.layers))
     # Before levelling: an unfit line must not decide where the surface lies.
-    echogram, layers = leave_out_unfit(echogram, layers, flags=unfit_flags)
-    n_unfit, flags = count_unfit(echogram)
+    echogram, layers = frames.leave_out_unfit(echogram, layers, flags=unfit_flags)
+    n_unfit, flags = frames.count_unfit(echogram)
     if n_unfit == echogram.sizes["slow_time"]:
         raise refusal(row.echogram, "quality_mask", "a range line that is fit", f"all {n_unfit} unfit ({flags})")
     if bin_s is not None:
-        echogram = resample_range(echogram, bin_s)
-    return flatten(echogram, layers, method=flattening)
+        echogram = frames.resample_range(echogram, bin_s)
+    return frames.flatten(echogram, layers, method=flattening)
 
 
 def each_frame(table, role=None, **options):

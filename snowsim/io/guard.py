@@ -1,5 +1,6 @@
 """What every reader of foreign files shares: refusals of one line, a size limit, checks of arrays, a first look."""
 
+import math
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -53,9 +54,7 @@ def check_present(path, needed, present, names_in=None):
 
 def check_size(path, what, shape, itemsize):
     """Refuse an array whose declared size is beyond `MAXIMUM_BYTES`, before a byte of it is read."""
-    n_bytes = itemsize
-    for length in shape:
-        n_bytes *= int(length)
+    n_bytes = math.prod(map(int, shape)) * itemsize
     if n_bytes > MAXIMUM_BYTES:
         raise refusal(path, what, f"at most {MAXIMUM_BYTES} bytes", f"{n_bytes} declared by shape {tuple(shape)}")
 

@@ -8,7 +8,8 @@ import xarray as xr
 from snowsim.echogram import check_layers
 from snowsim.io.datasets import UNITS, from_gps_seconds, load_opr
 from snowsim.io.guard import check_present, existing, matrix, one_line, refusal, vector
-from snowsim.io.matlab import names_in_matlab, read_matlab
+from snowsim.io.matlab import read_matlab
+from snowsim.io.sniff import names_in
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's own convention.
@@ -29,7 +30,7 @@ def read_cresis_layers(path, *, names=None, missing="refuse"):
     """
     path = existing(path)
     values = read_matlab(path, ("gps_time", "twtt", "id", "quality", "type", "lat", "lon", "elev"))
-    check_present(path, ("gps_time", "id", "twtt"), values, names_in_matlab)
+    check_present(path, ("gps_time", "id", "twtt"), values, names_in)
     gps_time = vector(path, "gps_time", values["gps_time"])
     ids = vector(path, "id", values["id"])
     n_lines, n_layers = gps_time.size, ids.size
@@ -55,7 +56,7 @@ def read_cresis_layer_data(path, *, names=None, missing="refuse"):
     """
     path = existing(path)
     values = read_matlab(path, ("layerData", "GPS_time", "Latitude", "Longitude", "Elevation"))
-    check_present(path, ("GPS_time", "layerData"), values, names_in_matlab)
+    check_present(path, ("GPS_time", "layerData"), values, names_in)
     gps_time = vector(path, "GPS_time", values["GPS_time"])
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
@@ -102,15 +103,14 @@ def order_from_surface(twtt, names, path="layers"):
         line = int(np.argmax(twtt[i] <= twtt[j])) if np.any(twtt[i] < twtt[j]) else 0
         found = f"{names[i]} and {names[j]} cross or touch near range_line {line}"
         raise refusal(path, "twtt", "layers that keep their order", found)
-    surface = surface_among(names)
+    surface, top = surface_among(names), 0
     if surface is not None:
         if above[:, surface].any():
             other = names[int(np.argmax(above[:, surface]))]
             raise refusal(path, "twtt", "the surface above all layers", f"{other} above it")
         above[surface] = np.arange(n_layers) != surface
-        depth = np.array([_median(row - twtt[surface], row) for row in twtt])
-    else:
-        depth = np.array([_median(row, row) for row in twtt])
+        top = twtt[surface]
+    depth = [_median(row - top, row) for row in twtt]
     order, left = [], list(range(n_layers))
     while left:
         free = [i for i in left if not above[left, i].any()]
@@ -150,7 +150,7 @@ def _organized(path, ids):
     named = {}
     if organizer.is_file() and organizer != path:
         values = read_matlab(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
-        check_present(organizer, ("lyr_id", "lyr_name"), values, names_in_matlab)
+        check_present(organizer, ("lyr_id", "lyr_name"), values, names_in)
         known = vector(organizer, "lyr_id", values["lyr_id"])
         names = _texts(organizer, "lyr_name", values["lyr_name"], known.size)
         groups = _texts(organizer, "lyr_group_name", values.get("lyr_group_name", [""] * known.size), known.size)
@@ -218,13 +218,14 @@ def _layers_dataset(path, content, values, positions, source):
 
 def _chosen(path, dataset, names, missing):
     """Layers of the names wanted, checked; where they have names, only those with picks, from the surface down."""
-    labels = [str(label) for label in dataset["layer"].values]
+    index = dataset.get_index("layer")  # numbers where the file has no coordinate of this name
+    named = index.dtype.kind in "OUS"
+    labels = [str(label) for label in index]
     wanted = labels if names is None else [str(name) for name in names]
     for name in wanted:
         if name not in labels and missing == "refuse":
             raise refusal(path, "layer", f"one named {name}", one_line(", ".join(labels), 200))
     picked = np.isfinite(dataset["twtt"].values).any(axis=1)
-    named = dataset["layer"].dtype.kind in "OUS"
     keep = [i for i, label in enumerate(labels) if label in wanted and (picked[i] or not named)]
     if not picked[keep].any():
         empty = ", ".join(label for label, has in zip(labels, picked, strict=True) if not has)

@@ -33,11 +33,6 @@ def read_matlab(path, names):
     return read_mat5(path, names) if container_of(path) == "mat5" else read_mat73(path, names)
 
 
-def names_in_matlab(path):
-    """Names of all variables of a MAT file."""
-    return names_in_mat5(path) if container_of(path) == "mat5" else names_in_hdf5(path)
-
-
 def read_mat73(path, names):
     """The named variables of a MAT v7.3 file (HDF5) that are there, as a dict, with MATLAB's order of dimensions."""
     present = names_in_hdf5(path)

@@ -11,13 +11,7 @@ from snowsim.io.guard import check_present, existing, matrix, one_line, refusal,
 from snowsim.io.sniff import SUPPLEMENT_FLAGS, names_in
 
 NEEDED = ("amplitude", "time", "fasttime", "lat", "lon", "altitude", "Surface")
-ALONG_TRACK = {
-    "lat": "Latitude",
-    "lon": "Longitude",
-    "altitude": "Elevation",
-    "Surface": "Surface",
-    "Bottom": "Bottom",
-}
+ALONG_TRACK = {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation", "Surface": "Surface", "Bottom": "Bottom"}
 ATTITUDE = {"roll": "Roll", "pitch": "Pitch", "heading": "Heading"}
 SECONDS = {"microseconds": 1e-6, "us": 1e-6, "nanoseconds": 1e-9, "ns": 1e-9, "seconds": 1.0, "s": 1.0}
 
@@ -85,19 +79,15 @@ def _power(path, stored, n_bins, n_lines):
     return power
 
 
-def _unit(stored, name):
-    return str(stored[name].attrs.get("units", "")).strip()
-
-
 def _scale(path, stored):
-    unit = _unit(stored, "fasttime").lower() or "microseconds"
+    unit = str(stored["fasttime"].attrs.get("units", "")).strip().lower() or "microseconds"
     if unit not in SECONDS:
         raise refusal(path, "fasttime", "units microseconds", unit)
     return SECONDS[unit]
 
 
 def _epoch(path, stored):
-    unit = _unit(stored, "time")
+    unit = str(stored["time"].attrs.get("units", "")).strip()
     date = re.fullmatch(r"seconds since (\d{4}-\d{2}-\d{2})([ T]00:00:00(\.0+)?Z?)?", unit)
     try:
         return str(np.datetime64(date.group(1), "D"))
@@ -132,12 +122,12 @@ def _quality_mask(path, n_lines):
     stored = read_netcdf(path, SUPPLEMENT_FLAGS)
     if not stored.variables:
         raise refusal(path, "supplement", f"flags {', '.join(SUPPLEMENT_FLAGS)}", "none of them")
+    bits = np.array([1 << place for place in range(len(SUPPLEMENT_FLAGS))], dtype=np.uint8)
     mask = np.zeros(n_lines, dtype=np.uint8)
-    for bit, name in enumerate(SUPPLEMENT_FLAGS):
+    for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
         if name in stored:
             flags = vector(path, name, stored[name].values)
             if flags.size not in (1, n_lines):  # flags are set for a frame as a whole, or line by line
                 raise refusal(path, name, f"1 or {n_lines} values", f"shape {stored[name].shape}")
-            mask |= np.uint8(1 << bit) * (flags != 0).astype(np.uint8)
-    bits = np.array([1 << bit for bit in range(len(SUPPLEMENT_FLAGS))], dtype=np.uint8)
+            mask |= bit * (flags != 0).astype(np.uint8)
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}

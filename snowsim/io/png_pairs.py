@@ -19,10 +19,10 @@ DATA_SCALES = ("power", "db")
 class PairSet(Sequence):
     """Scenes of a directory in the layout of the published benchmark; a scene is read when it is asked for.
 
-    `path` is a directory, of which every `data_*.png` (or, if there is none, every `data_*.mat`) is a scene, in order
-    of name; or a list file with one such name a line, relative to the list (a second name, the label, is not needed).
-    `data_scale`, "power" or "db", says what floating-point `data` of .mat pairs are, which cannot be told from
-    non-negative numbers. No scene, a missing file or a name that comes twice is refused.
+    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a scene, by name; or
+    a list file with one such name a line, relative to the list (a second name, the label, is not needed). `data_scale`,
+    "power" or "db", says what floating-point `data` of .mat pairs are, which non-negative numbers do not tell. No
+    scene, a missing file or a name that comes twice is refused.
 
     A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of `data_`. Layer number k
     is row k - 1 of `layer_bins`; numbers that occur nowhere between others leave a row of NaN. A mask alone tells no
@@ -94,17 +94,16 @@ def scene_name(path):
 def read_pair(path, *, data_scale=None):
     """Scene of one `data_*` file and the labels beside it; see `PairSet`.
 
-    Refused are missing labels, sizes that differ, labels that disagree or cross, an inverted or anti-aliased mask, a
-    damaged or oversized image.
+    Refused are labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; damaged or
+    oversized images.
     """
     path = existing(path)
     if container_of(path) == "png":
         image, texts = read_image(path)
-        labels = _png_labels(path, image.shape)
+        where, numbers, mask = _png_labels(path, image.shape)
     else:
         image, texts = _mat_image(path, data_scale)
-        labels = _mat_labels(path, image.shape)
-    where, numbers, mask = labels
+        where, numbers, mask = _mat_labels(path, image.shape)
     layer_bins = layers_of_mask(mask, where) if numbers is None else layers_of_numbers(numbers, where)
     if not np.isfinite(layer_bins).any():
         raise refusal(where, "labels", "at least one layer", "none")
@@ -122,9 +121,8 @@ def layers_of_numbers(numbers, where="labels"):
     rows, lines = np.nonzero(numbers)
     layers = numbers[rows, lines].astype(int) - 1
     shape = layer_bins.shape
-    count, total, lowest, highest = np.zeros(shape), np.zeros(shape), np.full(shape, np.inf), np.full(shape, -np.inf)
+    count, lowest, highest = np.zeros(shape), np.full(shape, np.inf), np.full(shape, -np.inf)
     np.add.at(count, (layers, lines), 1)
-    np.add.at(total, (layers, lines), rows)
     np.minimum.at(lowest, (layers, lines), rows)
     np.maximum.at(highest, (layers, lines), rows)
     present = count > 0
@@ -133,7 +131,7 @@ def layers_of_numbers(numbers, where="labels"):
         layer, line = np.argwhere(apart)[0]
         found = f"{int(count[layer, line])} apart for number {layer + 1} at range_line {line}"
         raise refusal(where, "layer numbers", "one run of pixels per layer and column", found)
-    layer_bins[present] = total[present] / count[present]
+    layer_bins[present] = (lowest[present] + highest[present]) / 2
     return layer_bins
 
 
@@ -180,15 +178,13 @@ def _png_labels(path, shape):
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
     numbers = mask = None
     if binary is not None:
-        mask, _ = read_image(binary, binary=True)
-        _same_size(binary, mask.shape, shape)
+        mask = _as_large(binary, read_image(binary, binary=True)[0], shape)
     if numbered is not None:
-        numbers, _ = read_image(numbered)
-        _same_size(numbered, numbers.shape, shape)
-        if mask is not None and ((numbers > 0) != mask).any():
-            row, line = np.argwhere((numbers > 0) != mask)[0]
-            found = f"a difference at range_bin {row}, range_line {line}"
-            raise refusal(binary, "mask", f"what {numbered.name} has", found)
+        numbers = _as_large(numbered, read_image(numbered)[0], shape)
+    if numbers is not None and mask is not None and ((numbers > 0) != mask).any():
+        row, line = np.argwhere((numbers > 0) != mask)[0]
+        found = f"a difference at range_bin {row}, range_line {line}"
+        raise refusal(binary, "mask", f"what {numbered.name} has", found)
     return numbered or binary, numbers, mask
 
 
@@ -219,8 +215,7 @@ def _mat_labels(path, shape):
     values = read_matlab(label, ("layer",))
     if "layer" not in values:
         raise refusal(label, "layer", "variable layer", "none")
-    numbers = numeric(label, "layer", values["layer"])
-    _same_size(label, numbers.shape, shape)
+    numbers = _as_large(label, numeric(label, "layer", values["layer"]), shape)
     if not ((numbers >= 0) & (numbers <= 255) & (numbers == np.floor(numbers))).all():
         raise refusal(label, "layer", "whole numbers from 0 to 255", numbers.dtype)
     if numbers.dtype == bool or label.name.startswith("layer_binary_"):
@@ -228,6 +223,8 @@ def _mat_labels(path, shape):
     return label, numbers.astype(np.uint8), None
 
 
-def _same_size(path, found, expected):
-    if found != expected:
-        raise refusal(path, "size", f"that of the image, {expected}", found)
+def _as_large(path, labels, shape):
+    """The labels, if their image is as large as that of the echogram."""
+    if labels.shape != shape:
+        raise refusal(path, "size", f"that of the image, {shape}", labels.shape)
+    return labels

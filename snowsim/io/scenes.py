@@ -22,31 +22,19 @@ NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
 def write_scenes(path, scenes, attributes=None):
     """Write scenes to one file, in order, holding one at a time.
 
-    Parameters
-    ----------
-    path : path_like
-        Written aside and renamed when complete.
-    scenes : iterable of Scene
-        At least one, all with the same number of range lines and the same arrays present; others are refused.
-    attributes : dict, optional
-        Global attributes (what made them; ``synthetic``).
-
-    Notes
-    -----
-    Images and layers of all scenes stand below each other (the contiguous ragged arrays of the CF conventions, section
-    9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer bins are float32: 1e-4 bins at row 2000.
+    At least one, all with the same number of range lines and the same arrays present; others are refused. `attributes`
+    are global (what made them; ``synthetic``). Images and layers of all scenes stand below each other (the contiguous
+    ragged arrays of the CF conventions, section 9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer
+    bins are float32: 1e-4 bins at row 2000.
     """
     with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
         file.format = FORMAT
         file.setncatts(attributes or {})
-        rows = dict.fromkeys(("pixel_row", "layer_row"), 0)
-        n_scenes = 0
         for scene in scenes:
-            if n_scenes == 0:
+            if not file.dimensions:
                 _define(file, scene)
-            _append(file, scene, n_scenes, rows, path)
-            n_scenes += 1
-        if n_scenes == 0:
+            _append(file, scene, path)
+        if not file.dimensions:
             msg = f"{path}: expected at least one scene to write, got none"
             raise ValueError(msg)
 
@@ -64,15 +52,11 @@ def _define(file, scene):
             file.createDimension(dimension, None)
         chunks = (64, scene.n_range_lines)
         file.createVariable(name, dtype, (dimension, "range_line"), chunksizes=chunks, zlib=dtype != "u1", complevel=1)
-    for name in ("name", "notes"):
-        file.createVariable(name, str, ("scene",))
-    for name in ("n_range_bins", "n_layers"):
-        file.createVariable(name, "i4", ("scene",))
-    for name, dtype in NUMBERS.items():
+    for name, dtype in ({"name": str, "notes": str, "n_range_bins": "i4", "n_layers": "i4"} | NUMBERS).items():
         file.createVariable(name, dtype, ("scene",))
 
 
-def _append(file, scene, index, rows, path):
+def _append(file, scene, path):
     held = [name for name in ARRAYS if name in file.variables]
     if _present(scene) != held or scene.n_range_lines != len(file.dimensions["range_line"]):
         msg = (
@@ -80,6 +64,9 @@ def _append(file, scene, index, rows, path):
             f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
         )
         raise ValueError(msg)
+    # Before anything is written: that makes the dimensions longer.
+    starts = {name: len(dimension) for name, dimension in file.dimensions.items()}
+    index = starts["scene"]
     file["name"][index] = scene.name
     file["notes"][index] = json.dumps(scene.notes, sort_keys=True)
     file["n_range_bins"][index] = scene.n_range_bins
@@ -89,10 +76,7 @@ def _append(file, scene, index, rows, path):
     lengths = {"pixel_row": scene.n_range_bins, "layer_row": scene.layer_bins.shape[0]}
     for name in held:
         dimension = ARRAYS[name][0]
-        start = rows[dimension]
-        file[name][start : start + lengths[dimension]] = getattr(scene, name)
-    for dimension, length in lengths.items():
-        rows[dimension] += length
+        file[name][starts[dimension] : starts[dimension] + lengths[dimension]] = getattr(scene, name)
 
 
 class SceneSet:
@@ -113,7 +97,7 @@ class SceneSet:
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
         self._where = []  # (file, index in it, first pixel row, first layer row)
-        self.heights, self.zones = [], []
+        self.zones = []
         for path in paths:
             self._index(path)
         self.attributes = self._files[0].__dict__ if self._files else {}
@@ -132,7 +116,6 @@ class SceneSet:
         first_rows, first_layers = np.cumsum(heights) - heights, np.cumsum(n_layers) - n_layers
         self._files.append(file)
         self._where += [(file, i, *first) for i, first in enumerate(zip(first_rows, first_layers, strict=True))]
-        self.heights += [int(height) for height in heights]
         self.zones += [int(zone) for zone in file["zone"][:]]
 
     def __len__(self):

@@ -1,5 +1,6 @@
 """Which format a file has, told from its content and never from its name."""
 
+from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.io.containers import names_in_hdf5, names_in_netcdf3
 from snowsim.io.guard import container_of, existing, one_line, refusal
 from snowsim.io.matlab import names_in_mat5
@@ -18,17 +19,11 @@ SUPPLEMENT_FLAGS = (
 # In words, and the variables that make it; a file is what it has the largest share of, earlier entries winning a tie.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
-    "cresis": (
-        "a CReSIS L1B echogram",
-        ("Data", "Time", "GPS_time", "Latitude", "Longitude", "Elevation", "Surface"),
-    ),
+    "cresis": ("a CReSIS L1B echogram", ("Data", "Time", "GPS_time", *ECHOGRAM_ALONG_TRACK)),
     "cresis_layer": ("CReSIS layers", ("twtt", "id", "gps_time", "lat", "lon", "elev")),
     "cresis_layer_data": ("old CReSIS layers", ("layerData", "GPS_time")),
     "organizer": ("a CReSIS layer organizer", ("lyr_id", "lyr_name", "lyr_order")),
-    "opr": (
-        "an Open Polar Radar echogram",
-        ("Data", "slow_time", "twtt", "Latitude", "Longitude", "Elevation", "Surface"),
-    ),
+    "opr": ("an Open Polar Radar echogram", ("Data", "slow_time", "twtt", *ECHOGRAM_ALONG_TRACK)),
     "opr_layers": ("Open Polar Radar layers", ("twtt", "slow_time", "quality", "type")),
     "supplement": ("an IRSNO1B supplement", SUPPLEMENT_FLAGS),
     "scenes": ("a set of scenes", ("layer_bins", "n_range_bins", "n_layers")),
