@@ -3,6 +3,8 @@
 import formats
 import pytest
 
+from snowsim.io.frame_table import read_frames
+
 
 @pytest.fixture
 def content(rng):
@@ -14,3 +16,9 @@ def content(rng):
 def path(tmp_path):
     """A file to write; its name says nothing of its format."""
     return tmp_path / "frame"
+
+
+@pytest.fixture
+def table(flight):
+    """Table of the frames in the folder `flight`."""
+    return read_frames(flight / "frames.tsv")

@@ -19,7 +19,7 @@ GPS_START = 1_333_065_600.0 + 15  # 2012-03-30 00:00:00 UTC, 15 leap seconds the
 N_BINS, N_LINES = 120, 40
 SURFACE_BIN = 30
 LAYERS_FILE, ORGANIZER_FILE = "Data_20120330_04_001.mat", "layer_20120330_04.mat"
-TABLE_HEADER = "frame\techogram\tlayers\trole\n"
+TABLE_HEADER = "frame\techogram\tlayers\trole"
 
 
 def refused(read, path, message):
@@ -32,12 +32,12 @@ def refused(read, path, message):
     return line
 
 
-def truth(rng, n_bins=N_BINS, n_lines=N_LINES):
-    """Linear power with a bright surface, and everything along track, as an L1B file holds it."""
-    power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
-    surface_bins = SURFACE_BIN + np.arange(n_lines) % 3
+def truth(rng, n_bins=N_BINS, n_lines=N_LINES, n_above=0):
+    """Linear power with a bright surface, and everything along track, as an L1B file holds it; rows of air on top."""
+    power = rng.gamma(4, 0.25e-3, size=(n_bins + n_above, n_lines)).astype(np.float32)
+    surface_bins = SURFACE_BIN + n_above + np.arange(n_lines) % 3
     power[surface_bins, np.arange(n_lines)] = 1.0
-    time = 3e-6 + BIN_S * np.arange(n_bins)
+    time = 3e-6 + BIN_S * np.arange(-n_above, n_bins)
     return {
         "Data": power,
         "Time": time,
@@ -56,6 +56,12 @@ def slow_time(gps_time):
     """UTC of GPS seconds of that day, to the nanosecond as far as float64 seconds hold them."""
     nanoseconds = np.rint((np.asarray(gps_time) - GPS_START) * 1e9)
     return np.datetime64("2012-03-30", "ns") + nanoseconds.astype("timedelta64[ns]")
+
+
+def check_times(dataset, gps_time):
+    """Seconds since 1970 are doubles, 2.4e-7 s apart."""
+    late = np.abs(dataset["slow_time"].values - slow_time(gps_time))
+    assert (late <= np.timedelta64(300, "ns")).all()
 
 
 def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"):
@@ -103,8 +109,8 @@ def write_flight(folder, content, echograms):
     layers = layer_content([surface + 40 * BIN_S, surface], [5, 9], content["GPS_time"])
     write_mat5(folder / LAYERS_FILE, layers)
     write_mat5(folder / ORGANIZER_FILE, organizer_content([5, 9], ["Koenig_2", "surface"]))
-    rows = [f"{name}\t{file}\t{LAYERS_FILE}\t{role}\n" for name, (file, role) in echograms.items()]
-    (folder / "frames.tsv").write_text("# a remark\n" + TABLE_HEADER + "".join(rows))
+    rows = [f"{name}\t{file}\t{LAYERS_FILE}\t{role}" for name, (file, role) in echograms.items()]
+    (folder / "frames.tsv").write_text("\n".join(["# a remark", TABLE_HEADER, *rows]))
 
 
 def as_matlab(content, *, time_as="column"):

@@ -4,15 +4,16 @@ Frames are renders of drifting layers by eq. (1). Each lies on disk as long as i
 """
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import formats
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from planted import BIN_SIZE_S, as_frame
 
 from snowsim.io.files import write_dataset
 from snowsim.io.frame_table import read_frame
@@ -28,7 +29,8 @@ NOISE_POWER = 1e-3
 @pytest.mark.skipif(sys.platform != "linux", reason="peak memory is read from /proc")
 def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_path):
     command = [sys.executable, __file__, str(tmp_path), "196"]
-    child = subprocess.run(command, capture_output=True, text=True, timeout=1800, check=False)
+    paths = {"PYTHONPATH": os.pathsep.join(sys.path)}
+    child = subprocess.run(command, capture_output=True, text=True, timeout=1800, check=False, env=os.environ | paths)
     assert child.returncode == 0, child.stderr[-2000:]
     report = json.loads(child.stdout)
     assert report["n_lines"] == 200_704
@@ -40,7 +42,7 @@ def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_pa
 
 def draw_frame(index, rng):
     """Echogram and layers of one frame, a line every 10 ms."""
-    lines, layer = np.arange(N_LINES), np.arange(N_LAYERS)
+    layer = np.arange(N_LAYERS)
     slab = (28 + rng.normal()) * rng.uniform(0.8, 1.2, size=(N_LAYERS - 1, 1))
     slab = slab + np.cumsum(rng.normal(0, 0.05, size=(N_LAYERS - 1, N_LINES)), axis=1)
     layer_bins = 100.3 + np.cumsum(np.vstack([np.zeros(N_LINES), slab]), axis=0)
@@ -48,17 +50,8 @@ def draw_frame(index, rng):
         layer_bins, 0.9**layer, np.full(N_LAYERS, 12.0), np.full(N_LAYERS, 0.07), N_BINS,
         tolerance_db=0.05, noise_power=NOISE_POWER, normalise="peak", align="peak",
     )  # fmt: skip
-    twtt = 3e-6 + formats.BIN_S * layer_bins
-    content = {
-        "Data": draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32),
-        "Time": 3e-6 + formats.BIN_S * np.arange(N_BINS),
-        "GPS_time": formats.GPS_START + 0.01 * (index * N_LINES + lines),
-        "Latitude": 75 + 4.92e-5 * lines,
-        "Longitude": np.full(N_LINES, -45.0),
-        "Elevation": np.full(N_LINES, 3000.0),
-        "Surface": twtt[0],
-    }
-    return formats.opr_dataset(content), formats.opr_layers(twtt, content["GPS_time"])
+    power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
+    return as_frame(power, layer_bins, index=index)
 
 
 def frames(folder, n_frames):
@@ -68,7 +61,7 @@ def frames(folder, n_frames):
         echogram, layers = draw_frame(index, np.random.default_rng([20120429, index]))
         write_dataset(row.echogram, echogram)
         write_dataset(row.layers, layers)
-        yield read_frame(row, bin_s=formats.BIN_S)
+        yield read_frame(row, bin_s=BIN_SIZE_S)
 
 
 def peak_bytes():

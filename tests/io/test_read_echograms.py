@@ -44,9 +44,7 @@ def test_every_format_gives_the_same_echogram(path, content, write):
     assert_allclose(echogram["twtt"], content["Time"], rtol=4e-16)
     assert_allclose(echogram["Surface"], content["Surface"], rtol=4e-16)
     assert_allclose(echogram["Heading"], content["Heading"], rtol=4e-16)
-    # Seconds since 1970 are doubles of 2.4e-7 s.
-    late = np.abs(echogram["slow_time"].values - formats.slow_time(content["GPS_time"]))
-    assert (late <= np.timedelta64(300, "ns")).all()
+    formats.check_times(echogram, content["GPS_time"])
 
 
 @of_every_format
@@ -298,16 +296,8 @@ def test_impossible_cresis_fields_are_named(path, content, extra, message):
     refused(read_cresis, path, message)
 
 
-def test_zarr_without_its_package_is_refused_plainly(tmp_path, monkeypatch):
-    (tmp_path / "f.zarr").mkdir()
-    (tmp_path / "f.zarr" / ".zgroup").write_text("{}")
-    for name in ("Data", "slow_time", "twtt", "Surface"):
-        (tmp_path / "f.zarr" / name).mkdir()
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    refused(read_echogram, tmp_path / "f.zarr", "expected package zarr to read it, found it is not installed")
-
-
-def test_zarr_reads_as_netcdf_does(path, content):
-    pytest.importorskip("zarr")
+def test_zarr_reads_as_netcdf_does_and_is_refused_plainly_without_its_package(path, content, monkeypatch):
     formats.opr_dataset(content).to_zarr(path)
     assert_array_equal(read_echogram(path)["Data"], content["Data"])
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    refused(read_echogram, path, "expected package zarr to read it, found it is not installed")
