@@ -113,26 +113,21 @@ def write_flight(folder, content, echograms):
     (folder / "frames.tsv").write_text("\n".join(["# a remark", TABLE_HEADER, *rows]))
 
 
-def as_matlab(content, *, time_as="column"):
-    """Rows, columns and matrices as MATLAB keeps them."""
-    values = {}
-    for name, value in content.items():
-        value = np.asarray(value) if not isinstance(value, dict | str | list) else value
-        if isinstance(value, np.ndarray) and value.ndim == 1:
-            column = name in ("Time", "Truncate_Bins") and time_as == "column"
-            value = value[:, None] if column else value[None, :]
-        values[name] = value
-    return values
+def as_matlab(content):
+    """Vectors as MATLAB keeps them: rows, and some columns."""
+    columns = {name: (-1, 1) for name in ("Time", "Truncate_Bins")}
+    vectors = [name for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1]
+    return content | {name: content[name].reshape(columns.get(name, (1, -1))) for name in vectors}
 
 
-def write_mat5(path, content, *, time_as="column", compress=True):
-    scipy.io.savemat(path, as_matlab(content, time_as=time_as), do_compression=compress)
+def write_mat5(path, content, *, compress=True):
+    scipy.io.savemat(path, as_matlab(content), do_compression=compress)
 
 
-def write_mat73(path, content, *, time_as="column"):
+def write_mat73(path, content):
     """HDF5 as MATLAB writes it: a user block, transposed arrays, text as uint16, cells as references."""
     with h5py.File(path, "w", userblock_size=512) as file:
-        for name, value in as_matlab(content, time_as=time_as).items():
+        for name, value in as_matlab(content).items():
             _put73(file, file, name, value)
     with open(path, "r+b") as raw:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124, b" ") + b"\x00\x02IM")

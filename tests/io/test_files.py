@@ -7,7 +7,6 @@ import xarray as xr
 from formats import refused
 from pandas.testing import assert_frame_equal
 
-from lib.figures.style import new_figure, write_figure
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
 
 
@@ -69,20 +68,3 @@ def test_a_truncated_dataset_is_refused_by_name(path, rng):
     write_dataset(path, xr.Dataset({"x": ("line", rng.random(10_000))}))
     path.write_bytes(path.read_bytes()[:5_000])
     refused(read_dataset, path, "expected a NetCDF-4 file")
-
-
-@pytest.mark.parametrize("ending", [".svg", ".png"])
-def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
-    paths = [tmp_path / f"{name}{ending}" for name in "xy"]
-    for path in paths:
-        figure, axes = new_figure()
-        axes[0, 0].plot([1, 2], label="line")
-        axes[0, 0].legend()
-        write_figure(path, figure)
-    assert paths[0].read_bytes() == paths[1].read_bytes()
-
-
-def test_a_figure_of_another_kind_is_refused(tmp_path):
-    figure, _ = new_figure()
-    with pytest.raises(ValueError, match=r"ends in \.svg or \.png"):
-        write_figure(tmp_path / "a.jpg", figure)

@@ -6,7 +6,7 @@ import pytest
 from formats import refused
 from numpy.testing import assert_allclose, assert_array_equal
 
-from snowsim.echogram import check_echogram
+from snowsim.echogram import check_echogram, to_db
 from snowsim.io import read_echogram
 from snowsim.io.cresis import read_cresis
 from snowsim.io.datasets import from_gps_seconds, leap_seconds, unwrap_midnight
@@ -14,14 +14,14 @@ from snowsim.io.files import write_dataset
 
 # dB and back in float32: one part in 2^24 of up to 30 dB, times ln 10 / 10.
 DB_ROUND_TRIP = 1e-5
-
-
 WRITERS = {
     "nsidc": formats.write_nsidc,
     "mat5": formats.write_mat5,
     "mat73": formats.write_mat73,
     "opr": lambda path, content: write_dataset(path, formats.opr_dataset(content)),
 }
+of_every_format = pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
+of_cresis = pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73], ids=["mat5", "mat73"])
 
 
 def read_back(write, path, content, **options):
@@ -29,12 +29,8 @@ def read_back(write, path, content, **options):
     return read_echogram(path)
 
 
-of_every_format = pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
-of_cresis = pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73], ids=["mat5", "mat73"])
-
-
 @of_every_format
-def test_every_format_gives_the_same_echogram(path, content, write):
+def test_every_format_gives_the_same_echogram_brightest_at_the_surface(path, content, write):
     # The name says nothing: the format is told from the content.
     echogram = read_back(write, path, content)
     check_echogram(echogram)
@@ -45,11 +41,6 @@ def test_every_format_gives_the_same_echogram(path, content, write):
     assert_allclose(echogram["Surface"], content["Surface"], rtol=4e-16)
     assert_allclose(echogram["Heading"], content["Heading"], rtol=4e-16)
     formats.check_times(echogram, content["GPS_time"])
-
-
-@of_every_format
-def test_brightest_bin_lies_at_the_surface(path, content, write):
-    echogram = read_back(write, path, content)
     brightest = echogram["twtt"].values[echogram["Data"].values.argmax(axis=0)]
     # Within a hundredth of a bin.
     assert_allclose(brightest, echogram["Surface"], atol=formats.BIN_S / 100)
@@ -90,11 +81,8 @@ def test_seconds_of_day_go_on_past_midnight(path, content):
     assert times[-1] > np.datetime64("2012-03-31T00:00:00")
     assert_allclose(np.diff(times) / np.timedelta64(1, "ms"), 50, atol=1e-3)
     assert echogram.attrs["midnights_passed"] == 1
-
-
-def test_unwrapping_keeps_what_is_in_order():
-    seconds, n_crossings = unwrap_midnight([1.0, 2.0, 86400.5])
-    assert_array_equal(seconds, [1.0, 2.0, 86400.5])
+    kept, n_crossings = unwrap_midnight([1.0, 2.0, 86400.5])
+    assert kept.tolist() == [1.0, 2.0, 86400.5]
     assert n_crossings == 0
 
 
@@ -116,26 +104,22 @@ def test_a_frame_over_a_leap_second_stays_in_order():
 
 
 @of_cresis
-@pytest.mark.parametrize("time_as", ["row", "column"])
-def test_time_may_be_a_row_or_a_column(path, content, write, time_as):
-    assert_array_equal(read_back(write, path, content, time_as=time_as)["twtt"], content["Time"])
+def test_time_may_be_a_row_as_well_as_a_column(path, content, write):
+    assert_array_equal(read_back(write, path, content | {"Time": content["Time"][None]})["twtt"], content["Time"])
 
 
 @of_cresis
 def test_missing_attitude_is_no_fault(path, content, write):
     for name in ("Roll", "Pitch", "Heading"):
         del content[name]
-    echogram = read_back(write, path, content)
-    assert "Roll" not in echogram
+    assert "Roll" not in read_back(write, path, content)
 
 
 @of_cresis
 @pytest.mark.parametrize("struct", ["param_records", "param_qlook", "param_get_heights", "param_csarp"])
 def test_parameters_are_found_under_newer_and_older_names(path, content, write, struct):
     content[struct] = {"season_name": "2012_Greenland_P3", "day_seg": "20120330_04"}
-    echogram = read_back(write, path, content)
-    assert echogram.attrs["season_name"] == "2012_Greenland_P3"
-    assert echogram.attrs["day_seg"] == "20120330_04"
+    assert content[struct].items() <= read_back(write, path, content).attrs.items()
 
 
 def test_flattened_parameters_of_netcdf_lose_their_padding(path, content):
@@ -145,17 +129,14 @@ def test_flattened_parameters_of_netcdf_lose_their_padding(path, content):
 @of_cresis
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_scaled_integers_come_back_as_power_to_half_a_step(path, content, write, dtype):
-    power_db = 10 * np.log10(content["Data"].astype(float))
-    lowest_db = power_db.min()
-    span_db = power_db.max() - lowest_db
-    largest = np.iinfo(dtype).max
+    power_db = to_db(content["Data"].astype(float))
+    lowest_db, span_db, largest = power_db.min(), np.ptp(power_db), np.iinfo(dtype).max
     coded = content | {
         "Data": np.rint((power_db - lowest_db) * largest / span_db).astype(dtype),
         "minData": np.array([lowest_db]),
         "maxData": np.array([span_db]),
     }
-    echogram = read_back(write, path, coded)
-    found_db = 10 * np.log10(echogram["Data"].values)
+    found_db = to_db(read_back(write, path, coded)["Data"].values)
     # Half a step of the code, and float32 decibels.
     assert_allclose(found_db, power_db, atol=span_db / largest / 2 + 1e-4)
 
@@ -201,14 +182,12 @@ def test_compensation_of_netcdf_is_undone_too_and_kept_on_request(path, content)
     assert_allclose(kept["Surface"], stored["Surface"], rtol=1e-15)
 
 
-@pytest.mark.parametrize(
-    "name", ["IRSNO1B_20120330_04_017_supplement.nc", "IRSNO1B_20120330_04_017_deconv_supplement.nc"]
-)
-def test_supplement_flags_become_a_quality_mask(tmp_path, content, name):
-    formats.write_nsidc(tmp_path / "IRSNO1B_20120330_04_017_deconv.nc", content)
+@pytest.mark.parametrize("ending", ["supplement", "deconv_supplement"])
+def test_supplement_flags_become_a_quality_mask(tmp_path, content, ending):
     low = (np.arange(formats.N_LINES) == 7).astype(np.uint8)
-    formats.write_supplement(tmp_path / name, deconvolution_artifact=1, low_SNR=low)
-    mask = read_echogram(tmp_path / "IRSNO1B_20120330_04_017_deconv.nc")["quality_mask"]
+    formats.write_supplement(tmp_path / f"IRSNO1B_20120330_04_017_{ending}.nc", deconvolution_artifact=1, low_SNR=low)
+    path = tmp_path / "IRSNO1B_20120330_04_017_deconv.nc"
+    mask = read_back(formats.write_nsidc, path, content)["quality_mask"]
     meanings = mask.attrs["flag_meanings"].split()
     assert (mask.values & (1 << meanings.index("deconvolution_artifact")) > 0).all()
     assert_array_equal(mask.values & (1 << meanings.index("low_SNR")) > 0, low > 0)
