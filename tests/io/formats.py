@@ -170,14 +170,14 @@ def compensated(content, correction, *, n_kept, first=0, truncate_time=False):
         padded[bins : bins + n_bins, line] = content["Data"][:, line]
     time = content["Time"][0] + BIN_S * np.arange(padded.shape[0])
     kept = slice(first, first + n_kept)
-    out = dict(content)
-    out["Data"] = padded[kept]
-    out["Time"] = time[kept] if truncate_time else time
-    out["Elevation"] = content["Elevation"] + correction * BIN_S * SPEED_OF_LIGHT_M_S / 2
-    out["Surface"] = content["Surface"] + correction * BIN_S
-    out["Elevation_Correction"] = correction.astype(float)
-    out["Truncate_Bins"] = np.arange(first, first + n_kept) + 1.0
-    return out
+    return content | {
+        "Data": padded[kept],
+        "Time": time[kept] if truncate_time else time,
+        "Elevation": content["Elevation"] + correction * BIN_S * SPEED_OF_LIGHT_M_S / 2,
+        "Surface": content["Surface"] + correction * BIN_S,
+        "Elevation_Correction": correction.astype(float),
+        "Truncate_Bins": np.arange(first, first + n_kept) + 1.0,
+    }
 
 
 def layer_content(twtt, ids, gps_time, *, elevation=2500.0):

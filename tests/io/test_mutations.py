@@ -9,6 +9,7 @@ import resource
 import shutil
 import subprocess
 import sys
+from itertools import cycle
 from pathlib import Path
 
 import formats
@@ -25,6 +26,13 @@ from snowsim.io.images import read_image
 from snowsim.io.png_pairs import read_pair
 
 SECONDS_PER_FILE = 2
+# A file is called after its kind, which begins with what it holds.
+READERS = {
+    "echogram": lambda path: read_echogram(path)["Data"].values,
+    "layers": lambda path: read_layers(path)["twtt"].values,
+    "image": lambda path: read_image(path)[0],
+    "pair": lambda path: read_pair(path).layer_bins,
+}
 KINDS = (
     "echogram-nsidc",
     "echogram-mat5",
@@ -152,9 +160,8 @@ def damage(kind, folder, n_files, rng):
     write_sound(kind, sound, rng)
     damaged = folder / "damaged"
     damaged.mkdir(exist_ok=True)
-    (damaged / f"{kind}-sound").write_bytes(sound.read_bytes())
-    for number in range(n_files):
-        name = list(DAMAGES)[number % len(DAMAGES)]
+    shutil.copy(sound, damaged / f"{kind}-sound")
+    for number, name in zip(range(n_files), cycle(DAMAGES), strict=False):
         (damaged / f"{kind}-{name}-{number:04d}").write_bytes(DAMAGES[name](sound.read_bytes(), rng))
     return sound, damaged
 
@@ -191,16 +198,14 @@ def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
     sound = tmp_path / "echogram-zarr-sound"
     formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(sound)
     files = [path.relative_to(sound) for path in sorted(sound.rglob("*")) if path.is_file()]
-    for number in range(n_stores):
-        store = tmp_path / f"echogram-zarr-{number:04d}"
+    for number, name in zip(range(n_stores), cycle([*DAMAGES, "gone"]), strict=False):
+        store = tmp_path / f"echogram-zarr-{name}-{number:04d}"
         shutil.copytree(sound, store)
         file = store / files[rng.integers(len(files))]
-        damages = [*DAMAGES.values(), None]
-        damage_file = damages[number % len(damages)]
-        if damage_file is None:
+        if name == "gone":
             file.unlink()
         else:
-            file.write_bytes(damage_file(file.read_bytes(), rng))
+            file.write_bytes(DAMAGES[name](file.read_bytes(), rng))
     outcomes = outcomes_of(tmp_path)
     assert sum("error" in outcome for outcome in outcomes.values()) > n_stores / 10
 
@@ -250,27 +255,13 @@ def payload(path, variable):
     return content.index(stored), len(stored)
 
 
-def values_of(path):
-    """What a reader makes of a file, as a list of numbers to compare; a file is called after its kind."""
-    what, _, _ = path.name.partition("-")
-    if what == "image":
-        values = read_image(path)[0]
-    elif what == "pair":
-        values = read_pair(path).layer_bins
-    elif what == "layers":
-        values = read_layers(path)["twtt"].values
-    else:
-        values = read_echogram(path)["Data"].values
-    return values.ravel().tolist()
-
-
 def read_all(folder):
     """In the child process: read every file of a folder, tell each outcome on a line of its own."""
     resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
     for path in sorted(Path(folder).iterdir()):
         print(json.dumps({"file": path.name, "begun": True}), flush=True)  # noqa: T201
         try:
-            outcome = {"values": values_of(path)}
+            outcome = {"values": READERS[path.name.partition("-")[0]](path).ravel().tolist()}
         except ValueError as error:
             outcome = {"error": str(error)}
         print(json.dumps({"file": path.name, **outcome}), flush=True)  # noqa: T201
