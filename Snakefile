@@ -31,7 +31,6 @@ rule all:
         rules.evidence.input,
         rules.validation.input,
         rules.convolution.input,
-        rules.paper_figures.input,
         "results/report.html",
     localrule: True
     message:
