@@ -25,19 +25,6 @@ class Completed:
         return dataclasses.replace(scene, layer_bins=scene.complete_layer_bins, complete_layer_bins=None)
 
 
-class Chosen:
-    """Those of a sequence of scenes at given places."""
-
-    def __init__(self, scenes, places):
-        self._scenes, self._places = scenes, list(places)
-
-    def __len__(self):
-        return len(self._places)
-
-    def __getitem__(self, item):
-        return self._scenes[self._places[item]]
-
-
 class Uppermost:
     """Scenes of which only the surface and `n_layers` below it are labelled; images stay as they are.
 

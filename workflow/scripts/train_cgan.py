@@ -5,13 +5,13 @@ import dataclasses
 import torch
 from job import logger, run
 
-from lib.cgan_training import Chosen, Judge, sample_scenes
+from lib.cgan_training import Judge, sample_scenes
 from lib.training import TrainingRun, Validation, check_memory, enough_memory
 from snowsim.cgan import Collapsed, Settings, Training, faults, held_out, least_bytes, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.patches import check_trainable
+from snowsim.patches import Chosen, check_trainable
 
 
 def train(
