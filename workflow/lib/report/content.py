@@ -18,7 +18,6 @@ PAPER_FIGURES = re.compile(r"paper, Figs? (\d+)(?:(?:-| to )(\d+)|(?:, (\d+))? a
 LONGEST_TITLE = 110
 PREVIEW_ROWS = 6
 DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
-SCORES = ("ods", "ois", "ap")
 GIBIBYTE_MB = 1024
 
 
@@ -65,11 +64,12 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
 
 def described_figures(paths, captions):
     """Figures with their content, stage, caption, title and a name; `captions` holds stage and caption by path."""
-    return [
-        {"name": Path(path).stem, "stage": stage, "caption": caption, "title": title_of(caption),
-         "uri": figure_uri(path)}
-        for path in paths for stage, caption in [captions[path]]
-    ]  # fmt: skip
+    described = []
+    for path in paths:
+        stage, caption = captions[path]
+        figure = {"name": Path(path).stem, "stage": stage, "caption": caption}
+        described.append({**figure, "title": title_of(caption), "uri": figure_uri(path)})
+    return described
 
 
 def title_of(caption):
@@ -142,7 +142,7 @@ def compare_table3(intervals, paper):
     ours = intervals.set_index(["output", "metric", "training_set"])
     rows = []
     for output, published in paper.items():
-        for k, score in enumerate(SCORES):
+        for k, score in enumerate(("ods", "ois", "ap")):
             cells = []
             for training_set in TRAINING_SETS:
                 row = ours.loc[(output, score, training_set)].to_dict()
@@ -158,15 +158,14 @@ def stage_costs(jobs, stages):
     `jobs` has a row per job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]. Rules that are not in `stages`
     are left out: their files are of an older run.
     """
-    jobs = jobs[jobs["rule"].isin(list(stages))]
     jobs = jobs.assign(**{name: pd.to_numeric(jobs[name], errors="coerce") for name in ("s", "cpu_time", "max_rss")})
-    jobs = jobs.assign(stage=jobs["rule"].map(stages))
-    return [
-        {"stage": stage, **_cost(jobs[jobs["stage"] == stage]),
-         "rules": [{"rule": rule, **_cost(jobs[jobs["rule"] == rule])}
-                   for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()]}
-        for stage in dict.fromkeys(stages.values()) if (jobs["stage"] == stage).any()
-    ]  # fmt: skip
+    costs = []
+    for stage in dict.fromkeys(stages.values()):
+        rules = [rule for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()]
+        if rules:
+            parts = [{"rule": rule, **_cost(jobs[jobs["rule"] == rule])} for rule in rules]
+            costs.append({"stage": stage, **_cost(jobs[jobs["rule"].isin(rules)]), "rules": parts})
+    return costs
 
 
 def _cost(jobs):
