@@ -8,19 +8,6 @@ from snowsim.cgan.health import WINDOW_STEPS
 N_SAMPLES = 3  # scenes of the sample sheet
 
 
-class Chosen:
-    """Some of a sequence of scenes, in order, read when asked for."""
-
-    def __init__(self, scenes, numbers):
-        self.scenes, self.numbers = scenes, numbers
-
-    def __len__(self):
-        return len(self.numbers)
-
-    def __getitem__(self, item):
-        return self.scenes[self.numbers[item]]
-
-
 class Judge:
     """Similarity on scenes set aside, and health, of a training as it goes; `run` is set once the run is open."""
 

@@ -6,7 +6,7 @@ import pandas as pd
 from job import logger, run
 
 from lib.diagnostics.label_models import choose, compare_models, tabulate_criteria, tabulate_families
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.models import label_model

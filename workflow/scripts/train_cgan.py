@@ -4,8 +4,9 @@ import dataclasses
 
 import torch
 from job import logger, run
+from torch.utils.data import Subset
 
-from lib.cgan_training import Chosen, Judge, sample_scenes
+from lib.cgan_training import Judge, sample_scenes
 from lib.training import TrainingRun, Validation, check_memory, enough_memory
 from snowsim.cgan import Collapsed, Settings, Training, faults, held_out, least_bytes, train_steps
 from snowsim.io.files import write_table
@@ -31,7 +32,7 @@ def train(
     check_memory(least_bytes(settings), what)
     with SceneSet(scenes) as observed, enough_memory(what):
         train_numbers, held_numbers = held_out(len(observed), validation["n_scenes"], seed=seed)
-        train_scenes, held_scenes = Chosen(observed, train_numbers), [observed[number] for number in held_numbers]
+        train_scenes, held_scenes = Subset(observed, train_numbers), [observed[number] for number in held_numbers]
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)

@@ -6,7 +6,7 @@ from functools import partial
 
 import pandas as pd
 
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.cgan import Settings, Training, faults, measure_losses, measure_renders, render, train_steps, validate
 
 METRICS = ["ssim", "psnr", "rmse"]

@@ -14,7 +14,7 @@ from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s
 from lib.diagnostics.convolution import MODELS, bias_db, error_db, model_works, sweep_frequencies_hz
 from lib.diagnostics.phy_alternatives import render_literal
 from lib.diagnostics.phy_errors import fit_waveform, planted_scene
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.constants import START_FREQUENCY_HZ
 from snowsim.phy import render
 from snowsim.reference import draw_scene

@@ -20,7 +20,7 @@ from lib.diagnostics.phy_errors import (
     planted_scene,
     quantile_distance,
 )
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.phy import draw_speckle
 
 TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01, 1e-3, 1e-6)

@@ -14,7 +14,7 @@ from lib.diagnostics.phy_alternatives import (
 )
 from lib.diagnostics.phy_charts import SHAPES, runs_table
 from lib.diagnostics.phy_errors import largest_error_db, planted_scene, scattered_mean_power
-from lib.timing import time_rounds
+from lib.machine import time_rounds
 from snowsim.cgan import UNetGenerator
 from snowsim.cgan import render as render_cgan
 from snowsim.echogram import layer_mask, to_uint8

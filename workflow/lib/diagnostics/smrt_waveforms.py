@@ -12,7 +12,7 @@ import pandas as pd
 
 from lib.diagnostics.convolution_charts import SCENE_LINES, SHAPING_DB, TAILS_DB, received
 from lib.diagnostics.phy_errors import fit_waveform
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.constants import CENTRE_FREQUENCY_HZ
 from snowsim.reference.firn import refractive_index_kovacs95
 

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.echogram import SURFACE_ROW, layer_mask, scene_height, to_uint8
 from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
