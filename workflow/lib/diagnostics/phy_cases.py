@@ -48,9 +48,9 @@ class Case:
             return mean_power(**self.given, **tolerance)
         if method in ("recursive32", "recursive64"):
             dtype = {"recursive32": np.float32, "recursive64": np.float64}[method]
-            return ways.mean_power_by("recursive", self.waveforms(), **tolerance, dtype=dtype)
+            return ways.recursive_power(self.waveforms(), **tolerance, dtype=dtype)
         if method == "table32":
-            return ways.single_precision_power(self.waveforms(), self.noise_power, self.tolerance_db)
+            return ways.single_precision_power(self.waveforms(), **tolerance)
         way = {"sampled": ways.convolved_power, "naive": ways.naive_power, "wrapped": ways.wrapped_power}
         way |= {"cut": ways.cut_power, "nearest": ways.nearest_power}
         return way[method](self.waveforms())
