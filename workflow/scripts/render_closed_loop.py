@@ -2,7 +2,7 @@
 
 from job import progress, run
 
-from lib.diagnostics.loop_renders import summarise_renders
+from lib.diagnostics.closed_loop import summarise_renders
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream

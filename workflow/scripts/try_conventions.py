@@ -4,7 +4,7 @@ from itertools import islice
 
 from job import progress, run
 
-from lib.diagnostics.loop_renders import recover, summarise_renders
+from lib.diagnostics.closed_loop import recover, summarise_renders
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
