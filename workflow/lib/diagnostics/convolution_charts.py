@@ -10,8 +10,17 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered
-from lib.diagnostics.convolution import MODELS, bias_db, error_db, model_works, sweep_frequencies_hz
+from lib.diagnostics.coherent import (
+    MODELS,
+    bias_db,
+    draw_lenses,
+    draw_years,
+    error_db,
+    interface_delays_s,
+    layered,
+    model_works,
+    sweep_frequencies_hz,
+)
 from lib.diagnostics.phy_alternatives import render_literal
 from lib.diagnostics.phy_errors import fit_waveform, planted_scene
 from lib.machine import device_name, time_rounds
@@ -81,10 +90,7 @@ def planted_stacks(settings, stream):
 
 
 def stack_rows(sweep, value, unit, density, thickness_m, radar):
-    """Errors of all models on one ensemble of stacks under air, and seconds of one look and range line.
-
-    Against a transfer matrix with all multiples: what single scattering and the incoherent sum of eq. (1) leave out.
-    """
+    """Errors of all models on one ensemble of stacks under air, and seconds of one look and range line."""
     index = refractive_index_kovacs95(density)
     index = np.concatenate([np.ones((len(index), 1)), index], axis=1)
     delay_s = (np.arange(N_BINS) - BINS_ABOVE) * radar.bin_size_s
@@ -122,10 +128,7 @@ def received(radar, rms_slope):
 
 
 def tail_rows(radar):
-    """What eq. (1), a Gaussian convolved with one exponential, leaves of the nature run's off-nadir tail.
-
-    By how far down the tail is followed, and by what shapes it.
-    """
+    """What eq. (1) leaves of the nature run's off-nadir tail, by how far down it is followed, and by what shapes it."""
     slopes = {"horizon": radar.horizon_slope, "surface": radar.surface_slope}
     sweeps = [
         (name, tail_db, "dB below the peak", radar, slope, tail_db)
