@@ -8,6 +8,16 @@ from snowsim.cgan.health import WINDOW_STEPS
 N_SAMPLES = 3  # scenes of the sample sheet
 
 
+def examine(training, losses, scenes, statistics):
+    """Similarity on some scenes, numbers of health, and the renders, of a training as it is."""
+    settings = training.settings
+    options = {"dropout": settings.dropout, "precision": settings.precision, "seed": training.seed}
+    scores, images = validate(training.generator, scenes, statistics=statistics, **options)
+    numbers = measure_losses(losses, settings.adversarial)
+    numbers |= measure_renders(training.generator, scenes, statistics=statistics, **options)
+    return scores, numbers, images
+
+
 class Judge:
     """Similarity on scenes set aside, and health, of a training as it goes; `run` is set once the run is open."""
 
@@ -19,12 +29,10 @@ class Judge:
     def score(self):
         """Similarity, numbers of health, and the fitness that decides; `Collapsed` on collapse unless it goes on."""
         training, settings = self.training, self.training.settings
-        rendering = {"dropout": settings.dropout, "statistics": self.statistics, "precision": settings.precision}
         if self.statistics == "training":
             settle_statistics(training, self.train_scenes)
-        scores, self.images = validate(training.generator, self.scenes, **rendering, seed=training.seed)
-        numbers = measure_losses(self.run.late_losses(WINDOW_STEPS), settings.adversarial)
-        numbers |= measure_renders(training.generator, self.scenes, **rendering, seed=training.seed)
+        late = self.run.late_losses(WINDOW_STEPS)
+        scores, numbers, self.images = examine(training, late, self.scenes, self.statistics)
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
         told = {**scores, **numbers, "n_faults": len(found)}

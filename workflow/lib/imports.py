@@ -1,7 +1,7 @@
 """What a script depends on: the files of this project that it imports, and that those import in turn.
 
-Snakemake does not follow imports, so rules name these files as inputs. Importing a module also executes the
-``__init__`` of its folder; a script takes nothing from it, so an edit there does not count.
+Snakemake does not follow imports, so rules name these files. That importing a module executes the ``__init__`` of its
+folder does not count: a script takes nothing from it.
 """
 
 import ast

@@ -3,6 +3,7 @@
 import pandas as pd
 import torch
 from job import progress, run
+from render_phy import render_scene
 
 from lib.diagnostics.tracker_studies import level_scene, stress_tracking, stress_training
 from snowsim.io.files import read_dataset, write_table
@@ -20,7 +21,8 @@ def stress_tracker(train, scenes, network, statistics, table, *, seed, settings,
     flight = read_dataset(statistics)
 
     def render_level(n_layers):
-        return level_scene(n_layers, flight, phy, rng=random_stream(seed, "stress_tracker", n_layers))
+        scene = render_scene(level_scene(n_layers), flight, phy, random_stream(seed, "stress_tracker", n_layers))
+        return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:
         trainings = stress_training(real, short, stability["learning_rates"], stability["n_seeds"])

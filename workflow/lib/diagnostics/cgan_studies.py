@@ -6,8 +6,9 @@ from functools import partial
 
 import pandas as pd
 
+from lib.cgan_training import examine
 from lib.machine import device_name, time_rounds
-from snowsim.cgan import Settings, Training, faults, measure_losses, measure_renders, render, train_steps, validate
+from snowsim.cgan import Settings, Training, faults, render, train_steps
 
 METRICS = ["ssim", "psnr", "rmse"]
 
@@ -62,8 +63,7 @@ def steps_in(seconds, speed, width):
 def widths_table(speed, bounds, validations):
     """Seconds per step and render, and similarity on train scenes set aside, by width of the cGAN, beside PHY.
 
-    `validations` maps (mode, width) to the validations of a training, of which the fittest counts; PHY's similarity is
-    that of `bounds`, on the same scenes.
+    `validations` maps (mode, width) to those of a training, of which the fittest counts; PHY's are those of `bounds`.
     """
     seconds = speed.groupby(["method", "width", "work"])["seconds"].median()
     rows = []
@@ -80,13 +80,10 @@ def widths_table(speed, bounds, validations):
 
 def judge_training(settings, seed, train_scenes, held_scenes, statistics):
     """Similarity, numbers of health and verdict of one training; a loss that is not finite ends it."""
-    training, losses = Training(settings, seed=seed), []
-    rendering = {"dropout": settings.dropout, "statistics": statistics, "precision": settings.precision}
+    training = Training(settings, seed=seed)
     try:
-        losses += [step_losses for _, step_losses in train_steps(training, train_scenes)]
-        scores, _ = validate(training.generator, held_scenes, **rendering, seed=seed)
+        losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
+        scores, numbers, _ = examine(training, losses, held_scenes, statistics)
     except FloatingPointError as error:
         return {"verdict": f"values that are not finite: {error}"}
-    numbers = measure_losses(losses, settings.adversarial)
-    numbers |= measure_renders(training.generator, held_scenes, **rendering, seed=seed)
     return {**scores, **numbers, "verdict": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}

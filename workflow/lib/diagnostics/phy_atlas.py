@@ -1,17 +1,17 @@
 """The stability atlas: scenes pushed to where ways of computing them fail, the public functions among them.
 
-A row has ``setting, value, method, error_db, limit_db, outcome``: the sweep, where on it, what computed, how far off,
-how far it may be off, and ``within`` that limit, ``refused`` by a ValueError, or ``wrong``.
+The outcome of a row is ``within`` its limit, ``refused`` by a ValueError, or ``wrong``.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from scipy.special import gammaincinv
 from scipy.stats import gamma
 
-from lib.diagnostics.phy_cases import Case, judged, noisy, outcome, row
+from lib.diagnostics.phy_cases import Case, judged, noisy, outcome, row, verdict_on
 from lib.diagnostics.phy_errors import largest_error_db
 from snowsim.phy.render import render
 from snowsim.phy.speckle import draw_speckle
@@ -90,8 +90,7 @@ def sweep_size():
 def sweep_looks(*, rng):
     """Number of looks: from one, where laws are most skewed, to where float32 no longer tells values apart.
 
-    A quantile is within when it is off by at most 0.05 dB and five standard errors of its 262,144 draws. `cube_open` is
-    the cube without the floor of 10 looks that `draw_speckle` holds it to.
+    `cube_open` is the cube without the floor of 10 looks that `draw_speckle` holds it to.
     """
     methods = ("looks", "gamma", "cube", "quantile", "cube_open")
     runs = [(n, method) for n in LOOKS for method in methods if method != "looks" or n <= MOST_LOOKS_SUMMED]
@@ -99,6 +98,7 @@ def sweep_looks(*, rng):
 
 
 def _looks_verdict(method, n_looks, rng):
+    """Quantiles are within when off by at most `LAW_LIMIT_DB` and five standard errors of the draws."""
     exact = gammaincinv(n_looks, LEVELS) / n_looks
     density = gamma.pdf(exact, n_looks, scale=1 / n_looks)
     standard_error = np.sqrt(LEVELS * (1 - LEVELS) / np.prod(SHAPE)) / (density * exact)
@@ -173,22 +173,17 @@ def sweep_borders(*, rng):
 def _verdict(case, method, rng):
     if method != "render":
         return case.verdict(method)
-    limit_db = case.tolerance_db + RENDER_SPECKLE_DB
-    try:
-        power = _rendered(case, rng)
-    except ValueError:
-        return np.nan, limit_db, "refused"
-    error_db = largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
-    return error_db, limit_db, outcome(error_db, limit_db)
+
+    def error_db(power):
+        return largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
+
+    return verdict_on(partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB)
 
 
 def _refusal(case, method, rng):
     """Verdict on a case that has no right answer."""
-    try:
-        _rendered(case, rng) if method == "render" else case.computed(method)
-    except ValueError:
-        return np.nan, case.tolerance_db, "refused"
-    return np.inf, case.tolerance_db, "wrong"
+    work = partial(_rendered, case, rng) if method == "render" else partial(case.computed, method)
+    return verdict_on(work, lambda power: np.inf, case.tolerance_db)
 
 
 def _rendered(case, rng):
@@ -206,10 +201,9 @@ def draw_atlas(*, rng):
 
 
 def safe_regions(atlas):
-    """Where each method of each sweep over numbers is within its limit, from the rows of `draw_atlas`.
+    """Where each method of each sweep is within its limit: ends of the longest run of numbers without a wrong one.
 
-    A table ``setting, method, first_safe, last_safe, n_within, n_refused, n_wrong``: ends of the longest run of values
-    without a wrong one, refusals at its ends left out; empty where no value is within.
+    Refusals at its ends are left out; empty where no value is within.
     """
     rows = []
     for (setting, method), sweep in atlas.groupby(["setting", "method"], sort=False):
