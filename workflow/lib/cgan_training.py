@@ -19,11 +19,14 @@ def examine(training, losses, scenes, statistics):
 
 
 class Judge:
-    """Similarity on scenes set aside, and health, of a training as it goes; `run` is set once the run is open."""
+    """Validation of a training by similarity on scenes set aside, and health; `run` is set once the run is open."""
 
-    def __init__(self, training, scenes, train_scenes, statistics, by, *, goes_on=False):
+    by = "fitness"
+
+    def __init__(self, training, scenes, train_scenes, statistics, validation, *, goes_on=False):
         self.training, self.scenes, self.train_scenes = training, scenes, train_scenes
-        self.statistics, self.by, self.goes_on = statistics, by, goes_on
+        self.statistics, self.goes_on = statistics, goes_on
+        self.every_steps, self.patience, self.metric = (validation[key] for key in ("every_steps", "patience", "by"))
         self.run, self.images = None, []
 
     def score(self):
@@ -37,12 +40,12 @@ class Judge:
         before = self.run.scores()
         told = {**scores, **numbers, "n_faults": len(found)}
         if self.goes_on:
-            return {**told, "fitness": scores[self.by]}
+            return {**told, "fitness": scores[self.metric]}
         # Once may pass; twice in a row, or at the end, it has collapsed.
         if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
             msg = f"step {training.step}: {'; '.join(found)}"
             raise Collapsed(msg)
-        return {**told, "fitness": -float("inf") if found else scores[self.by]}
+        return {**told, "fitness": -float("inf") if found else scores[self.metric]}
 
     def weights(self):
         """What is kept of the best."""

@@ -4,9 +4,7 @@ A checkpoint is no declared output, for Snakemake removes those of a failed job.
 """
 
 import logging
-from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,24 +23,13 @@ SHOWN_EVERY = 50  # [steps] beside the progress bar
 logger = logging.getLogger("snowsim")
 
 
-@dataclass(frozen=True)
-class Validation:
-    """Scores of a training on scenes it does not train on, every so many steps and after the last."""
-
-    every_steps: int
-    score: Callable[[], dict]  # of the training as it is, drawing from streams of its own
-    weights: Callable[[], dict]  # what to keep of the best
-    by: str  # the score that is highest for the best
-    patience: int | None = None  # validations in a row without a better score that end the training; None: never
-    samples: Callable[[], dict] = dict  # what to keep of each, called after `score`
-
-
 class TrainingRun:
     """One training with its checkpoint, losses, validations and logs: a context in which its files are written.
 
     `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint (`.safetensors`, every
     `every_steps`) says something else or is truncated; it goes when the block ends well. Events for TensorBoard go to
-    the folder `path_to_events`. `best` holds what `validation` kept after `best_step` steps, `samples` that by step.
+    the folder `path_to_events`. `validation` has `score` every `every_steps` and after the last step, `weights` to keep
+    of the `best`, highest in `by`, and `samples` of each; `patience` of them without a better one end the training.
     """
 
     def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None):

@@ -36,9 +36,7 @@ def compare_label_models(
     logger.info("chosen: %s", chosen)
     datasets = {name: label_model(by_count[zones], spectrum) for name, (zones, spectrum) in chosen.items()}
     models = {name: (*chosen[name], prepare(dataset, n_range_lines)) for name, dataset in datasets.items()}
-
-    def stream():
-        return random_stream(seed, "compare_label_models")
+    stream = partial(random_stream, seed, "compare_label_models")
 
     def draw_scenes(prepared):
         rng = stream()

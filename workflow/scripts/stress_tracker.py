@@ -1,7 +1,6 @@
 """Where the tracker fails: rates, seeds, brightness, odd heights, few and many layers, labels and images of nothing."""
 
 import pandas as pd
-import torch
 from job import progress, run
 from render_phy import render_scene
 
@@ -14,7 +13,6 @@ from snowsim.tracker import Settings, trained_network
 
 
 def stress_tracker(train, scenes, network, statistics, table, *, seed, settings, phy, stability):
-    torch.set_num_threads(1)
     short = Settings(**{**settings, "n_steps": stability["n_steps"]})
     weights, metadata = read_model(network, {"kind": "tracker"})
     trained = Settings(**metadata["settings"])

@@ -2,12 +2,11 @@
 
 import dataclasses
 
-import torch
 from job import logger, run
 from torch.utils.data import Subset
 
 from lib.cgan_training import Judge, sample_scenes
-from lib.training import TrainingRun, Validation, check_memory, enough_memory
+from lib.training import TrainingRun, check_memory, enough_memory
 from snowsim.cgan import Collapsed, Settings, Training, faults, held_out, least_bytes, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
@@ -19,7 +18,6 @@ def train(
     scenes, generator, losses, scores, samples,
     *, seed, device, settings, statistics, validation, on_collapse, source, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
-    torch.set_num_threads(1)
     settings = Settings(**settings)
     made_of = {
         "settings": dataclasses.asdict(settings),
@@ -36,13 +34,10 @@ def train(
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
-        judge = Judge(training, held_scenes, train_scenes, statistics, validation["by"], goes_on=on_collapse == "go_on")
-        watch = Validation(
-            validation["every_steps"], judge.score, judge.weights, "fitness", validation["patience"], judge.samples
-        )
+        judge = Judge(training, held_scenes, train_scenes, statistics, validation, goes_on=on_collapse == "go_on")
         unfinished = {"kind": "unfinished cgan training", **made_of}
         with TrainingRun(
-            training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events, validation=watch
+            training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events, validation=judge
         ) as taken:
             judge.run, collapse = taken, None
             try:

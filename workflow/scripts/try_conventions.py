@@ -1,5 +1,6 @@
 """Conventions of PHY through the closed loop: renders of the first label sets, and their statistics."""
 
+from functools import partial
 from itertools import islice
 
 from job import progress, run
@@ -11,9 +12,7 @@ from snowsim.seeding import random_stream
 
 
 def try_conventions(layers, statistics, recovered, tables, *, conventions, seed, tolerance_db, n_scenes, stride):
-    def stream(name):
-        return random_stream(seed, "closed_loop", name)
-
+    stream = partial(random_stream, seed, "closed_loop")
     for convention, path_to_given, *paths in zip(conventions, statistics, recovered, tables, strict=True):
         given = read_dataset(path_to_given)
         with SceneSet(layers) as drawn:

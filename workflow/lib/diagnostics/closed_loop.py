@@ -1,6 +1,7 @@
 """The closed loop: label sets rendered by PHY, and their statistics beside those they were rendered from."""
 
-from dataclasses import dataclass, replace
+from collections import namedtuple
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,15 +19,8 @@ SURE = 2.0  # standard errors by which a difference counts as one
 NARROW_BINS2 = 1.0
 
 
-@dataclass(frozen=True)
-class Bound:
-    """How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for."""
-
-    dims: tuple
-    unit: str
-    largest: float
-
-
+# How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for.
+Bound = namedtuple("Bound", "dims unit largest")
 BOUNDS = {
     "peak_power": Bound(("layer",), "relative", 0.03),
     "decay_rate": Bound(("layer",), "relative", 0.05),

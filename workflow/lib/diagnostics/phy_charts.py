@@ -152,7 +152,6 @@ def scatterer_work(layer_bins, parameters, n_range_bins, rng):
 
 def cgan_work(layer_bins, n_range_bins, settings, rng):
     """A generator of the configured size; what it has learned makes no difference to its cost."""
-    torch.set_num_threads(1)
     generator = UNetGenerator(settings["width"], settings["depth"]).to(memory_format=torch.channels_last).eval()
     mask = layer_mask(layer_bins, n_range_bins)
     return partial(render_cgan, generator, mask, statistics="scene", precision=settings["precision"], rng=rng)

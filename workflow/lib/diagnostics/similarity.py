@@ -67,10 +67,15 @@ def explain_scene(observed, rendered, n_looks, *, rng):
     n_layers = observed.layer_bins.shape[0] - 1
     depth = next(name for name, low, high in DEPTHS if low <= n_layers < high)
     here = {"scenes": "test", "layers": "complete", "depth": depth}
-    rows = rows_of(bounds(observed, n_looks, rng), **here, method="bound")
-    for method, scene in rendered.items():
-        rows += rows_of(without_faults(scene, observed), **here, method=method)
-    return rows
+    redrawn = with_other_speckle(observed.image, observed.noise_floor_db, observed.maximum_db, n_looks, rng=rng)
+    smooth = as_bytes(without_speckle(observed.image))
+    images = {"bound": {"mean echo as observed, other speckle": redrawn, "mean echo as observed, no speckle": smooth}}
+    images |= {method: without_faults(scene.image, observed.image) for method, scene in rendered.items()}
+    return [
+        {**here, "method": method, "case": case, **similarity(image, observed.image)}
+        for method, cases in images.items()
+        for case, image in cases.items()
+    ]
 
 
 def explain_errors(observed, rendered):
@@ -85,25 +90,16 @@ def explain_annotation(scene, renderers):
         if layer_bins is None:
             continue
         annotated = dataclasses.replace(scene, layer_bins=layer_bins)
+        here = {"scenes": "train, set aside", "layers": layers}
         for method, render_one in renderers.items():
-            found = {"as rendered": similarity(render_one(annotated), scene.image)}
-            rows += rows_of(found, scenes="train, set aside", layers=layers, method=method)
+            numbers = similarity(render_one(annotated), scene.image)
+            rows.append({**here, "method": method, "case": "as rendered", **numbers})
     return rows
 
 
-def bounds(observed, n_looks, rng):
-    """Similarity to the observed scene of what no renderer can know better."""
-    scale = observed.noise_floor_db, observed.maximum_db
-    redrawn = with_other_speckle(observed.image, *scale, n_looks, rng=rng)
-    return {
-        "mean echo as observed, other speckle": similarity(redrawn, observed.image),
-        "mean echo as observed, no speckle": similarity(as_bytes(without_speckle(observed.image)), observed.image),
-    }
-
-
 def without_faults(rendered, observed):
-    """Similarity to the observed scene of a render, as it is and with single faults taken away."""
-    image, truth = rendered.image.astype(float), observed.image.astype(float)
+    """Images by what of a render was made like the observed image."""
+    image, truth = rendered.astype(float), observed.astype(float)
     by_row = truth.mean(axis=1, keepdims=True) - image.mean(axis=1, keepdims=True)
     changed = {
         "as rendered": image,
@@ -111,12 +107,7 @@ def without_faults(rendered, observed):
         "its grey level that of the scene": image + truth.mean() - image.mean(),
         "its mean by depth that of the scene": image + by_row,
     }
-    return {case: similarity(as_bytes(grey), observed.image) for case, grey in changed.items()}
-
-
-def rows_of(similarities, **columns):
-    """A row a case."""
-    return [{**columns, "case": case, **numbers} for case, numbers in similarities.items()]
+    return {case: as_bytes(grey) for case, grey in changed.items()}
 
 
 def mean_similarity(rows):

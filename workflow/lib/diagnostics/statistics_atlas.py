@@ -142,15 +142,13 @@ def _compared(fitted, quantity, true):
     }
 
 
-def _noisy(value):
-    weakest = min(Planted().peak_power)
-    return Planted(noise_power=weakest * 10 ** (-value / 10))
-
-
 # Values of each sweep, and the flight planted for one.
 SWEEPS = {
     "slab thickness [bins]": ((3, 5, 8, 12, 18, 27, 44, 80), lambda value: Planted(slab_bins=value)),
-    "weakest layer over noise [dB]": ((-15, -10, -5, 0, 5, 10, 20, 30), _noisy),
+    "weakest layer over noise [dB]": (
+        (-15, -10, -5, 0, 5, 10, 20, 30),
+        lambda value: Planted(noise_power=min(Planted.peak_power) * 10 ** (-value / 10)),
+    ),
     "looks of a range line": ((0.2, 0.5, 1, 2, 5, 20, 100), lambda value: Planted(n_looks=value)),
     "range lines of a flight": ((200, 256, 512, 1024, 2048, 4096), lambda value: Planted(n_frames=1, n_lines=value)),
     "share of picks missing": ((0, 0.2, 0.4, 0.6, 0.8, 0.95), lambda _: Planted()),
