@@ -28,25 +28,25 @@ def seeds_table(default, others, seeds):
 def time_widths(scenes, widths, settings, render_phy, n_rounds, *, seed, stream):
     """Seconds of processor time per training step and per render by width, and per render of PHY: a row a run."""
 
-    def render_all(render_one):
-        for scene in scenes:
-            render_one(scene)
-
     def take_steps(steps):
         for _ in scenes:
             next(steps)
 
-    def by_cgan(generator, scene):
-        options = {"statistics": "scene", "precision": settings["precision"]}
-        render(generator, scene.mask(), **options, rng=stream(scene.name))
+    def by_cgan(generator):
+        for scene in scenes:
+            render(generator, scene.mask(), statistics="scene", precision=precision, rng=stream(scene.name))
 
-    works = {}
+    def by_phy():
+        for scene in scenes:
+            render_phy(scene)
+
+    works, precision = {}, settings["precision"]
     for width in widths:
         endless = dataclasses.replace(Settings(**settings), width=width, n_steps=10**9)
         training = Training(endless, seed=seed)
         works["cgan", width, "step"] = partial(take_steps, train_steps(training, scenes))
-        works["cgan", width, "render"] = partial(render_all, partial(by_cgan, training.generator))
-    works["phy", 0, "render"] = partial(render_all, render_phy)
+        works["cgan", width, "render"] = partial(by_cgan, training.generator)
+    works["phy", 0, "render"] = by_phy
     rows = [
         {"method": method, "width": width, "work": work, "repeat": repeat, "seconds": seconds / len(scenes)}
         for (method, width, work), repeat, seconds in time_rounds(works, n_rounds, clock=time.process_time)

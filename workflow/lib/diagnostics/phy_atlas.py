@@ -38,53 +38,38 @@ def _pair(spacing_bins, **changes):
     return replace(PLAIN, layer_bins=layer_bins, **(both | changes))
 
 
-def sweep_decay():
-    """Decay rate: exponentials that outlast the window, and ones shorter than a bin."""
-    values = 10.0 ** np.arange(-6, 4.1, 0.5)
-    return judged("decay rate [per bin]", values, lambda x: noisy(replace(PLAIN, decay_rate=np.array([x]))), SHORTCUTS)
+def sweeps():
+    """Setting, values, scene of one, and methods beside `exact` and `planned`, of every sweep over numbers."""
 
+    def plain_with(name):
+        return lambda x: noisy(replace(PLAIN, **{name: np.array([x])}))
 
-def sweep_variance():
-    """Width of the Gaussian: far narrower than a bin, and far wider than the window."""
-    values, methods = 10.0 ** np.arange(-6, 8.1, 0.5), (*SHORTCUTS, "recursive64")
-    return judged("variance [bins²]", values, lambda x: noisy(replace(PLAIN, variance_bins2=np.array([x]))), methods)
-
-
-def sweep_position():
-    """Position: across the borders of the window of 256 bins, on them, and far outside."""
+    # From exponentials that outlast the window to ones shorter than a bin.
+    yield "decay rate [per bin]", 10.0 ** np.arange(-6, 4.1, 0.5), plain_with("decay_rate"), SHORTCUTS
+    # From far narrower than a bin to far wider than the window.
+    widths = 10.0 ** np.arange(-6, 8.1, 0.5)
+    yield "variance [bins²]", widths, plain_with("variance_bins2"), (*SHORTCUTS, "recursive64")
+    # Across the borders of the window of 256 bins, on them, and far outside.
     inside = [-1, 0, 10, 50, 128, 200, 240, 250, 254, 255, 256, 260, 300]
-    values = [*-(10.0 ** np.arange(4, 0.9, -0.5)), *inside, 1e3, 1e4]
-    return judged("position [bins]", values, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS)
-
-
-def sweep_spacing():
-    """Distance of two layers: touching, and crossing, which is refused."""
-    values = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
-    return judged("spacing of two layers [bins]", values, _pair, ("naive", "sampled", "nearest", "recursive32"))
-
-
-def sweep_power_ratio():
-    """Dynamic range: the lower of two layers ever weaker, the noise 30 dB below it."""
-    values = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
+    places = [*-(10.0 ** np.arange(4, 0.9, -0.5)), *inside, 1e3, 1e4]
+    yield "position [bins]", places, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS
+    # Touching, and crossing, which is refused.
+    distances = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
+    yield "spacing of two layers [bins]", distances, _pair, ("naive", "sampled", "nearest", "recursive32")
+    # The noise is 30 dB below the weaker layer.
+    ratios = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
     methods = ("naive", "sampled", "nearest", "recursive32", "table32")
-    return judged("power of the weaker layer", values, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods)
-
-
-def sweep_tolerance():
-    """Tolerance: from loose to below the resolution of float32, then of float64."""
-    values = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
-    return judged("tolerance [dB]", values, lambda x: replace(PLAIN, tolerance_db=x), ("table32",))
-
-
-def sweep_size():
-    """Height of one column, from one pixel to a million, of a layer whose tail hardly decays."""
-
-    def column(height):
-        slow = np.array([1e-6])
-        return replace(PLAIN, layer_bins=np.array([[0.3 * height]]), decay_rate=slow, n_range_bins=height)
-
-    values = [1, 2, 3, 10, 100, 1000, 10_000, 100_000, 1_000_000]
-    return judged("height [bins]", values, column, ("wrapped", "cut", "recursive32", "recursive64"))
+    yield "power of the weaker layer", ratios, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods
+    # From loose to below the resolution of float32, then of float64.
+    tolerances_db = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
+    yield "tolerance [dB]", tolerances_db, lambda x: replace(PLAIN, tolerance_db=x), ("table32",)
+    # One column of a layer whose tail hardly decays, from one pixel to a million.
+    slow = replace(PLAIN, decay_rate=np.array([1e-6]))
+    heights, methods = (
+        [1, 2, 3, *(10**power for power in range(1, 7))],
+        ("wrapped", "cut", "recursive32", "recursive64"),
+    )
+    yield "height [bins]", heights, lambda x: replace(slow, layer_bins=np.array([[0.3 * x]]), n_range_bins=x), methods
 
 
 def sweep_looks(*, rng):
@@ -195,8 +180,8 @@ def _rendered(case, rng):
 
 def draw_atlas(*, rng):
     """Rows of all sweeps as a table."""
-    rows = [*sweep_decay(), *sweep_variance(), *sweep_position(), *sweep_spacing(), *sweep_power_ratio()]
-    rows += [*sweep_tolerance(), *sweep_size(), *sweep_looks(rng=rng), *sweep_borders(rng=rng)]
+    rows = [row for sweep in sweeps() for row in judged(*sweep)]
+    rows += [*sweep_looks(rng=rng), *sweep_borders(rng=rng)]
     return pd.DataFrame(rows)
 
 

@@ -7,14 +7,7 @@ import pandas as pd
 import torch
 
 from lib.diagnostics import phy_alternatives as ways
-from lib.diagnostics.phy_errors import (
-    cube_distance,
-    largest_error_db,
-    moving_distance,
-    planted_scene,
-    quantile_distance,
-    scattered_mean_power,
-)
+from lib.diagnostics import phy_errors
 from lib.machine import device_name, time_rounds
 from snowsim.cgan import UNetGenerator
 from snowsim.cgan import render as render_cgan
@@ -33,8 +26,8 @@ TIMED_MOVEMENT_DB = 6.0  # the time does not depend on how far the mean moves
 DISTANCE = {
     "looks": lambda n_looks: 0.0,
     "gamma": lambda n_looks: 0.0,
-    "cube": cube_distance,
-    "quantile": quantile_distance,
+    "cube": phy_errors.cube_distance,
+    "quantile": phy_errors.quantile_distance,
 }
 SCATTERER_LINES = 4  # of the scatterers' scene: its cost is the same for every range line
 RANGE_LINES = (16, 64, 256, 1024, 4096)
@@ -53,8 +46,11 @@ def runs_table(runs, about, columns, **same):
     return pd.DataFrame(rows, columns=columns).assign(device=device_name())
 
 
-def waveform_works(waveforms, noise_power):
-    """Every way of computing mean power, by (setting, method)."""
+def time_waveforms(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
+    """Seconds and largest error [dB] of mean power by every way."""
+    layer_bins, parameters = phy_errors.planted_scene(n_layers, n_range_lines, n_range_bins)
+    waveforms = ways.waveforms_of(layer_bins, parameters, n_range_bins, "peak", "peak")
+    exact, noise_power = exact_power(waveforms), parameters["noise_power"]
     works = {
         ("1 sample per bin", "convolved"): partial(ways.convolved_power, waveforms),
         ("4 samples per bin", "convolved"): partial(ways.convolved_power, waveforms, samples_per_bin=4),
@@ -70,16 +66,7 @@ def waveform_works(waveforms, noise_power):
             for dtype in (np.float32, np.float64):
                 name = f"recursive {np.dtype(dtype).name}"
                 works[setting, name] = partial(ways.recursive_power, *limits, dtype=dtype)
-    return works
-
-
-def time_waveforms(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
-    """Seconds and largest error [dB] of mean power by every way."""
-    layer_bins, parameters = planted_scene(n_layers, n_range_lines, n_range_bins)
-    waveforms = ways.waveforms_of(layer_bins, parameters, n_range_bins, "peak", "peak")
-    exact, noise_power = exact_power(waveforms), parameters["noise_power"]
-    works = waveform_works(waveforms, noise_power)
-    about = {key: {"error_db": largest_error_db(work(), exact, noise_power)} for key, work in works.items()}
+    about = {key: {"error_db": phy_errors.largest_error_db(work(), exact, noise_power)} for key, work in works.items()}
     works[FLOOR] = partial(rng.standard_normal, exact.shape, dtype=np.float32)
     return runs_table(time_rounds(works, n_rounds), about, COLUMNS, n_pixels=exact.size)
 
@@ -104,7 +91,7 @@ def time_speckle(n_range_lines, n_range_bins, n_rounds, *, rng):
             works[key] = partial(draw_speckle, mean_power, n_looks, method=method, rng=rng)
             about[key] = {"distance": distance(n_looks), "n_looks": n_looks}
         for movement_db in MOVEMENTS_DB:
-            distance = moving_distance(look_means(movement_db, n_looks))
+            distance = phy_errors.moving_distance(look_means(movement_db, n_looks))
             key = (f"M = {n_looks}, {movement_db:g} dB", "gamma, moving")
             about[key] = {"distance": distance, "n_looks": n_looks, "movement_db": movement_db}
     n_looks = min(N_LOOKS)
@@ -138,16 +125,16 @@ def phy_works(layer_bins, parameters, n_range_bins, rng):
         key = (f"{tolerance_db:g} dB", "PHY")
         works[key] = partial(by_phy, tolerance_db=tolerance_db)
         means[key] = ways.table_power(waveforms, noise_power, tolerance_db)
-    return works, {key: largest_error_db(mean, exact, noise_power) for key, mean in means.items()}
+    return works, {key: phy_errors.largest_error_db(mean, exact, noise_power) for key, mean in means.items()}
 
 
 def scatterer_work(layer_bins, parameters, n_range_bins, rng):
     """The sum over 100 scatterers per layer and range line, and the largest error of its mean [dB]."""
     given = (layer_bins, parameters, n_range_bins)
     exact = exact_power(ways.waveforms_of(*given, "peak", "peak"))
-    scattered = scattered_mean_power(*given, align="peak") - parameters["noise_power"]
+    scattered = phy_errors.scattered_mean_power(*given, align="peak") - parameters["noise_power"]
     work = partial(eight_bits, ways.render_scatterers, *given, rng=rng, align="peak")
-    return work, largest_error_db(scattered, exact, parameters["noise_power"])
+    return work, phy_errors.largest_error_db(scattered, exact, parameters["noise_power"])
 
 
 def cgan_work(layer_bins, n_range_bins, settings, rng):
@@ -163,7 +150,7 @@ def time_scenes(n_layers, n_range_lines, n_range_bins, n_rounds, *, reference, c
     `reference` and `climate` are the reference flight's; `stream` gives the random generator of some keys.
     """
     rng = stream()
-    layer_bins, parameters = planted_scene(n_layers, n_range_lines, n_range_bins)
+    layer_bins, parameters = phy_errors.planted_scene(n_layers, n_range_lines, n_range_bins)
     works, errors_db = phy_works(layer_bins, parameters, n_range_bins, rng)
     few = ("100 scatterers", "scatterers")
     works[few], errors_db[few] = scatterer_work(layer_bins[:, :SCATTERER_LINES], parameters, n_range_bins, rng)
@@ -191,7 +178,7 @@ def time_growth(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
     seconds = [seconds for _, _, seconds in time_rounds({"normal": normals}, n_rounds)]
     normal_s = min(seconds) / (n_range_bins * n_range_lines)
     for setting, layers, lines, height in sizes:
-        layer_bins, parameters = planted_scene(layers, lines, height)
+        layer_bins, parameters = phy_errors.planted_scene(layers, lines, height)
         given = (layer_bins, parameters, height)
         size = {"n_layers": layers, "n_pixels": lines * height}
         key = (setting, layers, lines, "PHY")

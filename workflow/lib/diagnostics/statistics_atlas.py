@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 
 from lib.diagnostics.closed_loop import BOUNDS, as_frame
-from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
+from snowsim.phy import mean_power
+from snowsim.phy.waveform import waveform_width
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.summaries import GROUP_LINES, merge, summarise
 from snowsim.statistics.zones import ALL_ZONES, OTHER_SLABS
@@ -28,7 +29,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Planted:
-    """A flight of layers of eq. (1); the default is five layers 44 bins apart, as many looks as a flight line has."""
+    """A flight of layers of eq. (1); the default is five layers 44 bins apart."""
 
     peak_power: tuple = (1.0, 0.3, 0.2, 0.15, 0.1)  # above the noise, by layer
     decay_rate: tuple = (0.09, 0.07, 0.06, 0.06, 0.05)  # per bin, by layer
@@ -71,13 +72,9 @@ class Planted:
 
     def _mean_power(self, layer_bins):
         """Mean power with the waveforms' peaks on the layers, (range_bin, column)."""
-        row = np.arange(int(layer_bins.max()) + 100)[:, None]
-        power = np.full((row.size, layer_bins.shape[1]), self.noise_power)
-        for layer, (peak_power, decay) in enumerate(zip(self.peak_power, self.decay_rate, strict=True)):
-            offset, height = waveform_peak(self.variance_bins2, decay)
-            lag = row - layer_bins[layer] + offset
-            power += peak_power / height * waveform_exact(lag, self.variance_bins2, decay)
-        return power
+        variance_bins2 = np.full(len(layer_bins), self.variance_bins2)
+        n_range_bins = int(layer_bins.max()) + 100
+        return mean_power(layer_bins, self.peak_power, variance_bins2, self.decay_rate, n_range_bins) + self.noise_power
 
 
 def judged(panel, value, planted, frames, estimator, *, zone_edge_bins=None):
