@@ -7,9 +7,17 @@ fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include 
 import numpy as np
 import pytest
 
-from lib.diagnostics.phy_alternatives import mean_power_by, render_literal, waveforms_of
+from lib.diagnostics.phy_alternatives import (
+    convolved_power,
+    power_in_support,
+    recursive_power,
+    render_literal,
+    table_power,
+    waveforms_of,
+)
 from snowsim.echogram import to_uint8
 from snowsim.phy import draw_speckle, mean_power, render
+from snowsim.phy.power import exact_power
 
 TOLERANCE_DB = 0.05
 N_BINS = N_LINES = 256
@@ -60,13 +68,13 @@ def test_scene(benchmark, scene, rng, method):
 
 
 @pytest.mark.benchmark(group="mean power")
-@pytest.mark.parametrize("way", ["convolved", "closed_form", "closed_form_in_support", "recursive", "table"])
+@pytest.mark.parametrize("way", [convolved_power, exact_power, power_in_support, recursive_power, table_power])
 def test_mean_power(benchmark, scene, way):
     layer_bins, parameters = scene
     shapes = [parameters[name] for name in SHAPES]
-    options = {"tolerance_db": TOLERANCE_DB, "noise_power": parameters["noise_power"]}
+    limits = () if way in (convolved_power, exact_power) else (parameters["noise_power"], TOLERANCE_DB)
     waveforms = waveforms_of(layer_bins, parameters, N_BINS, "peak", "peak")
-    power = benchmark(mean_power_by, way, waveforms, **options)
+    power = benchmark(way, waveforms, *limits)
     exact = mean_power(layer_bins, *shapes, N_BINS)
     error_db = 10 * np.log10((power + parameters["noise_power"]) / (exact + parameters["noise_power"]))
     benchmark.extra_info["largest_error_db"] = float(np.abs(error_db).max())

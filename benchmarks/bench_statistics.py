@@ -11,7 +11,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from lib.diagnostics.planted import Planted
+from lib.diagnostics.statistics_atlas import Planted
 from snowsim.labels import draw_scene, prepare
 from snowsim.statistics import ESTIMATORS, estimate, merge, summarise
 

@@ -140,16 +140,3 @@ def to_signed(array):
 def from_signed(tensor):
     """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line); the inverse of `to_signed`."""
     return torch.round((tensor[:, 0].float() + 1) * 127.5).to(torch.uint8).cpu().numpy()
-
-
-class Chosen:
-    """Those of a sequence of scenes at given places."""
-
-    def __init__(self, scenes, places):
-        self._scenes, self._places = scenes, list(places)
-
-    def __len__(self):
-        return len(self._places)
-
-    def __getitem__(self, item):
-        return self._scenes[self._places[item]]

@@ -2,14 +2,13 @@
 
 from snowsim.constants import OUTPUTS
 from snowsim.tracker.network import LightNetwork, MultiScaleNetwork
-from snowsim.tracker.sampling import Chosen, Completed, TrainingSet, Uppermost
+from snowsim.tracker.sampling import Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network
 from snowsim.tracker.train import Training, annotated_pixels, train_steps
 
 __all__ = [
     "OUTPUTS",
-    "Chosen",
     "Completed",
     "LightNetwork",
     "MultiScaleNetwork",

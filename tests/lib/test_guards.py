@@ -2,7 +2,7 @@
 
 import pytest
 
-from lib.guards import check_disk, check_folders
+from lib.sources import check_disk, check_folders
 
 
 def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lib.timing import time_rounds
+from lib.machine import time_rounds
 
 
 class Clock:

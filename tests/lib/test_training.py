@@ -1,10 +1,12 @@
 """What a training leaves on disk is checked when it is taken up again; memory that is missing is named."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import torch
 
-from lib.training import TrainingRun, Validation, check_memory, enough_memory
+from lib.training import TrainingRun, check_memory, enough_memory
 
 
 class Counter:
@@ -30,12 +32,13 @@ class Counter:
 
 def counted(path, counter, n_steps=50, made_of=7, patience=None):
     """The run of a counter that is best at step 23 or, of those validated, at 20."""
-    validation = Validation(
+    validation = SimpleNamespace(
         every_steps=10,
         score=lambda: {"near": -abs(counter.step - 23.0), "also": counter.total},
         weights=lambda: counter.state(),
         by="near",
         patience=patience,
+        samples=dict,
     )
     with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7, validation=validation) as run:
         run.take(counter.steps(n_steps), n_steps, "counter")

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.phy_alternatives import convolved_power, mean_power_by
+from lib.diagnostics.phy_alternatives import convolved_power, power_in_support, recursive_power
 from snowsim.echogram import crossing_layers
 from snowsim.phy import mean_power
 from snowsim.phy.parameters import checked_waveforms
@@ -127,10 +127,10 @@ def test_normalised_and_aligned_waveform_peaks_at_its_power_on_its_layer():
     assert printed.max() > 1
 
 
-@pytest.mark.parametrize("way", ["closed_form_in_support", "recursive"])
+@pytest.mark.parametrize("way", [power_in_support, recursive_power])
 def test_other_ways_agree_where_they_should(way, five_layers):
     waveforms, exact = five_layers
-    other = mean_power_by(way, waveforms, tolerance_db=0.05, noise_power=1e-3)
+    other = way(waveforms, tolerance_db=0.05, noise_power=1e-3)
     # The support keeps 0.05 dB; Simpson's rule over one bin of such Gaussians adds less than that.
     assert np.abs(10 * np.log10((other + 1e-3) / (exact + 1e-3))).max() < 0.1
 

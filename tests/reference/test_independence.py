@@ -7,7 +7,7 @@ import pytest
 from test_imports import CORE, MODULES, PACKAGE
 
 STAGES = ("reference", "phy", "coherent")
-SOLVER = ["lib.diagnostics.coherent", "lib.diagnostics.convolution"]
+SOLVER = ["lib.diagnostics.coherent"]
 
 
 def loaded_with(stage):

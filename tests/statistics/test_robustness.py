@@ -5,8 +5,7 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.diagnostics.planted import is_finite
-from lib.diagnostics.statistics_atlas import border_cases
+from lib.diagnostics.statistics_atlas import border_cases, is_finite
 from snowsim import labels, statistics
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.phy import draw_parameters, mean_power

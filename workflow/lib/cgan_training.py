@@ -8,33 +8,44 @@ from snowsim.cgan.health import WINDOW_STEPS
 N_SAMPLES = 3  # scenes of the sample sheet
 
 
-class Judge:
-    """Similarity on scenes set aside, and health, of a training as it goes; `run` is set once the run is open."""
+def examine(training, losses, scenes, statistics):
+    """Similarity on some scenes, numbers of health, and the renders, of a training as it is."""
+    settings = training.settings
+    options = {"dropout": settings.dropout, "precision": settings.precision, "seed": training.seed}
+    scores, images = validate(training.generator, scenes, statistics=statistics, **options)
+    numbers = measure_losses(losses, settings.adversarial)
+    numbers |= measure_renders(training.generator, scenes, statistics=statistics, **options)
+    return scores, numbers, images
 
-    def __init__(self, training, scenes, train_scenes, statistics, by, *, goes_on=False):
+
+class Judge:
+    """Validation of a training by similarity on scenes set aside, and health; `run` is set once the run is open."""
+
+    by = "fitness"
+
+    def __init__(self, training, scenes, train_scenes, statistics, validation, *, goes_on=False):
         self.training, self.scenes, self.train_scenes = training, scenes, train_scenes
-        self.statistics, self.by, self.goes_on = statistics, by, goes_on
+        self.statistics, self.goes_on = statistics, goes_on
+        self.every_steps, self.patience, self.metric = (validation[key] for key in ("every_steps", "patience", "by"))
         self.run, self.images = None, []
 
     def score(self):
         """Similarity, numbers of health, and the fitness that decides; `Collapsed` on collapse unless it goes on."""
         training, settings = self.training, self.training.settings
-        rendering = {"dropout": settings.dropout, "statistics": self.statistics, "precision": settings.precision}
         if self.statistics == "training":
             settle_statistics(training, self.train_scenes)
-        scores, self.images = validate(training.generator, self.scenes, **rendering, seed=training.seed)
-        numbers = measure_losses(self.run.late_losses(WINDOW_STEPS), settings.adversarial)
-        numbers |= measure_renders(training.generator, self.scenes, **rendering, seed=training.seed)
+        late = self.run.late_losses(WINDOW_STEPS)
+        scores, numbers, self.images = examine(training, late, self.scenes, self.statistics)
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
         told = {**scores, **numbers, "n_faults": len(found)}
         if self.goes_on:
-            return {**told, "fitness": scores[self.by]}
+            return {**told, "fitness": scores[self.metric]}
         # Once may pass; twice in a row, or at the end, it has collapsed.
         if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
             msg = f"step {training.step}: {'; '.join(found)}"
             raise Collapsed(msg)
-        return {**told, "fitness": -float("inf") if found else scores[self.by]}
+        return {**told, "fitness": -float("inf") if found else scores[self.metric]}
 
     def weights(self):
         """What is kept of the best."""

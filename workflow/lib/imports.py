@@ -1,7 +1,7 @@
 """What a script depends on: the files of this project that it imports, and that those import in turn.
 
-Snakemake does not follow imports, so rules name these files as inputs. Importing a module also executes the
-``__init__`` of its folder; a script takes nothing from it, so an edit there does not count.
+Snakemake does not follow imports, so rules name these files. That importing a module executes the ``__init__`` of its
+folder does not count: a script takes nothing from it.
 """
 
 import ast
@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 # Where the first part of a dotted name lies, and what it may be: scripts import each other by their bare names.
 PLACES = {"snowsim": ROOT, "lib": ROOT / "workflow"}
 SCRIPTS = ROOT / "workflow/scripts"
-# Logs, errors and progress of every script: no result depends on it.
-WITHOUT = {SCRIPTS / "job.py"}
+# Logs, errors and progress of every script: no result depends on them.
+WITHOUT = {SCRIPTS / "job.py", ROOT / "workflow/lib/progress.py"}
 
 
 def module_file(name):

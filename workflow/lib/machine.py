@@ -1,12 +1,10 @@
-"""The machine and the software a run uses, as far as they can be told, and the progress it shows."""
+"""The machine and the software a run uses, and seconds of every repeat of work on it."""
 
 import os
 import platform
-import sys
+import time
 from importlib import metadata
 from pathlib import Path
-
-from tqdm import tqdm
 
 PACKAGES = ("numpy", "scipy", "numba", "xarray", "scikit-image", "matplotlib", "pandas", "torch", "snakemake")
 
@@ -14,10 +12,11 @@ PACKAGES = ("numpy", "scipy", "numba", "xarray", "scikit-image", "matplotlib", "
 def describe_machine():
     """Names and texts: processor, cores in reach, memory, system, Python."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    total = kernel_field("/proc/meminfo", "MemTotal")
     return {
-        "processor": _field("/proc/cpuinfo", "model name") or platform.processor() or platform.machine(),
+        "processor": kernel_field("/proc/cpuinfo", "model name") or platform.processor() or platform.machine(),
         "cores in reach": str(cores),
-        "memory": _memory(),
+        "memory": f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown",
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
         "Python": platform.python_version(),
     }
@@ -34,27 +33,33 @@ def describe_versions(packages=PACKAGES):
     return versions
 
 
-def available_memory_mb():
-    """Memory this machine can still give without swapping [MB]; None where the system does not say."""
-    available = _field("/proc/meminfo", "MemAvailable")
-    return float(available.split()[0]) / 1024 if available else None
-
-
-def progress(iterable, description, total=None, initial=0):
-    """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
-    interval = 0.5 if sys.stderr.isatty() else 15
-    return tqdm(
-        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
-    )
-
-
-def _field(path, name):
+def kernel_field(path, name):
     """A field of a "name : value" file of the kernel; empty where there is none."""
     path = Path(path)
     lines = path.read_text().splitlines() if path.is_file() else []
     return next((line.split(":", 1)[1].strip() for line in lines if line.startswith(name)), "")
 
 
-def _memory():
-    total = _field("/proc/meminfo", "MemTotal")
-    return f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown"
+def device_name():
+    """Where the clock ran: kind of processor, one thread."""
+    return f"cpu {platform.machine()}, 1 thread"
+
+
+def time_rounds(works, n_rounds, *, n_warm_up=1, clock=time.perf_counter):
+    """Runs ``(name, repeat, seconds)`` of works, callables by name, in the order they ran.
+
+    Each runs once a round, so that a busy machine slows all of them alike, and `n_warm_up` times right before: these
+    compile, and bring back to the cache what other work drove out. Without a round, ValueError.
+    """
+    if not (n_rounds >= 1 and n_warm_up >= 0):
+        msg = f"expected n_rounds of at least 1 and n_warm_up of at least 0, got {n_rounds} and {n_warm_up}"
+        raise ValueError(msg)
+    runs = []
+    for repeat in range(n_rounds):
+        for name, work in works.items():
+            for _ in range(n_warm_up):
+                work()
+            start = clock()
+            work()
+            runs.append((name, repeat, clock() - start))
+    return runs

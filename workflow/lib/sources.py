@@ -1,8 +1,10 @@
-"""What a source gives, read before any job is planned: a ValueError of one line says what is wrong with it.
+"""What is checked before the first job: what a source gives, and room for results; a ValueError says what is wrong.
 
 Readers are imported where they are used: every start of the workflow comes by here, and needs those of one source.
 """
 
+import os
+import shutil
 from pathlib import Path
 
 ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
@@ -100,3 +102,24 @@ def check_lists(lists, *, data_scale, contrast_db):
         msg = f"range lines of a scene: expected the same in all lists, found {found}"
         raise ValueError(msg)
     return table
+
+
+def check_folders(*names):
+    """Refuse folders that cannot be written; root may write anywhere but on a read-only disk."""
+    for name in names:
+        folder = Path(name).absolute()
+        while not folder.exists():
+            folder = folder.parent
+        if not os.access(folder, os.W_OK):
+            msg = f"disk: {name}/ cannot be written: {folder} is read-only"
+            raise ValueError(msg)
+
+
+def check_disk(needed_bytes, name="results"):
+    """Refuse to start what the disk that holds a folder has no room for."""
+    folder = Path(name).absolute()
+    folder = folder if folder.exists() else folder.parent
+    free_bytes = shutil.disk_usage(folder).free
+    if free_bytes < needed_bytes:
+        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, {folder} has {free_bytes / 1e6:.0f} MB left"
+        raise ValueError(msg)

@@ -22,10 +22,9 @@ def fused_curves(counts, training_sets):
     return pd.concat(frames)
 
 
-def paired_tests(counts, training_sets, *, n_bootstrap, rng):
-    """Fused scores of every training set against those of the first."""
-    fused = {training_set: counts[training_set, "fuse"] for training_set in training_sets}
-    pairs = [(training_set, training_sets[0]) for training_set in training_sets[1:]]
+def paired_tests(counts, pairs, *, n_bootstrap, rng):
+    """Fused scores of training sets against others, by pairs."""
+    fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
     return compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(columns={"name": "training_set"})
 
 

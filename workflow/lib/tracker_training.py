@@ -2,7 +2,9 @@
 
 import dataclasses
 
-from snowsim.tracker import Chosen, Completed, TrainingSet, Uppermost
+from torch.utils.data import Subset
+
+from snowsim.tracker import Completed, TrainingSet, Uppermost
 
 
 def compose(
@@ -13,7 +15,7 @@ def compose(
         real = Completed(real)
     if zones is not None:
         added = [
-            Chosen(scenes, [place for place, zone in enumerate(scenes.zones) if zone in zones]) for scenes in added
+            Subset(scenes, [place for place, zone in enumerate(scenes.zones) if zone in zones]) for scenes in added
         ]
     if n_layers is not None:
         added = [Uppermost(scenes, n_layers) for scenes in added]

@@ -1,19 +1,10 @@
-"""Unfinished trainings on disk, with their logs and validations.
+"""Trainings that go on from their last checkpoint when they were killed, to the same bytes, with logs and validations.
 
-A script takes its steps through a `TrainingRun` and writes its files before that closes::
-
-    with TrainingRun(training, path_to_checkpoint, expected, every_steps=500) as run:
-        run.take(train_steps(training, scenes), settings.n_steps, "cGAN")
-        write_model(path_to_network, training.state()["network"], metadata)
-
-Killed at any moment, it goes on from the last checkpoint when it is run again, to the same bytes. The checkpoint goes
-when the block ends well; it is no declared output, for Snakemake removes those of a failed job.
+A checkpoint is no declared output, for Snakemake removes those of a failed job.
 """
 
 import logging
-from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +12,7 @@ import pandas as pd
 import torch
 from torch.utils.tensorboard import SummaryWriter
 
-from lib.machine import available_memory_mb, progress
+from lib.progress import available_memory_mb, progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
 from snowsim.training import on_cpu
@@ -32,30 +23,13 @@ SHOWN_EVERY = 50  # [steps] beside the progress bar
 logger = logging.getLogger("snowsim")
 
 
-@dataclass(frozen=True)
-class Validation:
-    """Scores of a training on scenes it does not train on, every so many steps and after the last.
-
-    `score` gives those of the training as it is, drawing from streams of its own; `weights` what to keep of the best,
-    the one highest in `by`; `samples`, called after `score`, what to keep of each. After `patience` validations in a
-    row without a better score training stops; None never stops it.
-    """
-
-    every_steps: int
-    score: Callable[[], dict]
-    weights: Callable[[], dict]
-    by: str
-    patience: int | None = None
-    samples: Callable[[], dict] = dict
-
-
 class TrainingRun:
-    """One training with its checkpoint, losses, validations and logs; to be used as a context.
+    """One training with its checkpoint, losses, validations and logs: a context in which its files are written.
 
-    `training` has `step`, `state()` and `restore(state, step)`, as those of `snowsim.cgan` and `snowsim.tracker` do.
-    `expected` is what made it, as JSON holds it; ValueError in one line on entry if the checkpoint (`.safetensors`,
-    every `every_steps`) says something else or is truncated. Event files for TensorBoard go to the folder
-    `path_to_events`. `best` holds the weights that `validation` kept, after `best_step` steps; `samples` is by step.
+    `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint (`.safetensors`, every
+    `every_steps`) says something else or is truncated; it goes when the block ends well. Events for TensorBoard go to
+    the folder `path_to_events`. `validation` has `score` every `every_steps` and after the last step, `weights` to keep
+    of the `best`, highest in `by`, and `samples` of each; `patience` of them without a better one end the training.
     """
 
     def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None):

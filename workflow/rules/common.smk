@@ -16,7 +16,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents
 # What scripts import is read by the code that tests use, too; tables of own data by the package that the jobs use.
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from lib.guards import check_disk, check_folders
+from lib.sources import check_disk, check_folders
 from lib.imports import closure
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.

@@ -6,7 +6,7 @@ import pandas as pd
 from job import logger, run
 
 from lib.diagnostics.label_models import choose, compare_models, tabulate_criteria, tabulate_families
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.models import label_model
@@ -36,9 +36,7 @@ def compare_label_models(
     logger.info("chosen: %s", chosen)
     datasets = {name: label_model(by_count[zones], spectrum) for name, (zones, spectrum) in chosen.items()}
     models = {name: (*chosen[name], prepare(dataset, n_range_lines)) for name, dataset in datasets.items()}
-
-    def stream():
-        return random_stream(seed, "compare_label_models")
+    stream = partial(random_stream, seed, "compare_label_models")
 
     def draw_scenes(prepared):
         rng = stream()

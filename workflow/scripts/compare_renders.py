@@ -1,7 +1,8 @@
 """Renders of the test masks: where layers lie, texture above and below the surface, what bounds their similarity."""
 
+from functools import partial
+
 import pandas as pd
-import torch
 from job import progress, run
 from render_cgan import scene_renderer
 from render_phy import render_scene
@@ -18,11 +19,7 @@ def compare_renders(
     observed, cgan, phy, train, generator, statistics, positions, textures, air, bounds, parts,
     *, seed, n_looks, normalisation, conventions, n_held, device,
 ):  # fmt: skip
-    torch.set_num_threads(1)
-
-    def stream(*keys):
-        return random_stream(seed, "explain_similarity", *keys)
-
+    stream = partial(random_stream, seed, "explain_similarity")
     with SceneSet(observed) as test:
         edges = shape_edges(scene.layer_bins for scene in test)
     errors, by_region, in_air = [], [], []

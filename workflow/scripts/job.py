@@ -15,7 +15,7 @@ from tqdm import tqdm
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from lib.machine import available_memory_mb, progress  # noqa: E402, F401
+from lib.progress import available_memory_mb, progress  # noqa: E402, F401
 
 logger = logging.getLogger("snowsim")
 

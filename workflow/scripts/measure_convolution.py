@@ -1,5 +1,7 @@
 """How good the convolution model is: errors of simpler models against a coherent one, of waveforms, and their cost."""
 
+from functools import partial
+
 from job import run
 
 from lib.diagnostics.convolution_charts import convolution_table
@@ -11,9 +13,7 @@ from snowsim.seeding import random_stream
 def measure_convolution(table, *, reference, n_looks, seed, source):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    found = convolution_table(
-        settings, climate, n_looks, lambda *keys: random_stream(seed, "measure_convolution", *keys)
-    )
+    found = convolution_table(settings, climate, n_looks, partial(random_stream, seed, "measure_convolution"))
     write_table(table, found.assign(data=source))
 
 

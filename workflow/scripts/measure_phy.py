@@ -1,10 +1,11 @@
 """Speed and accuracy of PHY's parts and of whole scenes, and what the plans of all rendered label scenes left out."""
 
+from functools import partial
+
 import numpy as np
 from job import progress, run
 
-from lib.diagnostics.phy_charts import plan_table, time_speckle, time_waveforms
-from lib.diagnostics.scene_charts import time_growth, time_scenes
+from lib.diagnostics.phy_charts import plan_table, time_growth, time_scenes, time_speckle, time_waveforms
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.reference import checked_settings, draw_climate
@@ -19,10 +20,7 @@ def measure_phy(
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
     models = {"reference": settings, "climate": climate, "cgan": cgan, "n_looks": n_looks}
-
-    def stream(*keys):
-        return random_stream(seed, "measure_scenes", *keys)
-
+    stream = partial(random_stream, seed, "measure_scenes")
     write_table(waveforms, time_waveforms(n_layers, *size, rng=np.random.default_rng(seed)))
     write_table(speckle, time_speckle(*size, rng=np.random.default_rng(seed)))
     write_table(scenes, time_scenes(n_layers, *size, **models, stream=stream))

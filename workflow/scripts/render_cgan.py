@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import torch
 from job import progress, run
 
 from snowsim.cgan import Settings, render, trained_generator
@@ -21,7 +20,6 @@ def scene_renderer(path_to_generator, device, statistics):
 
 
 def render_shard(layers, generator, scenes, *, seed, device, statistics, source):
-    torch.set_num_threads(1)
     render_scene = scene_renderer(generator, device, statistics)
 
     def rendered(scene):

@@ -1,8 +1,10 @@
 """Render a shard of the label sets as linear power and reduce it to what the statistics need."""
 
+from functools import partial
+
 from job import progress, run
 
-from lib.diagnostics.loop_renders import summarise_renders
+from lib.diagnostics.closed_loop import summarise_renders
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
@@ -10,9 +12,7 @@ from snowsim.statistics import summary_to_dataset
 
 
 def render_closed_loop(layers, statistics, summary, *, convention, seed, tolerance_db, first, stride):
-    def stream(name):
-        return random_stream(seed, "closed_loop", name)
-
+    stream = partial(random_stream, seed, "closed_loop")
     with SceneSet(layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), first)
         renders = summarise_renders(scenes, read_dataset(statistics), convention, tolerance_db, stride, stream)

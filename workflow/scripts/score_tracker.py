@@ -2,7 +2,6 @@
 
 import numpy as np
 import pandas as pd
-import torch
 from job import progress, run
 
 from snowsim.io.files import write_table
@@ -49,7 +48,6 @@ def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, out
 
 
 def score_trackers(scenes, networks, counts, picks=(), *, device, outputs=OUTPUTS):
-    torch.set_num_threads(1)
     files = zip(networks, counts, picks or [None] * len(counts), strict=True)
     with SceneSet(scenes) as test_scenes:
         for paths in files:

@@ -1,5 +1,7 @@
 """The stability atlases of PHY and of the estimators as tables, and the safe region of every method of PHY."""
 
+from functools import partial
+
 from job import logger, run
 
 from lib.diagnostics import phy_atlas, statistics_atlas
@@ -13,7 +15,7 @@ def stress(phy, phy_regions, statistics, *, seed, share):
     logger.info("%d of %d outcomes of public functions are wrong", (public["outcome"] == "wrong").sum(), len(public))
     write_table(phy, atlas)
     write_table(phy_regions, phy_atlas.safe_regions(atlas))
-    sweeps = statistics_atlas.draw_atlas(lambda *keys: random_stream(seed, "stress_statistics", *keys), share=share)
+    sweeps = statistics_atlas.draw_atlas(partial(random_stream, seed, "stress_statistics"), share=share)
     logger.info("outcomes of estimators: %s", sweeps["outcome"].value_counts().to_dict())
     write_table(statistics, sweeps)
 

@@ -1,8 +1,8 @@
 """Where the tracker fails: rates, seeds, brightness, odd heights, few and many layers, labels and images of nothing."""
 
 import pandas as pd
-import torch
 from job import progress, run
+from render_phy import render_scene
 
 from lib.diagnostics.tracker_studies import level_scene, stress_tracking, stress_training
 from snowsim.io.files import read_dataset, write_table
@@ -13,14 +13,14 @@ from snowsim.tracker import Settings, trained_network
 
 
 def stress_tracker(train, scenes, network, statistics, table, *, seed, settings, phy, stability):
-    torch.set_num_threads(1)
     short = Settings(**{**settings, "n_steps": stability["n_steps"]})
     weights, metadata = read_model(network, {"kind": "tracker"})
     trained = Settings(**metadata["settings"])
     flight = read_dataset(statistics)
 
     def render_level(n_layers):
-        return level_scene(n_layers, flight, phy, rng=random_stream(seed, "stress_tracker", n_layers))
+        scene = render_scene(level_scene(n_layers), flight, phy, random_stream(seed, "stress_tracker", n_layers))
+        return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:
         trainings = stress_training(real, short, stability["learning_rates"], stability["n_seeds"])

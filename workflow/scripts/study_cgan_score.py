@@ -1,7 +1,6 @@
 """Similarity of other generators' renders of the test masks to the observed scenes, and its spread over seeds."""
 
 import pandas as pd
-import torch
 from job import progress, run
 from render_cgan import scene_renderer
 
@@ -13,7 +12,6 @@ from snowsim.seeding import random_stream
 
 
 def score(observed, default, generators, images, table, *, seed, seeds, device, statistics):
-    torch.set_num_threads(1)
     for generator, path in zip(generators, images, strict=True):
         render_scene = scene_renderer(generator, device, statistics)
         rows = []

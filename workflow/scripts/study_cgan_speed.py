@@ -1,6 +1,7 @@
 """Seconds of processor time per training step and per render of the cGAN by width, and per render of PHY."""
 
-import torch
+from functools import partial
+
 from job import run
 from render_phy import render_scene
 
@@ -13,19 +14,11 @@ N_SCENES = 8  # of the train set, timed in turn
 
 
 def measure(train, statistics, table, *, seed, settings, widths, n_rounds, phy):
-    torch.set_num_threads(1)
     with SceneSet(train) as held:
         scenes = [held[number] for number in range(min(N_SCENES, len(held)))]
     flight = read_dataset(statistics)
-
-    def stream(name):
-        return random_stream(seed, "study_cgan_speed", name)
-
-    rng = stream("phy")
-
-    def by_phy(scene):
-        render_scene(scene, flight, phy, rng)
-
+    stream = partial(random_stream, seed, "study_cgan_speed")
+    by_phy = partial(render_scene, statistics=flight, phy=phy, rng=stream("phy"))
     write_table(table, time_widths(scenes, widths, settings, by_phy, n_rounds, seed=seed, stream=stream))
 
 

@@ -4,7 +4,6 @@ import dataclasses
 from itertools import product
 
 import pandas as pd
-import torch
 from job import progress, run
 
 from lib.diagnostics.cgan_studies import judge_training
@@ -14,7 +13,6 @@ from snowsim.io.scenes import SceneSet
 
 
 def study(train, table, *, seed, settings, statistics, n_held, n_seeds, learning_rates, l1_weights):
-    torch.set_num_threads(1)
     with SceneSet(train) as scenes:
         parts = ([scenes[number] for number in numbers] for numbers in held_out(len(scenes), n_held, seed=seed))
         train_scenes, held_scenes = parts

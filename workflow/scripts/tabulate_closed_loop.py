@@ -2,8 +2,7 @@
 
 from job import run
 
-from lib.diagnostics.closed_loop import summarise_loop
-from lib.diagnostics.loop_renders import convention_table, recover
+from lib.diagnostics.closed_loop import convention_table, recover, summarise_loop
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table
 from snowsim.statistics import merge, summary_from_dataset
 

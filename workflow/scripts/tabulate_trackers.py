@@ -21,7 +21,8 @@ def tabulate(
     write_table(intervals, scored)
     write_table(table3, tracker_table(scored))
     rng = random_stream(seed, "tabulate_trackers", "tests")
-    write_table(tests, tracker_tables.paired_tests(scores, training_sets, n_bootstrap=n_bootstrap, rng=rng))
+    to_first = [(training_set, training_sets[0]) for training_set in training_sets[1:]]
+    write_table(tests, tracker_tables.paired_tests(scores, to_first, n_bootstrap=n_bootstrap, rng=rng))
     write_table(curves, tracker_tables.fused_curves(scores, training_sets))
 
     picked = [read_table(path) for path in picks]

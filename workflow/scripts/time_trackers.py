@@ -1,6 +1,5 @@
 """Seconds per image of trackers of several widths, measured in turn, beside their fused scores."""
 
-import torch
 from job import run
 
 from lib.diagnostics.tracker_studies import time_tracking
@@ -13,7 +12,6 @@ from snowsim.tracker import Settings, trained_network
 
 
 def time_trackers(scenes, networks, counts, table, *, names, n_scenes, n_rounds):
-    torch.set_num_threads(1)
     with SceneSet(scenes) as held:
         images = [held[place].image for place in range(min(n_scenes, len(held)))]
     trackers = {}

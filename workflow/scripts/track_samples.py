@@ -1,7 +1,6 @@
 """Every output of every training set on a few test scenes, for the sheet of side outputs."""
 
 import numpy as np
-import torch
 import xarray as xr
 from job import progress, run
 
@@ -21,7 +20,6 @@ def choose_scenes(scenes, n_scenes):
 
 
 def track_samples(scenes, networks, samples, *, training_sets, device, n_scenes):
-    torch.set_num_threads(1)
     with SceneSet(scenes) as test_scenes:
         chosen = [test_scenes[place] for place in choose_scenes(test_scenes, n_scenes)]
     maps = []

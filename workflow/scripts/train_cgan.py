@@ -2,23 +2,22 @@
 
 import dataclasses
 
-import torch
 from job import logger, run
+from torch.utils.data import Subset
 
 from lib.cgan_training import Judge, sample_scenes
-from lib.training import TrainingRun, Validation, check_memory, enough_memory
+from lib.training import TrainingRun, check_memory, enough_memory
 from snowsim.cgan import Collapsed, Settings, Training, faults, held_out, least_bytes, train_steps
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.patches import Chosen, check_trainable
+from snowsim.patches import check_trainable
 
 
 def train(
     scenes, generator, losses, scores, samples,
     *, seed, device, settings, statistics, validation, on_collapse, source, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
-    torch.set_num_threads(1)
     settings = Settings(**settings)
     made_of = {
         "settings": dataclasses.asdict(settings),
@@ -31,17 +30,14 @@ def train(
     check_memory(least_bytes(settings), what)
     with SceneSet(scenes) as observed, enough_memory(what):
         train_numbers, held_numbers = held_out(len(observed), validation["n_scenes"], seed=seed)
-        train_scenes, held_scenes = Chosen(observed, train_numbers), [observed[number] for number in held_numbers]
+        train_scenes, held_scenes = Subset(observed, train_numbers), [observed[number] for number in held_numbers]
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
-        judge = Judge(training, held_scenes, train_scenes, statistics, validation["by"], goes_on=on_collapse == "go_on")
-        watch = Validation(
-            validation["every_steps"], judge.score, judge.weights, "fitness", validation["patience"], judge.samples
-        )
+        judge = Judge(training, held_scenes, train_scenes, statistics, validation, goes_on=on_collapse == "go_on")
         unfinished = {"kind": "unfinished cgan training", **made_of}
         with TrainingRun(
-            training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events, validation=watch
+            training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events, validation=judge
         ) as taken:
             judge.run, collapse = taken, None
             try:

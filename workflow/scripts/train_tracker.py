@@ -3,7 +3,6 @@
 import dataclasses
 from contextlib import ExitStack
 
-import torch
 from job import run
 
 from lib.tracker_training import compose
@@ -19,7 +18,6 @@ def train(
     real, phy, cgan, network, losses,
     *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
-    torch.set_num_threads(1)
     # Of the replica alone: with every training set it starts from the same weights.
     seed = int(random_stream(seed, "train_tracker", replica).integers(2**31))
     settings = Settings(**settings)

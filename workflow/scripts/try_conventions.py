@@ -1,19 +1,18 @@
 """Conventions of PHY through the closed loop: renders of the first label sets, and their statistics."""
 
+from functools import partial
 from itertools import islice
 
 from job import progress, run
 
-from lib.diagnostics.loop_renders import recover, summarise_renders
+from lib.diagnostics.closed_loop import recover, summarise_renders
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
 
 
 def try_conventions(layers, statistics, recovered, tables, *, conventions, seed, tolerance_db, n_scenes, stride):
-    def stream(name):
-        return random_stream(seed, "closed_loop", name)
-
+    stream = partial(random_stream, seed, "closed_loop")
     for convention, path_to_given, *paths in zip(conventions, statistics, recovered, tables, strict=True):
         given = read_dataset(path_to_given)
         with SceneSet(layers) as drawn:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.diagnostics.bounds import PARTS, as_bytes, error_parts, with_other_speckle, without_speckle
 from lib.diagnostics.renders import air_texture
+from lib.diagnostics.similarity import PARTS, as_bytes, error_parts, with_other_speckle, without_speckle
 from snowsim.echogram import to_uint8
 from snowsim.metrics.image import similarity
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lib.diagnostics import convolution
+from lib.diagnostics import coherent as convolution
 from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered, reflect
 
 BANDWIDTH_HZ = 6e9

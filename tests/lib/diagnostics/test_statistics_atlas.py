@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
-from lib.diagnostics.planted import Planted, is_finite, judged, rules_applied
-from lib.diagnostics.statistics_atlas import COLUMNS, SWEEPS, draw_atlas, with_gaps
+from lib.diagnostics.statistics_atlas import (
+    COLUMNS,
+    SWEEPS,
+    Planted,
+    draw_atlas,
+    is_finite,
+    judged,
+    rules_applied,
+    with_gaps,
+)
 from snowsim.seeding import random_stream
 from snowsim.statistics import fit
 

@@ -7,8 +7,7 @@ from made_up import made_up_frame
 from numpy.testing import assert_allclose
 from scipy.stats import kstest
 
-from lib.diagnostics.thickness_tests import lilliefors, thickness_tests
-from lib.diagnostics.validation import superposition, validate
+from lib.diagnostics.validation import lilliefors, superposition, thickness_tests, validate
 from snowsim import statistics
 
 

@@ -6,8 +6,9 @@ from functools import partial
 
 import pandas as pd
 
-from lib.timing import device_name, time_rounds
-from snowsim.cgan import Settings, Training, faults, measure_losses, measure_renders, render, train_steps, validate
+from lib.cgan_training import examine
+from lib.machine import device_name, time_rounds
+from snowsim.cgan import Settings, Training, faults, render, train_steps
 
 METRICS = ["ssim", "psnr", "rmse"]
 
@@ -27,25 +28,25 @@ def seeds_table(default, others, seeds):
 def time_widths(scenes, widths, settings, render_phy, n_rounds, *, seed, stream):
     """Seconds of processor time per training step and per render by width, and per render of PHY: a row a run."""
 
-    def render_all(render_one):
-        for scene in scenes:
-            render_one(scene)
-
     def take_steps(steps):
         for _ in scenes:
             next(steps)
 
-    def by_cgan(generator, scene):
-        options = {"statistics": "scene", "precision": settings["precision"]}
-        render(generator, scene.mask(), **options, rng=stream(scene.name))
+    def by_cgan(generator):
+        for scene in scenes:
+            render(generator, scene.mask(), statistics="scene", precision=precision, rng=stream(scene.name))
 
-    works = {}
+    def by_phy():
+        for scene in scenes:
+            render_phy(scene)
+
+    works, precision = {}, settings["precision"]
     for width in widths:
         endless = dataclasses.replace(Settings(**settings), width=width, n_steps=10**9)
         training = Training(endless, seed=seed)
         works["cgan", width, "step"] = partial(take_steps, train_steps(training, scenes))
-        works["cgan", width, "render"] = partial(render_all, partial(by_cgan, training.generator))
-    works["phy", 0, "render"] = partial(render_all, render_phy)
+        works["cgan", width, "render"] = partial(by_cgan, training.generator)
+    works["phy", 0, "render"] = by_phy
     rows = [
         {"method": method, "width": width, "work": work, "repeat": repeat, "seconds": seconds / len(scenes)}
         for (method, width, work), repeat, seconds in time_rounds(works, n_rounds, clock=time.process_time)
@@ -62,8 +63,7 @@ def steps_in(seconds, speed, width):
 def widths_table(speed, bounds, validations):
     """Seconds per step and render, and similarity on train scenes set aside, by width of the cGAN, beside PHY.
 
-    `validations` maps (mode, width) to the validations of a training, of which the fittest counts; PHY's similarity is
-    that of `bounds`, on the same scenes.
+    `validations` maps (mode, width) to those of a training, of which the fittest counts; PHY's are those of `bounds`.
     """
     seconds = speed.groupby(["method", "width", "work"])["seconds"].median()
     rows = []
@@ -80,13 +80,10 @@ def widths_table(speed, bounds, validations):
 
 def judge_training(settings, seed, train_scenes, held_scenes, statistics):
     """Similarity, numbers of health and verdict of one training; a loss that is not finite ends it."""
-    training, losses = Training(settings, seed=seed), []
-    rendering = {"dropout": settings.dropout, "statistics": statistics, "precision": settings.precision}
+    training = Training(settings, seed=seed)
     try:
-        losses += [step_losses for _, step_losses in train_steps(training, train_scenes)]
-        scores, _ = validate(training.generator, held_scenes, **rendering, seed=seed)
+        losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
+        scores, numbers, _ = examine(training, losses, held_scenes, statistics)
     except FloatingPointError as error:
         return {"verdict": f"values that are not finite: {error}"}
-    numbers = measure_losses(losses, settings.adversarial)
-    numbers |= measure_renders(training.generator, held_scenes, **rendering, seed=seed)
     return {**scores, **numbers, "verdict": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}

@@ -1,12 +1,15 @@
-"""The closed loop: statistics of renders beside the statistics they were rendered from."""
+"""The closed loop: label sets rendered by PHY, and their statistics beside those they were rendered from."""
 
-from dataclasses import dataclass, replace
+from collections import namedtuple
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.frames.blocks import placeholder_frame
+from snowsim.phy import draw_parameters, plan, render_plan
+from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.summaries import BY_GROUP
 from snowsim.statistics.zones import OWN_ZONE
@@ -16,15 +19,8 @@ SURE = 2.0  # standard errors by which a difference counts as one
 NARROW_BINS2 = 1.0
 
 
-@dataclass(frozen=True)
-class Bound:
-    """How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for."""
-
-    dims: tuple
-    unit: str
-    largest: float
-
-
+# How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for.
+Bound = namedtuple("Bound", "dims unit largest")
 BOUNDS = {
     "peak_power": Bound(("layer",), "relative", 0.03),
     "decay_rate": Bound(("layer",), "relative", 0.05),
@@ -46,13 +42,10 @@ COLUMNS = (
 
 
 def compare(given, recovered):
-    """What comes back of the statistics that went into renders, a row a value of `BOUNDS`, with `COLUMNS`.
+    """What comes back of the statistics that went into renders, a row a value that was measured, with `COLUMNS`.
 
-    `given` and `recovered` are of `estimate`, with the same zones and bands, or a ValueError says so. `layer`, `zone`,
-    `slab` and `band` of wavenumber are -1 where a quantity has none; `error` is recovered against given, in `unit`
-    (relative, bins, dB), its standard error that of sampling the renders; for `reason` see `_reason`. Left out is what
-    is no measurement: values given as NaN, recovered in `paper` for the deepest layer, recovered where `substituted` is
-    1 or zones were pooled (`source`, `psd_source`), and slab 0 relative to itself.
+    `layer`, `zone`, `slab` and `band` of wavenumber are -1 where a quantity has none; `error` is recovered against
+    given, in `unit`, its standard error that of sampling the renders. Different zones or bands are refused.
     """
     for name in ("zone_edge_bins", "band_edge_wavenumber"):
         ours, theirs = given[name].values, recovered[name].values
@@ -72,10 +65,9 @@ def compare(given, recovered):
 
 
 def largest_errors(table):
-    """Errors in a table of `compare`: `<quantity>_bound`, and `<quantity>_median` and `<quantity>_largest` magnitude.
+    """Bound, median and largest magnitude of every quantity's error, the latter over what sampling resolves.
 
-    The largest is over what sampling resolves (`_is_resolved`), NaN where that is nothing. `score`: mean over powers,
-    decay rates, noise, widths and, where they are estimated, offsets of the median error over its bound.
+    `score`: mean over powers, decay rates, noise, widths and, where estimated, offsets of the median over its bound.
     """
     magnitude = table["error"].abs()
     resolved = _is_resolved(table)
@@ -92,11 +84,7 @@ def largest_errors(table):
 
 
 def summarise_loop(table):
-    """A table of `compare` in short, a row a quantity: how many values lie `n_within` their bound, and errors.
-
-    `n_resolved` and `n_resolved_within` count where sampling resolves the bound; `median` and `largest` are those of
-    `largest_errors`; `reasons` says how many of those beyond have which.
-    """
+    """A table of `compare` in short, a row a quantity: how many of all and of resolved values are within, errors."""
     errors = largest_errors(table)
     rows = []
     for quantity in table["quantity"].unique():
@@ -145,7 +133,7 @@ def _bands(statistics):
 
 
 def _measured(recovered, quantity, shape):
-    """Where a recovered value is a measurement of its own, bool of this shape."""
+    """Where a recovered value is a measurement of its own: not substituted, not pooled, not slab 0 over itself."""
     measured = np.ones(shape, dtype=bool)
     if not shape:
         return measured
@@ -184,23 +172,18 @@ def _row(quantity, bound, where, numbers, given):
 
 
 def _reason(quantity, where, found, excess, sampling, given):
-    """Why an error is beyond its bound, the first of these that holds.
-
-    `sampling`: two standard errors of the renders' own sampling reach back to the bound. `zone drawn evenly`: labels
-    draw the first slab uniformly over a zone's range, the flight has it as it snowed, and what came back is what that
-    gives, within the bound and two standard errors (`_drawn_evenly`). `leakage`: the given spectrum falls more steeply
-    than k^-2, as which the ends of any series leak that does not end where it began. `set by align`: PHY takes no
-    offset, its convention is one. `below the noise`: the layer's peak power is less than the noise. `narrower than a
-    bin`: the Gaussian's variance is below `NARROW_BINS2`. `bias`: none.
-    """
+    """Why an error is beyond its bound: the first that holds, else `bias`."""
     if excess <= SURE * sampling:
         return "sampling"
+    # Labels draw the first slab uniformly over a zone's range, the flight has it as it snowed.
     if quantity in ("thickness_mean_bins", "thickness_variance_bins2"):
         expected = _drawn_evenly(quantity, where, given)
         evenly = abs(found / expected - 1) <= BOUNDS[quantity].largest + SURE * sampling
         return "zone drawn evenly" if evenly else "bias"
+    # Any series that does not end where it began leaks as k^-2.
     if quantity == "thickness_psd" and _falls_steeply(given, where):
         return "leakage"
+    # PHY takes no offset: its convention is one.
     if quantity == "offset_bins":
         return "set by align"
     if "layer" in where:
@@ -238,9 +221,45 @@ def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
 
 
 def thinned(summary, stride):
-    """A summary with one in `stride` of its averaged range lines; picks and the power under them stay whole.
+    """A summary with one in `stride` of its averaged range lines, at least one; picks and their power stay whole.
 
-    The groups of a scene differ in speckle alone and `deblend` takes a limited number of them for the shapes: more
-    cost time and disk, not accuracy. A frame keeps at least its first group.
+    The groups of a scene differ in speckle alone: more of them cost time and disk, not accuracy.
     """
     return [replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP}) for frame in summary]
+
+
+def summarise_renders(scenes, given, convention, tolerance_db, stride, stream):
+    """Sums over renders of (number, scene) by statistics `given`; `stream` gives the random generator of a scene.
+
+    A convention is named ``<estimator>_<normalise>_<align>_<width>``.
+    """
+    geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
+    _, normalise, align, width = convention.split("_")
+    options = {"tolerance_db": tolerance_db, "speckle": "gamma", "normalise": normalise, "align": align}
+    summaries = []
+    for number, scene in scenes:
+        # By scene, never by part; where no width is drawn, the same speckle for every convention.
+        rng = stream(scene.name)
+        # As many looks as the flight: 20 lines average as many here as there.
+        parameters = draw_parameters(given, scene.layer_bins.shape[0], width=width, rng=rng)
+        power = render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
+        frame = as_frame(power, scene.layer_bins, number, **geometry)
+        summaries.append(thinned(summarise(*frame, where=scene.name), stride))
+    return merge(summaries)
+
+
+def recover(summary, given):
+    """Statistics of renders, zone by zone as the flight's, and their table beside those that were to be `given`."""
+    recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
+    return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), compare(given, recovered)
+
+
+def convention_table(tried):
+    """A row a convention, of (its name, table of `recover`, number of scenes); the least `score` comes closest."""
+    rows = []
+    for convention, errors, n_scenes in tried:
+        names = dict(zip(("estimator", "normalise", "align", "width"), convention.split("_"), strict=True))
+        rows.append(names | {"n_scenes": n_scenes} | largest_errors(errors))
+    table = pd.DataFrame(rows)
+    table.insert(5, "closest", table["score"] == table["score"].min())
+    return table

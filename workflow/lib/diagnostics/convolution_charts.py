@@ -10,11 +10,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered
-from lib.diagnostics.convolution import MODELS, bias_db, error_db, model_works, sweep_frequencies_hz
+from lib.diagnostics import coherent
 from lib.diagnostics.phy_alternatives import render_literal
 from lib.diagnostics.phy_errors import fit_waveform, planted_scene
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.constants import START_FREQUENCY_HZ
 from snowsim.phy import render
 from snowsim.reference import draw_scene
@@ -59,7 +58,7 @@ def convolution_table(settings, climate, n_looks, stream):
 def planted_stacks(settings, stream):
     """Ensembles of stacks: sweep, value, unit, density [kg m-3] and thickness [m] of (look, slab)."""
     radar, firn = settings.radar, settings.firn
-    years = partial(draw_years, LOOKS, mean_density_kg_m3=MEAN_DENSITY_KG_M3, roughness_m=radar.roughness_m)
+    years = partial(coherent.draw_years, LOOKS, mean_density_kg_m3=MEAN_DENSITY_KG_M3, roughness_m=radar.roughness_m)
     for contrast in CONTRASTS_KG_M3:
         stack = years(DEFAULT_SLABS, float(contrast), slab_m=DEFAULT_SLAB_M, rng=stream("contrast", contrast))
         yield "density contrast", contrast, "kg m-3", *stack
@@ -70,32 +69,29 @@ def planted_stacks(settings, stream):
     for n_lenses in N_LENSES:
         rng = stream("lenses", n_lenses)
         stack = years(DEFAULT_SLABS, LENS_STACK_KG_M3, slab_m=DEFAULT_SLAB_M, rng=rng)
-        yield "ice lenses", n_lenses, "1", *draw_lenses(*stack, n_lenses, lens_m=LENS_M, rng=rng)
+        yield "ice lenses", n_lenses, "1", *coherent.draw_lenses(*stack, n_lenses, lens_m=LENS_M, rng=rng)
     # Cells of the nature run: a quarter of a range bin in snow of the surface's density.
     density = firn.surface_density_kg_m3
     cell_m = radar.bin_size_s / radar.n_sub_bins / travel_time_s(1.0, density / 1000)
     for sd in LAYERING_KG_M3:
         rng = stream("layering", sd)
         fluctuation = draw_layering(LOOKS, int(DEPTH_M / cell_m), cell_m, sd, firn.layering_length_m, rng=rng)
-        yield "fine layering", sd, "kg m-3", *layered(fluctuation, density, cell_m)
+        yield "fine layering", sd, "kg m-3", *coherent.layered(fluctuation, density, cell_m)
 
 
 def stack_rows(sweep, value, unit, density, thickness_m, radar):
-    """Errors of all models on one ensemble of stacks under air, and seconds of one look and range line.
-
-    Against a transfer matrix with all multiples: what single scattering and the incoherent sum of eq. (1) leave out.
-    """
+    """Errors of all models on one ensemble of stacks under air, and seconds of one look and range line."""
     index = refractive_index_kovacs95(density)
     index = np.concatenate([np.ones((len(index), 1)), index], axis=1)
     delay_s = (np.arange(N_BINS) - BINS_ABOVE) * radar.bin_size_s
     stop_hz = START_FREQUENCY_HZ + radar.bandwidth_hz
-    frequency_hz = sweep_frequencies_hz(START_FREQUENCY_HZ, stop_hz, LONGEST_S)
-    works = model_works(index, thickness_m, frequency_hz, delay_s, radar.bandwidth_hz)
+    frequency_hz = coherent.sweep_frequencies_hz(START_FREQUENCY_HZ, stop_hz, LONGEST_S)
+    works = coherent.model_works(index, thickness_m, frequency_hz, delay_s, radar.bandwidth_hz)
     powers = {}
     timed = {name: lambda name=name, work=work: powers.update({name: work()}) for name, work in works.items()}
     seconds = {name: seconds / len(index) for name, _, seconds in time_rounds(timed, 1, n_warm_up=0)}
     reference = powers["transfer matrix"]
-    layers_s = interface_delays_s(index, thickness_m).mean(axis=0)
+    layers_s = coherent.interface_delays_s(index, thickness_m).mean(axis=0)
     inside = (delay_s >= 0) & (delay_s <= layers_s[-1])
     at_layers = np.unique(np.rint(layers_s[1:] / radar.bin_size_s).astype(int) + BINS_ABOVE)
     at_layers = at_layers[at_layers < N_BINS]
@@ -105,12 +101,12 @@ def stack_rows(sweep, value, unit, density, thickness_m, radar):
         about
         | {
             "method": name,
-            "error_db": error_db(powers[name][inside], reference[inside], noise_power),
-            "layer_error_db": error_db(powers[name][at_layers], reference[at_layers]),
-            "bias_db": bias_db(powers[name][inside], reference[inside]),
+            "error_db": coherent.error_db(powers[name][inside], reference[inside], noise_power),
+            "layer_error_db": coherent.error_db(powers[name][at_layers], reference[at_layers]),
+            "bias_db": coherent.bias_db(powers[name][inside], reference[inside]),
             "seconds": seconds[name],
         }
-        for name in MODELS
+        for name in coherent.MODELS
     ]
 
 
@@ -122,10 +118,7 @@ def received(radar, rms_slope):
 
 
 def tail_rows(radar):
-    """What eq. (1), a Gaussian convolved with one exponential, leaves of the nature run's off-nadir tail.
-
-    By how far down the tail is followed, and by what shapes it.
-    """
+    """What eq. (1) leaves of the nature run's off-nadir tail, by how far down it is followed, and by what shapes it."""
     slopes = {"horizon": radar.horizon_slope, "surface": radar.surface_slope}
     sweeps = [
         (name, tail_db, "dB below the peak", radar, slope, tail_db)
@@ -168,7 +161,7 @@ def scene_rows(settings, climate, n_looks, rows, rng):
     scenes = [
         ("whole scene", repeat, name, known[name], seconds * share.get(name, 1.0)) for name, repeat, seconds in runs
     ]
-    for method in MODELS:
+    for method in coherent.MODELS:
         found = errors("stacks", "layers", DEFAULT_SLABS, method)
         seconds = found["seconds"] * SCENE_LINES * n_looks
         scenes.append(("one look and line, extrapolated", 0, f"{method}, stack", found["error_db"], seconds))

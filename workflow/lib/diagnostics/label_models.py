@@ -13,15 +13,10 @@ CRITERIA = ("aic", "bic")
 def tabulate_criteria(zone_models):
     """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
 
-    `zone_models` are those of `snowsim.statistics.zones`. Columns `n_zones`, `psd`, `n_parameters`, `log_likelihood`,
-    `aic`, `bic`; `dispersion`, the same in all.
-
-    Means are Gaussian, periodograms exponential about their density (Whittle), cells independent. Densities of
-    neighbouring blocks of different level scatter more than that: log likelihoods of spectra are divided by the
-    dispersion of the finest division, as for a quasi-likelihood (Burnham & Anderson 2002, section 2.5). The penalty of
-    a tabulated density is exact for exponential values, ``2 n / (n - 1)`` a wavenumber in `aic`. Slabs undulate
-    together, so the flight tells less than is counted here: both criteria lean to more parameters.
+    Means are Gaussian, periodograms exponential about their density (Whittle), cells independent; slabs undulate
+    together, so the flight tells less than is counted: both criteria lean to more parameters.
     """
+    # Quasi-likelihood, Burnham & Anderson (2002), section 2.5: neighbouring blocks scatter more than by Whittle's law.
     finest = max(zone_models, key=lambda model: model.sizes["zone"])
     dispersion = finest.attrs["dispersion"]
     rows = []
@@ -57,6 +52,7 @@ def _spectra_likelihood(model, psd):
     blocks = np.array(blocks, dtype=float)
     n_wavenumbers = tabulated.shape[-1] - 2
     if psd == TABULATED:
+        # Exact for exponential values: 2 n / (n - 1) a wavenumber.
         n_parameters, aic = n_wavenumbers * blocks.size, (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
         bic = (n_wavenumbers * np.log(blocks)).sum()
     else:
@@ -66,10 +62,7 @@ def _spectra_likelihood(model, psd):
 
 
 def whittle_log_likelihood(periodogram, density, n):
-    """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each for a density.
-
-    Wavenumbers 0 and 1/2 are left out; cells without blocks, and those whose density is 0, add nothing.
-    """
+    """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each; not of wavenumbers 0 and 1/2."""
     periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
     held = density > 0
     safe = np.where(held, density, 1)
@@ -77,11 +70,7 @@ def whittle_log_likelihood(periodogram, density, n):
 
 
 def choose(table, n_zones, psd):
-    """Number of zones and kind of spectrum asked for, or the best by a criterion among those asked for.
-
-    `n_zones` may be "aic" or "bic" instead of a number, `psd` instead of one of `MODELS`. ValueError if they are left
-    to different criteria, or the table of `tabulate_criteria` does not hold what is asked for.
-    """
+    """Number of zones and kind of spectrum asked for, or, where one is "aic" or "bic", the best by it in the table."""
     asked = {value for value in (n_zones, psd) if value in CRITERIA}
     if len(asked) > 1:
         msg = f"zones and spectra are chosen by one criterion, got {n_zones} and {psd}"
@@ -98,10 +87,7 @@ def choose(table, n_zones, psd):
 
 
 def tabulate_families(psd):
-    """Spectra of one slab (zone, wavenumber) beside what each family makes of them [bins^2 per cycle per line].
-
-    Columns `zone`, `wavenumber`, `tabulated` and one a family.
-    """
+    """Spectra of one slab (zone, wavenumber) beside what each family makes of them [bins^2 per cycle per line]."""
     parts = []
     for zone, tabulated in enumerate(psd):
         wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
@@ -111,11 +97,9 @@ def tabulate_families(psd):
 
 
 def scene_statistics(model, n_scenes, *, rng):
-    """Thickness statistics of scenes drawn from a label model.
+    """Mean and deviation of slab means in scenes drawn from a label model, and of thickness about them, by band too.
 
-    `thickness_mean_bins`, over all slabs of all scenes; `thickness_deviation_bins`, of slab means about it;
-    `undulation_deviation_bins`, of thickness about slab means, all bands of wavenumber; `undulation_<band>_bins`, the
-    same of one band; `touched_share` of samples under the rule for thin slabs.
+    `touched_share` is that of samples under the rule for thin slabs.
     """
     means, variance, touched = [], 0.0, np.zeros(2)
     edges = np.rint(model.band_edge_wavenumber * model.n_range_lines).astype(int)
@@ -141,9 +125,7 @@ def scene_statistics(model, n_scenes, *, rng):
 def compare_models(models, criteria, n_scenes, stream):
     """Label models side by side, a row each, by what chose it: (number of zones, kind of spectrum, `LabelModel`).
 
-    `criteria` are those of `tabulate_criteria`; `stream` gives the same fresh random generator for every model. Columns
-    `model`, `n_zones`, `psd`, `n_parameters`, `parameters_saved` (share of the first's), `aic`, `bic`, and
-    `scene_statistics` with `<name>_change`, relative to the first.
+    Shares saved and changes are relative to the first; `stream` gives the same random generator for every model.
     """
     rows = []
     for name, (n_zones, psd, model) in models.items():

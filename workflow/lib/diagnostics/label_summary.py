@@ -5,18 +5,9 @@ import pandas as pd
 
 
 def summarise_labels(scenes, statistics):
-    """Tables of a set of synthetic labels beside the flight statistics, by name.
+    """Tables of labels beside the flight, by name: `layers`, `moments`, `rule`, `spectra`, `correlation`, `histograms`.
 
-    `scenes` of `draw_scene` are read once; there must be one, and all as wide as a block of the statistics, or a
-    ValueError says so. By zone and slab, unless said otherwise, and `observed` beside `synthetic`:
-
-    `layers`: number of scenes by `n_layers` below the surface. `moments`: number of scenes, mean and variance of
-    thickness relative to slab 0 and variance about the mean (the integral of the spectrum). `rule`: by zone samples,
-    samples touched by the rule for thin slabs, thickness mean and variance drawn and kept (means over scenes, variances
-    within a scene), slabs deeper than the flight shows. `spectra`: also by wavenumber [bins^2 per cycle per line].
-    `correlation`: by band (-1: of relative means) and separation. `histograms`: by `low_bins`, the lower edge of a bin
-    one range bin wide, number of lines of that thickness, and, as slab -1, number of scenes of that mean thickness of
-    slab 0.
+    `scenes` of `draw_scene` are read once; there must be one, and all as wide as a block of the statistics.
     """
     n_zones, n_slabs, n_wavenumbers = (statistics.sizes[dim] for dim in ("zone", "slab", "wavenumber"))
     n_lines = 2 * (n_wavenumbers - 1)
@@ -89,6 +80,7 @@ def _add_pairs(totals, values):
 
 
 def _moment_table(moments, spectra, statistics):
+    """Moments of thickness relative to slab 0, and its variance about the mean, the integral of the spectrum."""
     zone, slab = np.nonzero(moments[0] > 1)
     n, total, square = moments[:, zone, slab]
     mean = total / n
@@ -111,6 +103,7 @@ def _moment_table(moments, spectra, statistics):
 
 
 def _rule_table(rules):
+    """What the rule for thin slabs touched, by zone; thickness drawn and kept, means over scenes of those of each."""
     by_zone = rules.groupby("zone")
     sums = by_zone[["n_samples", "n_touched", "n_means_touched", "n_slabs_beyond"]].sum()
     kinds = [f"thickness_{moment}_{when}" for moment in ("mean", "variance") for when in ("drawn", "kept")]
@@ -118,6 +111,7 @@ def _rule_table(rules):
 
 
 def _spectrum_table(number, spectra, statistics):
+    """Spectra of thickness [bins^2 per cycle per line]."""
     zone, slab = np.nonzero(number)
     wavenumber = statistics["wavenumber"].values[1:]
     return pd.DataFrame(
@@ -132,6 +126,7 @@ def _spectrum_table(number, spectra, statistics):
 
 
 def _correlation_table(pairs, statistics):
+    """Correlation of slabs by their separation and band of wavenumber; band -1: of relative means."""
     n_bands, n_slabs = pairs.shape[1] - 1, pairs.shape[2]
     observed = [*statistics["thickness_correlation"].values, statistics["relative_thickness_correlation"].values]
     rows = [

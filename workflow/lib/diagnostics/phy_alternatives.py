@@ -24,10 +24,9 @@ def waveforms_of(layer_bins, parameters, n_range_bins, normalise, align):
 
 
 def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
-    """One scene's power as printed: whole columns convolved, then M looks of 4 normals for every pixel.
+    """What `render` gives, as printed: whole columns convolved, then M looks of 4 normals for every pixel, float64.
 
-    Takes and gives what `render` does, without a tolerance, in float64. Yari et al. (2021), eqs (1), (3), (4):
-    ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
+    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, normalise, align)
     n_looks = int(checked_looks(parameters["n_looks"]))
@@ -43,11 +42,10 @@ def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak
 def render_scatterers(
     layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, resolution_bins=1.0, align="gaussian"
 ):
-    """One scene's power as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
+    """What `render` gives, as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
 
-    Each layer and range line has `n_scatterers` scatterers, normal about the layer plus an exponential delay, with
-    exponential power and sinc-squared responses that are evaluated on every row. The scatterers are its only speckle:
-    `n_looks` acts on the noise. Takes and gives what `render` does, without a tolerance.
+    Those of a layer and range line are normal about it plus an exponential delay, with exponential power and
+    sinc-squared responses on every row. They are its only speckle: `n_looks` acts on the noise.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     n_looks = checked_looks(parameters["n_looks"])
@@ -69,8 +67,7 @@ def render_scatterers(
 def draw_moving_speckle(mean_power, *, method, rng):
     """Power averaged over looks with means of their own, (look, range_bin, range_line): the geometry moves.
 
-    ``looks`` is the literal sum. ``gamma`` has the shape ``(sum m)^2 / sum m^2``, which keeps mean and variance: exact
-    where the means are equal, not elsewhere.
+    ``looks``: literal sum. ``gamma``: shape ``(sum m)^2 / sum m^2``, right in mean and variance, exact for equal means.
     """
     if method == "looks":
         return draw_looks(mean_power, rng)
@@ -83,37 +80,10 @@ def draw_moving_speckle(mean_power, *, method, rng):
     return draw_gamma(mean, shape.astype(mean.dtype), rng)
 
 
-def mean_power_by(way, waveforms, *, tolerance_db, noise_power, dtype=float):
-    """Mean power by a named way, (range_bin, range_line), for charts of speed against accuracy.
-
-    `way` is ``convolved``, numerically and in whole columns; ``closed_form`` on every row; ``closed_form_in_support``
-    or ``recursive``, a filter with a state of `dtype`, within the supports of the tolerance; ``table`` as `mean_power`
-    has it. The filter does not keep the tolerance. Refused: other ways, and a noise or tolerance without supports.
-    """
-    if way == "convolved":
-        return convolved_power(waveforms)
-    if way == "closed_form":
-        return exact_power(waveforms)
-    if way == "table":
-        return planned_power(plan_power(waveforms, noise_power, tolerance_db))
-    if way not in ("closed_form_in_support", "recursive"):
-        msg = f"way must be convolved, closed_form, closed_form_in_support, table or recursive, got {way!r}"
-        raise ValueError(msg)
-    supports = _found_supports(waveforms, noise_power, tolerance_db)
-    if way == "closed_form_in_support":
-        return _power_in_support(waveforms, supports)
-    power = np.zeros(waveforms.shape, dtype=dtype)
-    per_layer = (waveforms.amplitude, waveforms.variance_bins2, waveforms.decay_rate)
-    ends = (np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins))
-    _filter_layers(waveforms.centre_bins, *per_layer, *ends, power)
-    return power
-
-
 def convolved_power(waveforms, samples_per_bin=1):
-    """Mean power by numerical convolution of whole columns, float64 (range_bin, range_line).
+    """Mean power by numerical convolution of whole columns, from above the topmost layer: nothing wraps around.
 
-    A sum for the integral: narrow Gaussians alias and fast decays are summed coarsely; the Fourier transform leaves
-    1e-16 of the peak everywhere. Columns start above the topmost layer, so nothing wraps around.
+    Narrow Gaussians alias, fast decays are summed coarsely, the transform leaves 1e-16 of the peak everywhere.
     """
     topmost = np.nanmin(waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0)
     n_above = int(np.ceil(-topmost)) * samples_per_bin
@@ -139,16 +109,20 @@ def waveform_naive(x_bins, variance_bins2, decay_rate):
         return np.sqrt(np.pi * variance_bins2 / 2) * growth * erfc(z)
 
 
-def _found_supports(waveforms, noise_power, tolerance_db):
-    supports = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
-    if supports is None:
-        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
-        raise ValueError(msg)
-    return supports
+def table_power(waveforms, noise_power, tolerance_db):
+    """Closed form by sub-bin tables within the supports of the tolerance, as `mean_power` has it."""
+    return planned_power(plan_power(waveforms, noise_power, tolerance_db))
 
 
-def _power_in_support(waveforms, supports):
-    """Closed form on the rows of each layer's support only."""
+def single_precision_power(waveforms, noise_power, tolerance_db):
+    """Sub-bin tables with tables and sums forced into float32; ValueError without supports."""
+    supports = _found_supports(waveforms, noise_power, tolerance_db)
+    return tabulated_power(waveforms, replace(supports, dtype=np.dtype(np.float32)), 0.0)
+
+
+def power_in_support(waveforms, noise_power, tolerance_db):
+    """Closed form on the rows of each layer's support only; ValueError without supports."""
+    supports = _found_supports(waveforms, noise_power, tolerance_db)
     power = np.zeros(waveforms.shape)
     for layer in np.flatnonzero(supports.kept):
         lines = np.flatnonzero(np.isfinite(waveforms.centre_bins[layer]))
@@ -161,6 +135,24 @@ def _power_in_support(waveforms, supports):
         one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
         power[rows[inside], np.broadcast_to(lines, rows.shape)[inside]] += waveforms.amplitude[layer] * one
     return power
+
+
+def recursive_power(waveforms, noise_power, tolerance_db, dtype=float):
+    """A filter with a state of `dtype` within the supports, which does not keep the tolerance."""
+    supports = _found_supports(waveforms, noise_power, tolerance_db)
+    power = np.zeros(waveforms.shape, dtype=dtype)
+    per_layer = (waveforms.amplitude, waveforms.variance_bins2, waveforms.decay_rate)
+    ends = (np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins))
+    _filter_layers(waveforms.centre_bins, *per_layer, *ends, power)
+    return power
+
+
+def _found_supports(waveforms, noise_power, tolerance_db):
+    supports = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
+    if supports is None:
+        msg = f"no support keeps {tolerance_db:g} dB with noise_power {noise_power:g}"
+        raise ValueError(msg)
+    return supports
 
 
 @numba.njit(cache=True)
@@ -224,12 +216,6 @@ def wrapped_power(waveforms):
         return np.fft.irfft(spectrum, len(rows), axis=0)
 
     return np.maximum(summed_power(waveforms, wrapped), 0)
-
-
-def single_precision_power(waveforms, noise_power, tolerance_db):
-    """Sub-bin tables with tables and sums forced into float32; ValueError without supports."""
-    supports = _found_supports(waveforms, noise_power, tolerance_db)
-    return tabulated_power(waveforms, replace(supports, dtype=np.dtype(np.float32)), 0.0)
 
 
 def summed_power(waveforms, waveform, rows=None):

@@ -1,17 +1,17 @@
 """The stability atlas: scenes pushed to where ways of computing them fail, the public functions among them.
 
-A row has ``setting, value, method, error_db, limit_db, outcome``: the sweep, where on it, what computed, how far off,
-how far it may be off, and ``within`` that limit, ``refused`` by a ValueError, or ``wrong``.
+The outcome of a row is ``within`` its limit, ``refused`` by a ValueError, or ``wrong``.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
 from scipy.special import gammaincinv
 from scipy.stats import gamma
 
-from lib.diagnostics.phy_cases import Case, judged, noisy, outcome, row
+from lib.diagnostics.phy_cases import Case, judged, noisy, outcome, row, verdict_on
 from lib.diagnostics.phy_errors import largest_error_db
 from snowsim.phy.render import render
 from snowsim.phy.speckle import draw_speckle
@@ -38,60 +38,44 @@ def _pair(spacing_bins, **changes):
     return replace(PLAIN, layer_bins=layer_bins, **(both | changes))
 
 
-def sweep_decay():
-    """Decay rate: exponentials that outlast the window, and ones shorter than a bin."""
-    values = 10.0 ** np.arange(-6, 4.1, 0.5)
-    return judged("decay rate [per bin]", values, lambda x: noisy(replace(PLAIN, decay_rate=np.array([x]))), SHORTCUTS)
+def sweeps():
+    """Setting, values, scene of one, and methods beside `exact` and `planned`, of every sweep over numbers."""
 
+    def plain_with(name):
+        return lambda x: noisy(replace(PLAIN, **{name: np.array([x])}))
 
-def sweep_variance():
-    """Width of the Gaussian: far narrower than a bin, and far wider than the window."""
-    values, methods = 10.0 ** np.arange(-6, 8.1, 0.5), (*SHORTCUTS, "recursive64")
-    return judged("variance [bins²]", values, lambda x: noisy(replace(PLAIN, variance_bins2=np.array([x]))), methods)
-
-
-def sweep_position():
-    """Position: across the borders of the window of 256 bins, on them, and far outside."""
+    # From exponentials that outlast the window to ones shorter than a bin.
+    yield "decay rate [per bin]", 10.0 ** np.arange(-6, 4.1, 0.5), plain_with("decay_rate"), SHORTCUTS
+    # From far narrower than a bin to far wider than the window.
+    widths = 10.0 ** np.arange(-6, 8.1, 0.5)
+    yield "variance [bins²]", widths, plain_with("variance_bins2"), (*SHORTCUTS, "recursive64")
+    # Across the borders of the window of 256 bins, on them, and far outside.
     inside = [-1, 0, 10, 50, 128, 200, 240, 250, 254, 255, 256, 260, 300]
-    values = [*-(10.0 ** np.arange(4, 0.9, -0.5)), *inside, 1e3, 1e4]
-    return judged("position [bins]", values, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS)
-
-
-def sweep_spacing():
-    """Distance of two layers: touching, and crossing, which is refused."""
-    values = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
-    return judged("spacing of two layers [bins]", values, _pair, ("naive", "sampled", "nearest", "recursive32"))
-
-
-def sweep_power_ratio():
-    """Dynamic range: the lower of two layers ever weaker, the noise 30 dB below it."""
-    values = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
+    places = [*-(10.0 ** np.arange(4, 0.9, -0.5)), *inside, 1e3, 1e4]
+    yield "position [bins]", places, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS
+    # Touching, and crossing, which is refused.
+    distances = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
+    yield "spacing of two layers [bins]", distances, _pair, ("naive", "sampled", "nearest", "recursive32")
+    # The noise is 30 dB below the weaker layer.
+    ratios = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
     methods = ("naive", "sampled", "nearest", "recursive32", "table32")
-    return judged("power of the weaker layer", values, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods)
-
-
-def sweep_tolerance():
-    """Tolerance: from loose to below the resolution of float32, then of float64."""
-    values = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
-    return judged("tolerance [dB]", values, lambda x: replace(PLAIN, tolerance_db=x), ("table32",))
-
-
-def sweep_size():
-    """Height of one column, from one pixel to a million, of a layer whose tail hardly decays."""
-
-    def column(height):
-        slow = np.array([1e-6])
-        return replace(PLAIN, layer_bins=np.array([[0.3 * height]]), decay_rate=slow, n_range_bins=height)
-
-    values = [1, 2, 3, 10, 100, 1000, 10_000, 100_000, 1_000_000]
-    return judged("height [bins]", values, column, ("wrapped", "cut", "recursive32", "recursive64"))
+    yield "power of the weaker layer", ratios, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods
+    # From loose to below the resolution of float32, then of float64.
+    tolerances_db = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
+    yield "tolerance [dB]", tolerances_db, lambda x: replace(PLAIN, tolerance_db=x), ("table32",)
+    # One column of a layer whose tail hardly decays, from one pixel to a million.
+    slow = replace(PLAIN, decay_rate=np.array([1e-6]))
+    heights, methods = (
+        [1, 2, 3, *(10**power for power in range(1, 7))],
+        ("wrapped", "cut", "recursive32", "recursive64"),
+    )
+    yield "height [bins]", heights, lambda x: replace(slow, layer_bins=np.array([[0.3 * x]]), n_range_bins=x), methods
 
 
 def sweep_looks(*, rng):
     """Number of looks: from one, where laws are most skewed, to where float32 no longer tells values apart.
 
-    A quantile is within when it is off by at most 0.05 dB and five standard errors of its 262,144 draws. `cube_open` is
-    the cube without the floor of 10 looks that `draw_speckle` holds it to.
+    `cube_open` is the cube without the floor of 10 looks that `draw_speckle` holds it to.
     """
     methods = ("looks", "gamma", "cube", "quantile", "cube_open")
     runs = [(n, method) for n in LOOKS for method in methods if method != "looks" or n <= MOST_LOOKS_SUMMED]
@@ -99,6 +83,7 @@ def sweep_looks(*, rng):
 
 
 def _looks_verdict(method, n_looks, rng):
+    """Quantiles are within when off by at most `LAW_LIMIT_DB` and five standard errors of the draws."""
     exact = gammaincinv(n_looks, LEVELS) / n_looks
     density = gamma.pdf(exact, n_looks, scale=1 / n_looks)
     standard_error = np.sqrt(LEVELS * (1 - LEVELS) / np.prod(SHAPE)) / (density * exact)
@@ -173,22 +158,17 @@ def sweep_borders(*, rng):
 def _verdict(case, method, rng):
     if method != "render":
         return case.verdict(method)
-    limit_db = case.tolerance_db + RENDER_SPECKLE_DB
-    try:
-        power = _rendered(case, rng)
-    except ValueError:
-        return np.nan, limit_db, "refused"
-    error_db = largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
-    return error_db, limit_db, outcome(error_db, limit_db)
+
+    def error_db(power):
+        return largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
+
+    return verdict_on(partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB)
 
 
 def _refusal(case, method, rng):
     """Verdict on a case that has no right answer."""
-    try:
-        _rendered(case, rng) if method == "render" else case.computed(method)
-    except ValueError:
-        return np.nan, case.tolerance_db, "refused"
-    return np.inf, case.tolerance_db, "wrong"
+    work = partial(_rendered, case, rng) if method == "render" else partial(case.computed, method)
+    return verdict_on(work, lambda power: np.inf, case.tolerance_db)
 
 
 def _rendered(case, rng):
@@ -200,16 +180,15 @@ def _rendered(case, rng):
 
 def draw_atlas(*, rng):
     """Rows of all sweeps as a table."""
-    rows = [*sweep_decay(), *sweep_variance(), *sweep_position(), *sweep_spacing(), *sweep_power_ratio()]
-    rows += [*sweep_tolerance(), *sweep_size(), *sweep_looks(rng=rng), *sweep_borders(rng=rng)]
+    rows = [row for sweep in sweeps() for row in judged(*sweep)]
+    rows += [*sweep_looks(rng=rng), *sweep_borders(rng=rng)]
     return pd.DataFrame(rows)
 
 
 def safe_regions(atlas):
-    """Where each method of each sweep over numbers is within its limit, from the rows of `draw_atlas`.
+    """Where each method of each sweep is within its limit: ends of the longest run of numbers without a wrong one.
 
-    A table ``setting, method, first_safe, last_safe, n_within, n_refused, n_wrong``: ends of the longest run of values
-    without a wrong one, refusals at its ends left out; empty where no value is within.
+    Refusals at its ends are left out; empty where no value is within.
     """
     rows = []
     for (setting, method), sweep in atlas.groupby(["setting", "method"], sort=False):

@@ -1,6 +1,7 @@
 """One scene of a sweep, the ways it is computed, and the verdict on each by an unrelated quadrature."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -47,34 +48,38 @@ class Case:
         if method == "planned":
             return mean_power(**self.given, **tolerance)
         if method in ("recursive32", "recursive64"):
-            dtype = {"recursive32": np.float32, "recursive64": np.float64}[method]
-            return ways.mean_power_by("recursive", self.waveforms(), **tolerance, dtype=dtype)
+            return ways.recursive_power(self.waveforms(), **tolerance, dtype=method.replace("recursive", "float"))
         if method == "table32":
-            return ways.single_precision_power(self.waveforms(), self.noise_power, self.tolerance_db)
+            return ways.single_precision_power(self.waveforms(), **tolerance)
         way = {"sampled": ways.convolved_power, "naive": ways.naive_power, "wrapped": ways.wrapped_power}
         way |= {"cut": ways.cut_power, "nearest": ways.nearest_power}
         return way[method](self.waveforms())
 
     def verdict(self, method):
-        """Error [dB], limit [dB] and outcome of a method; refusing is no error.
-
-        The exact form is held to a relative error, others to that of power plus noise.
-        """
+        """Verdict on a method: the exact form is held to a relative error, others to that of power plus noise."""
         limits_db = {"exact": EXACT_LIMIT_DB, "planned": self.tolerance_db, "table32": self.tolerance_db}
-        limit_db = limits_db.get(method, SHORTCUT_LIMIT_DB)
-        with np.errstate(all="ignore"):
-            try:
-                power = self.computed(method)
-            except ValueError:
-                return np.nan, limit_db, "refused"
+
+        def error_db(power):
             rows = np.linspace(0, self.n_range_bins - 1, min(self.n_range_bins, MOST_ROWS_JUDGED)).astype(int)
             noise_power = 0.0 if method == "exact" else self.noise_power
-            error_db = largest_error_db(power[rows], quadrature_power(self.waveforms(), rows), noise_power)
-        return error_db, limit_db, outcome(error_db, limit_db)
+            return largest_error_db(power[rows], quadrature_power(self.waveforms(), rows), noise_power)
+
+        return verdict_on(partial(self.computed, method), error_db, limits_db.get(method, SHORTCUT_LIMIT_DB))
 
     def waveforms(self):
         """The same, checked."""
         return checked_waveforms(**self.given)
+
+
+@np.errstate(all="ignore")
+def verdict_on(work, error_of, limit_db):
+    """Error [dB], limit [dB] and outcome of a power that is computed; refusing is no error."""
+    try:
+        power = work()
+    except ValueError:
+        return np.nan, limit_db, "refused"
+    error_db = error_of(power)
+    return error_db, limit_db, outcome(error_db, limit_db)
 
 
 def outcome(error_db, limit_db):
@@ -115,8 +120,7 @@ def quadrature_power(waveforms, rows):
 def waveform_by_quadrature(x_bins, variance_bins2, decay_rate):
     """Waveform of one layer, ``int_0^inf exp(-(x - t)^2 / 2d - a t) dt``, float64 of the shape of `x_bins`.
 
-    Gauss-Legendre over where the integrand, whose logarithm is a parabola, exceeds 1e-19 of its largest value. All
-    terms are positive, so nothing cancels.
+    Gauss-Legendre over where the integrand exceeds 1e-19 of its largest value: all terms are positive, none cancel.
     """
     x_bins = np.asarray(x_bins, dtype=float)
     flat = x_bins.ravel()

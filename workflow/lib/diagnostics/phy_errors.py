@@ -17,11 +17,7 @@ MOST_SAMPLES = 150  # of a tail that are fitted: it is smooth
 
 
 def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
-    """Layers and parameters of `render` that depend on nothing but their number: for charts and sweeps.
-
-    Powers of 1, 0.3, 0.2, 0.15, 0.1 and then 15 % less a layer, decay rates from 0.1 down to 0.05 per bin, variances of
-    12 bins^2, noise of 1e-3; the layers wave by up to 2 bins, each in its own phase.
-    """
+    """Layers and parameters of `render` that depend on nothing but their number, each waving in its own phase."""
     depth = np.linspace(0.2, 0.9, n_layers)[:, None] * n_range_bins
     spacing = 0.7 * n_range_bins / max(n_layers - 1, 1)
     phase = 2 * np.pi * np.arange(n_range_lines) / 64 + 2.4 * np.arange(n_layers)[:, None]
@@ -37,10 +33,7 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
 
 
 def largest_error_db(power, exact, noise_power):
-    """Largest ``|10 log10((power + noise) / (exact + noise))|`` of all pixels [dB]; infinite where there is no power.
-
-    Where all of it has vanished to below 1e-290 nothing is compared, but for `power` having vanished too.
-    """
+    """Largest ``|10 log10((power + noise) / (exact + noise))|`` of all pixels [dB]; powers below 1e-290 are nothing."""
     power, exact = np.asarray(power, dtype=float) + noise_power, np.asarray(exact, dtype=float) + noise_power
     vanished = exact < VANISHED
     if not np.all(np.isfinite(power) & (power >= 0)) or np.any(power[vanished] > 2 * VANISHED):
@@ -81,11 +74,11 @@ def mean_of_looks_below(level, look_means):
     """Distribution function, at positive powers (level,), of the mean of exponential looks of these means, (look,).
 
     Gil-Pelaez (1951), Biometrika 38, 481-482: ``F(x) = 1/2 - 1/pi int Im(exp(-iux) phi(u)) / u du`` with ``phi(u) =
-    prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step. The step makes the sum periodic beyond the last
-    level by 60 decays of the slowest look, 1e-26; the sum ends where phi has fallen to 1e-7.
+    prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step until phi has fallen to 1e-7.
     """
     level = np.asarray(level, dtype=float)
     scale = np.asarray(look_means, dtype=float) / np.size(look_means)
+    # Periodic beyond the last level by 60 decays of the slowest look, 1e-26.
     step = 2 * np.pi / (level.max() + scale.sum() + 60 * scale.max())
     last = step
     while 0.5 * np.log1p((last * scale) ** 2).sum() < np.log(1e7) and last < 1e6 * step:
@@ -98,10 +91,9 @@ def mean_of_looks_below(level, look_means):
 
 
 def scattered_mean_power(layer_bins, parameters, n_range_bins, *, align="gaussian", reach_bins=200):
-    """Mean power with noise that `render_scatterers` has on average, float64 (range_bin, range_line).
+    """Mean power with noise that `render_scatterers` has: eq. (1) convolved with one bin's sinc-squared response.
 
-    Eq. (1) convolved with the sinc-squared response of one bin, by sums at quarters of a bin: both are narrower than
-    the band these resolve. Beyond `reach_bins` the response, below 3e-6, is left out.
+    By sums at quarters of a bin, which resolve both; beyond `reach_bins` the response, below 3e-6, is left out.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     power = np.full(waveforms.shape, float(parameters["noise_power"]))
@@ -120,7 +112,7 @@ def _levels(n_looks):
 
 @dataclass(frozen=True)
 class WaveformFit:
-    """Best fit ``amplitude * w(x - offset_bins)`` to an echo, with its error over the `n_bins` of tail fitted."""
+    """Best fit ``amplitude * w(x - offset_bins)`` to an echo, and its error over the `n_bins` of tail fitted."""
 
     offset_bins: float
     variance_bins2: float
@@ -134,9 +126,8 @@ class WaveformFit:
 def fit_waveform(x_bins, power, tail_db):
     """Fit eq. (1) to the tail of a mean echo without noise, (sample,) at increasing `x_bins`, by least squares in dB.
 
-    The tail reaches from the peak to where power has first fallen by `tail_db` below it; with fewer than six samples or
-    no end it is refused. Free are where the Gaussian lies, its variance, the decay rate and the amplitude. Samples
-    before the peak are left out: what they show is the range response, which eq. (1) takes as a Gaussian.
+    The tail reaches from the peak to where power has first fallen by `tail_db`; what comes before shows the range
+    response. It must have an end and six samples.
     """
     x_bins, power = np.asarray(x_bins, dtype=float), np.asarray(power, dtype=float)
     if x_bins.shape != power.shape or power.ndim != 1 or not (np.isfinite(power) & (power >= 0)).all():

@@ -16,11 +16,9 @@ SHAPES = ("slope", "curvature")
 
 
 def shape_edges(layer_sets):
-    """Quartiles of absolute slope and curvature over all layers below the surface of a set of scenes.
+    """Quartiles of absolute slope and curvature over all layers below the surface, row 0, of a set of scenes.
 
-    `layer_sets` yields layers (layer, range_line), row 0 the surface. Returns 5 edges from 0 to infinity for `slope`
-    [bins per range line] and `curvature` [bins per range line squared]; sets without a layer long enough for a slope
-    are refused.
+    5 edges from 0 to infinity for `slope` [bins per range line] and `curvature` [bins per range line squared].
     """
     shapes = {name: [] for name in SHAPES}
     for layer_bins in layer_sets:
@@ -43,9 +41,7 @@ def shape_edges(layer_sets):
 def position_errors(image, layer_bins, edges):
     """Distance from layers to the brightest pixel near them, by the classes of slope and curvature of `shape_edges`.
 
-    `layer_bins` (layer, range_line) has the surface in row 0, which is left out. A row per class: `against`,
-    `shape_class` (0 the flattest), `shape_low`, `shape_high`, `n` pixels of layers, `n_found` of them with a peak in
-    reach, and over these `mean_abs_error_bins` (NaN without one); see `snowsim.metrics.texture.layer_position_error`.
+    The surface, row 0, is left out; `n_found` of `n` pixels of layers have a peak in reach. Class 0 is the flattest.
     """
     found = layer_position_error(image, np.asarray(layer_bins, dtype=float)[1:])
     error = np.abs(found["error_bins"])
@@ -69,10 +65,7 @@ def position_errors(image, layer_bins, edges):
 
 
 def surface_regions(layer_bins, n_range_bins):
-    """Rows above and below the surface, with a margin of 8 bins on both sides, as slices by name.
-
-    `below` ends at row 300, which every scene reaches, so that scenes weigh alike.
-    """
+    """Rows above and below the surface, as slices; `below` ends at a row that every scene reaches: all weigh alike."""
     surface = np.asarray(layer_bins, dtype=float)[0]
     above = int(np.floor(np.nanmin(surface))) - MARGIN_BINS
     below = int(np.ceil(np.nanmax(surface))) + MARGIN_BINS
@@ -82,9 +75,7 @@ def surface_regions(layer_bins, n_range_bins):
 def texture_by_region(image, observed, layer_bins):
     """Texture of an 8-bit image above and below the surface, and how near it is to that of the observed scene.
 
-    A row per region of at least 16 rows: `region`; `deviation` of grey levels, the contrast; `autocorrelation_line` and
-    `autocorrelation_bin` at lag 1; `spectrum_distance_db`, root mean square ratio of radial spectra to the observed,
-    contrast included; mean `ssim` with the observed. The three in between are NaN where a region is constant.
+    `deviation` of grey levels is the contrast; what a constant region does not have is NaN.
     """
     similar = ssim_map(image, observed)
     rows = []
@@ -103,11 +94,9 @@ def texture_by_region(image, observed, layer_bins):
 
 
 def air_texture(image, layer_bins):
-    """Grey level and texture of the rows above the snow surface, row 0 of `layer_bins`; fewer than 16 are refused.
+    """Grey level and texture of the rows above the snow surface, row 0 of `layer_bins`.
 
-    `air_mean`, `air_deviation` [grey levels]; `air_correlation_across` and `air_correlation_down`, autocorrelation at
-    lag 1 along track and down; `air_blotches`, standard deviation once averaged by a Gaussian of 3 pixels [grey
-    levels]: independent pixels of deviation s leave s / 10.6.
+    `air_blotches`: deviation once averaged [grey levels]; independent pixels of deviation s leave s / 10.6.
     """
     image, surface = np.asarray(image), np.asarray(layer_bins, dtype=float)[0]
     n_rows = int(np.floor(np.nanmin(surface))) - MARGIN_BINS if np.isfinite(surface).any() else 0

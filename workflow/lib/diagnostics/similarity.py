@@ -1,14 +1,65 @@
-"""Why the similarity of renders is what it is: bounds, what single faults cost, what complete annotation does."""
+"""Why the similarity of renders is what it is: parts of the error, the best that speckle allows, cost of faults."""
 
 import dataclasses
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import gaussian_filter1d
 
-from lib.diagnostics.bounds import as_bytes, error_parts, with_other_speckle, without_speckle
+from snowsim.echogram import DB_BELOW_NOISE_FLOOR
 from snowsim.metrics.image import similarity
 
+SMOOTH_LINES = 6.0  # [range lines] sigma of the mean along track; layers move by less than a bin over as many
+PARTS = ("grey level", "mean by depth", "along track", "speckle of the render", "speckle observed", "speckle in common")
 DEPTHS = (("fewer than 6 layers", 0, 6), ("6 to 15 layers", 6, 16), ("16 layers or more", 16, np.inf))
+
+
+def without_speckle(image):
+    """Image averaged along track by a Gaussian of `SMOOTH_LINES`, float."""
+    return gaussian_filter1d(np.asarray(image, dtype=float), SMOOTH_LINES, axis=1, mode="nearest")
+
+
+def error_parts(image, reference):
+    """Mean square error of an 8-bit image, taken apart: a dict by `PARTS` [grey levels squared] that sums to it.
+
+    Of the means, of row means without these, of averages along track without both; then what averaging takes from the
+    render, from the observed image and, with its sign, what those have in common. Different sizes are refused.
+    """
+    image, reference = np.asarray(image, dtype=float), np.asarray(reference, dtype=float)
+    if image.shape != reference.shape:
+        msg = f"image and reference must have one size, got {image.shape} and {reference.shape}"
+        raise ValueError(msg)
+    smooth_image, smooth_reference = without_speckle(image), without_speckle(reference)
+    smooth = smooth_image - smooth_reference
+    by_row = smooth.mean(axis=1, keepdims=True)
+    parts = [
+        smooth.mean() ** 2,
+        np.mean((by_row - smooth.mean()) ** 2),
+        np.mean((smooth - by_row) ** 2),
+        np.mean((image - smooth_image) ** 2),
+        np.mean((reference - smooth_reference) ** 2),
+    ]
+    in_common = np.mean((image - reference) ** 2) - sum(parts)
+    return dict(zip(PARTS, map(float, [*parts, in_common]), strict=True))
+
+
+def with_other_speckle(image, noise_floor_db, maximum_db, n_looks, *, rng):
+    """The observed 8-bit image as it might have come out of the same snow: its mean power under new speckle.
+
+    Its similarity to the image is the best of any renderer whose speckle is as strong, Gamma(n_looks) by pixel. Mean
+    power is the average along track, where a few per cent of speckle stay: the bound is that much too good.
+    """
+    bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
+    grey_per_db = 255 / (maximum_db - bottom_db)
+    power = 10 ** ((np.asarray(image, dtype=float) / grey_per_db + bottom_db) / 10)
+    mean_power = without_speckle(power)
+    redrawn = mean_power * rng.gamma(n_looks, 1 / n_looks, mean_power.shape)
+    return as_bytes((10 * np.log10(redrawn) - bottom_db) * grey_per_db)
+
+
+def as_bytes(grey):
+    """Grey levels rounded to 8 bits; those beyond the ends become the ends."""
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
 
 
 def explain_scene(observed, rendered, n_looks, *, rng):
@@ -16,10 +67,15 @@ def explain_scene(observed, rendered, n_looks, *, rng):
     n_layers = observed.layer_bins.shape[0] - 1
     depth = next(name for name, low, high in DEPTHS if low <= n_layers < high)
     here = {"scenes": "test", "layers": "complete", "depth": depth}
-    rows = rows_of(bounds(observed, n_looks, rng), **here, method="bound")
-    for method, scene in rendered.items():
-        rows += rows_of(without_faults(scene, observed), **here, method=method)
-    return rows
+    redrawn = with_other_speckle(observed.image, observed.noise_floor_db, observed.maximum_db, n_looks, rng=rng)
+    smooth = as_bytes(without_speckle(observed.image))
+    images = {"bound": {"mean echo as observed, other speckle": redrawn, "mean echo as observed, no speckle": smooth}}
+    images |= {method: without_faults(scene.image, observed.image) for method, scene in rendered.items()}
+    return [
+        {**here, "method": method, "case": case, **similarity(image, observed.image)}
+        for method, cases in images.items()
+        for case, image in cases.items()
+    ]
 
 
 def explain_errors(observed, rendered):
@@ -34,25 +90,16 @@ def explain_annotation(scene, renderers):
         if layer_bins is None:
             continue
         annotated = dataclasses.replace(scene, layer_bins=layer_bins)
+        here = {"scenes": "train, set aside", "layers": layers}
         for method, render_one in renderers.items():
-            found = {"as rendered": similarity(render_one(annotated), scene.image)}
-            rows += rows_of(found, scenes="train, set aside", layers=layers, method=method)
+            numbers = similarity(render_one(annotated), scene.image)
+            rows.append({**here, "method": method, "case": "as rendered", **numbers})
     return rows
 
 
-def bounds(observed, n_looks, rng):
-    """Similarity to the observed scene of what no renderer can know better."""
-    scale = observed.noise_floor_db, observed.maximum_db
-    redrawn = with_other_speckle(observed.image, *scale, n_looks, rng=rng)
-    return {
-        "mean echo as observed, other speckle": similarity(redrawn, observed.image),
-        "mean echo as observed, no speckle": similarity(as_bytes(without_speckle(observed.image)), observed.image),
-    }
-
-
 def without_faults(rendered, observed):
-    """Similarity to the observed scene of a render, as it is and with single faults taken away."""
-    image, truth = rendered.image.astype(float), observed.image.astype(float)
+    """Images by what of a render was made like the observed image."""
+    image, truth = rendered.astype(float), observed.astype(float)
     by_row = truth.mean(axis=1, keepdims=True) - image.mean(axis=1, keepdims=True)
     changed = {
         "as rendered": image,
@@ -60,12 +107,7 @@ def without_faults(rendered, observed):
         "its grey level that of the scene": image + truth.mean() - image.mean(),
         "its mean by depth that of the scene": image + by_row,
     }
-    return {case: similarity(as_bytes(grey), observed.image) for case, grey in changed.items()}
-
-
-def rows_of(similarities, **columns):
-    """A row a case."""
-    return [{**columns, "case": case, **numbers} for case, numbers in similarities.items()]
+    return {case: as_bytes(grey) for case, grey in changed.items()}
 
 
 def mean_similarity(rows):

@@ -1,10 +1,8 @@
-"""Waveforms of SMRT's nadir altimetry solver: best fits of eq. (1), and beside the nature run's annuli integral.
+"""Waveforms of SMRT's nadir altimetry solver beside best fits of eq. (1) and the nature run's annuli integral.
 
-SMRT (Picard et al. 2018, Geosci. Model Dev. 11, 2763-2788; its altimetry solver: Larue et al. 2021, Remote Sens.
-Environ. 263, 112534) convolves backscatter against depth with Brown's (1977) flat-surface response: geometric optics at
-interfaces, volume scattering, and angles of incidence refracted at the surface, which the nature run leaves out: it
-takes slopes of buried horizons as they look from the air. SMRT is given the slope divided by the index above. The
-nature run's diffuse share has no counterpart there.
+Picard et al. (2018), Geosci. Model Dev. 11, 2763-2788; the solver: Larue et al. (2021), Remote Sens. Environ. 263,
+112534. It refracts angles of incidence at the surface, where the nature run takes slopes of buried horizons as they
+look from the air: SMRT is given the slope divided by the index above. The diffuse share has no counterpart there.
 """
 
 import numpy as np
@@ -12,7 +10,7 @@ import pandas as pd
 
 from lib.diagnostics.convolution_charts import SCENE_LINES, SHAPING_DB, TAILS_DB, received
 from lib.diagnostics.phy_errors import fit_waveform
-from lib.timing import device_name, time_rounds
+from lib.machine import device_name, time_rounds
 from snowsim.constants import CENTRE_FREQUENCY_HZ
 from snowsim.reference.firn import refractive_index_kovacs95
 

@@ -6,11 +6,10 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from lib.timing import device_name, time_rounds
-from snowsim.echogram import SURFACE_ROW, layer_mask, scene_height, to_uint8
+from lib.machine import device_name, time_rounds
+from snowsim.echogram import SURFACE_ROW, Scene, scene_height
 from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
-from snowsim.phy import draw_parameters, plan, render_plan
 from snowsim.tracker import OUTPUTS, Training, TrainingSet, track, train_steps
 
 LAYER_SPACING_BINS = 12
@@ -27,13 +26,9 @@ def ablation_table(counts, *, n_bootstrap, rng):
         for setting, training_set in counts
     ]
     table = compare(counts, pairs, n_bootstrap=n_bootstrap, rng=rng)
-    runs = {
-        f"{part}{column}": [run[place] for run in table[name]]
-        for name, part in (("name", ""), ("base", "base_"))
-        for place, column in enumerate(("setting", "training_set"))
-    }
-    named = pd.DataFrame(runs, index=table.index).rename(columns={"base_setting": "base"})
-    return pd.concat([named, table.drop(columns=["name", "base"])], axis=1)
+    named = pd.DataFrame(table.pop("name").tolist(), columns=["setting", "training_set"])
+    named[["base", "base_training_set"]] = table.pop("base").tolist()
+    return pd.concat([named, table], axis=1)
 
 
 def time_tracking(networks, images, n_rounds):
@@ -77,7 +72,7 @@ def short_training(real, settings, seed):
 
 
 def stress_tracking(network, precision, scenes, stability, render_level):
-    """Fused ODS on changed (image, mask) pairs and on level layers of `render_level`: rows of a table."""
+    """Fused ODS on changed (image, mask) pairs and on pairs of level layers of `render_level`: rows of a table."""
 
     def ods(pairs):
         edges = [suppress(track(network, image, precision=precision)[OUTPUTS.index("fuse")]) for image, _ in pairs]
@@ -106,11 +101,7 @@ def row(panel, value, work, replica=0, *, failure=ValueError, status="refused"):
         return about | {"result": np.nan, "status": status}
 
 
-def level_scene(n_layers, statistics, phy, *, rng, n_range_lines=256):
-    """Image and mask of level layers, rendered by PHY."""
+def level_scene(n_layers, n_range_lines=256):
+    """Level layers, to be rendered."""
     layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(n_range_lines)
-    parameters = draw_parameters(statistics, n_layers + 1, width=phy["width"], n_looks=phy["n_looks"], rng=rng)
-    options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
-    n_range_bins = scene_height(layer_bins)
-    power = render_plan(plan(layer_bins, parameters, n_range_bins, **options), rng=rng)
-    return to_uint8(power)[0], layer_mask(layer_bins, n_range_bins)
+    return Scene(f"{n_layers} level layers", scene_height(layer_bins), layer_bins)

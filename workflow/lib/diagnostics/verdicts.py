@@ -1,38 +1,23 @@
 """What a verdict on a claim is, and how it follows from differences."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
 CONFIRMED, CONTRADICTED, OPEN, MISSING = "confirmed", "contradicted", "not resolved", "no evidence"
-BY_INTERVAL = (
-    "Confirmed where the 95 % interval of the mean difference, paired by scene, lies wholly on the claimed side of "
-    "zero, contradicted where it lies wholly on the other, else not resolved."
-)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a run says of one claim.
+    """What a run says of one claim."""
 
-    Attributes
-    ----------
-    claim, verdict, evidence, rule : str
-        The claim in one sentence; "confirmed", "contradicted", "not resolved" or "no evidence"; the numbers; how the
-        verdict follows from them.
-    caveat : str
-        What makes the evidence weaker than it looks, or empty.
-    tables : tuple of str
-        Names of the tables it was computed from.
-    """
-
-    claim: str
     verdict: str
-    evidence: str
-    rule: str
-    caveat: str = ""
-    tables: tuple = field(default=())
+    evidence: str  # the numbers
+    rule: str  # how the verdict follows from them
+    caveat: str = ""  # what makes the evidence weaker than it looks
+    claim: str = ""
+    tables: tuple = ()  # names of those it was computed from
 
 
 def side_of_zero(low, high):
@@ -40,6 +25,13 @@ def side_of_zero(low, high):
     if low > 0:
         return CONFIRMED
     return CONTRADICTED if high < 0 else OPEN
+
+
+def all_of(verdicts):
+    """Verdict on a claim that needs every one of several: contradicted by one, confirmed by all."""
+    if CONTRADICTED in verdicts:
+        return CONTRADICTED
+    return CONFIRMED if set(verdicts) == {CONFIRMED} else OPEN
 
 
 def paired_verdict(differences, unit=""):
@@ -50,22 +42,13 @@ def paired_verdict(differences, unit=""):
     return (OPEN if not np.isfinite(low) else side_of_zero(low, high)), text
 
 
-def all_of(verdicts):
-    """Verdict on a claim that needs every one of several: contradicted by one, confirmed by all."""
-    if CONTRADICTED in verdicts:
-        return CONTRADICTED
-    return CONFIRMED if set(verdicts) == {CONFIRMED} else OPEN
-
-
 def mean_interval(values, level=0.95):
-    """Mean of the finite values and the ends of its Student t interval, three floats; NaN ends from fewer than two."""
+    """Mean of the finite values and the ends of its Student t interval; NaN ends from fewer than two values."""
     values = np.asarray(values, dtype=float)
     values = values[np.isfinite(values)]
-    if values.size == 0:
-        return np.nan, np.nan, np.nan
-    mean = values.mean()
     if values.size < 2:
-        return mean, np.nan, np.nan
+        return (values[0] if values.size else np.nan), np.nan, np.nan
+    mean = values.mean()
     half = stats.t.ppf(0.5 + level / 2, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size)
     return mean, mean - half, mean + half
 
