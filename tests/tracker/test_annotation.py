@@ -19,8 +19,7 @@ def picked():
     complete = np.array([[20.0], [50.0]]) * np.ones(64)
     layer_bins = complete.copy()
     layer_bins[1, :10] = layer_bins[1, 40:] = np.nan
-    scene = toy_scene(1)
-    return dataclasses.replace(scene, layer_bins=layer_bins, complete_layer_bins=complete)
+    return dataclasses.replace(toy_scene(1), layer_bins=layer_bins, complete_layer_bins=complete)
 
 
 def test_gaps_and_all_below_the_deepest_pick_are_unknown(picked):
