@@ -14,12 +14,6 @@ def pooled(picks, layer_bins):
     return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[0]
 
 
-@pytest.fixture
-def layer_bins(rng):
-    """Eight wavy layers, 25 bins apart."""
-    return 50 + 25 * np.arange(8)[:, None] + 3 * np.sin(np.arange(120) / 25 + rng.uniform(0, 6, (8, 1)))
-
-
 def test_planted_errors_come_back(layer_bins):
     picks = layer_bins + 1.5
     picks[2] += 1.5

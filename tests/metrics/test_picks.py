@@ -9,14 +9,6 @@ from snowsim.metrics.edges import suppress
 from snowsim.metrics.picks import match_picks, pick_layers
 
 
-@pytest.fixture
-def layer_bins(rng):
-    """Eight wavy layers 12 to 30 bins apart."""
-    phase, amplitude = rng.uniform(0, 2 * np.pi, (8, 1)), rng.uniform(0, 3, (8, 1))
-    base = 30 + np.cumsum(rng.uniform(18, 30, (8, 1)), axis=0)
-    return base + amplitude * np.sin(np.arange(120) / 25 + phase)
-
-
 def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins(layer_bins):
     picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
     assert_array_equal(picks, np.rint(layer_bins))

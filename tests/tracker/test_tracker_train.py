@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose
-from toy_scenes import toy_scene, toy_scenes
+from toy_scenes import toy_scene
 from trainings import same, trained
 
-from snowsim.patches import draw_patches
 from snowsim.tracker import OUTPUTS, Settings, Training, published, track
 from snowsim.tracker.train import balanced_cross_entropy, rate_factor
 
@@ -82,15 +81,3 @@ def test_schedules_are_the_stated_ones():
     assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
     assert (np.diff(cycle[99:]) < 0).all()
     assert cycle[-1] == 0
-
-
-def test_scaled_and_mirrored_crops_keep_layers_one_pixel_thick():
-    settings = replace(TINY, n_range_bins=None, n_range_lines=None, scales=(1.0, 0.75, 0.5, 0.25))
-    scenes = toy_scenes(4)
-    rng = np.random.default_rng(1)
-    for scale in settings.scales:
-        for _ in range(5):
-            _, masks = draw_patches(scenes, scale=scale, flip=True, rng=rng)
-            # Layers lie 12 rows and more apart, 3 at a quarter: every column has one pixel a layer, none above another.
-            assert (masks.sum(axis=1) == 4).all()
-            assert not (masks[:, 1:] & masks[:, :-1]).any()
