@@ -1,5 +1,3 @@
-"""The conda environment names the versions that are pinned and tested."""
-
 import re
 import tomllib
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Crops, flips and scaled copies keep images and layers together."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The two networks are those of pix2pix and take any image size."""
-
 import numpy as np
 import pytest
 import torch

@@ -1,5 +1,3 @@
-"""Training of the conditional GAN learns, and takes every scene it can train on."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Labels follow the statistics they are drawn from."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

@@ -1,5 +1,3 @@
-"""Paired differences: intervals that cover, differences that are found as often as promised."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

@@ -1,5 +1,3 @@
-"""Planted errors of picks come back by layer, scene and depth."""
-
 import numpy as np
 import pandas as pd
 import pytest

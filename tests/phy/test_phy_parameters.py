@@ -1,5 +1,3 @@
-"""Parameters of a scene from the statistics of a flight."""
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,5 +1,3 @@
-"""Plans and the scenes rendered by them."""
-
 import json
 
 import numpy as np

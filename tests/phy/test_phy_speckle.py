@@ -1,5 +1,3 @@
-"""Speckle: every sampler against the literal sum of looks and against the exact distribution."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

@@ -1,5 +1,3 @@
-"""Scenes of the benchmark."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal

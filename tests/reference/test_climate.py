@@ -1,5 +1,3 @@
-"""The line, and accumulation along it."""
-
 import numpy as np
 import pytest
 from flights import climate_of

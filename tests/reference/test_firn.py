@@ -1,5 +1,3 @@
-"""Densification, permittivity, travel time and layering."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

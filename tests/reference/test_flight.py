@@ -1,5 +1,3 @@
-"""Columns, echoes, frames and the segment."""
-
 import numpy as np
 import pytest
 from flights import BARE, climate_of, column_at, peak_rows

@@ -1,5 +1,3 @@
-"""Layers in files lie where the renderer drew them."""
-
 import numpy as np
 import pytest
 from flights import BARE_FIRN, BARE_RADAR, climate_of, peak_rows

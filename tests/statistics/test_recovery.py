@@ -1,5 +1,3 @@
-"""What is planted comes back."""
-
 import numpy as np
 import pytest
 from made_up import made_up_frame

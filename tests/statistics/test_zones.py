@@ -1,5 +1,3 @@
-"""Flights divided into other numbers of zones."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What partial annotation leaves open, and what stays out of the loss."""
-
 import dataclasses
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Training sets keep the proportion of the paper and use all of each synthetic set."""
-
 import dataclasses
 from collections import Counter
 
@@ -7,7 +5,7 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 
-from snowsim.tracker import Chosen, Completed, TrainingSet, Uppermost
+from snowsim.tracker import Completed, TrainingSet, Uppermost
 
 
 class Numbered:
@@ -113,12 +111,6 @@ def test_completed_scenes_show_every_layer_and_count_as_complete():
     assert np.isfinite(completed[0].layer_bins).all()
     assert completed[0].complete_layer_bins is None
     assert completed[1] is picked[1]
-
-
-def test_chosen_scenes_are_those_at_their_places():
-    chosen = Chosen(Numbered("added", 9), [7, 2])
-    assert len(chosen) == 2
-    assert [chosen[0], chosen[1]] == [("added", 7), ("added", 2)]
 
 
 def test_uppermost_scenes_lose_deep_labels_and_keep_their_image():

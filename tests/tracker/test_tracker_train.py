@@ -1,5 +1,3 @@
-"""Training of the tracker learns, by the loss, rates and schedules stated."""
-
 from dataclasses import replace
 
 import numpy as np
