@@ -53,9 +53,7 @@ def test_as_many_seeds_as_stated_resolve_a_difference_and_one_fewer_does_not():
     assert n > 4
     enough, too_few = (paired_difference(typical(k, result["seed_spread"]), 0.001, 60) for k in (n, n - 1))
     assert enough["detectable"] <= result["difference"] < too_few["detectable"]
-
-
-def test_no_number_of_seeds_resolves_what_the_images_hide():
+    # No number of seeds resolves what the images hide.
     assert paired_difference([0.001, 0.002, 0.0], image_error=0.01, n_images=60)["seeds_to_resolve"] == -1
 
 

@@ -8,19 +8,16 @@ from toy_scenes import toy_scenes
 from snowsim.tracker import Completed, TrainingSet, Uppermost
 
 
-class Numbered:
-    """A lazy sequence that counts what was read."""
+class Numbered(list):
+    """A sequence of so many scenes that counts what was read."""
 
     def __init__(self, name, n):
-        self.name, self.n, self.read = name, n, Counter()
-
-    def __len__(self):
-        return self.n
+        super().__init__((name, item) for item in range(n))
+        self.read = Counter()
 
     def __getitem__(self, item):
-        assert 0 <= item < self.n
         self.read[item] += 1
-        return self.name, item
+        return super().__getitem__(item)
 
 
 def first(scenes, n):
