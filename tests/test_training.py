@@ -5,14 +5,12 @@ from itertools import islice
 
 import numpy as np
 import pytest
-import torch
 from toy_scenes import toy_scenes
 from trainings import begun, same, trained
 
 from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
 
-torch.set_num_threads(1)
 CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)

@@ -14,6 +14,7 @@ from snowsim import cgan, tracker
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 
+torch.set_num_threads(1)  # as in every training
 ROOT = Path(__file__).resolve().parents[1]
 # Runs a script in a process of its own and tells every step it has taken.
 CHILD = """

@@ -7,8 +7,9 @@ import pytest
 import torch
 from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, toy_scenes
+from trainings import begun
 
-from snowsim.cgan import Settings, Training, health, render, settle_statistics, train_steps
+from snowsim.cgan import Settings, Training, health, render, settle_statistics
 from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
 
 SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=240)
@@ -109,17 +110,17 @@ def test_weights_that_are_not_finite_are_named():
 
 def trained_faults(settings, seed, *, freeze_discriminator=False):
     """Train on toy scenes and judge half way, while the rate is still whole, and at the end: faults and numbers."""
-    scenes = toy_scenes(28)
-    training = Training(settings, seed=seed)
+    training, steps = begun(settings, seed, n_scenes=24)
+    unseen = toy_scenes(28)[24:]
     if freeze_discriminator:
         training._optimisers["discriminator_adam"].step = lambda: None
     losses, found, judged = [], [], []
     try:
-        for step, step_losses in train_steps(training, scenes[:24]):
+        for step, step_losses in steps:
             losses.append(step_losses)
             if step in (settings.n_steps // 2, settings.n_steps):
                 numbers = measure_losses(losses, settings.adversarial) | measure_renders(
-                    training.generator, scenes[24:], dropout=settings.dropout, statistics="scene", seed=seed
+                    training.generator, unseen, dropout=settings.dropout, statistics="scene", seed=seed
                 )
                 found += faults(numbers, dropout=settings.dropout)
                 judged.append(numbers)

@@ -74,6 +74,8 @@ def test_plan_says_what_it_leaves_out_and_keeps_its_bound():
     assert notes["plan_terms_full"] == 12 * 64 * N_RANGE_BINS
     assert 0 < notes["plan_bound_db"] <= 0.05
     assert notes["plan_cost_normals"] > 0
+    # Without noise nothing is left out.
+    assert plan(layer_bins, parameters | {"noise_power": 0.0}, N_RANGE_BINS, tolerance_db=0.05).method == "exact"
 
 
 @pytest.mark.parametrize("change", ["tolerance", "noise"])
@@ -95,11 +97,6 @@ def test_terms_are_counted_as_they_are_computed():
     power = mean_of(layer_bins, parameters, tolerance_db=0.5, noise_power=0.5)
     # Each of 63 lines may count one row more or less at its end.
     assert_allclose(scene_plan.n_terms, np.count_nonzero(power), atol=63)
-
-
-def test_without_noise_nothing_is_left_out():
-    layer_bins, parameters = planted(noise_power=0.0)
-    assert plan(layer_bins, parameters, N_RANGE_BINS, tolerance_db=0.05).method == "exact"
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,7 @@ def test_the_default_lies_within_the_reference_s_own_error_on_every_map(shared_d
     given = (reference[key] for key in ("pred", "gt", "thresholds"))
     counts = match_counts(*given, max_dist=float(reference["max_dist"]), thin=True)
     assert_array_equal(counts["n_truth"], reference["sum_r"])
-    # Both stop thinning at the same pixel. Thinned until nothing changes, 7 of the 14 maps have up to 11 pixels less,
-    # and 09_m192x320_n30 up to 11 pairs less than the reference at 3 of 99 thresholds.
+    # Both stop thinning at the same pixel; thinned until nothing changes, 7 of the 14 maps have up to 11 pixels less.
     assert_array_equal(counts["n_prediction"], reference["sum_p"])
     # Same pixels: a maximum matching cannot be smaller; the reference's random outliers cost it up to 0.6 %.
     surplus = counts["matched_truth"] - reference["count_r"]
