@@ -21,15 +21,13 @@ def picked():
     return dataclasses.replace(toy_scene(1), layer_bins=layer_bins, complete_layer_bins=complete)
 
 
-def test_gaps_and_all_below_the_deepest_pick_are_unknown(picked):
+def test_gaps_and_all_below_the_deepest_pick_are_unknown_and_nothing_in_a_complete_scene(picked):
     known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
     expected = np.ones((96, 64), dtype=bool)
     expected[59:] = False  # deeper than 50 + 8
     expected[42:59, :10] = expected[42:59, 40:] = False
     assert_array_equal(known, expected)
-
-
-def test_a_completely_annotated_scene_is_known_everywhere(picked):
+    # A scene without a complete annotation beside its own is complete itself.
     scene = dataclasses.replace(picked, complete_layer_bins=None)
     assert annotated_pixels(scene, scene.layer_bins, 96).all()
 
