@@ -14,6 +14,14 @@ def rng():
     return np.random.default_rng(20120429)
 
 
+@pytest.fixture
+def layer_bins(rng):
+    """Eight wavy layers 12 to 30 bins apart."""
+    phase, amplitude = rng.uniform(0, 2 * np.pi, (8, 1)), rng.uniform(0, 3, (8, 1))
+    base = 30 + np.cumsum(rng.uniform(18, 30, (8, 1)), axis=0)
+    return base + amplitude * np.sin(np.arange(120) / 25 + phase)
+
+
 @pytest.fixture(scope="session")
 def shared_data():
     """Folder of files no one in this project wrote; tests that need it skip where it is not."""

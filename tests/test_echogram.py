@@ -1,18 +1,13 @@
 import numpy as np
 import pytest
-import xarray as xr
+from made_up import made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim import echogram as eg
 
 
-def make_echogram(n_bins=40, n_lines=6):
-    slow_time = np.datetime64("2012-04-29T12:00:00", "ns") + np.arange(n_lines) * np.timedelta64(50, "ms")
-    along = {name: ("slow_time", np.linspace(0, 1e-6, n_lines)) for name in eg.ECHOGRAM_ALONG_TRACK}
-    return xr.Dataset(
-        {"Data": (("twtt", "slow_time"), np.ones((n_bins, n_lines))), **along},
-        coords={"twtt": 3e-6 + 2.886e-10 * np.arange(n_bins), "slow_time": slow_time},
-    )
+def make_echogram(n_lines=6):
+    return made_up_frame(np.ones((40, n_lines)), np.full((1, n_lines), 5.0))[0]
 
 
 def test_mask_has_one_pixel_per_layer_and_line_inside_the_window():
@@ -50,17 +45,15 @@ def test_eight_bit_image_gives_power_back_within_half_a_step(rng):
     assert_allclose(back_db, 10 * np.log10(power), atol=step_db / 2 * (1 + 1e-12))
 
 
-@pytest.mark.parametrize("value", [0, -1, np.nan, np.inf])
-def test_eight_bit_scaling_refuses_what_has_no_decibels(value):
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [*[(value, "range_bin 1, range_line 2") for value in (0, -1, np.nan, np.inf)], (1, "without contrast")],
+)
+def test_eight_bit_scaling_refuses_what_has_no_decibels_or_no_contrast(value, message):
     power = np.ones((3, 3))
     power[1, 2] = value
-    with pytest.raises(ValueError, match="range_bin 1, range_line 2"):
+    with pytest.raises(ValueError, match=message):
         eg.to_uint8(power)
-
-
-def test_image_without_contrast_is_refused():
-    with pytest.raises(ValueError, match="without contrast"):
-        eg.to_uint8(np.ones((3, 3)))
 
 
 def test_crossing_is_found_across_gaps():
@@ -71,11 +64,11 @@ def test_crossing_is_found_across_gaps():
 
 
 def test_layer_bins_count_from_the_first_bin_of_the_echogram():
-    echogram = make_echogram()
-    twtt = echogram["twtt"].values[[0, 7]][:, None] + np.zeros(6)
-    layers = xr.Dataset({"twtt": (("layer", "slow_time"), twtt)}, coords={"slow_time": echogram["slow_time"]})
+    bins = np.array([[0.0], [7.0]]) + np.zeros(6)
+    echogram, layers = made_up_frame(np.ones((40, 6)), bins)
+    layers["twtt"][:] = echogram["twtt"].values[[0, 7]][:, None]
     # Travel times near 3e-6 s hold 5e-22 s, a bin is 3e-10 s: 2e-12 bins.
-    assert_allclose(eg.layer_bins_of(layers, echogram), np.array([[0.0], [7.0]]) + np.zeros(6), atol=1e-10)
+    assert_allclose(eg.layer_bins_of(layers, echogram), bins, atol=1e-10)
 
 
 def test_a_good_echogram_passes_in_any_order_of_dimensions():

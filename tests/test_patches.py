@@ -1,5 +1,3 @@
-"""Crops, flips and scaled copies keep images and layers together."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -75,15 +73,11 @@ def test_a_scaled_layer_is_one_pixel_thick_and_where_the_image_shows_it(scale, r
     assert_allclose(small_bins[0] + 0.5, darkness, atol=0.1)
 
 
-def test_gaps_stay_gaps_at_every_scale():
+def test_gaps_stay_gaps_at_half_scale_and_full_scale_changes_nothing():
     scene = ramp_scene()
     scene.layer_bins[1, 10:30] = np.nan
     _, small_bins = scaled(scene.image, scene.layer_bins, 0.5)
     assert_array_equal(np.isnan(small_bins[1]), (np.arange(20) >= 5) & (np.arange(20) < 15))
-
-
-def test_full_scale_changes_nothing():
-    scene = ramp_scene()
     image, layer_bins = scaled(scene.image, scene.layer_bins, 1)
     assert image is scene.image
     assert layer_bins is scene.layer_bins

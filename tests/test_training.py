@@ -5,34 +5,17 @@ from itertools import islice
 
 import numpy as np
 import pytest
-import torch
 from toy_scenes import toy_scenes
-from trainings import same
+from trainings import begun, same, trained
 
 from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
 
-torch.set_num_threads(1)
 CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
 ALL = pytest.mark.parametrize("settings", [CGAN, TRACKER, PUBLISHED], ids=["cgan", "tracker", "published tracker"])
 BOTH = pytest.mark.parametrize("settings", [CGAN, TRACKER], ids=["cgan", "tracker"])
-
-
-def begun(settings, seed=1):
-    """A training of these settings, and its steps on three toy scenes."""
-    if isinstance(settings, cgan.Settings):
-        training = cgan.Training(settings, seed=seed)
-        return training, cgan.train_steps(training, toy_scenes(3))
-    training = tracker.Training(settings, seed=seed)
-    return training, tracker.train_steps(training, tracker.TrainingSet(toy_scenes(3), seed=seed))
-
-
-def trained(settings, seed=1):
-    """A training that has taken its steps, and their losses."""
-    training, steps = begun(settings, seed)
-    return training, [losses for _, losses in steps]
 
 
 def settle(training):

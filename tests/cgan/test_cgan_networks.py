@@ -1,5 +1,3 @@
-"""The two networks are those of pix2pix and take any image size."""
-
 import numpy as np
 import pytest
 import torch
@@ -9,16 +7,13 @@ from torch import nn
 from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
 
 
-def n_parameters(network):
-    return sum(parameter.numel() for parameter in network.parameters())
-
-
 @pytest.mark.parametrize(
     ("width", "generator", "discriminator"), [(64, 54_407_873, 2_764_609), (16, 3_402_929, 175_057)]
 )
 def test_parameter_counts_are_the_published_ones(width, generator, discriminator):
-    assert n_parameters(UNetGenerator(width, depth=8)) == generator
-    assert n_parameters(PatchDiscriminator(width)) == discriminator
+    networks = UNetGenerator(width, depth=8), PatchDiscriminator(width)
+    counts = [sum(parameter.numel() for parameter in network.parameters()) for network in networks]
+    assert counts == [generator, discriminator]
 
 
 @pytest.mark.parametrize(("n_strided", "patch"), [(1, 16), (2, 34), (3, 70)])

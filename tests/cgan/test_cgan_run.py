@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 from train_cgan import train
-from trainings import kill_midway
+from trainings import check_killed_training
 
 from lib import cgan_training
 from snowsim.io.files import read_table
@@ -17,7 +17,6 @@ SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_li
 SETTINGS = {**SMALL, "n_steps": 240}
 SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
 VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None}
-EVERY_STEPS = 20
 
 
 def arguments(folder, **changes):
@@ -39,7 +38,7 @@ def arguments(folder, **changes):
         "on_collapse": "fail",
         "source": "no",
         "checkpoint": str(folder / "unfinished.safetensors"),
-        "checkpoint_steps": EVERY_STEPS,
+        "checkpoint_steps": 20,
         "events": str(folder / "events"),
         **changes,
     }
@@ -54,22 +53,12 @@ def whole(tmp_path_factory):
 
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
-    killed = whole.parent / "killed"
-    last_told = kill_midway("train_cgan", arguments(killed), 3.5 * EVERY_STEPS)
-    assert not (killed / "generator.safetensors").exists()
-    _, metadata = read_model(killed / "unfinished.safetensors")
-    assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
-    assert last_told - metadata["step"] <= EVERY_STEPS  # one interval lost at most
-    train(**arguments(killed))
-    for name in ("generator.safetensors", "losses.csv", "validation.csv", "samples.nc"):
-        assert (killed / name).read_bytes() == (whole / name).read_bytes()
-    assert len(read_table(killed / "losses.csv")) == SETTINGS["n_steps"]
-    assert read_table(killed / "validation.csv")["step"].tolist() == [50, 100, 150, 200, 240]
-    assert not list(whole.parent.glob("*/unfinished*"))
+    check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
 def test_the_weights_written_are_those_of_the_best_validation(whole):
     scores = read_table(whole / "validation.csv")
+    assert scores["step"].tolist() == [50, 100, 150, 200, 240]
     _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
     assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
     assert metadata["steps_taken"] == SETTINGS["n_steps"]

@@ -35,20 +35,6 @@ def test_deep_layers_get_a_hundred_rows_below(rng):
     assert scenes[0].n_range_bins == 451 + 100
 
 
-def test_overlapping_columns_show_the_same_snow(rng):
-    echogram, layers = make_level_frame(rng)
-    scenes, _ = cut_blocks(echogram, layers, name="f")
-    first, second = scenes[0], scenes[1]
-    low = max(first.noise_floor_db, second.noise_floor_db)
-    both_db = [
-        s.image[:, c].astype(float) * (s.maximum_db - s.noise_floor_db + 10) / 255 + s.noise_floor_db - 10
-        for s, c in ((first, slice(250, 256)), (second, slice(0, 6)))
-    ]
-    seen = (both_db[0] > low - 9) & (both_db[1] > low - 9)
-    # Each image rounds to half a step of some 25 dB / 255.
-    assert_allclose(both_db[0][seen], both_db[1][seen], atol=0.15)
-
-
 def test_blocks_without_surface_or_with_missing_pixels_are_skipped_and_told(rng):
     echogram, layers = make_level_frame(rng)
     layers["twtt"][0, :256] = np.nan

@@ -46,7 +46,9 @@ def test_unfit_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame):
     assert np.isfinite(frame[1]["twtt"]).all()
 
 
-def test_flags_that_are_no_defect_and_frames_without_a_mask_change_nothing(frame):
+def test_the_setting_says_which_flags_make_a_line_unfit_and_others_change_nothing(frame):
+    echogram, _ = leave_out_unfit(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
+    assert_array_equal(np.flatnonzero(echogram["unfit"]), np.arange(100))
     echogram, layers = leave_out_unfit(*frame, flags=())
     assert_array_equal(echogram["Data"], frame[0]["Data"])
     assert layers is frame[1]
@@ -57,11 +59,6 @@ def test_flags_that_are_no_defect_and_frames_without_a_mask_change_nothing(frame
     assert layers is frame[1]
     assert count_unfit(echogram) == (0, "")
     assert count_unfit(flagged(bare)) == (0, "none")
-
-
-def test_the_setting_says_which_flags_make_a_line_unfit(frame):
-    echogram, _ = leave_out_unfit(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
-    assert_array_equal(np.flatnonzero(echogram["unfit"]), np.arange(100))
 
 
 def test_what_unfit_lines_hold_enters_no_statistics(frame):

@@ -1,5 +1,3 @@
-"""Families of spectra: what is planted comes back, as the most likely of its kind."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

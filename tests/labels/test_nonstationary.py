@@ -1,5 +1,3 @@
-"""Trends and folds: off they change nothing, on they are found again."""
-
 import hashlib
 
 import numpy as np

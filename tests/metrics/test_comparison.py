@@ -1,7 +1,6 @@
-"""Paired differences: intervals that cover, differences that are found as often as promised."""
-
 import numpy as np
 import pytest
+from edge_counts import image_counts
 from numpy.testing import assert_allclose
 from scipy.stats import norm
 from scipy.stats import t as student
@@ -42,8 +41,7 @@ def test_intervals_cover_the_truth_and_detectable_differences_are_found(rng, n_r
         result = paired_difference(drawn, image_error, 60)
         covered += result["low"] <= planted <= result["high"]
         found += result["verdict"] == "higher"
-    # 95 % and 80 %, known to 0.9 and 1.6 % by 600 trials; stated to cover a little more. The spread is another in every
-    # trial and the power that of a shifted central t: 6 % at three replicas.
+    # 95 % and 80 %, to 0.9 and 1.6 % by 600 trials; the power is that of a shifted central t: 6 % at three replicas.
     assert 0.93 < covered / n_trials < 0.99
     assert 0.70 < found / n_trials < 0.88
 
@@ -55,22 +53,12 @@ def test_as_many_seeds_as_stated_resolve_a_difference_and_one_fewer_does_not():
     assert n > 4
     enough, too_few = (paired_difference(typical(k, result["seed_spread"]), 0.001, 60) for k in (n, n - 1))
     assert enough["detectable"] <= result["difference"] < too_few["detectable"]
-
-
-def test_no_number_of_seeds_resolves_what_the_images_hide():
+    # No number of seeds resolves what the images hide.
     assert paired_difference([0.001, 0.002, 0.0], image_error=0.01, n_images=60)["seeds_to_resolve"] == -1
 
 
-def image_counts(rng, share):
-    """Counts of one image at three thresholds of which a share is matched."""
-    n = np.full(3, 200)
-    matched = rng.binomial(n, share)
-    return {"matched_truth": matched, "n_truth": n, "matched_prediction": matched, "n_prediction": n}
-
-
 def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
-    worse = [[image_counts(rng, 0.7) for _ in range(30)] for _ in range(3)]
-    better = [[image_counts(rng, 0.8) for _ in range(30)] for _ in range(3)]
+    worse, better = ([image_counts(share, 30, rng=rng) for _ in range(3)] for share in (0.7, 0.8))
     pairs = [("a", "a"), ("b", "a")]
     table = compare({"a": worse, "b": better}, pairs, n_bootstrap=100, rng=rng).set_index(["name", "metric"])
     same = table.loc[("a", "ods")]
@@ -85,7 +73,7 @@ def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
 
 
 def test_counts_that_do_not_pair_are_refused(rng):
-    one, two = [[[image_counts(rng, 0.7)] for _ in range(n)] for n in (1, 2)]
+    one, two = ([image_counts(0.7, 1, rng=rng)] * n for n in (1, 2))
     with pytest.raises(ValueError, match="b and a: expected counts of the same images by as many replicas"):
         compare({"a": one, "b": two}, [("b", "a")], n_bootstrap=2, rng=rng)
     with pytest.raises(ValueError, match="c and a: expected counts"):

@@ -1,5 +1,3 @@
-"""Planted errors of picks come back by layer, scene and depth."""
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,12 +10,6 @@ from snowsim.metrics.pick_tables import layer_rows, pool_picks, snow_per_bin_m, 
 def pooled(picks, layer_bins):
     """Errors of the picks of one scene."""
     return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[0]
-
-
-@pytest.fixture
-def layer_bins(rng):
-    """Eight wavy layers, 25 bins apart."""
-    return 50 + 25 * np.arange(8)[:, None] + 3 * np.sin(np.arange(120) / 25 + rng.uniform(0, 6, (8, 1)))
 
 
 def test_planted_errors_come_back(layer_bins):

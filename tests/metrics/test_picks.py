@@ -9,19 +9,6 @@ from snowsim.metrics.edges import suppress
 from snowsim.metrics.picks import match_picks, pick_layers
 
 
-@pytest.fixture
-def layer_bins(rng):
-    """Eight wavy layers 12 to 30 bins apart."""
-    phase, amplitude = rng.uniform(0, 2 * np.pi, (8, 1)), rng.uniform(0, 3, (8, 1))
-    base = 30 + np.cumsum(rng.uniform(18, 30, (8, 1)), axis=0)
-    return base + amplitude * np.sin(np.arange(120) / 25 + phase)
-
-
-def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins(layer_bins):
-    picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
-    assert_array_equal(picks, np.rint(layer_bins))
-
-
 def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(layer_bins):
     rows = np.arange(320)[:, None]
     edges = suppress(sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1))
@@ -42,7 +29,7 @@ def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(layer_bins)
     check_layer_bins(broken)
 
 
-def test_layers_that_begin_late_take_their_place_in_depth(layer_bins):
+def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins_even_those_that_begin_late(layer_bins):
     layer_bins[3, :50] = np.nan
     layer_bins[5, 60:] = np.nan
     picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)

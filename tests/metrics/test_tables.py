@@ -1,5 +1,6 @@
 import numpy as np
 import pandas as pd
+from edge_counts import image_counts
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
@@ -24,20 +25,8 @@ def test_ssim_against_depth_stops_at_the_shallowest_scene_and_averages_scenes():
     assert_allclose(table["ssim_smooth"], 0.4)
 
 
-def make_counts(quality, n_images, rng):
-    """Counts at three thresholds of images of which a share `quality` of 100 true pixels is found."""
-    images = []
-    for _ in range(n_images):
-        found = rng.binomial(100, quality)
-        matched = np.array([found, found // 2, found // 4])
-        of_truth = {"matched_truth": matched, "n_truth": np.full(3, 100)}
-        images.append(of_truth | {"matched_prediction": matched, "n_prediction": matched + 5})
-    return images
-
-
 def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
-    base = [make_counts(0.6, 30, rng) for _ in range(2)]
-    better = [make_counts(0.9, 30, rng) for _ in range(2)]
+    base, better = ([image_counts(share, 30, rng=rng) for _ in range(2)] for share in (0.6, 0.9))
     counts = {(s, output): c for s, c in [("rd", base), ("rd_gd", base), ("rd_pd", better)] for output in OUTPUTS}
     intervals = tracker_intervals(counts, ["rd", "rd_gd", "rd_pd"], n_bootstrap=200, rng=rng)
     assert ((intervals["low"] <= intervals["mean"]) & (intervals["mean"] <= intervals["high"])).all()
@@ -48,7 +37,7 @@ def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
 
 
 def test_images_without_truth_are_reported_beside_the_scores(rng):
-    images = make_counts(0.6, 3, rng)
+    images = image_counts(0.6, 3, rng=rng)
     for name in ("matched_truth", "n_truth", "matched_prediction"):
         images[1][name] = np.zeros(3, dtype=int)
     intervals = tracker_intervals({("rd", "fuse"): [images]}, ["rd"], outputs=["fuse"], n_bootstrap=5, rng=rng)
@@ -59,7 +48,7 @@ def test_images_without_truth_are_reported_beside_the_scores(rng):
 
 def test_table3_has_the_papers_rows_and_columns(rng):
     sets = ["rd", "rd_gd", "rd_pd", "rd_pd_gd"]
-    counts = {(s, output): [make_counts(0.7, 5, rng)] for s in sets for output in OUTPUTS}
+    counts = {(s, output): [image_counts(0.7, 5, rng=rng)] for s in sets for output in OUTPUTS}
     table = tracker_table(tracker_intervals(counts, sets, n_bootstrap=5, rng=rng))
     assert list(table["output"]) == ["side_1", "side_2", "side_3", "side_4", "side_5", "fuse"]
     assert list(table.columns) == ["output", *[f"{s}_{m}" for s in sets for m in ("ods", "ois", "ap")]]

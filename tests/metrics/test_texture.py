@@ -36,8 +36,7 @@ def test_texture_does_not_depend_on_gain_or_offset(rng):
 
 def test_white_noise_has_a_flat_spectrum_at_its_variance(rng):
     wavenumber, psd = texture.radial_psd(2 * rng.standard_normal((512, 384)), 16)
-    # The narrowest ring holds about 150 wavenumbers, of which the Hann window leaves a quarter independent:
-    # 4 / sqrt(38).
+    # The Hann window leaves a quarter of the narrowest ring's 150 wavenumbers independent: 4 / sqrt(38).
     assert_allclose(psd, 4, rtol=0.65)
     # All rings together hold pi / 4 of 196,608: four of 1 / sqrt(n / 2) is 1.4 %.
     assert_allclose(np.average(psd, weights=wavenumber), 4, rtol=0.014)

@@ -1,5 +1,3 @@
-"""Parameters of a scene from the statistics of a flight."""
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -22,16 +20,14 @@ def statistics():
     )
 
 
-def test_deeper_layers_look_like_the_last_valid_one(statistics, rng):
+def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_valid_one(statistics, rng):
     parameters = draw_parameters(statistics, 5, width="fitted", n_looks=None, rng=rng)
     assert_array_equal(parameters["peak_power"], [1, 0.3, 0.2, 0.2, 0.2])
     assert_array_equal(parameters["decay_rate"], [0.09, 0.07, 0.07, 0.07, 0.07])
     assert_array_equal(parameters["variance_bins2"], [11, 12, 13, 13, 13])
     assert parameters["noise_power"] == 1e-3
     assert parameters["n_looks"] == 100
-
-
-def test_shallow_scene_takes_the_uppermost_layers_and_looks_may_be_given(statistics, rng):
+    # A shallow scene takes the uppermost layers; looks may be given.
     parameters = draw_parameters(statistics, 2, n_looks=16, rng=rng)
     assert_array_equal(parameters["peak_power"], [1, 0.3])
     assert parameters["n_looks"] == 16

@@ -1,5 +1,3 @@
-"""Scenes of the benchmark."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
@@ -48,10 +46,7 @@ def test_images_follow_the_rules_of_the_published_benchmark(scenes):
         assert one.n_range_bins >= 300
         assert abs(np.mean(one.complete_layer_bins[0]) - 50) < 3
         check_layer_bins(one.layer_bins)
-
-
-def test_test_scenes_are_fully_annotated(scenes):
-    for one in scenes["test"]:
+    for one in scenes["test"]:  # fully annotated
         assert np.isfinite(one.layer_bins).all()
         assert_array_equal(one.layer_bins, one.complete_layer_bins)
 

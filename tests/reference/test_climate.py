@@ -1,5 +1,3 @@
-"""The line, and accumulation along it."""
-
 import numpy as np
 import pytest
 from flights import climate_of
@@ -17,11 +15,13 @@ def test_line_is_1200_km_from_central_to_north_west_greenland():
     assert (np.diff(longitude) < 0).all()
 
 
-def test_positions_along_the_line_are_distances():
+def test_positions_along_the_line_are_distances_and_none_lies_off_it():
     latitude, longitude = (np.radians(x) for x in line_coordinates(np.array([300.0, 310.0])))
     cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * np.cos(np.diff(longitude)[0])
     # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
     assert_allclose(6371 * np.arccos(cosine), 10, rtol=1e-8)
+    with pytest.raises(ValueError, match="position_km must lie in"):
+        place_at(-1)
 
 
 def test_summit_is_as_cold_as_it_is():
@@ -85,11 +85,6 @@ def test_series_along_track_are_stationary_with_the_correlation_asked_for(rng):
     assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))
     correlation = (series[:, 5] * series[:, 13]).mean()
     assert_allclose(correlation, np.exp(-1), atol=4 / np.sqrt(4000))
-
-
-def test_position_off_the_line_is_refused():
-    with pytest.raises(ValueError, match="position_km must lie in"):
-        place_at(-1)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,3 @@
-"""Columns, echoes, frames and the segment."""
-
 import numpy as np
 import pytest
 from flights import BARE, climate_of, column_at, peak_rows
@@ -81,17 +79,13 @@ def test_horizons_never_cross_and_reach_the_window_s_end(climate, rng):
         assert column.horizons.bins[-1].max() > 560
 
 
-def test_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(bare):
+def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(bare):
     layer_bins, echo = bare
     mean_db = 10 * np.log10(echo.mean())
     on_layers = mean_db[np.rint(layer_bins[:6]).astype(int), np.arange(40)].mean(axis=1)
     assert on_layers.argmax() == 0
     assert (on_layers[0] - on_layers[1:4] > 5).all()
     assert (on_layers[0] - on_layers[1:4] < 20).all()
-
-
-def test_air_holds_thermal_noise_alone(bare):
-    _, echo = bare
     # The transform of the buried echoes, some 0.01 strong, rounds to 1e-7 of them: 1e-9, noise being 1e-6.
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
 

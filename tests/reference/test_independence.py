@@ -6,25 +6,22 @@ import sys
 import pytest
 from test_imports import CORE, MODULES, PACKAGE
 
-STAGES = ("reference", "phy", "coherent")
-SOLVER = ["lib.diagnostics.coherent"]
+# Imports modules in a process of its own and tells what of snowsim is in memory then.
+CHILD = """
+import sys
+sys.path.insert(0, "workflow")
+for name in sys.argv[1:]:
+    __import__(name)
+print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagnostics."))])
+"""
 
 
-def loaded_with(stage):
-    """Parts of snowsim in memory once every module of a stage is imported, in a process of its own."""
-    names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
-    names = SOLVER if stage == "coherent" else names
-    assert names
-    code = (
-        f"import sys\nsys.path.insert(0, {str(PACKAGE.parent / 'workflow')!r})\nfor name in {names!r}: __import__(name)"
-    )
-    code += "\nprint(*[n for n in sys.modules if n.startswith(('snowsim.', 'lib.diagnostics.'))])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return {"coherent" if name.startswith("lib.") else name.split(".")[1] for name in done.stdout.split()}
-
-
-@pytest.mark.parametrize("stage", STAGES)
+@pytest.mark.parametrize("stage", ["reference", "phy", "coherent"])
 def test_a_stage_loads_itself_and_core_alone(stage):
-    loaded = loaded_with(stage)
+    names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
+    names = names or ["lib.diagnostics.coherent"]
+    command = [sys.executable, "-c", CHILD, *names]
+    done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
+    loaded = {"coherent" if name.startswith("lib.") else name.split(".")[1] for name in done.stdout.split()}
     assert stage in loaded
     assert loaded - {stage, "__init__"} <= CORE

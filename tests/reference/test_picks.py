@@ -1,5 +1,3 @@
-"""What is annotated."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

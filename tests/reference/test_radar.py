@@ -1,5 +1,3 @@
-"""Range response, off-nadir tail, looks and faults."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

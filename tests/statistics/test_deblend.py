@@ -1,5 +1,3 @@
-"""The parts of the joint solution."""
-
 import numpy as np
 from numpy.testing import assert_allclose
 

@@ -1,5 +1,3 @@
-"""What is planted comes back."""
-
 import numpy as np
 import pytest
 from made_up import made_up_frame
@@ -113,8 +111,7 @@ def test_spectra_of_blocks_that_all_have_gaps(rng, lost):
     result = zone_statistics(thickness, zone_edge_bins=ONE_ZONE)
     assert result["n_closed_blocks"] == result["n_psd_samples"][3].sum() > 0
     ratio = (result["thickness_psd"][3, :, 1:125] / psd[1:125]).reshape(3, 31, 4).mean(axis=(0, 2))
-    # A straight line has no power at scales shorter than itself: at most the share of lines closed is lost. The mean
-    # of 4 wavenumbers of 1200 spectra is known to 1.4 %, the largest of 31 to 4 %.
+    # A straight line lacks power at shorter scales: at most the share of lines closed. Largest of 31 ratios: to 4 %.
     assert np.all((ratio > 1 - lost / 256 - 0.05) & (ratio < 1.05)), ratio
 
 

@@ -102,7 +102,7 @@ def test_level_layers_without_speckle_are_one_zone_and_have_the_most_looks(plant
         assert_allclose(fitted["decay_rate"], planted.decay_rate, rtol=2e-3)
 
 
-def test_nothing_to_fit_is_refused(flight):
+def test_what_cannot_be_fitted_is_refused(planted, flight):
     echogram, layers = flight[0]
     with pytest.raises(ValueError, match="air more than 30 range bins above the surface"):
         statistics.fit([(echogram.isel(twtt=slice(30, None)), layers)])
@@ -116,9 +116,6 @@ def test_nothing_to_fit_is_refused(flight):
         statistics.fit([(echogram.isel(slow_time=slice(0, 255)), layers.isel(slow_time=slice(0, 255)))])
     with pytest.raises(ValueError, match="estimator must be one of deblended, paper, got 'best'"):
         statistics.fit(flight, estimator="best")
-
-
-def test_frames_of_another_bin_size_are_refused(planted, flight):
     other = made_up_frame(*planted.level(), minute=9, bin_s=1.17e-10)
     with pytest.raises(ValueError, match="share one bin size, got 2.886e-10 s and, at 2012-01-01T00:09.*, 1.17e-10 s"):
         statistics.fit([*flight, other])

@@ -1,5 +1,3 @@
-"""Looks, quantiles and along-track spectra."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose

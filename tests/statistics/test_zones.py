@@ -1,5 +1,3 @@
-"""Flights divided into other numbers of zones."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -34,13 +32,15 @@ def test_four_zones_are_those_of_the_flight(divided):
         assert_allclose(models[1][name], direct[name], rtol=1e-9, err_msg=name)
 
 
-def test_zones_hold_equally_many_blocks(divided):
-    _, _, models = divided
+def test_zones_hold_equally_many_blocks_and_there_is_one_at_least(divided):
+    _, summary, models = divided
     for model in models:
         n_zones = model.sizes["zone"]
         assert model.sizes["edge"] == n_zones + 1
         assert_array_equal(model["n_samples"][:, 0], 48 // n_zones)
         assert model["n_psd_samples"].sum() == 48 * 3 - 1
+    with pytest.raises(ValueError, match="at least one zone, got 0"):
+        zone_models(summary, 4, (0, 4))
 
 
 def test_likelihood_and_penalties_are_those_of_the_blocks(divided):
@@ -68,11 +68,6 @@ def test_white_undulations_have_no_dispersion_beyond_their_own(divided):
 def test_labels_are_drawn_from_any_number_of_zones(divided, rng):
     for model in divided[2]:
         assert np.isfinite(labels.draw(model, 64, rng=rng)).all()
-
-
-def test_no_zone_is_refused(divided):
-    with pytest.raises(ValueError, match="at least one zone, got 0"):
-        zone_models(divided[1], 4, (0, 4))
 
 
 def test_a_slab_in_too_few_blocks_adds_nothing(divided):

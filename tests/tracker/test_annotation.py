@@ -1,5 +1,3 @@
-"""What partial annotation leaves open, and what stays out of the loss."""
-
 import dataclasses
 
 import numpy as np
@@ -8,6 +6,7 @@ import torch
 from numpy.testing import assert_array_equal
 from toy_scenes import toy_scene, toy_scenes
 
+from snowsim.echogram import layer_mask
 from snowsim.patches import draw_patches
 from snowsim.tracker import Settings, Training, TrainingSet, annotated_pixels, train_steps
 from snowsim.tracker.train import balanced_cross_entropy
@@ -19,19 +18,16 @@ def picked():
     complete = np.array([[20.0], [50.0]]) * np.ones(64)
     layer_bins = complete.copy()
     layer_bins[1, :10] = layer_bins[1, 40:] = np.nan
-    scene = toy_scene(1)
-    return dataclasses.replace(scene, layer_bins=layer_bins, complete_layer_bins=complete)
+    return dataclasses.replace(toy_scene(1), layer_bins=layer_bins, complete_layer_bins=complete)
 
 
-def test_gaps_and_all_below_the_deepest_pick_are_unknown(picked):
+def test_gaps_and_all_below_the_deepest_pick_are_unknown_and_nothing_in_a_complete_scene(picked):
     known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
     expected = np.ones((96, 64), dtype=bool)
     expected[59:] = False  # deeper than 50 + 8
     expected[42:59, :10] = expected[42:59, 40:] = False
     assert_array_equal(known, expected)
-
-
-def test_a_completely_annotated_scene_is_known_everywhere(picked):
+    # A scene without a complete annotation beside its own is complete itself.
     scene = dataclasses.replace(picked, complete_layer_bins=None)
     assert annotated_pixels(scene, scene.layer_bins, 96).all()
 
@@ -44,13 +40,10 @@ def test_a_pick_is_known_even_in_the_gap_of_another_layer(picked):
 
 
 def test_a_third_map_is_cut_and_mirrored_like_the_mask(rng):
-    scenes = toy_scenes(3)
-
-    def mask_again(scene, layer_bins, n_range_bins):
-        return dataclasses.replace(scene, layer_bins=layer_bins, n_range_bins=n_range_bins).mask()
-
     for scale in (1.0, 0.5):
-        _, masks, known = draw_patches(scenes, 40, 20, scale=scale, known=mask_again, rng=rng)
+        _, masks, known = draw_patches(
+            toy_scenes(3), 40, 20, scale=scale, known=lambda _, *layers: layer_mask(*layers), rng=rng
+        )
         assert_array_equal(known, masks)
 
 

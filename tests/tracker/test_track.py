@@ -1,5 +1,3 @@
-"""Tracking gives probabilities of every output for any 8-bit image."""
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal

@@ -1,5 +1,3 @@
-"""The network is the published one, at any width and image size."""
-
 import numpy as np
 import pytest
 import torch

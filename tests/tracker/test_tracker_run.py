@@ -6,16 +6,11 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 from train_tracker import train
-from trainings import kill_midway
+from trainings import check_killed_training
 
 from lib.tracker_training import compose
-from snowsim.io.files import read_table
-from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import Settings
-
-SETTINGS = {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
-EVERY_STEPS = 10
 
 
 @pytest.fixture
@@ -40,25 +35,16 @@ def arguments(folder, scene_files):
         "device": "cpu",
         "n_epochs": None,
         "data": {"added_per_real": 0.6},
-        "settings": SETTINGS,
+        "settings": {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48},
         "checkpoint": str(folder / "unfinished.safetensors"),
-        "checkpoint_steps": EVERY_STEPS,
+        "checkpoint_steps": 10,
         "events": str(folder / "events"),
     }
 
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    train(**arguments(whole, scene_files))
-    kill_midway("train_tracker", arguments(killed, scene_files), 3.5 * EVERY_STEPS)
-    assert not (killed / "network.safetensors").exists()
-    _, metadata = read_model(killed / "unfinished.safetensors")
-    assert 3 * EVERY_STEPS <= metadata["step"] < SETTINGS["n_steps"]
-    train(**arguments(killed, scene_files))
-    for name in ("network.safetensors", "losses.csv"):
-        assert (killed / name).read_bytes() == (whole / name).read_bytes()
-    assert read_table(killed / "losses.csv")["step"].tolist() == list(range(1, SETTINGS["n_steps"] + 1))
-    assert not (killed / "unfinished.safetensors").exists()
+    train(**arguments(tmp_path / "whole", scene_files))
+    check_killed_training("train_tracker", arguments(tmp_path / "killed", scene_files), tmp_path / "whole")
 
 
 def composed(scene_files, n_epochs=None, n_steps=40, **data):

@@ -1,26 +1,16 @@
-"""Training of the tracker learns, by the loss, rates and schedules stated."""
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose
-from toy_scenes import toy_scene, toy_scenes
-from trainings import same
+from toy_scenes import toy_scene
+from trainings import same, trained
 
-from snowsim.patches import draw_patches
-from snowsim.tracker import OUTPUTS, Settings, Training, TrainingSet, published, track, train_steps
+from snowsim.tracker import OUTPUTS, Settings, Training, published, track
 from snowsim.tracker.train import balanced_cross_entropy, rate_factor
 
 TINY = Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
-PUBLISHED = published(n_steps=6, width=2, n_accumulated=4)
-
-
-def trained(settings, seed=1, n_scenes=3):
-    training = Training(settings, seed=seed)
-    losses = [losses for _, losses in train_steps(training, TrainingSet(toy_scenes(n_scenes), seed=seed))]
-    return training, losses
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +32,6 @@ def test_the_fuse_tells_layers_from_background_on_an_unseen_scene(learnt):
     # The chance that a layer pixel outranks one of the background: 0.5 when nothing was learnt.
     ranks = np.searchsorted(np.sort(off), on)
     assert ranks.mean() / off.size > 0.95
-
-
-def test_a_constant_prediction_of_one_half_costs_what_the_balance_says(rng):
-    masks = torch.from_numpy(rng.random((2, 8, 9)) < 0.1)
-    loss = balanced_cross_entropy(torch.zeros(6, 2, 1, 8, 9), masks)
-    # log 2 per pixel; layers weigh n_neg / n, background n_pos / n: 2 n_pos n_neg / n in all.
-    n_layer = masks.sum(dim=(1, 2)).numpy()
-    assert_allclose(loss.numpy(), np.mean(2 * n_layer * (72 - n_layer) / 72) * np.log(2), rtol=1e-6)
 
 
 def test_the_loss_is_the_textbook_sum(rng):
@@ -79,11 +61,10 @@ def test_accumulated_gradients_equal_one_batch_of_as_many():
 
 
 def test_published_rates_are_multiplied_as_in_the_published_code():
-    rates = {}
-    training = Training(PUBLISHED, seed=1)
+    training = Training(published(n_steps=6, width=2, n_accumulated=4), seed=1)
     groups = {id(parameter): group for group in training._optimiser.param_groups for parameter in group["params"]}
-    for name, parameter in training.network.named_parameters():
-        rates[name] = groups[id(parameter)]["lr"], groups[id(parameter)]["weight_decay"]
+    of_each = {name: groups[id(parameter)] for name, parameter in training.network.named_parameters()}
+    rates = {name: (group["lr"], group["weight_decay"]) for name, group in of_each.items()}
     assert rates["stages.0.0.weight"] == (1e-6, 2e-4)
     assert rates["stages.0.0.bias"] == (2e-6, 0)
     assert rates["stages.4.2.weight"][0] == pytest.approx(1e-4)
@@ -98,15 +79,3 @@ def test_schedules_are_the_stated_ones():
     assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
     assert (np.diff(cycle[99:]) < 0).all()
     assert cycle[-1] == 0
-
-
-def test_scaled_and_mirrored_crops_keep_layers_one_pixel_thick():
-    settings = replace(TINY, n_range_bins=None, n_range_lines=None, scales=(1.0, 0.75, 0.5, 0.25))
-    scenes = toy_scenes(4)
-    rng = np.random.default_rng(1)
-    for scale in settings.scales:
-        for _ in range(5):
-            _, masks = draw_patches(scenes, scale=scale, flip=True, rng=rng)
-            # Layers lie 12 rows and more apart, 3 at a quarter: every column has one pixel a layer, none above another.
-            assert (masks.sum(axis=1) == 4).all()
-            assert not (masks[:, 1:] & masks[:, :-1]).any()

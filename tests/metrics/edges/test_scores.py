@@ -19,7 +19,7 @@ def counts_of(matched, n_truth, n_prediction):
 TWO_IMAGES = [counts_of([8, 6, 2], 10, [20, 8, 2]), counts_of([10, 4, 1], 10, [10, 4, 1])]
 
 
-def test_ods_ois_and_ap_follow_their_definitions():
+def test_ods_ois_ap_and_the_pooled_curve_follow_their_definitions():
     scores = score(TWO_IMAGES, thresholds=[0.2, 0.5, 0.8])
     # Pooled: 18 of 20 true, 18 of 30 predicted: P 0.6, R 0.9; then P 10/12, R 0.5; then P 1, R 0.15.
     assert_allclose(scores["ods"], 2 * 0.6 * 0.9 / 1.5)
@@ -32,24 +32,16 @@ def test_ods_ois_and_ap_follow_their_definitions():
     precision = np.where(recall < 0.5, 1 - (recall - 0.15) / 0.35 / 6, 5 / 6 - (recall - 0.5) / 0.4 * (5 / 6 - 0.6))
     assert_allclose(scores["ap"], precision.sum() / 100)
     assert scores["n_images"] == 2
-
-
-def test_curve_holds_pooled_precision_and_recall():
     curve = precision_recall(TWO_IMAGES)
     assert_allclose(curve["precision"], [0.6, 10 / 12, 1])
     assert_allclose(curve["recall"], [0.9, 0.5, 0.15])
-    assert_allclose(curve["f"].max(), score(TWO_IMAGES)["ods"])
-
-
-def test_perfect_detection_scores_one():
-    scores = score([counts_of([0, 10], 10, [0, 10])])
-    assert scores["ods"] == 1
-    assert scores["ois"] == 1
+    assert_allclose(curve["f"].max(), scores["ods"])
 
 
 def test_the_two_rules_of_mean_precision_differ_by_full_recall_alone():
     # Precision = recall from 0 to 1: sum of 0, 0.01 ... 1 over 100, and without the last point.
     both = [counts_of([10, 0], 10, [10, 0])]
+    assert score(both)["ods"] == score(both)["ois"] == 1
     assert_allclose(score(both)["ap"], 50.5 / 100)
     assert_allclose(average_precision_bsds(both), 49.5 / 100)
     assert_allclose(average_precision_bsds(TWO_IMAGES), score(TWO_IMAGES)["ap"])

@@ -17,21 +17,12 @@ def test_thinning_equals_scikit_image_on_any_small_map(mask):
 
 
 @pytest.mark.parametrize("smooth", [0, 1, 2, 5])
-def test_thinning_equals_scikit_image_on_blobs_of_any_width(rng, smooth):
-    for share in (0.3, 0.5, 0.7, 0.95):
-        noise = gaussian_filter(rng.standard_normal((90, 120)), smooth)
-        mask = noise < np.quantile(noise, share)
-        assert_array_equal(thin(mask), thin_of_skimage(mask))
-
-
-def test_full_map_thins_as_in_scikit_image():
-    mask = np.ones((128, 256), dtype=bool)
-    assert_array_equal(thin(mask), thin_of_skimage(mask))
-
-
-def test_thinning_keeps_parts_and_is_idempotent(rng):
-    mask = gaussian_filter(rng.standard_normal((80, 80)), 2) > 0
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.95, 1])
+def test_thinning_equals_scikit_image_on_blobs_of_any_width_and_keeps_their_parts(rng, smooth, share):
+    noise = gaussian_filter(rng.standard_normal((90, 120)), smooth)
+    mask = noise <= np.quantile(noise, share)
     thinned = thin(mask)
+    assert_array_equal(thinned, thin_of_skimage(mask))
     assert not (thinned & ~mask).any()
     assert label(thinned, np.ones((3, 3)))[1] == label(mask, np.ones((3, 3)))[1]
     assert_array_equal(thin(thinned), thinned)
