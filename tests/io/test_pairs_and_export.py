@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from formats import refused
+from formats import failures, refused
 from numpy.testing import assert_array_equal
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -150,11 +150,10 @@ def write_mat_pair(folder, image, scene):
 
 def test_mat_pairs_hold_data_and_layer(tmp_path, scenes):
     scene = scenes[0]
-    found = read_pair(write_mat_pair(tmp_path, scene.image, scene))
-    assert_array_equal(found.image, scene.image)
-    assert_array_equal(found.mask(), scene.mask())
-    found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float), scene))
-    assert_array_equal(found.image, scene.image)
+    for image in (scene.image, scene.image.astype(float)):
+        found = read_pair(write_mat_pair(tmp_path, image, scene))
+        assert_array_equal(found.image, scene.image)
+        assert_array_equal(found.mask(), scene.mask())
     found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene))  # decibels
     assert found.maximum_db == scene.image.max() - 200.5
 
@@ -199,9 +198,7 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
 def test_wrong_labels_are_refused(tmp_path, labels, message):
     for name, values in {"data": IMAGE, **labels}.items():
         Image.fromarray(values).save(tmp_path / f"{name}_x.png")
-    with pytest.raises(ValueError, match=message) as error:
-        read_pair(tmp_path / "data_x.png")
-    assert "\n" not in str(error.value)
+    refused(lambda folder: read_pair(folder / "data_x.png"), tmp_path, message)
 
 
 def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported, scenes):
@@ -209,13 +206,10 @@ def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported,
     export_pairs(exported, [narrow], list_name="narrow.lst")
     mask = exported / f"layer_binary_{scenes[0].name}.png"
     mask.write_bytes(mask.read_bytes()[:60])
-    with pytest.raises(ValueError, match="2 of 4 scenes fail") as error:
-        PairSet(exported).check()
-    assert len(str(error.value).splitlines()) == 3
-    assert "narrow: width: expected 256 range lines as in most, found 200" in str(error.value)
+    lines = failures(PairSet(exported).check, 2, 4)
+    assert any("narrow: width: expected 256 range lines as in most, found 200" in line for line in lines)
     (exported / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
-    with pytest.raises(ValueError, match="3 of 4 scenes fail"):
-        PairSet(exported).check()
+    failures(PairSet(exported).check, 3, 4)
 
 
 def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
@@ -227,20 +221,14 @@ def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
     assert len(pairs.files(0)) == 3
 
 
-def bomb(columns, rows):
-    """A PNG of a few kilobytes that says it is this large."""
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0))
-    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(bytes(10**6))) + chunk(b"IEND", b"")
-
-
 @pytest.mark.parametrize("size", [(10_000, 7_000), (10_000, 9_500), (60_000, 60_000)])
 def test_decompression_bombs_are_refused_by_their_size(path, size):
-    # Below Pillow's own warning, between its warning and its error, beyond both.
-    path.write_bytes(bomb(*size))
+    # Below Pillow's own warning, between its warning and its error, beyond both; a file of a few kilobytes.
+    header = struct.pack(">IIBBBBB", *size, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n")
+    with path.open("ab") as file:
+        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(10**6))), (b"IEND", b"")):
+            file.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
     refused(read_image, path, "PNG: expected (1 to|at most) 67108864 pixels")
 
 
