@@ -4,11 +4,11 @@ import re
 import subprocess
 import sys
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
+from test_examples import PUBLIC
 
-ROOT = Path(__file__).resolve().parents[2]
+from lib.imports import ROOT
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +61,6 @@ def test_equations_and_the_configuration_reference_are_on_the_pages(site):
 
 @pytest.mark.slow
 def test_every_function_of_the_public_interface_has_an_entry(site):
-    from test_examples import PUBLIC
-
     api = (site / "api.html").read_text()
     for name in PUBLIC:
         assert f'id="{name}"' in api, name

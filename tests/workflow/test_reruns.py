@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from runs import rules_to_run, run_snakemake, settings, source_tree, text_of
 
-UNUSED = "snowsim/io/open_polar.py"  # by the rules of the synthetic flight
+UNUSED = "snowsim/io/nsidc.py"  # by the rules of the synthetic flight
 
 
 @contextmanager
