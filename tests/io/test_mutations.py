@@ -197,12 +197,8 @@ def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
     ("kind", "variable"),
     [
         ("echogram-nsidc", "amplitude"),
-        ("echogram-mat5", "Data"),
-        ("echogram-mat73", "Data"),
-        ("echogram-opr", "Data"),
-        ("layers-mat5", "twtt"),
-        ("layers-mat73", "twtt"),
-        ("layers-opr", "twtt"),
+        *((f"echogram-{how}", "Data") for how in ("mat5", "mat73", "opr")),
+        *((f"layers-{how}", "twtt") for how in ("mat5", "mat73", "opr")),
     ],
 )
 def test_a_flipped_payload_bit_changes_at_most_its_own_value(tmp_path, rng, kind, variable):

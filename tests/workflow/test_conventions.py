@@ -26,10 +26,14 @@ def test_rules_are_formatted():
     assert done.returncode == 0, text_of(done)
 
 
-def test_rules_take_as_code_what_their_own_scripts_import(rules):
+def test_rules_with_a_script_take_its_imports_as_code_log_measure_and_say_what_they_do(rules):
     for rule in rules:
         if rule.script:
             assert {path.relative_to(ROOT) for path in closure(rule.script)} <= rule.code, rule.name
+            assert len(rule.declared.log) == 1, rule.name
+            assert rule.declared.benchmark, rule.name
+            assert rule.declared.conda_env, rule.name
+            assert rule.declared.message, rule.name
 
 
 def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_path):
@@ -71,7 +75,6 @@ def test_the_catalogue_knows_how_to_run_the_workflow():
     assert usage["software-stack-deployment"]["conda"] is True
     assert usage["report"] is True
     assert (ROOT / "config/README.md").is_file()
-    assert (ROOT / "workflow").is_dir()
 
 
 def test_another_workflow_can_use_this_one_as_a_module(tmp_path):
@@ -113,7 +116,7 @@ def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
     assert 40 < n_jobs <= 70
 
 
-def test_profiles_and_environments_lie_where_snakemake_looks():
+def test_profiles_lie_where_snakemake_looks():
     for name in ("default", "slurm"):
         profile = yaml.safe_load((ROOT / f"profiles/{name}/config.yaml").read_text())
         assert profile["scheduler"] == "greedy"

@@ -39,14 +39,11 @@ def test_absorption_takes_energy(rng):
     assert lost(absorbing, thickness_m)[0].min() > 0.05
 
 
-def test_one_interface_is_fresnel_s():
+def test_one_interface_is_fresnel_s_and_so_are_layers_of_one_medium(rng):
     reflection, transmission = reflect([1.0, 1.3], [], SWEEP_HZ)
     assert (reflection == fresnel(1.0, 1.3)).all()
     assert_allclose(fresnel(1.0, 1.3), -0.3 / 2.3, rtol=1e-15)
     assert_allclose(transmission, 2 / 2.3, rtol=1e-15)
-
-
-def test_layers_of_one_medium_are_one_interface(rng):
     reflection, _ = reflect([1.0, *[1.3] * 30], rng.uniform(0.01, 0.2, 29), SWEEP_HZ)
     assert_allclose(reflection, fresnel(1.0, 1.3), rtol=1e-15)
 

@@ -8,8 +8,6 @@ import pytest
 pytestmark = pytest.mark.browser
 
 CHROMIUM = Path("/usr/bin/chromium")
-OFF = ("gpu", "quic", "background-networking", "component-update", "sync")
-OPTIONS = ["--no-sandbox", "--no-first-run", *(f"--disable-{name}" for name in OFF)]
 
 
 @pytest.fixture(scope="session")
@@ -18,7 +16,7 @@ def browser():
         pytest.skip(f"no browser at {CHROMIUM}")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     with playwright.sync_playwright() as session:
-        chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=OPTIONS)
+        chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=["--disable-gpu", "--disable-quic"])
         yield chromium
         chromium.close()
 
