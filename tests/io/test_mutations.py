@@ -71,10 +71,6 @@ def sound_files(rng):
 KINDS = tuple(sound_files(np.random.default_rng(0)))
 
 
-def cut(content, rng):
-    return content[: rng.integers(1, len(content))]
-
-
 def flipped(content, rng):
     content = bytearray(content)
     for place in rng.integers(len(content), size=rng.integers(1, 9)):
@@ -82,16 +78,17 @@ def flipped(content, rng):
     return bytes(content)
 
 
-def flipped_head(content, rng):
-    return flipped(content[:4096], rng) + content[4096:]
-
-
 def overwritten(content, rng):
     start, length = rng.integers(len(content)), rng.integers(1, 64)
     return (content[:start] + rng.bytes(int(length)) + content[start + length :])[: len(content)]
 
 
-DAMAGES = {"cut": cut, "flipped": flipped, "head": flipped_head, "overwritten": overwritten}
+DAMAGES = {
+    "cut": lambda content, rng: content[: rng.integers(1, len(content))],
+    "flipped": flipped,
+    "head": lambda content, rng: flipped(content[:4096], rng) + content[4096:],
+    "overwritten": overwritten,
+}
 RETYPED = ("text", 1 + 2j, np.zeros((0, 0)), np.ones((2, 3, 4)), np.int8(3), np.full((3, 5), np.inf))
 
 

@@ -18,7 +18,7 @@ from PIL.PngImagePlugin import PngInfo
 from snowsim.echogram import Scene, layer_mask
 from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
 from snowsim.io.images import read_image
-from snowsim.io.png_pairs import PairSet, layers_of_mask, layers_of_numbers, read_pair
+from snowsim.io.png_pairs import PairSet, layers_of_mask, read_pair
 
 
 @pytest.fixture
@@ -93,11 +93,6 @@ def test_two_layers_at_one_pixel_are_counted():
 @pytest.fixture
 def whole_bins(rng):
     return np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
-
-
-def test_numbers_and_layers_are_inverse(whole_bins):
-    whole_bins[4, 10:20] = np.nan
-    assert_array_equal(layers_of_numbers(layer_numbers(whole_bins, 120)[0]), whole_bins)
 
 
 def test_a_mask_alone_gives_every_layer_where_none_has_gaps(whole_bins):

@@ -41,13 +41,11 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP DefMemPerCPU=
 def missing_programs():
     """Programs of SLURM that this machine lacks, after an attempt to install Debian's packages if root may."""
     needed = (*DAEMONS, *CLIENTS)
-    missing = [name for name in needed if find(name) is None]
-    if missing and os.geteuid() == 0 and shutil.which("apt-get"):
+    if not all(map(find, needed)) and os.geteuid() == 0 and shutil.which("apt-get"):
         install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
         quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
         subprocess.run(install, check=False, capture_output=True, env=quiet, timeout=300)
-        missing = [name for name in needed if find(name) is None]
-    return missing
+    return [name for name in needed if find(name) is None]
 
 
 def find(name):
@@ -55,9 +53,7 @@ def find(name):
 
 
 def free_ports(n):
-    sockets = [socket.socket() for _ in range(n)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(n)]
     ports = [each.getsockname()[1] for each in sockets]
     for each in sockets:
         each.close()

@@ -120,3 +120,5 @@ def test_profiles_lie_where_snakemake_looks():
     for name in ("default", "slurm"):
         profile = yaml.safe_load((ROOT / f"profiles/{name}/config.yaml").read_text())
         assert profile["scheduler"] == "greedy"
+        assert "params" in profile["rerun-triggers"]
+        assert profile["default-resources"] == {"mem_mb": 1000, "runtime": 30}
