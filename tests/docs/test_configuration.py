@@ -2,14 +2,11 @@
 
 import configuration
 import yaml
-
-CONFIG = yaml.safe_load(configuration.CONFIG.read_text())
+from runs import CONFIG, SCHEMA
 
 
 def test_every_setting_is_listed_once_with_its_default_and_a_comment():
-    settings = configuration.read_settings(
-        configuration.CONFIG.read_text(), yaml.safe_load(configuration.SCHEMA.read_text())
-    )
+    settings = configuration.read_settings(configuration.CONFIG.read_text(), SCHEMA)
     assert [setting.path for setting in settings if not setting.comment] == []
     for setting in settings:
         if setting.default:

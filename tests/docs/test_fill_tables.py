@@ -5,6 +5,7 @@ import re
 import fill_tables
 import pandas as pd
 import pytest
+from result_tables import SETS, table2, table3_intervals
 
 
 @pytest.fixture
@@ -12,13 +13,8 @@ def results(tmp_path):
     folder = tmp_path / "results"
     (folder / "tables").mkdir(parents=True)
     (folder / "benchmarks/train/a").mkdir(parents=True)
-    rows = [(m, s, i, 2 * i) for m in ("ssim", "psnr", "rmse") for i, s in enumerate(("min", "mean", "max"), start=1)]
-    table2 = pd.DataFrame(rows, columns=["metric", "statistic", "cgan", "phy"])
-    table2.to_csv(folder / "tables/table2.csv", index=False)
-    interval = {"mean": 0.5, "difference": -0.25, "difference_low": -0.5, "difference_high": 0.0}
-    keys = [("fuse", s, m) for s in fill_tables.SETS for m in ("ods", "ois", "ap")]
-    intervals = [dict(zip(("output", "training_set", "metric"), key, strict=True)) | interval for key in keys]
-    intervals = pd.DataFrame(intervals).assign(n_replicas=3, n_images=7)
+    table2([1, 2, 3], [2, 4, 6]).to_csv(folder / "tables/table2.csv", index=False)
+    intervals = table3_intervals({("fuse", name): -0.25 for name in SETS}, 0.25, outputs=["fuse"])
     intervals.to_csv(folder / "tables/table3_intervals.csv", index=False)
     for name, seconds in (("a/0", 30.0), ("a/1", 60.0)):
         run = pd.DataFrame({"s": [seconds], "max_rss": [seconds]})
@@ -33,7 +29,7 @@ def test_a_block_is_replaced_by_its_table_and_the_rest_is_kept(results):
     assert filled.startswith("before\n")
     assert filled.endswith("after\n")
     assert "old" not in filled
-    assert "of the 7 test masks" in filled
+    assert "of the 60 test masks" in filled
     assert "| SSIM | 1.00 / 2.00 / 3.00 | 2.00 / 4.00 / 6.00 |" in filled
 
 
@@ -47,10 +43,9 @@ def test_filling_twice_changes_nothing_more(results):
 
 def test_a_block_without_its_table_is_left_and_named(results):
     text = "<!-- realism -->\nold\n<!-- /realism -->\n"
-    filled, left = fill_tables.fill(text, results)
+    filled, (left,) = fill_tables.fill(text, results)
     assert filled == text
-    assert len(left) == 1
-    assert "realism.csv" in left[0]
+    assert "realism.csv" in left
 
 
 def test_a_block_that_is_not_closed_is_refused(results):
@@ -61,8 +56,7 @@ def test_a_block_that_is_not_closed_is_refused(results):
 @pytest.mark.parametrize("page", fill_tables.PAGES, ids=lambda page: page.name)
 def test_pages_hold_blocks_that_are_known_and_closed(page):
     text = page.read_text()
-    names = {block.__name__ for block in fill_tables.BLOCKS}
     opened = re.findall(r"<!-- (\w+) -->", text)
     assert opened
-    assert set(opened) <= names
+    assert set(opened) <= {block.__name__ for block in fill_tables.BLOCKS}
     assert re.findall(r"<!-- /(\w+) -->", text) == opened

@@ -2,15 +2,13 @@
 
 import importlib
 import re
-from pathlib import Path
 
 import pytest
 import yaml
+from runs import CONFIG
 
 import snowsim
-
-ROOT = Path(__file__).resolve().parents[2]
-CONFIG = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+from lib.imports import ROOT
 
 
 def test_citation_names_this_version_and_licence():
@@ -21,16 +19,12 @@ def test_citation_names_this_version_and_licence():
     assert all({"title", "authors", "year"} <= set(reference) for reference in citation["references"])
 
 
-def make_targets():
-    text = (ROOT / "Makefile").read_text()
-    return set(re.search(r"^\.PHONY: (.*)$", text, flags=re.MULTILINE)[1].split())
-
-
 @pytest.mark.parametrize("path", ["README.md", "CONTRIBUTING.md", ".github/workflows/ci.yml", "docs/start/tutorial.md"])
 def test_make_is_asked_for_targets_that_it_has(path):
     asked = re.findall(r"(?:`|run: |^)make ([\w-]+)", (ROOT / path).read_text(), flags=re.MULTILINE)
+    targets = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), flags=re.MULTILINE)[1].split()
     assert asked
-    assert set(asked) <= make_targets()
+    assert set(asked) <= set(targets)
 
 
 @pytest.fixture(scope="module")
@@ -84,11 +78,10 @@ def test_from_a_setting_to_its_equation_are_two_hops(rule_names):
 
 
 def test_hooks_are_local_and_of_the_projects_own_environment():
-    hooks = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())
-    assert [repo["repo"] for repo in hooks["repos"]] == ["local"]
-    entries = [hook["entry"].split()[0] for repo in hooks["repos"] for hook in repo["hooks"]]
-    assert set(entries) <= {".venv/bin/ruff", ".venv/bin/snakefmt", "bash"}
-    assert all(hook["language"] == "system" for repo in hooks["repos"] for hook in repo["hooks"])
+    (repo,) = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
+    assert repo["repo"] == "local"
+    assert {hook["entry"].split()[0] for hook in repo["hooks"]} <= {".venv/bin/ruff", ".venv/bin/snakefmt", "bash"}
+    assert all(hook["language"] == "system" for hook in repo["hooks"])
 
 
 def test_issue_templates_have_a_name_and_what_they_are_about():

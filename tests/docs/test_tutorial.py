@@ -12,7 +12,8 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-ROOT = Path(__file__).resolve().parents[2]
+from lib.imports import ROOT
+
 NOT_COPIED = shutil.ignore_patterns(
     *(".git", ".venv", ".snakemake", "results", "logs", "build"),
     *("__pycache__", ".pytest_cache", ".ruff_cache", "*.egg-info"),
@@ -49,15 +50,8 @@ def run_block(language, code, folder):
     shell = ["bash", "-euo", "pipefail", "-c", code]
     command = shell if language == "bash" else [folder / ".venv/bin/python", "-c", code]
     environment = os.environ | {"PYTHONPATH": str(folder)}
-    with subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-    ) as running:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=folder, env=environment, start_new_session=True, **pipes) as running:
         try:
             output = running.communicate(timeout=SLOWEST_S)
         except subprocess.TimeoutExpired:

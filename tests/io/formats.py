@@ -32,6 +32,15 @@ def refused(read, path, message):
     return line
 
 
+def failures(call, n_failed, n_all):
+    """Lines of the one error that tells of all frames or scenes that fail, and in its first line of how many."""
+    with pytest.raises(ValueError, match=f"{n_failed} of {n_all} (frames|scenes) fail") as error:
+        call()
+    lines = str(error.value).splitlines()[1:]
+    assert len(lines) == n_failed
+    return lines
+
+
 def truth(rng, n_bins=N_BINS, n_lines=N_LINES, n_above=0):
     """Linear power with a bright surface, and everything along track, as an L1B file holds it; rows of air on top."""
     power = rng.gamma(4, 0.25e-3, size=(n_bins + n_above, n_lines)).astype(np.float32)
@@ -79,10 +88,8 @@ def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, dr
                 variable.setncatts(attributes)
 
         amplitude = to_db(content["Data"])
-        if transposed:
-            put("amplitude", ("fasttime", "time"), amplitude, units="counts in dB")
-        else:
-            put("amplitude", ("time", "fasttime"), amplitude.T, units="counts in dB", matlab_class="single")
+        dims, values = (("fasttime", "time"), amplitude) if transposed else (("time", "fasttime"), amplitude.T)
+        put("amplitude", dims, values, units="counts in dB", matlab_class="single")
         put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
         put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
         for theirs, ours in {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}.items():
@@ -111,6 +118,14 @@ def write_flight(folder, content, echograms):
     write_mat5(folder / ORGANIZER_FILE, organizer_content([5, 9], ["Koenig_2", "surface"]))
     rows = [f"{name}\t{file}\t{LAYERS_FILE}\t{role}" for name, (file, role) in echograms.items()]
     (folder / "frames.tsv").write_text("\n".join(["# a remark", TABLE_HEADER, *rows]))
+
+
+def write_nsidc_flight(folder, rng, roles, n_lines):
+    """IRSNO1B frames, one a role and called so, with 50 rows above the surface as a block has; layers and table."""
+    content = truth(rng, n_bins=400, n_lines=n_lines, n_above=40)
+    for role in roles:
+        write_nsidc(folder / f"{role}.nc", content)
+    write_flight(folder, content, {role: (f"{role}.nc", role) for role in roles})
 
 
 def as_matlab(content):

@@ -12,8 +12,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose
-from planted import BIN_SIZE_S, as_frame
 
 from snowsim.io.files import write_dataset
 from snowsim.io.frame_table import read_frame
@@ -40,42 +40,32 @@ def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_pa
     assert report["peak_bytes"] < MOST_BYTES
 
 
-def draw_frame(index, rng):
-    """Echogram and layers of one frame, a line every 10 ms."""
-    layer = np.arange(N_LAYERS)
-    slab = (28 + rng.normal()) * rng.uniform(0.8, 1.2, size=(N_LAYERS - 1, 1))
-    slab = slab + np.cumsum(rng.normal(0, 0.05, size=(N_LAYERS - 1, N_LINES)), axis=1)
-    layer_bins = 100.3 + np.cumsum(np.vstack([np.zeros(N_LINES), slab]), axis=0)
-    power = mean_power(
-        layer_bins, 0.9**layer, np.full(N_LAYERS, 12.0), np.full(N_LAYERS, 0.07), N_BINS,
-        tolerance_db=0.05, noise_power=NOISE_POWER, normalise="peak", align="peak",
-    )  # fmt: skip
-    power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
-    return as_frame(power, layer_bins, index=index)
-
-
 def frames(folder, n_frames):
     """Frames of the flight as `read_frame` gives them, each from files of its own."""
     row = SimpleNamespace(echogram=str(folder / "echogram.nc"), layers=str(folder / "layers.nc"))
+    shapes = 0.9 ** np.arange(N_LAYERS), np.full(N_LAYERS, 12.0), np.full(N_LAYERS, 0.07)
     for index in range(n_frames):
-        echogram, layers = draw_frame(index, np.random.default_rng([20120429, index]))
+        rng = np.random.default_rng([20120429, index])
+        slab = (28 + rng.normal()) * rng.uniform(0.8, 1.2, size=(N_LAYERS - 1, 1))
+        slab = slab + np.cumsum(rng.normal(0, 0.05, size=(N_LAYERS - 1, N_LINES)), axis=1)
+        layer_bins = 100.3 + np.cumsum(np.vstack([np.zeros(N_LINES), slab]), axis=0)
+        options = {"noise_power": NOISE_POWER, "normalise": "peak", "align": "peak"}
+        power = mean_power(layer_bins, *shapes, N_BINS, tolerance_db=0.05, **options)
+        power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
+        echogram, layers = made_up_frame(power, layer_bins, minute=index)
         write_dataset(row.echogram, echogram)
         write_dataset(row.layers, layers)
-        yield read_frame(row, bin_s=BIN_SIZE_S)
-
-
-def peak_bytes():
-    """Largest resident memory of this process so far; not that of the process it was forked from, as getrusage has."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM:"))
+        yield read_frame(row, bin_s=BIN_S)
 
 
 if __name__ == "__main__":
     statistics = fit(frames(Path(sys.argv[1]), int(sys.argv[2])))
+    # Largest resident memory of this process so far; not that of the process it was forked from, as getrusage has.
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
     report = {
         "n_lines": int(statistics["n_picks"][0]),
         "n_layers": statistics.sizes["layer"],
         "noise_power": float(statistics["noise_power"]),
-        "peak_bytes": peak_bytes(),
+        "peak_bytes": int(status["VmHWM"].split()[0]) * 1024,
     }
     print(json.dumps(report))  # noqa: T201

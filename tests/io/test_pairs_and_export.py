@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from formats import refused
+from formats import failures, refused
 from numpy.testing import assert_array_equal
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -18,24 +18,7 @@ from PIL.PngImagePlugin import PngInfo
 from snowsim.echogram import Scene, layer_mask
 from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
 from snowsim.io.images import read_image
-from snowsim.io.png_pairs import PairSet, layers_of_mask, layers_of_numbers, read_pair
-
-
-@pytest.fixture
-def scenes(rng):
-    """Three scenes: fractional layers, gaps, a layer that leaves the window."""
-    made = []
-    for number, height in enumerate((300, 320, 301)):
-        lines = np.arange(256)
-        bins = 50 + 30.3 * np.arange(6)[:, None] + 4 * np.sin(lines / 40) * np.arange(6)[:, None] / 5
-        bins[2, 40:90] = np.nan
-        bins[5] += np.where(lines > 200, height, 0)
-        image = rng.integers(0, 256, size=(height, 256), dtype=np.uint8)
-        contrast = {"noise_floor_db": -61.2345678901234, "maximum_db": float(rng.normal()), "zone": number}
-        complete = np.vstack([bins, bins[-1] + 10])
-        name, notes = f"20120330_04_{number + 1:03d}", {"bin_size_s": 2.886e-10}
-        made.append(Scene(name, height, bins, image, complete, **contrast, notes=notes))
-    return made
+from snowsim.io.png_pairs import PairSet, layers_of_mask, read_pair
 
 
 @pytest.fixture
@@ -82,7 +65,7 @@ def test_a_list_chooses_and_orders_the_scenes(exported):
 
 def test_complete_layers_can_be_the_labels(tmp_path, scenes):
     export_pairs(tmp_path / "set", scenes[:1], layers="complete")
-    assert PairSet(tmp_path / "set")[0].layer_bins.shape[0] == 7
+    assert np.isfinite(PairSet(tmp_path / "set")[0].layer_bins[2, 40:90]).all()  # where the other layers have a gap
 
 
 def test_netcdf_holds_every_scene_exactly(tmp_path, scenes):
@@ -110,11 +93,6 @@ def test_two_layers_at_one_pixel_are_counted():
 @pytest.fixture
 def whole_bins(rng):
     return np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
-
-
-def test_numbers_and_layers_are_inverse(whole_bins):
-    whole_bins[4, 10:20] = np.nan
-    assert_array_equal(layers_of_numbers(layer_numbers(whole_bins, 120)[0]), whole_bins)
 
 
 def test_a_mask_alone_gives_every_layer_where_none_has_gaps(whole_bins):
@@ -150,11 +128,10 @@ def write_mat_pair(folder, image, scene):
 
 def test_mat_pairs_hold_data_and_layer(tmp_path, scenes):
     scene = scenes[0]
-    found = read_pair(write_mat_pair(tmp_path, scene.image, scene))
-    assert_array_equal(found.image, scene.image)
-    assert_array_equal(found.mask(), scene.mask())
-    found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float), scene))
-    assert_array_equal(found.image, scene.image)
+    for image in (scene.image, scene.image.astype(float)):
+        found = read_pair(write_mat_pair(tmp_path, image, scene))
+        assert_array_equal(found.image, scene.image)
+        assert_array_equal(found.mask(), scene.mask())
     found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene))  # decibels
     assert found.maximum_db == scene.image.max() - 200.5
 
@@ -199,9 +176,7 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
 def test_wrong_labels_are_refused(tmp_path, labels, message):
     for name, values in {"data": IMAGE, **labels}.items():
         Image.fromarray(values).save(tmp_path / f"{name}_x.png")
-    with pytest.raises(ValueError, match=message) as error:
-        read_pair(tmp_path / "data_x.png")
-    assert "\n" not in str(error.value)
+    refused(lambda folder: read_pair(folder / "data_x.png"), tmp_path, message)
 
 
 def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported, scenes):
@@ -209,13 +184,10 @@ def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported,
     export_pairs(exported, [narrow], list_name="narrow.lst")
     mask = exported / f"layer_binary_{scenes[0].name}.png"
     mask.write_bytes(mask.read_bytes()[:60])
-    with pytest.raises(ValueError, match="2 of 4 scenes fail") as error:
-        PairSet(exported).check()
-    assert len(str(error.value).splitlines()) == 3
-    assert "narrow: width: expected 256 range lines as in most, found 200" in str(error.value)
+    lines = failures(PairSet(exported).check, 2, 4)
+    assert any("narrow: width: expected 256 range lines as in most, found 200" in line for line in lines)
     (exported / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
-    with pytest.raises(ValueError, match="3 of 4 scenes fail"):
-        PairSet(exported).check()
+    failures(PairSet(exported).check, 3, 4)
 
 
 def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
@@ -227,20 +199,14 @@ def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
     assert len(pairs.files(0)) == 3
 
 
-def bomb(columns, rows):
-    """A PNG of a few kilobytes that says it is this large."""
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    header = chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0))
-    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(bytes(10**6))) + chunk(b"IEND", b"")
-
-
 @pytest.mark.parametrize("size", [(10_000, 7_000), (10_000, 9_500), (60_000, 60_000)])
 def test_decompression_bombs_are_refused_by_their_size(path, size):
-    # Below Pillow's own warning, between its warning and its error, beyond both.
-    path.write_bytes(bomb(*size))
+    # Below Pillow's own warning, between its warning and its error, beyond both; a file of a few kilobytes.
+    header = struct.pack(">IIBBBBB", *size, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n")
+    with path.open("ab") as file:
+        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(10**6))), (b"IEND", b"")):
+            file.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
     refused(read_image, path, "PNG: expected (1 to|at most) 67108864 pixels")
 
 

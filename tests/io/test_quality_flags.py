@@ -1,7 +1,6 @@
 """Quality flags of IRSNO1B supplements: which frames, lines and blocks they take out, what is counted, what is not."""
 
-from pathlib import Path
-
+import configuration
 import formats
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from snowsim.io import read_echogram
 from snowsim.io.frame_table import check_frames, read_frame, scenes_of_frame
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
 
-ROOT = Path(__file__).resolve().parents[2]
 N_LINES = 520  # blocks of 256 lines begin at 0 and 250
 ROLES = ("statistics", "train", "test")
 
@@ -21,10 +19,7 @@ ROLES = ("statistics", "train", "test")
 @pytest.fixture
 def flight(tmp_path, rng):
     """Folder of three IRSNO1B frames, one a role and called so, with layers and a table, without supplements."""
-    content = formats.truth(rng, n_bins=400, n_lines=N_LINES, n_above=40)  # a block has 50 rows above its surface
-    for role in ROLES:
-        formats.write_nsidc(tmp_path / f"{role}.nc", content)
-    formats.write_flight(tmp_path, content, {role: (f"{role}.nc", role) for role in ROLES})
+    formats.write_nsidc_flight(tmp_path, rng, ROLES, N_LINES)
     return tmp_path
 
 
@@ -45,10 +40,10 @@ def by_line(*lines):
 
 
 def test_the_setting_knows_the_flags_of_the_files():
-    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+    schema, config = (yaml.safe_load(path.read_text()) for path in (configuration.SCHEMA, configuration.CONFIG))
     described = schema["properties"]["import"]["properties"]["unfit_flags"]
     assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
-    assert yaml.safe_load((ROOT / "config/config.yaml").read_text())["import"]["unfit_flags"] == list(UNFIT_FLAGS)
+    assert config["import"]["unfit_flags"] == list(UNFIT_FLAGS)
 
 
 def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table):
@@ -59,11 +54,8 @@ def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table
     assert table["n_scenes"].tolist() == [0, 1, 2]
     assert table["n_skipped"].tolist() == [0, 1, 0]
     assert table["n_unfit_blocks"].tolist() == [0, 1, 0]
-    assert table["flags"].tolist() == [
-        f"vertical_stripes_artifact 40; land_ice {N_LINES}",
-        f"coh_noise_removal_artifact 1; low_SNR {N_LINES}",
-        "",
-    ]
+    flags = f"vertical_stripes_artifact 40; land_ice {N_LINES}", f"coh_noise_removal_artifact 1; low_SNR {N_LINES}"
+    assert table["flags"].tolist() == [*flags, ""]
 
 
 def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight, rows):
@@ -98,9 +90,7 @@ def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, rows, f
 def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight, table):
     supplement(flight, 0, no_good_data=1)
     supplement(flight, 2, unclassified_artifact=1, land_ice=1)
-    with pytest.raises(ValueError, match="2 of 3 frames fail") as error:
-        check_frames(table, blocks=True)
-    first, last = str(error.value).splitlines()[1:]
+    first, last = formats.failures(lambda: check_frames(table, blocks=True), 2, 3)
     ending = "quality_mask: expected a range line that is fit, found all 520 unfit"
     assert first == f"statistics: {flight}/statistics.nc: {ending} (no_good_data 520)"
     assert last == f"test: {flight}/test.nc: {ending} (unclassified_artifact 520; land_ice 520)"
@@ -123,8 +113,5 @@ def test_flags_that_no_supplement_has_are_refused(rows):
 def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight, rows):
     supplement(flight, 0, missing_data=by_line(7))
     read_echogram(flight / "statistics.nc").to_netcdf(flight / "again.nc")
-    found, expected = (
-        read_frame(rows[0]._replace(echogram=flight / name))[0] for name in ("again.nc", "statistics.nc")
-    )
-    assert_array_equal(found["unfit"], expected["unfit"])
-    assert int(found["unfit"].sum()) == 1
+    found = read_frame(rows[0]._replace(echogram=flight / "again.nc"))[0]
+    assert_array_equal(found["unfit"], by_line(7) > 0)

@@ -44,10 +44,6 @@ def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, wr
     assert_array_equal(layers["layer"], ["surface", "Koenig_2", "Koenig_3"])
     assert_allclose(layers["twtt"].sel(layer="Koenig_3"), KOENIG_3, rtol=0)
     formats.check_times(layers, GPS_TIME)
-
-
-def test_layers_are_selected_by_name(path):
-    write_with_organizer(path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
     assert_array_equal(read_layers(path, names=["Koenig_2", "surface"])["layer"], ["surface", "Koenig_2"])
     message = "expected one named Koenig_9, found Koenig_3, surface, Koenig_2"
     refused(lambda path: read_layers(path, names=["Koenig_9"]), path, message)
@@ -68,9 +64,7 @@ def test_without_organizer_ids_are_no_names(path, write):
 @of_both_versions
 def test_a_single_layer_may_be_one_dimensional(path, write):
     content = formats.layer_content(SURFACE, [1], GPS_TIME)
-    for name in ("twtt", "quality", "type"):
-        content[name] = content[name].ravel()
-    write(path, content)
+    write(path, content | {name: content[name].ravel() for name in ("twtt", "quality", "type")})
     assert read_layers(path)["twtt"].shape == (1, N_LINES)
 
 

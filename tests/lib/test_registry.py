@@ -20,16 +20,13 @@ LIB = ROOT / "workflow/lib"
 def test_every_figure_is_drawn_by_the_function_of_its_name_from_what_the_list_names(stage):
     module = importlib.import_module(f"lib.figures.{stage}")
     for file, figure in FIGURES[stage].items():
-        named = {
-            *figure.get("tables", []),
-            *figure.get("inputs", {}),
-            *figure.get("scenes", {}),
-            *settings_of({0: figure}),
-        }
+        inputs = (figure.get(kind, ()) for kind in ("tables", "inputs", "scenes"))
+        named = set().union(*inputs, settings_of({0: figure}))
         taken = set(inspect.signature(getattr(module, Path(file).stem)).parameters)
         assert taken - {"source", "studies"} == named, file
         assert ("studies" in taken) == ("studies" in figure), file
         assert figure["caption"].endswith("."), file
+        assert len(figure["caption"].split()) > 3, file
 
 
 def test_what_a_source_cannot_give_is_left_to_a_rule_of_its_own():

@@ -44,17 +44,13 @@ def write_layers(folder, name, layers, content, *, old=False):
     return path
 
 
-def corrections(n_lines):
-    """Range bins a compressed file inserted above each line: steps of a slow climb."""
-    return (np.arange(n_lines) // 64) % 7
-
-
 def write_echogram(folder, name, content, kind):
     """One echogram file: "nsidc" crosses midnight and is compensated, "mat5" has rows, "mat73" is compensated."""
-    correction = corrections(content["Data"].shape[1])
-    n_kept = content["Data"].shape[0] + correction.max()
+    n_bins, n_lines = content["Data"].shape
+    # Range bins a compressed file inserted above each line: steps of a slow climb.
+    correction = (np.arange(n_lines) // 64) % 7
+    made = formats.compensated(content, correction, n_kept=n_bins + correction.max())
     if kind == "nsidc":
-        made = formats.compensated(content, correction, n_kept=n_kept)
         seconds = content["GPS_time"] - formats.GPS_START
         if seconds[0] < 86_400:  # seconds of day fall back at midnight; a frame begun after it counts on
             seconds %= 86_400
@@ -62,9 +58,8 @@ def write_echogram(folder, name, content, kind):
         made.pop("Truncate_Bins")
         formats.write_nsidc(folder / name, made, seconds=seconds, extra=extra)
     elif kind == "mat5":
-        formats.write_mat5(folder / name, content, time_as="row")
+        formats.write_mat5(folder / name, content | {"Time": content["Time"][None]})
     else:
-        made = formats.compensated(content, correction, n_kept=n_kept)
         attitude = ("Roll", "Pitch", "Heading")
         formats.write_mat73(folder / name, {key: value for key, value in made.items() if key not in attitude})
     return folder / name

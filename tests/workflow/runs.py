@@ -10,7 +10,12 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+import configuration
+import yaml
+
+from lib.imports import ROOT
+
+CONFIG, SCHEMA = (yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA))
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
 

@@ -2,11 +2,9 @@
 
 import os
 import shutil
-import signal
 import socket
 import subprocess
 from contextlib import contextmanager
-from pathlib import Path
 
 from runs import wait_until
 
@@ -30,12 +28,8 @@ SlurmctldLogFile={folder}/slurmctld.log
 SlurmdLogFile={folder}/slurmd.log
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
-JobAcctGatherType=jobacct_gather/none
-AccountingStorageType=accounting_storage/none
-JobCompType=jobcomp/none
 SelectType=select/cons_tres
 SelectTypeParameters=CR_Core_Memory
-MpiDefault=none
 ReturnToService=2
 MinJobAge=600
 KillWait=5
@@ -47,13 +41,11 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP DefMemPerCPU=
 def missing_programs():
     """Programs of SLURM that this machine lacks, after an attempt to install Debian's packages if root may."""
     needed = (*DAEMONS, *CLIENTS)
-    missing = [name for name in needed if find(name) is None]
-    if missing and os.geteuid() == 0 and shutil.which("apt-get"):
+    if not all(map(find, needed)) and os.geteuid() == 0 and shutil.which("apt-get"):
         install = ["apt-get", "install", "-y", "--no-install-recommends", *PACKAGES]
         quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
         subprocess.run(install, check=False, capture_output=True, env=quiet, timeout=300)
-        missing = [name for name in needed if find(name) is None]
-    return missing
+    return [name for name in needed if find(name) is None]
 
 
 def find(name):
@@ -61,29 +53,17 @@ def find(name):
 
 
 def free_ports(n):
-    sockets = [socket.socket() for _ in range(n)]
-    for each in sockets:
-        each.bind(("127.0.0.1", 0))
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(n)]
     ports = [each.getsockname()[1] for each in sockets]
     for each in sockets:
         each.close()
     return ports
 
 
-def write_clients(folder, conf):
-    """Programs that know the cluster's configuration: job steps are started without SLURM's variables."""
-    folder.mkdir()
-    for name in CLIENTS:
-        path = folder / name
-        path.write_text(f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n')
-        path.chmod(0o755)
-
-
 @contextmanager
 def one_node_cluster(folder, cpus=2, memory_mb=8000):
     """Start the cluster; gives the folder of its client programs, to be put first on the path; stops it at the end."""
-    folder = Path(folder)
-    for name in ("state", "spool"):
+    for name in ("state", "spool", "bin"):
         (folder / name).mkdir(parents=True)
     host = socket.gethostname().split(".")[0]
     controller_port, node_port = free_ports(2)
@@ -91,39 +71,31 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
     values = {"host": host, "folder": folder, "controller_port": controller_port, "node_port": node_port}
     user = subprocess.run(["id", "-un"], capture_output=True, text=True, check=True).stdout.strip()
     conf.write_text(CONF.format(**values, user=user, cpus=cpus, memory_mb=memory_mb))
-    write_clients(folder / "bin", conf)
+    for name in CLIENTS:
+        # Programs that know the cluster's configuration: job steps are started without SLURM's variables.
+        (folder / "bin" / name).write_text(f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n')
+        (folder / "bin" / name).chmod(0o755)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    daemons = [
+        subprocess.Popen([find("slurmctld"), "-D", "-f", conf, "-c"], **quiet),
+        subprocess.Popen([find("slurmd"), "-D", "-f", conf, "-N", host, "-c"], **quiet),
+    ]
     try:
-        for words in (["slurmctld", "-f", conf, "-c"], ["slurmd", "-f", conf, "-N", host, "-c"]):
-            subprocess.run([find(words[0]), *map(str, words[1:])], check=True, timeout=60, cwd=folder)
         if not wait_until(lambda: state_of(folder) == "idle", seconds=60):
             logs = "".join((folder / f"{name}.log").read_text()[-1500:] for name in DAEMONS)
             msg = f"the cluster is not idle: {state_of(folder)}\n{logs}"
             raise RuntimeError(msg)
         yield folder / "bin"
     finally:
-        for name in reversed(DAEMONS):
-            stop(folder / f"{name}.pid")
+        for daemon in reversed(daemons):
+            daemon.terminate()
+            try:
+                daemon.wait(timeout=15)
+            except subprocess.TimeoutExpired:
+                daemon.kill()
+                daemon.wait()
 
 
 def state_of(folder):
     told = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
     return (told.stdout + told.stderr).strip()
-
-
-def runs(pid, kind=0):
-    """Whether a process is there to take a signal."""
-    try:
-        os.kill(pid, kind)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def stop(pid_file, seconds=15):
-    """End a daemon by its pid file, and wait until it is gone."""
-    if not pid_file.exists():
-        return
-    pid = int(pid_file.read_text())
-    for kind in (signal.SIGTERM, signal.SIGKILL):
-        if not runs(pid, kind) or wait_until(lambda: not runs(pid), seconds):
-            return

@@ -1,12 +1,9 @@
 """The workflow through SLURM: a cluster of one node is started for it."""
 
-import subprocess
-import threading
-
 import pytest
 import reproducible
 from runs import environment, run_snakemake, text_of
-from slurm import missing_programs, one_node_cluster, stop
+from slurm import missing_programs, one_node_cluster
 
 
 @pytest.fixture(scope="module")
@@ -30,16 +27,6 @@ def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_ta
     )
     assert "SLURM jobid" in text_of(done)
     assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(tiny_run / "results")
-
-
-@pytest.mark.cluster
-def test_a_stopped_daemon_is_gone(tmp_path):
-    sleeper = subprocess.Popen(["sleep", "60"])
-    (tmp_path / "a.pid").write_text(str(sleeper.pid))
-    # Its parent must collect it: a zombie still answers to signal 0.
-    threading.Thread(target=sleeper.wait).start()
-    stop(tmp_path / "a.pid")
-    assert sleeper.poll() is not None
 
 
 def test_the_slurm_profile_plans_the_whole_run(tmp_path):

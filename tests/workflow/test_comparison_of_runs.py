@@ -7,6 +7,7 @@ import reproducible
 import xarray as xr
 
 SVG = '<svg><metadata><date>{date}</date></metadata><path d="M 1 {y}"/><text>bins</text></svg>'
+ZONES = pd.DataFrame({"zone": ["low", None], "mean": [1.0, np.nan]})
 
 
 @pytest.fixture
@@ -14,7 +15,7 @@ def folders(tmp_path):
     for name in ("old", "new"):
         folder = tmp_path / name
         (folder / "tables").mkdir(parents=True)
-        pd.DataFrame({"zone": ["low", None], "mean": [1.0, np.nan]}).to_csv(folder / "tables/zones.csv", index=False)
+        ZONES.to_csv(folder / "tables/zones.csv", index=False)
         (folder / "lines.svg").write_text(SVG.format(date=name, y=2))
         xr.Dataset({"power": ("layer", [0.5, np.nan])}).to_netcdf(folder / "statistics.nc")
     return tmp_path / "old", tmp_path / "new"
@@ -26,7 +27,7 @@ def test_dates_and_missing_values_are_no_difference(folders):
 
 def test_every_value_that_moved_is_named_with_its_size(folders):
     old, new = folders
-    pd.DataFrame({"zone": ["low", None], "mean": [1.25, np.nan]}).to_csv(new / "tables/zones.csv", index=False)
+    ZONES.assign(mean=[1.25, np.nan]).to_csv(new / "tables/zones.csv", index=False)
     (new / "lines.svg").write_text(SVG.format(date="new", y=3))
     (new / "statistics.nc").unlink()
     (new / "extra.csv").write_text("a\n1\n")
@@ -41,9 +42,8 @@ def test_every_value_that_moved_is_named_with_its_size(folders):
 def test_moved_files_columns_and_small_differences_are_followed(folders, monkeypatch):
     old, new = folders
     (new / "tables/zones.csv").unlink()
-    pd.DataFrame({"zone": ["low", None], "average": [1 + 1e-13, np.nan]}).to_csv(
-        new / "tables/by_zone.csv", index=False
-    )
+    moved = ZONES.assign(mean=[1 + 1e-13, np.nan]).rename(columns={"mean": "average"})
+    moved.to_csv(new / "tables/by_zone.csv", index=False)
     assert len(reproducible.compare(old, new)) == 2
     monkeypatch.setitem(reproducible.MOVED_FILES, "tables/zones.csv", "tables/by_zone.csv")
     monkeypatch.setitem(reproducible.MOVED_COLUMNS, "tables/by_zone.csv", {"mean": "average"})

@@ -1,9 +1,13 @@
-"""A run that cannot end well stops early, in one line that says why."""
+"""A run or a job that cannot end well stops early, in one line that says why, and leaves nothing behind."""
 
+import re
+import shutil
 import subprocess
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
+import xarray as xr
 from runs import lines_with, run_snakemake
 
 
@@ -22,13 +26,20 @@ def small_disk(folder, kilobytes, read_only=False):
 
 
 @pytest.mark.crash
-def test_a_run_too_large_for_the_disk_does_not_start(tmp_path):
-    with small_disk(tmp_path / "results", 3000):
+@pytest.mark.parametrize(
+    ("read_only", "expected"),
+    [
+        (False, r"disk: this run writes about .* 3 MB left"),
+        (True, r"disk: results/ cannot be written: {}/results is read-only$"),
+    ],
+    ids=["small", "read-only"],
+)
+def test_a_run_that_the_disk_cannot_take_does_not_start(tmp_path, read_only, expected):
+    with small_disk(tmp_path / "results", 3000, read_only):
         done = run_snakemake(tmp_path, "--", "results/flight/0000.nc", fails=True)
         assert list((tmp_path / "results").rglob("*.nc")) == []
     (line,) = lines_with(done, "disk: ")
-    assert "this run writes about" in line
-    assert "3 MB left" in line
+    assert re.match(expected.format(tmp_path), line)
 
 
 @pytest.mark.crash
@@ -43,18 +54,32 @@ def test_a_disk_that_fills_up_ends_the_job_in_one_line_and_leaves_nothing(tmp_pa
     assert log.splitlines()[-1].endswith(line.removeprefix("error: reference_frames_0000: "))
 
 
-@pytest.mark.crash
-def test_a_read_only_result_folder_is_named_in_one_line(tmp_path):
-    with small_disk(tmp_path / "results", 3000, read_only=True):
-        done = run_snakemake(tmp_path, "--", "results/flight/0000.nc", fails=True)
-    (line,) = lines_with(done, "disk: ")
-    assert line == f"disk: results/ cannot be written: {tmp_path}/results is read-only"
+@pytest.fixture
+def broken_run(tiny_run, tmp_path):
+    """A copy of the finished run's flight, for a test to break."""
+    shutil.copytree(tiny_run / "results/flight", tmp_path / "results/flight")
+    return tmp_path
 
 
-def test_every_rule_with_a_script_logs_measures_and_says_what_it_does(rules):
-    for rule in rules:
-        if rule.script:
-            assert len(rule.declared.log) == 1, rule.name
-            assert rule.declared.benchmark, rule.name
-            assert rule.declared.conda_env, rule.name
-            assert rule.declared.message, rule.name
+def error_from_the_flight(folder, target):
+    """The one line of error when a target is made from the flight as it lies there, however old or broken."""
+    done = run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target, fails=True)
+    assert not (folder / target).exists()
+    (line,) = lines_with(done, "error: ")
+    return line
+
+
+def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
+    path = broken_run / "results/flight/0001.nc"  # the second of the first lot
+    path.write_bytes(path.read_bytes()[:20_000])
+    line = error_from_the_flight(broken_run, "results/statistics/0000.nc")
+    assert "results/flight/0001.nc: expected" in line
+
+
+def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
+    for path in sorted((broken_run / "results/flight").glob("*_layers.nc")):
+        layers = xr.load_dataset(path)
+        layers["twtt"][:] = np.nan
+        layers.to_netcdf(path)
+    line = error_from_the_flight(broken_run, "results/statistics.nc")
+    assert "a flight needs layers, none of its 3 frames" in line

@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from runs import rules_to_run, run_snakemake, settings, source_tree, text_of
+from runs import ROOT, rules_to_run, run_snakemake, settings, source_tree, text_of
 
-UNUSED = "snowsim/io/open_polar.py"  # by the rules of the synthetic flight
+UNUSED = "snowsim/io/nsidc.py"  # by the rules of the synthetic flight
 
 
 @contextmanager
@@ -39,20 +39,18 @@ def rules_downstream(tiny_run):
 
 
 @pytest.mark.parametrize(
-    "module",
-    ["snowsim/seeding.py", "snowsim/phy/waveform.py", "workflow/lib/diagnostics/phy_atlas.py", UNUSED],
+    "name",
+    [
+        *("snowsim/seeding.py", "snowsim/phy/waveform.py", "workflow/lib/diagnostics/phy_atlas.py", UNUSED),
+        "workflow/scripts/tabulate_realism.py",
+    ],
 )
-def test_an_edited_module_reruns_the_rules_that_depend_on_it_and_no_other(tiny_run, rules, rules_downstream, module):
-    direct = {rule.name for rule in rules if Path(module) in rule.code} & set(rules_downstream)
-    expected = set().union(*(rules_downstream[name] for name in direct))
-    with edited(module):
+def test_an_edited_file_reruns_the_rules_that_depend_on_it_and_no_other(tiny_run, rules, rules_downstream, name):
+    direct = {rule.name for rule in rules if Path(name) in rule.code or rule.script == ROOT / name}
+    expected = set().union(*(rules_downstream[rule] for rule in direct & set(rules_downstream)))
+    with edited(name):
         assert rules_to_run(run_snakemake(tiny_run, "--dry-run")) == expected
-    assert (expected == set()) == (module == UNUSED)
-
-
-def test_an_edited_script_reruns_its_rule(tiny_run, rules_downstream):
-    with edited("workflow/scripts/tabulate_realism.py"):
-        assert rules_to_run(run_snakemake(tiny_run, "--dry-run")) == rules_downstream["tabulate_realism"]
+    assert (expected == set()) == (name == UNUSED)
 
 
 def test_touching_unchanged_inputs_reruns_nothing(tiny_run):

@@ -1,8 +1,16 @@
-"""The tiny configuration through every rule."""
+"""The tiny configuration through every rule: its tables, its figures, and a report that is whole and stands alone."""
+
+import base64
+import re
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
-from runs import run_snakemake, text_of
+import pytest
+import yaml
+from PIL import Image
+from result_tables import OUTPUTS, SETS
+from runs import ROOT
 
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
@@ -13,31 +21,22 @@ def test_both_tables_are_complete(tiny_run):
     assert list(table2.columns) == ["metric", "statistic", "cgan", "phy"]
     assert len(table2) == 9
     table3 = pd.read_csv(tiny_run / "results/tables/table3.csv")
-    assert list(table3["output"]) == ["side_1", "side_2", "side_3", "side_4", "side_5", "fuse"]
-    assert list(table3.columns) == [
-        "output",
-        *[f"{s}_{m}" for s in ("rd", "rd_gd", "rd_pd", "rd_pd_gd") for m in ("ods", "ois", "ap")],
-    ]
+    assert list(table3["output"]) == list(OUTPUTS)
+    assert list(table3.columns) == ["output", *[f"{name}_{metric}" for name in SETS for metric in ("ods", "ois", "ap")]]
     scores = table3.drop(columns="output").to_numpy()
     assert np.isfinite(scores).all()
     assert ((scores >= 0) & (scores <= 1)).all()
 
 
 def test_every_label_set_is_rendered_by_both_methods_at_its_own_height(tiny_run):
-    sets = {
-        name: sorted((tiny_run / "results" / name).glob("*.nc")) for name in ("labels", "phy/labels", "cgan/labels")
-    }
-    labels, phy, cgan = (SceneSet(paths) for paths in sets.values())
+    folders = (tiny_run / "results" / name for name in ("labels", "phy/labels", "cgan/labels"))
+    labels, phy, cgan = (SceneSet(sorted(folder.glob("*.nc"))) for folder in folders)
     assert len(labels) == len(phy) == len(cgan) > 0
     for label, by_phy, by_cgan in zip(labels, phy, cgan, strict=True):
         assert label.name == by_phy.name == by_cgan.name
         assert by_phy.image.shape == by_cgan.image.shape == (label.n_range_bins, label.n_range_lines)
         assert 5 <= label.layer_bins.shape[0] - 1 <= 40
         assert not crossing_layers(label.layer_bins).any()
-
-
-def test_a_second_run_has_nothing_to_do(tiny_run):
-    assert "Nothing to be done" in text_of(run_snakemake(tiny_run, "--dry-run"))
 
 
 def test_nothing_half_written_is_left(tiny_run):
@@ -49,11 +48,43 @@ def test_every_figure_decodes(tiny_run):
     assert figures
     for path in figures:
         if path.suffix == ".png":
-            from PIL import Image
-
             with Image.open(path) as image:
                 assert np.asarray(image).std() > 0
         else:
-            from xml.etree import ElementTree
-
             assert ElementTree.parse(path).getroot().tag.endswith("svg")
+
+
+@pytest.fixture(scope="module")
+def page(tiny_run):
+    """Text of the report."""
+    return (tiny_run / "results/report.html").read_text()
+
+
+def test_the_page_names_nothing_outside_itself_and_is_small_enough_to_send(page):
+    outside = re.findall(r"""(?:src|href|action)\s*=\s*["'](?!data:|#)([^"']+)""", page)
+    assert outside == []
+    assert "url(" not in page
+    assert "@import" not in page
+    assert len(page.encode()) < 25e6
+
+
+def test_the_page_says_that_the_flight_is_synthetic(page):
+    assert "No observed radar data were used" in page
+
+
+def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page):
+    figures = sorted((tiny_run / "results/figures").iterdir())
+    assert figures
+    for figure in figures:
+        assert f'id="figure-{figure.stem}"' in page
+        assert figure.with_suffix(".png").is_file()
+    tables = {path.name: path.read_bytes() for path in (tiny_run / "results/tables").glob("*.csv")}
+    downloads = dict(re.findall(r'download="([^"]+)" href="data:text/csv;base64,([^"]+)"', page))
+    assert tables
+    assert {name: base64.b64decode(content) for name, content in downloads.items()} == tables
+
+
+def test_every_figure_of_the_paper_has_a_counterpart_or_a_reason(page):
+    paper = yaml.safe_load((ROOT / "workflow/report/paper.yaml").read_text())
+    assert sorted(paper["figures"]) == list(range(1, 13))
+    assert "no counterpart in this run" not in page

@@ -1,11 +1,13 @@
 """Verdicts follow from tables by the stated rules."""
 
-import itertools
+from itertools import product
 
 import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
+from result_tables import SETS
+from result_tables import table3_intervals as intervals
 from scipy import stats
 
 from lib.diagnostics import claims
@@ -22,42 +24,11 @@ from lib.diagnostics.verdicts import (
     signed,
 )
 
-SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
-OUTPUTS = (*(f"side_{side}" for side in range(1, 6)), "fuse")
 
-
-def intervals(differences=None, half_width=0.005):
-    """A table of Table III with planted differences to RD, (output, training set) -> difference."""
-    rows = []
-    for output, training_set, metric in itertools.product(OUTPUTS, SETS, ("ods", "ois", "ap")):
-        difference = (differences or {}).get((output, training_set), 0.0)
-        rows.append(
-            {
-                "output": output,
-                "training_set": training_set,
-                "metric": metric,
-                "mean": 0.8 + difference,
-                "low": 0.78,
-                "high": 0.82,
-                "difference": difference,
-                "difference_low": difference - half_width,
-                "difference_high": difference + half_width,
-                "n_replicas": 2,
-                "n_images": 60,
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def similarity_table(cgan_less_phy, n=40):
-    rng = np.random.default_rng(3)
-    phy = rng.normal(20, 1, n)
-    scenes = [f"test_{i}" for i in range(n)]
-    frames = [
-        pd.DataFrame({"scene": scenes, "method": "phy", "psnr": phy, "rmse": phy}),
-        pd.DataFrame({"scene": scenes, "method": "cgan", "psnr": phy + cgan_less_phy, "rmse": phy - cgan_less_phy}),
-    ]
-    return pd.concat(frames)
+def similarity_table(cgan_less_phy):
+    phy = np.random.default_rng(3).normal(20, 1, 40)
+    table = pd.DataFrame(product(("phy", "cgan"), [f"test_{i}" for i in range(40)]), columns=["method", "scene"])
+    return table.assign(psnr=[*phy, *(phy + cgan_less_phy)], rmse=[*phy, *(phy - cgan_less_phy)])
 
 
 def test_the_mean_s_interval_is_student_s(rng):
@@ -81,9 +52,8 @@ def test_signs_of_an_interval_decide():
     assert side_of_zero(0.1, 0.2) == CONFIRMED
     assert side_of_zero(-0.2, -0.1) == CONTRADICTED
     assert side_of_zero(-0.1, 0.2) == side_of_zero(0.0, 0.2) == OPEN
-    assert [all_of(v) for v in ([CONFIRMED] * 3, [CONFIRMED, OPEN], [CONFIRMED, CONTRADICTED])] == [
-        CONFIRMED, OPEN, CONTRADICTED,
-    ]  # fmt: skip
+    for others, verdict in (([CONFIRMED] * 2, CONFIRMED), ([OPEN], OPEN), ([CONTRADICTED], CONTRADICTED)):
+        assert all_of([CONFIRMED, *others]) == verdict
 
 
 @pytest.mark.parametrize(("shift", "verdict"), [(2.0, CONFIRMED), (-2.0, CONTRADICTED)])
@@ -108,34 +78,21 @@ def test_infinite_psnr_of_an_identical_image_is_left_out():
 
 def test_what_could_not_be_measured_is_not_resolved():
     # A renderer whose images are constant above the surface has no texture there.
-    rows = [
-        {"scene": f"s{i}", "method": method, "region": "above", "deviation": 1.0, "autocorrelation_line": value}
-        for i in range(4)
-        for method, value in (("observed", 0.01 * i), ("phy", 0.0), ("cgan", np.nan))
-    ]
-    assert claims.needless_texture(pd.DataFrame(rows)).verdict == OPEN
+    values = {"observed": 0.03, "phy": 0.0, "cgan": np.nan}
+    rows = [(f"s{i}", method, i * value) for i in range(4) for method, value in values.items()]
+    table = pd.DataFrame(rows, columns=["scene", "method", "autocorrelation_line"])
+    assert claims.needless_texture(table.assign(region="above", deviation=1.0)).verdict == OPEN
 
 
 def positions(cgan, phy):
-    rows = [
-        {
-            "scene": f"s{i}",
-            "method": method,
-            "against": against,
-            "shape_class": k,
-            "mean_abs_error_bins": value + 0.01 * i,
-        }
-        for i in range(5)
-        for method, value in (("cgan", cgan), ("phy", phy), ("observed", 3.0))
-        for against, k in (("slope", 3), ("curvature", 0), ("curvature", 3))
-    ]
-    table = pd.DataFrame(rows)
-    # Only the most curved quarter counts: elsewhere the sign is the other way round.
-    other = (table["against"] == "slope") | (table["shape_class"] == 0)
-    table.loc[other & (table["method"] == "phy"), "mean_abs_error_bins"] += 10
-    # Differences that are equal in every scene have no spread; a little is real.
-    table.loc[(table["scene"] == "s0") & (table["method"] == "phy"), "mean_abs_error_bins"] += 0.02
-    return table
+    rows = []
+    for scene, (against, shape_class) in product(range(5), (("slope", 3), ("curvature", 0), ("curvature", 3))):
+        # Only the most curved quarter counts: elsewhere the sign is the other way round.
+        elsewhere = 0 if (against, shape_class) == ("curvature", 3) else 10
+        # Differences that are equal in every scene have no spread; a little is real.
+        errors = {"cgan": cgan, "phy": phy + elsewhere + 0.02 * (scene == 0), "observed": 3.0}
+        rows += [(f"s{scene}", method, against, shape_class, error) for method, error in errors.items()]
+    return pd.DataFrame(rows, columns=["scene", "method", "against", "shape_class", "mean_abs_error_bins"])
 
 
 def test_curvature_is_judged_where_layers_bend_most():
@@ -192,17 +149,14 @@ def test_a_spectrum_is_flat_below_three_decibels(value, verdict):
     [(1.0, 0.1, CONFIRMED), (1.0, 0.6, OPEN), (0.05, 0.1, OPEN), (0.05, 0.6, CONTRADICTED)],
 )
 def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, verdict):
-    table = pd.DataFrame(
-        {
-            "part": ["stacks", "stacks", "scene", "scene", "scene"],
-            "sweep": ["fine layering", "fine layering", "whole scene", "whole scene", "extrapolated"],
-            "value": [100, 50, 0, 1, 0],
-            "method": ["convolution", "convolution", "PHY", "PHY", "transfer matrix, stack"],
-            "seconds": [1e-9, 1e-9, 1e-3, 2e-3, seconds],
-            "error_db": [9.0, error_db, 0.05, 0.05, 0.0],
-        }
-    )
-    found = expensive(table)
+    rows = [
+        ("stacks", "fine layering", 100, "convolution", 1e-9, 9.0),
+        ("stacks", "fine layering", 50, "convolution", 1e-9, error_db),
+        ("scene", "whole scene", 0, "PHY", 1e-3, 0.05),
+        ("scene", "whole scene", 1, "PHY", 2e-3, 0.05),
+        ("scene", "extrapolated", 0, "transfer matrix, stack", seconds, 0.0),
+    ]
+    found = expensive(pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "seconds", "error_db"]))
     assert found.verdict == verdict
     assert f"{seconds / 1e-3:,.0f} times" in found.evidence
 

@@ -1,11 +1,14 @@
 """Range profiles of a sweep, stacks, and what simpler models make of them."""
 
+import sys
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from lib.diagnostics import coherent as convolution
 from lib.diagnostics.coherent import draw_lenses, draw_years, interface_delays_s, layered, reflect
+from lib.diagnostics.smrt_waveforms import import_smrt
 
 BANDWIDTH_HZ = 6e9
 DELAY_S = np.arange(-10, 150) * 2.886e-10
@@ -102,3 +105,9 @@ def test_a_layered_profile_ends_as_a_half_space(rng):
     assert density.min() >= 100
     with pytest.raises(ValueError, match=r"but for 2%, \d+.\d% do not"):
         layered(rng.normal(0, 300, (3, 40)), 340.0, 0.005)
+
+
+def test_a_missing_smrt_is_named_with_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "smrt", None)  # importing it then fails
+    with pytest.raises(ValueError, match=r"smrt, which is not installed: pip install 'snowsim\[studies\]'"):
+        import_smrt()

@@ -18,13 +18,13 @@ from snowsim.labels import prepare
 from snowsim.labels.models import FAMILIES, label_model
 
 
-def zone_model(name, n_zones, n_blocks, rng, true_zones=2, n_slabs=3):
-    """A flight whose slabs have spectra of one family, level and scale by true zone, divided into some zones."""
+def zone_model(name, n_zones, n_blocks, rng):
+    """A flight of 3 slabs with spectra of one family, level and scale by true zone of 2, divided into some zones."""
     unit = density_of(name)[1:-1]
-    blocks = rng.exponential(unit, (true_zones, n_blocks, n_slabs, unit.size)) * np.array([1.0, 9])[:, None, None, None]
-    shares = np.array([0.6, 1.0])[:, None, None] + 0.02 * rng.standard_normal((true_zones, n_blocks, n_slabs))
+    blocks = rng.exponential(unit, (2, n_blocks, 3, unit.size)) * np.array([1.0, 9])[:, None, None, None]
+    shares = np.array([0.6, 1.0])[:, None, None] + 0.02 * rng.standard_normal((2, n_blocks, 3))
     blocks, shares = (part.reshape(n_zones, -1, *part.shape[2:]) for part in (blocks, shares))
-    n = np.full((n_zones, n_slabs), shares.shape[1])
+    n = np.full((n_zones, 3), shares.shape[1])
     psd = np.pad(blocks.mean(axis=1), [(0, 0), (0, 0), (1, 1)])
     variance = shares.var(axis=1, ddof=1)[:, 1:]
     likelihood = -0.5 * (n[:, 1:] * (np.log(2 * np.pi * variance) + 1)).sum()

@@ -1,13 +1,14 @@
 """A report of planted tables, figures and scenes: seconds instead of a run of the workflow."""
 
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from result_tables import OUTPUTS, SETS, table2, table3_intervals
 
-from lib.figures.style import METHODS, TRAINING_SETS, new_figure, write_figure
+from lib.figures.style import METHODS, new_figure, write_figure
+from lib.imports import ROOT
 from lib.report.content import page_content
 from lib.report.format import FILTERS
 from lib.report.gallery import gallery_of
@@ -15,8 +16,7 @@ from lib.report.page import write_page
 from snowsim.echogram import Scene
 from snowsim.io.files import write_table
 
-REPORT = Path(__file__).resolve().parents[3] / "workflow/report"
-OUTPUTS = (*(f"side_{side}" for side in range(1, 6)), "fuse")
+REPORT = ROOT / "workflow/report"
 
 
 def planted_scene(number, rng):
@@ -32,14 +32,9 @@ def planted_scene(number, rng):
 def planted_tables(tmp_path_factory):
     """Folder of the tables that a report cannot do without."""
     folder = tmp_path_factory.mktemp("tables")
-    rows = product(("ssim", "psnr", "rmse"), ("min", "mean", "max"), [0.4], [0.5])
-    write_table(folder / "table2.csv", pd.DataFrame(rows, columns=["metric", "statistic", "cgan", "phy"]))
-    intervals = pd.DataFrame(product(OUTPUTS, TRAINING_SETS, ("ods", "ois", "ap")))
-    intervals.columns = ["output", "training_set", "metric"]
-    intervals["difference"] = 0.01 * intervals["training_set"].map(TRAINING_SETS.index)
-    low, high = intervals["difference"] - 0.005, intervals["difference"] + 0.005
-    intervals = intervals.assign(difference_low=low, difference_high=high, mean=0.8, low=0.78, high=0.82, n_replicas=2)
-    write_table(folder / "table3_intervals.csv", intervals)
+    write_table(folder / "table2.csv", table2([0.4] * 3, [0.5] * 3))
+    differences = {(output, name): 0.01 * place for output in OUTPUTS for place, name in enumerate(SETS)}
+    write_table(folder / "table3_intervals.csv", table3_intervals(differences))
     long_names = {f"a_column_with_quite_a_long_name_{k}": np.arange(30) / 7 for k in range(12)}
     write_table(folder / "wide.csv", pd.DataFrame(long_names))
     return folder

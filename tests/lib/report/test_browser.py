@@ -1,7 +1,5 @@
 """The report in a real browser: it opens, pictures decode, the gallery lives, it fits a phone and a sheet of paper."""
 
-import csv
-import io
 import re
 from pathlib import Path
 
@@ -10,8 +8,6 @@ import pytest
 pytestmark = pytest.mark.browser
 
 CHROMIUM = Path("/usr/bin/chromium")
-OFF = ("gpu", "quic", "background-networking", "component-update", "sync")
-OPTIONS = ["--no-sandbox", "--no-first-run", *(f"--disable-{name}" for name in OFF)]
 
 
 @pytest.fixture(scope="session")
@@ -20,39 +16,44 @@ def browser():
         pytest.skip(f"no browser at {CHROMIUM}")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     with playwright.sync_playwright() as session:
-        chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=OPTIONS)
+        chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=["--disable-gpu", "--disable-quic"])
         yield chromium
         chromium.close()
 
 
-class Opened:
-    """A page in the browser, with what it said and asked for."""
+@pytest.fixture
+def open_page(browser, planted_page):
+    """A function that opens the report in a window of some width."""
+    contexts = []
 
-    def __init__(self, browser, path, width, **options):
-        self.context = browser.new_context(viewport={"width": width, "height": 800}, **options)
-        self.page = self.context.new_page()
-        self.messages, self.requests = [], []
-        self.page.on("console", lambda message: self.messages.append(message.text))
-        self.page.on("pageerror", lambda error: self.messages.append(str(error)))
-        self.page.on("request", lambda request: self.requests.append(request.url))
-        self.page.goto(path.as_uri(), wait_until="load")
+    def opened(width, **options):
+        contexts.append(browser.new_context(viewport={"width": width, "height": 800}, **options))
+        page = contexts[-1].new_page()
+        page.goto(planted_page.as_uri(), wait_until="load")
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
 
 
 @pytest.fixture(params=[1280, 360], ids=["desktop", "phone"])
-def opened(browser, planted_page, request):
-    opened = Opened(browser, planted_page, request.param)
-    yield opened
-    opened.context.close()
+def page(open_page, request):
+    return open_page(request.param)
 
 
-def test_the_page_opens_without_errors_or_requests(opened, planted_page):
-    opened.page.wait_for_timeout(200)
-    assert opened.messages == []
-    assert [url for url in opened.requests if not url.startswith("data:")] == [planted_page.as_uri()]
+def test_the_page_opens_without_errors_or_requests(page, planted_page):
+    messages, requests = [], []
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
+    page.on("request", lambda request: requests.append(request.url))
+    page.reload(wait_until="load")
+    page.wait_for_timeout(200)
+    assert messages == []
+    assert [url for url in requests if not url.startswith("data:")] == [planted_page.as_uri()]
 
 
-def test_every_image_of_every_scene_decodes_and_has_alt_text(opened):
-    page = opened.page
+def test_every_image_of_every_scene_decodes_and_has_alt_text(page):
     n_scenes = page.locator("#scene option").count()
     assert n_scenes > 0
     for scene in range(n_scenes):
@@ -64,8 +65,7 @@ def test_every_image_of_every_scene_decodes_and_has_alt_text(opened):
         assert bad == []
 
 
-def test_the_layer_switch_shows_and_hides_layers(opened):
-    page = opened.page
+def test_the_layer_switch_shows_and_hides_layers(page):
     # The scene of most layers is last: it has some whatever the run.
     page.select_option("#scene", str(page.locator("#scene option").count() - 1))
     layers = page.locator("#panels .stage.phy .overlay")
@@ -84,8 +84,7 @@ def place(page):
     return tuple(int(number) for number in re.match(r"range bin (\d+), range line (\d+)", text).groups())
 
 
-def test_the_depth_cursor_moves_by_keyboard(opened):
-    page = opened.page
+def test_the_depth_cursor_moves_by_keyboard(page):
     row, line = place(page)
     page.focus("#readout")
     moves = [("ArrowDown", 1, 0), ("PageDown", 11, 0), ("ArrowUp", 10, 0), ("ArrowLeft", 10, -1), ("PageUp", 0, -1)]
@@ -103,8 +102,7 @@ def test_the_depth_cursor_moves_by_keyboard(opened):
         assert float(cursor.get_attribute("y1")) == place(page)[0]
 
 
-def test_the_depth_cursor_follows_the_pointer(opened):
-    page = opened.page
+def test_the_depth_cursor_follows_the_pointer(page):
     stage = page.locator("#panels .stage.observed")
     stage.scroll_into_view_if_needed()
     box = stage.bounding_box()
@@ -117,13 +115,12 @@ def test_the_depth_cursor_follows_the_pointer(opened):
     assert " ns two-way from the surface" in page.locator("#readout").inner_text()
 
 
-def test_nothing_is_wider_than_the_screen(opened):
-    widths = opened.page.evaluate("[document.documentElement.scrollWidth, window.innerWidth]")
+def test_nothing_is_wider_than_the_screen(page):
+    widths = page.evaluate("[document.documentElement.scrollWidth, window.innerWidth]")
     assert widths[0] <= widths[1]
 
 
-def test_a_download_gives_the_table_s_bytes(opened, planted_tables, tmp_path):
-    page = opened.page
+def test_a_download_gives_the_table_s_bytes(page, planted_tables, tmp_path):
     page.locator("#tables details").first.locator("summary").click()
     link = page.locator("#tables a.download").first
     with page.expect_download() as waiting:
@@ -132,11 +129,9 @@ def test_a_download_gives_the_table_s_bytes(opened, planted_tables, tmp_path):
     name = link.get_attribute("download")
     assert waiting.value.suggested_filename == name
     assert (tmp_path / "table.csv").read_bytes() == (planted_tables / name).read_bytes()
-    assert len(list(csv.reader(io.StringIO((tmp_path / "table.csv").read_text())))) > 1
 
 
-def test_a_figure_opens_large_and_escape_closes_it(opened):
-    page = opened.page
+def test_a_figure_opens_large_and_escape_closes_it(page):
     page.locator(".zoom").first.focus()
     page.keyboard.press("Enter")
     assert page.locator("dialog img").evaluate("image => image.naturalWidth") > 0
@@ -144,47 +139,39 @@ def test_a_figure_opens_large_and_escape_closes_it(opened):
     page.locator("dialog").wait_for(state="detached", timeout=5000)
 
 
-def test_headings_descend_one_level_at_a_time(opened):
-    levels = opened.page.evaluate("[...document.querySelectorAll('h1,h2,h3,h4')].map(h => Number(h.tagName[1]))")
+def test_headings_descend_one_level_at_a_time(page):
+    levels = page.evaluate("[...document.querySelectorAll('h1,h2,h3,h4')].map(h => Number(h.tagName[1]))")
     assert levels[0] == 1
     assert levels.count(1) == 1
     assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
 
 
-def test_what_is_focused_is_seen(opened):
-    page = opened.page
+def test_what_is_focused_is_seen(page):
     for _ in range(4):
         page.keyboard.press("Tab")
         outline = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
         assert outline not in ("none", "")
 
 
-@pytest.mark.parametrize(("option", "value"), [("color_scheme", "dark"), ("color_scheme", "light")])
-def test_text_stands_out_from_its_page_in_both_schemes(browser, planted_page, option, value):
-    opened = Opened(browser, planted_page, 1280, **{option: value})
-    ink, paper = opened.page.evaluate(
+def luminance(colour):
+    """Of an sRGB colour by WCAG 2.1."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (v / 255 for v in colour[:3])]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_text_stands_out_from_its_page_in_both_schemes(open_page, scheme):
+    colours = open_page(1280, color_scheme=scheme).evaluate(
         "['color', 'backgroundColor'].map(name => getComputedStyle(document.body)[name].match(/\\d+/g).map(Number))"
     )
-    opened.context.close()
+    low, high = sorted(map(luminance, colours))
     # WCAG 2.1, 1.4.3 and 1.4.6: 4.5 is required, 7 is enhanced.
-    assert contrast(ink, paper) > 7
+    assert (high + 0.05) / (low + 0.05) > 7
 
 
-def contrast(first, second):
-    """Contrast ratio of two sRGB colours by WCAG 2.1."""
-
-    def luminance(colour):
-        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (v / 255 for v in colour[:3])]
-        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-    high, low = sorted((luminance(first), luminance(second)), reverse=True)
-    return (high + 0.05) / (low + 0.05)
-
-
-def test_the_page_prints_without_its_controls(browser, planted_page):
-    opened = Opened(browser, planted_page, 1280)
-    opened.page.emulate_media(media="print")
-    assert opened.page.locator("nav").is_hidden()
-    assert opened.page.locator("#panels .stage.observed img").is_visible()
-    assert len(opened.page.pdf()) > 10_000
-    opened.context.close()
+def test_the_page_prints_without_its_controls(open_page):
+    page = open_page(1280)
+    page.emulate_media(media="print")
+    assert page.locator("nav").is_hidden()
+    assert page.locator("#panels .stage.observed img").is_visible()
+    assert len(page.pdf()) > 10_000

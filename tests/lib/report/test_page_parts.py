@@ -3,13 +3,12 @@
 import base64
 import io
 import re
-from itertools import product
 
 import jinja2
 import numpy as np
-import pandas as pd
 import pytest
 from PIL import Image
+from result_tables import SETS, table2, table3_intervals
 
 from lib.report.content import compare_table2, compare_table3, counterparts, paper_figures, stage_costs, title_of
 from lib.report.format import config_lines, duration, groupby_stage, size
@@ -42,22 +41,14 @@ def test_a_title_is_the_first_clause_without_the_paper_s_figure():
 
 
 def test_table2_stands_beside_the_paper_s():
-    rows = product(("ssim", "psnr", "rmse"), ("min", "mean", "max"))
-    table2 = pd.DataFrame(rows, columns=["metric", "statistic"]).assign(cgan=[1, 2, 3] * 3, phy=[2, 4, 6] * 3)
     paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
-    rows = compare_table2(table2, paper)
+    rows = compare_table2(table2([1, 2, 3], [2, 4, 6]), paper)
     assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": "2.00 / 4.00 / 6.00", "paper": "4.00 / 5.00 / 6.00"}
 
 
 def test_table3_marks_what_is_resolved():
-    rows = [
-        {"output": "fuse", "metric": metric, "training_set": name, "mean": 0.8, "low": 0.7, "high": 0.9,
-         "difference": d, "difference_low": d - 0.01, "difference_high": d + 0.01}
-        for metric in ("ods", "ois", "ap")
-        for name, d in (("rd", 0.0), ("rd_gd", 0.02), ("rd_pd", 0.0), ("rd_pd_gd", -0.02))
-    ]  # fmt: skip
-    paper = {"fuse": {name: [0.1, 0.2, 0.3] for name in ("rd", "rd_gd", "rd_pd", "rd_pd_gd")}}
-    compared = compare_table3(pd.DataFrame(rows), paper)
+    intervals = table3_intervals({("fuse", "rd_gd"): 0.02, ("fuse", "rd_pd_gd"): -0.02}, 0.01, outputs=["fuse"])
+    compared = compare_table3(intervals, {"fuse": {name: [0.1, 0.2, 0.3] for name in SETS}})
     assert [row["score"] for row in compared] == ["ODS", "OIS", "AP"]
     assert [cell["resolved"] for cell in compared[0]["cells"]] == [False, True, False, True]
     assert [row["cells"][0]["paper"] for row in compared] == [0.1, 0.2, 0.3]

@@ -1,0 +1,90 @@
+"""What charts derive from their tables before they draw; the same figure gives the same bytes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from lib.figures.convolution import LEAST_DB, plot_costs, plot_stacks, plot_tails
+from lib.figures.phy import fastest, pareto_front, speed_accuracy_waveforms
+from lib.figures.style import new_figure, write_figure
+
+
+@pytest.mark.parametrize("ending", [".svg", ".png"])
+def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
+    paths = [tmp_path / f"{name}{ending}" for name in "xy"]
+    for path in paths:
+        figure, axes = new_figure()
+        axes[0, 0].plot([1, 2], label="line")
+        axes[0, 0].legend()
+        write_figure(path, figure)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def test_a_figure_of_another_kind_is_refused(tmp_path):
+    figure, _ = new_figure()
+    with pytest.raises(ValueError, match=r"ends in \.svg or \.png"):
+        write_figure(tmp_path / "a.jpg", figure)
+
+
+def test_pareto_front_holds_what_nothing_beats_in_both():
+    error = [1.0, 0.5, 0.5, 2.0, float("nan"), 0.0]
+    cost = [1.0, 2.0, 3.0, 1.0, 0.1, 9.0]
+    assert_array_equal(pareto_front(error, cost), [True, True, False, False, False, True])
+
+
+def runs():
+    table = {"setting": "s", "method": ["table"] * 3 + ["closed form", "float32 normal"], "repeat": [0, 1, 2, 0, 0]}
+    seconds = [1e-6, 9e-6, 2e-6, 5e-6, 1e-6]
+    error_db = [0.01, 0.01, 0.01, 0.0, float("nan")]
+    return pd.DataFrame(table | {"seconds": seconds, "n_pixels": 100, "error_db": error_db, "device": "cpu"})
+
+
+def test_points_are_the_fastest_runs_per_pixel():
+    points = fastest(runs(), ("setting", "method")).set_index("method")
+    assert points.loc["table", "ns"] == 1e-6 / 100 * 1e9
+    assert points.loc["table", "error_db"] == 0.01
+
+
+def test_floor_front_and_points_are_drawn():
+    (ax,) = speed_accuracy_waveforms(runs()).axes
+    labels = {text.get_text() for text in ax.get_legend().get_texts()}
+    assert labels == {"table", "closed form", "Pareto front", "one float32 normal per pixel"}
+
+
+@pytest.fixture
+def table():
+    errors = {"Born": (0.1, 1.0), "single scattering": (0.0, 0.2), "convolution": (0.01, 0.3)}
+    seconds = [("transfer matrix, stack", 0, 9), ("PHY", 0.05, 0.002), ("PHY", 0.05, 0.001)]
+    return pd.DataFrame(
+        [{"part": "stacks", "sweep": "layers", "value": value, "unit": "1", "method": method, "error_db": error}
+         for method, pair in errors.items() for value, error in zip((1, 10), pair, strict=True)]
+        + [{"part": "tail", "sweep": "horizon", "value": tail, "unit": "dB below the peak", "method": "PHY",
+            "reference": reference, "error_db": tail / 100}
+           for reference in ("annuli integral", "SMRT") for tail in (10, 20)]
+        + [{"part": "scene", "method": method, "error_db": error, "seconds": s} for method, error, s in seconds]
+    )  # fmt: skip
+
+
+@pytest.fixture
+def ax():
+    return new_figure()[1][0, 0]
+
+
+def test_stacks_show_every_model_and_nothing_below_the_least(table, ax):
+    plot_stacks(ax, table, "layers", "layers")
+    lines = {line.get_label(): line.get_ydata() for line in ax.get_lines()}
+    assert_allclose(lines["Born"], [0.1, 1.0])
+    assert_allclose(lines["single scattering"], [LEAST_DB, 0.2])
+    assert_allclose(lines["convolution"], [0.01, 0.3])
+
+
+def test_tails_of_a_study_join_those_of_the_default_run(table, ax):
+    plot_tails(ax, table)
+    assert ax.get_legend_handles_labels()[1] == ["horizon, annuli integral", "horizon, SMRT"]
+
+
+def test_costs_take_the_fastest_repeat(table, ax):
+    plot_costs(ax, table)
+    points = [np.ravel([line.get_xdata(), line.get_ydata()]) for line in ax.get_lines()]
+    assert_allclose(points, [[LEAST_DB, 9], [0.05, 0.001]])

@@ -1,0 +1,31 @@
+"""Tables as the workflow writes them, with planted numbers, for tests of what reads them."""
+
+from itertools import product
+
+import pandas as pd
+
+SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
+OUTPUTS = (*(f"side_{side}" for side in range(1, 6)), "fuse")
+
+
+def table2(cgan, phy):
+    """Table II of the same lowest, mean and highest value for every metric."""
+    rows = product(("ssim", "psnr", "rmse"), zip(("min", "mean", "max"), cgan, phy, strict=True))
+    return pd.DataFrame([(metric, *row) for metric, row in rows], columns=["metric", "statistic", "cgan", "phy"])
+
+
+def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
+    """Table III's intervals, the differences to RD planted by (output, training set) or none."""
+    table = pd.DataFrame(product(outputs, SETS, ("ods", "ois", "ap")), columns=["output", "training_set", "metric"])
+    keys = zip(table["output"], table["training_set"], strict=True)
+    difference = pd.Series([(differences or {}).get(key, 0.0) for key in keys])
+    return table.assign(
+        mean=0.8 + difference,
+        low=0.78,
+        high=0.82,
+        difference=difference,
+        difference_low=difference - half_width,
+        difference_high=difference + half_width,
+        n_replicas=2,
+        n_images=60,
+    )
