@@ -51,7 +51,7 @@ def test_a_summary_survives_the_disk(flight, tmp_path):
             assert_array_equal(getattr(after, name), value, err_msg=name)
 
 
-def test_gaps_are_no_zeros(planted, flight, estimator):
+def test_gaps_are_no_zeros(flight, estimator):
     gaps = [(1, 30, 60), (2, 0, 120), (3, 100, 256), (4, 60, 256), (0, 10, 15)]
     fitted = fit_finite([*flight[:3], with_gaps(flight[3], gaps)], estimator)
     whole = statistics.fit(flight, estimator=estimator)
