@@ -276,6 +276,7 @@ rule tabulate_realism:
         train=benchmark_files("train"),
         test=benchmark_files("test"),
         other_band=other_band_images(),
+        published=ROOT / "workflow/report/published.csv",
         code=imported_by("tabulate_realism.py"),
     output:
         table="results/tables/realism.csv",

@@ -4,14 +4,16 @@ import pandas as pd
 from job import progress, run
 
 from lib.diagnostics import realism
-from snowsim.io.files import read_dataset, write_table
+from snowsim.io.files import read_dataset, read_table, write_table
 from snowsim.io.images import read_image
 from snowsim.io.scenes import SceneSet
 from snowsim.reference import checked_settings
 from snowsim.seeding import random_stream
 
 
-def tabulate_realism(echograms, layers, statistics, train, test, other_band, table, curves, *, reference, source, seed):
+def tabulate_realism(
+    echograms, layers, statistics, train, test, other_band, published, table, curves, *, reference, source, seed
+):  # fmt: skip
     pairs = progress(list(zip(echograms, layers, strict=True)), "realism")
     frames = [realism.describe_frame(read_dataset(echogram), read_dataset(picks)) for echogram, picks in pairs]
     others = [realism.describe_image(read_image(path)[0]) for path in other_band]
@@ -21,7 +23,8 @@ def tabulate_realism(echograms, layers, statistics, train, test, other_band, tab
         benchmark = realism.describe_benchmark(train_scenes, test_scenes)
     of_flight = realism.describe_flight(flight) | benchmark | physics
     of_frames, of_others = ([numbers for numbers, _ in described] for described in (frames, others))
-    write_table(table, realism.realism_table(of_frames, of_flight, of_others).assign(data=source))
+    found = realism.realism_table(read_table(published), of_frames, of_flight, of_others)
+    write_table(table, found.assign(data=source))
     drawn = [realism.curve_table([found for _, found in frames], realism.thickness_curves(flight)).assign(data=source)]
     if others:
         drawn.append(realism.curve_table([found for _, found in others]).assign(data=realism.OTHER_BAND))

@@ -1,4 +1,7 @@
-"""The flight and the benchmark as numbers and curves that can stand beside what is published of real echograms."""
+"""The flight and the benchmark as numbers and curves that can stand beside what is published of real echograms.
+
+Published values of another band are of accumulation-radar echograms, 5 to 30 m deep: a guide to the order of magnitude.
+"""
 
 import numpy as np
 import pandas as pd
@@ -25,66 +28,18 @@ SMOOTHED_WAVENUMBERS = 101
 DEPTH_STEP = 40  # [range bins] of the curve of visibility
 OTHER_BAND = "observed, other band"
 
-# Real accumulation-radar echograms of Greenland firn, 150 rows from 5 to 30 m depth: another band, other bins, another
-# line spacing, so a guide to the order of magnitude and no more.
-OBSERVED_CORRELATION = {
-    (ACROSS, 1): (0.63, 0.79),
-    (ACROSS, 10): (0.51, 0.70),
-    (ACROSS, 50): (0.31, 0.57),
-    (DOWN, 1): (0.89, 0.89),
-    (DOWN, 2): (0.70, 0.70),
-    (DOWN, 3): (0.54, 0.54),
-    (DOWN, 5): (0.34, 0.34),
-}
-NONE = (np.nan, np.nan)
-# Published values by quantity: unit, lowest and highest, source. The published simulator draws slabs as N(1.24, 0.36)
-# of a fixed number of bins. The reference flight's Doppler spectrum is flat by construction.
-OBSERVED = {
-    "range bin in air": ("cm", 4.33, 4.33, "2012 product; 1.76 in 2009, 1.30 in 2016"),
-    "line spacing": ("m", 5.47, 5.47, "frame 20160419_04_082"),
-    "range bins of a frame": ("1", 1271, 1271, "frame 20160419_04_082, finer bins"),
-    "range lines of a frame": ("1", 904, 904, "frame 20160419_04_082"),
-    "brightest echo over noise": ("dB", 53, 53, "sea ice 2016, a brighter surface"),
-    f"mean power {TAIL_BINS} bins below the surface": ("dB over noise", 10, 10, "sea ice 2016"),
-    "strong layers over noise": ("dB", 20, np.nan, "Greenland 2012: over 20 dB"),
-    "surface over the strongest layer": ("dB", 3, 3, "choice of a published simulator"),
-    "spread of a layer's power from layer to layer": ("dB", 1.5, 1.5, "choice of a published simulator"),
-    "range response, null to null": ("m", 0.2, 0.2, "Hann window over 6 GHz"),
-    "range response, equivalent width": ("m", 0.075, 0.075, "Hann window over 6 GHz"),
-    "density of snow at the surface": ("g cm-3", 0.31, 0.37, "means of near-surface logs"),
-    "density log, detrended deviation": ("g cm-3", 0.046, 0.056, "near-surface logs"),
-    "density log, vertical 1/e length": ("cm", 2.2, 2.5, "near-surface logs"),
-    "looks of the noise": ("1", *NONE, "none published"),
-    "looks under the picks": ("1", *NONE, "none published"),
-    "Doppler spectrum, highest over lowest": ("dB", *NONE, "flat by eye, Yari et al. (2021), Fig. 8"),
-    "picked share of the flight": ("1", *NONE, "none published"),
-    "picked share of train scenes": ("1", *NONE, "partial, Yari et al. (2021); no number published"),
-    "missing share of labels in train scenes": ("1", *NONE, "some, Yari et al. (2021); no number published"),
-    "test scenes of fewer than 6 layers": ("1", 0.57, 0.57, "Yari et al. (2021), test set"),
-    "most layers of a test scene": ("1", 34, 34, "Yari et al. (2021), test set"),
-    "accumulation": ("m w.e. per year", 0.1, 0.6, "interior 0.1-0.3, western percolation zone 0.3-0.6"),
-    "mean thickness of the first slab": ("range bins", *NONE, "none published"),
-    "thickness, deviation over mean": ("1", 0.29, 0.29, "choice of a published simulator: N(1.24, 0.36)"),
-    "thickness, correlation length along track": ("range lines", 18, 18, "choice of a published simulator"),
-    **{f"power, percentile {p}": ("dB over noise", *NONE, "none published") for p in PERCENTILES},
-    **{
-        f"autocorrelation along {along}, lag {lag}": ("1", *limits, "real 600-900 MHz firn echograms (other band)")
-        for (along, lag), limits in OBSERVED_CORRELATION.items()
-    },
-}
 
-
-def realism_table(frames, of_flight, others):
-    """Every quantity beside its published values and its range over images of another band: a row a quantity.
+def realism_table(published, frames, of_flight, others):
+    """Every published quantity as it is here, and its range over images of another band: a row a quantity.
 
     `frames` and `others` hold numbers by quantity of every frame and image, `of_flight` value, lowest and highest.
     """
     by_frame = pd.DataFrame(frames)
     numbers = {name: (by_frame[name].median(), by_frame[name].min(), by_frame[name].max()) for name in by_frame}
     numbers |= of_flight
-    rows = [(name, *numbers[name], *published) for name, published in OBSERVED.items() if name in numbers]
-    columns = ["quantity", "value", "low", "high", "unit", "observed_low", "observed_high", "source"]
-    table = pd.DataFrame(rows, columns=columns)
+    here = pd.DataFrame.from_dict(numbers, orient="index", columns=["value", "low", "high"])
+    published = published[published["quantity"].isin(numbers)]
+    table = here.rename_axis("quantity").reset_index().merge(published, on="quantity", how="right")
     by_image = pd.DataFrame(others, columns=[name for name in table["quantity"] if "lag" in name])
     for column, values in (("other_band_low", by_image.min()), ("other_band_high", by_image.max())):
         table[column] = table["quantity"].map(values)
@@ -158,9 +113,7 @@ def describe_texture(image):
     for along in (ACROSS, DOWN):
         correlation = autocorrelation(image - image.mean(axis=1, keepdims=True), LAGS, along=along)
         curves[f"autocorrelation along {along}"] = (LAGS, correlation)
-        for lag, value in zip(LAGS, correlation, strict=True):
-            if (along, lag) in OBSERVED_CORRELATION:
-                numbers[f"autocorrelation along {along}, lag {lag}"] = value
+        numbers |= {f"autocorrelation along {along}, lag {lag}": v for lag, v in zip(LAGS, correlation, strict=True)}
     return numbers, curves
 
 
