@@ -54,3 +54,9 @@ rule help:
 
 
 include: "workflow/rules/report.smk"
+
+
+# Every script runs in one environment.
+for item in workflow.rules:
+    if item.script and Path(item.snakefile).is_relative_to(ROOT):
+        item.conda_env = str(ROOT / "envs/cpu.yaml")

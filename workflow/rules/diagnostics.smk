@@ -20,8 +20,6 @@ rule compare_label_models:
         "logs/compare_label_models.log",
     benchmark:
         "results/benchmarks/compare_label_models/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=1500,
     params:
@@ -56,8 +54,6 @@ rule compare_renders:
         "logs/compare_renders.log",
     benchmark:
         "results/benchmarks/compare_renders/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
         gpu=int(config["cgan"]["device"] == "cuda"),
@@ -144,8 +140,6 @@ rule render_closed_loop:
         "logs/render_closed_loop/{shard}.log",
     benchmark:
         "results/benchmarks/render_closed_loop/{shard}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         convention=LOOP_DEFAULT,
         seed=config["seed"],
@@ -174,8 +168,6 @@ for lot, conventions in enumerate(LOOP_LOTS):
             f"logs/try_conventions/{lot}.log",
         benchmark:
             f"results/benchmarks/try_conventions/{lot}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         params:
             conventions=conventions,
             seed=config["seed"],
@@ -205,8 +197,6 @@ rule tabulate_closed_loop:
         "logs/tabulate_closed_loop.log",
     benchmark:
         "results/benchmarks/tabulate_closed_loop/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -247,8 +237,6 @@ rule tabulate_validation:
         "logs/tabulate_validation.log",
     benchmark:
         "results/benchmarks/tabulate_validation/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=1500,
     params:
@@ -285,8 +273,6 @@ rule tabulate_realism:
         "logs/tabulate_realism.log",
     benchmark:
         "results/benchmarks/tabulate_realism/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         reference=config["reference"],
         source=NOTE,
@@ -321,8 +307,6 @@ rule measure_phy:
         "logs/measure_phy.log",
     benchmark:
         "results/benchmarks/measure_phy/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -358,8 +342,6 @@ rule stress:
         "logs/stress.log",
     benchmark:
         "results/benchmarks/stress/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=1500,
     params:
@@ -403,8 +385,6 @@ rule measure_convolution:
         "logs/measure_convolution.log",
     benchmark:
         "results/benchmarks/measure_convolution/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],

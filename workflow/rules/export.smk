@@ -28,8 +28,6 @@ rule export_scenes:
         "logs/export_scenes/{format}/{export_set}.log",
     benchmark:
         "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         wanted="{format}",
         lists=lambda wildcards: EXPORTS[wildcards.export_set],

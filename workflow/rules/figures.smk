@@ -47,11 +47,6 @@ for (plot, stage), figures in plots(FIGURES, LEFT_OUT[SOURCE]).items():
             f"logs/{plot}.log",
         benchmark:
             f"results/benchmarks/{plot}/all.tsv"
-        conda:
-            "../../envs/cpu.yaml"
-        threads: 1
-        resources:
-            mem_mb=1000,
         params:
             stage=stage,
             source=NOTE,

@@ -19,8 +19,6 @@ if SOURCE == "reference":
                 f"logs/reference_frames/{lot}.log",
             benchmark:
                 f"results/benchmarks/reference_frames/{lot}.tsv"
-            conda:
-                "../../envs/cpu.yaml"
             resources:
                 mem_mb=1500,
             params:
@@ -44,8 +42,6 @@ if SOURCE == "reference":
             "logs/reference_scenes/{split}/{shard}.log",
         benchmark:
             "results/benchmarks/reference_scenes/{split}/{shard}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         resources:
             mem_mb=1500,
         params:
@@ -84,8 +80,6 @@ elif SOURCE == "png_pairs":
             "logs/check_pairs.log",
         benchmark:
             "results/benchmarks/check_pairs/all.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         params:
             lists=LISTS,
             data_scale=PAIRS["data_scale"],
@@ -113,8 +107,6 @@ elif SOURCE == "png_pairs":
             "logs/import_pairs/{split}/{shard}.log",
         benchmark:
             "results/benchmarks/import_pairs/{split}/{shard}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         params:
             split="{split}",
             span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
@@ -134,8 +126,6 @@ elif SOURCE == "png_pairs":
             "logs/summarise_scenes/{shard}.log",
         benchmark:
             "results/benchmarks/summarise_scenes/{shard}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         params:
             bin_s=OWN["bin_s"],
             line_spacing_m=PAIRS["line_spacing_m"],
@@ -166,8 +156,6 @@ else:
             "logs/check_frames.log",
         benchmark:
             "results/benchmarks/check_frames/all.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         resources:
             mem_mb=4000,
         params:
@@ -190,8 +178,6 @@ else:
             "logs/import_frame/{frame}.log",
         benchmark:
             "results/benchmarks/import_frame/{frame}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         resources:
             mem_mb=4000,
         params:
@@ -214,8 +200,6 @@ else:
             "logs/import_blocks/{split}/{shard}.log",
         benchmark:
             "results/benchmarks/import_blocks/{split}/{shard}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         resources:
             mem_mb=4000,
         params:
@@ -252,8 +236,6 @@ if FRAME_LOTS:
             "logs/summarise_frames/{lot}.log",
         benchmark:
             "results/benchmarks/summarise_frames/{lot}.tsv"
-        conda:
-            "../../envs/cpu.yaml"
         message:
             "sums over frames, lot {wildcards.lot}"
         script:
@@ -271,8 +253,6 @@ rule fit_statistics:
         "logs/fit_statistics.log",
     benchmark:
         "results/benchmarks/fit_statistics/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=1500,
     params:

@@ -18,8 +18,6 @@ rule draw_labels:
         "logs/draw_labels/{shard}.log",
     benchmark:
         "results/benchmarks/draw_labels/{shard}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
         span=lambda wildcards: shard_range("labels", wildcards.shard),
@@ -49,8 +47,6 @@ rule summarise_labels:
         "logs/summarise_labels.log",
     benchmark:
         "results/benchmarks/summarise_labels/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     message:

@@ -12,8 +12,6 @@ rule render_phy:
         "logs/render_phy/{scenes}/{shard}.log",
     benchmark:
         "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
         phy=config["phy"],
@@ -37,8 +35,6 @@ rule train_cgan:
     benchmark:
         "results/benchmarks/train_cgan/all.tsv"
     priority: 100  # the longest chain of the workflow starts here
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=3000,
         gpu=int(config["cgan"]["device"] == "cuda"),
@@ -71,8 +67,6 @@ rule render_cgan:
     benchmark:
         "results/benchmarks/render_cgan/{scenes}/{shard}.tsv"
     priority: 90
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=3000,
         gpu=int(config["cgan"]["device"] == "cuda"),

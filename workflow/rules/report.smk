@@ -38,11 +38,6 @@ rule write_report:
         "logs/write_report.log",
     benchmark:
         "results/benchmarks/write_report/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
     params:
         config=config,
         note=NOTE,

@@ -15,8 +15,6 @@ rule score_similarity:
         "logs/score_similarity/{shard}.log",
     benchmark:
         "results/benchmarks/score_similarity/{shard}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         methods=METHODS,
     message:
@@ -38,8 +36,6 @@ rule tabulate_similarity:
         "logs/tabulate_similarity.log",
     benchmark:
         "results/benchmarks/tabulate_similarity/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         window_rows=config["similarity"]["window_rows"],
     message:

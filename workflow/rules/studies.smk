@@ -127,8 +127,6 @@ checkpoint tabulate_ablation:
         "logs/tabulate_ablation.log",
     benchmark:
         "results/benchmarks/tabulate_ablation/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
         n_bootstrap=TRACKER["n_bootstrap"],
@@ -178,8 +176,6 @@ rule tabulate_seeds:
         "logs/tabulate_seeds.log",
     benchmark:
         "results/benchmarks/tabulate_seeds/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
         n_bootstrap=TRACKER["n_bootstrap"],
@@ -208,8 +204,6 @@ rule time_trackers:
         "logs/time_trackers.log",
     benchmark:
         "results/benchmarks/time_trackers/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -235,8 +229,6 @@ rule stress_tracker:
         "logs/stress_tracker.log",
     benchmark:
         "results/benchmarks/stress_tracker/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -318,8 +310,6 @@ rule study_cgan_score:
         "logs/study_cgan_score.log",
     benchmark:
         "results/benchmarks/study_cgan_score/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
         gpu=int(config["cgan"]["device"] == "cuda"),
@@ -345,8 +335,6 @@ rule study_cgan_speed:
         "logs/study_cgan_speed.log",
     benchmark:
         "results/benchmarks/study_cgan_speed/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -375,8 +363,6 @@ rule study_cgan_width:
         "logs/study_cgan_width/{cgan_mode}_{cgan_width}.log",
     benchmark:
         "results/benchmarks/study_cgan_width/{cgan_mode}_{cgan_width}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=4000,
     params:
@@ -411,8 +397,6 @@ rule study_cgan_tabulate_widths:
         "logs/study_cgan_tabulate_widths.log",
     benchmark:
         "results/benchmarks/study_cgan_tabulate_widths/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         runs=CGAN_RUNS,
     message:
@@ -431,8 +415,6 @@ rule study_cgan_stability:
         "logs/study_cgan_stability.log",
     benchmark:
         "results/benchmarks/study_cgan_stability/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
     params:
@@ -476,8 +458,6 @@ rule study_convolution_smrt:
         "logs/study_convolution_smrt.log",
     benchmark:
         "results/benchmarks/study_convolution_smrt/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         reference=config["reference"],
     message:

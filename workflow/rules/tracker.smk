@@ -15,8 +15,6 @@ rule train_tracker:
     benchmark:
         "results/benchmarks/train_tracker/{training_set}/{replica}.tsv"
     priority: 50
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
@@ -58,8 +56,6 @@ rule score_tracker:
         "logs/score_tracker/{training_set}.log",
     benchmark:
         "results/benchmarks/score_tracker/{training_set}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
@@ -98,8 +94,6 @@ rule tabulate_trackers:
         "logs/tabulate_trackers.log",
     benchmark:
         "results/benchmarks/tabulate_trackers/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     params:
         seed=config["seed"],
         n_bootstrap=config["tracker"]["n_bootstrap"],
@@ -129,8 +123,6 @@ rule track_samples:
         "logs/track_samples.log",
     benchmark:
         "results/benchmarks/track_samples/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
