@@ -41,6 +41,8 @@ class TrainingRun:
         self._events = None
 
     def __enter__(self):
+        # The workflow gives every process one thread; a training called by anyone else ends with the same bytes.
+        torch.set_num_threads(1)
         if self._path.exists():
             self._resume()
         if self._events_path is not None:
