@@ -217,9 +217,7 @@ def own_flight(tiny_flight, tmp_path):
     ],
     ids=["nsidc", "cresis", "cresis old layers"],
 )
-def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
-    tiny_flight, tmp_path, own_flight, source, kinds, old
-):
+def test_other_formats_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path, own_flight, source, kinds, old):
     run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old))
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
