@@ -19,7 +19,6 @@ NOT_COPIED = shutil.ignore_patterns(
     *("__pycache__", ".pytest_cache", ".ruff_cache", "*.egg-info"),
 )
 EXPORTED = "results/export/pairs/pd/train.lst"
-SLOWEST_S = 3600  # against a command that hangs, not a measure of speed
 
 
 def blocks(page):
@@ -53,7 +52,7 @@ def run_block(language, code, folder):
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, cwd=folder, env=environment, start_new_session=True, **pipes) as running:
         try:
-            output = running.communicate(timeout=SLOWEST_S)
+            output = running.communicate(timeout=3600)  # against a command that hangs, not a measure of speed
         except subprocess.TimeoutExpired:
             os.killpg(running.pid, signal.SIGKILL)  # and all that it started
             raise

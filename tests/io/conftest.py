@@ -41,3 +41,9 @@ def scenes(rng):
 def table(flight):
     """Table of the frames in the folder `flight`."""
     return read_frames(flight / "frames.tsv")
+
+
+@pytest.fixture
+def rows(table):
+    """Rows of that table, as frames are read by them."""
+    return list(table.itertuples())

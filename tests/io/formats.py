@@ -255,3 +255,6 @@ def opr_layers(twtt, gps_time, names=None):
     coords = {"slow_time": slow_time(gps_time)} | ({} if names is None else {"layer": np.asarray(names, dtype=str)})
     flags = {name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)) for name in ("quality", "type")}
     return xr.Dataset({"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords)
+
+
+of_mat = pytest.mark.parametrize("write", [write_mat5, write_mat73], ids=["mat5", "mat73"])

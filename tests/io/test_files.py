@@ -1,13 +1,22 @@
+"""Files the workflow writes appear whole, come back, repeat to the byte, and say why they cannot be read."""
+
+import dataclasses
 import errno
+import hashlib
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 from formats import refused
+from numpy.testing import assert_allclose, assert_array_equal
 from pandas.testing import assert_frame_equal
+from safetensors.numpy import save_file
 
+from snowsim import __version__
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
+from snowsim.io.models import fingerprint, read_model, write_model
+from snowsim.io.scenes import SceneSet, write_scenes
 
 
 def test_a_file_appears_only_when_it_is_whole(tmp_path):
@@ -68,3 +77,136 @@ def test_a_truncated_dataset_is_refused_by_name(path, rng):
     write_dataset(path, xr.Dataset({"x": ("line", rng.random(10_000))}))
     path.write_bytes(path.read_bytes()[:5_000])
     refused(read_dataset, path, "expected a NetCDF-4 file")
+
+
+def test_scenes_of_several_files_come_back_as_they_were(tmp_path, scenes):
+    scenes = [dataclasses.replace(scenes[i % 3], name=f"scene_{i}", notes={"n": i}) for i in range(12)]
+    paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
+    write_scenes(paths[0], scenes[:7], {"synthetic": "yes"})
+    write_scenes(paths[1], scenes[7:])
+    with SceneSet(paths) as read:
+        assert len(read) == 12
+        assert read.attributes["synthetic"] == "yes"
+        for before, after in zip(scenes, read, strict=True):
+            for name in ("name", "n_range_bins", "zone", "notes", "noise_floor_db", "maximum_db"):
+                assert getattr(after, name) == getattr(before, name)
+            assert_array_equal(before.image, after.image)
+            # float32 keeps 24 bits: 3e-5 bins at bin 500
+            assert_allclose(after.layer_bins, before.layer_bins, atol=5e-5)
+            assert_allclose(after.complete_layer_bins, before.complete_layer_bins, atol=5e-5)
+
+
+def test_same_scenes_give_same_bytes(tmp_path, scenes):
+    for name in ("a.nc", "b.nc"):
+        write_scenes(tmp_path / name, scenes)
+    assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
+def test_a_writer_that_fails_leaves_nothing(tmp_path, scenes):
+    def failing():
+        yield scenes[0]
+        msg = "the second scene cannot be made"
+        raise RuntimeError(msg)
+
+    with pytest.raises(RuntimeError, match="second scene"):
+        write_scenes(tmp_path / "a.nc", failing())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_scene_is_refused(tmp_path, path):
+    refused(lambda path: write_scenes(path, []), path, "at least one scene")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scenes_that_hold_different_things_are_refused(path, scenes):
+    scenes[1].image = None
+    refused(lambda path: write_scenes(path, scenes), path, f"scene {scenes[1].name}: expected .*image.* as in")
+
+
+def test_a_truncated_file_is_refused_by_name(path, scenes):
+    write_scenes(path, scenes)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    refused(SceneSet, path, "expected a scene file")
+
+
+def test_another_netcdf_file_is_refused(path):
+    xr.Dataset({"x": 1.0}).to_netcdf(path)
+    refused(SceneSet, path, "expected attribute format")
+
+
+ARRAYS = {
+    "network": {"a.weight": np.arange(6, dtype=np.float32).reshape(2, 3), "a.bias": np.zeros(2, np.float32)},
+    "adam": {0: {"step": np.float32(7), "exp_avg": np.ones((2, 3), np.float32)}},
+}
+METADATA = {"kind": "tracker", "settings": {"width": 8, "scales": (1.0, 0.5)}, "seed": 3, "step": 7}
+
+
+@pytest.fixture
+def model(tmp_path):
+    write_model(tmp_path / "model.safetensors", ARRAYS, METADATA)
+    return tmp_path / "model.safetensors"
+
+
+def test_arrays_and_metadata_come_back(model):
+    # What is expected is compared as JSON keeps it: tuples as lists.
+    arrays, metadata = read_model(model, expected=METADATA)
+    assert_array_equal(arrays["network"]["a.weight"], ARRAYS["network"]["a.weight"])
+    assert arrays["adam"]["0"]["step"].shape == ()
+    assert arrays["adam"]["0"]["step"] == 7
+    assert metadata["version"] == __version__
+    assert metadata["settings"] == {"width": 8, "scales": [1.0, 0.5]}
+
+
+def test_the_same_model_gives_the_same_bytes(model, tmp_path):
+    write_model(tmp_path / "again.safetensors", ARRAYS, dict(reversed(METADATA.items())))
+    assert model.read_bytes() == (tmp_path / "again.safetensors").read_bytes()
+
+
+def test_arrays_need_not_lie_in_row_order(model):
+    transposed = np.arange(6.0).reshape(2, 3).T
+    write_model(model, {"a": transposed}, {})
+    assert_array_equal(read_model(model)[0]["a"], transposed)
+
+
+@pytest.mark.parametrize(
+    ("expected", "words"),
+    [
+        ({"seed": 4}, "seed: expected 4, got 3"),
+        ({"settings": {"width": 16, "scales": [1.0, 0.5]}}, "settings: width: expected 16, got 8"),
+        ({"settings": {"width": 8}}, "settings: scales: expected None"),
+        ({"kind": "cgan"}, "kind: expected 'cgan', got 'tracker'"),
+        ({"data": "ab12"}, "data: expected 'ab12', got None"),
+    ],
+)
+def test_a_model_of_another_configuration_is_refused(model, expected, words):
+    refused(lambda model: read_model(model, expected=expected), model, words)
+
+
+@pytest.mark.parametrize("n_bytes", [0, 5, 200, -1])
+def test_a_truncated_model_is_refused_and_one_that_is_gone(model, n_bytes):
+    model.write_bytes(model.read_bytes()[:n_bytes])
+    refused(read_model, model, "expected a whole safetensors file")
+    model.unlink()
+    refused(read_model, model, "expected a whole safetensors file")
+
+
+def test_a_foreign_safetensors_file_is_refused(model):
+    save_file({"a": np.zeros(2)}, model)
+    refused(read_model, model, "expected a model of format")
+
+
+def test_a_failed_write_leaves_the_old_file(model):
+    before = model.read_bytes()
+    with pytest.raises(TypeError):
+        write_model(model, ARRAYS, {"settings": object()})
+    assert model.read_bytes() == before
+    assert [p.name for p in model.parent.iterdir()] == [model.name]
+
+
+def test_the_fingerprint_depends_on_content_and_order_and_not_on_names(tmp_path):
+    for name, text in (("a", "1"), ("b", "2"), ("c", "1")):
+        (tmp_path / name).write_text(text)
+    a, b, c = (tmp_path / name for name in "abc")
+    assert fingerprint([a, b]) == fingerprint([c, b]) != fingerprint([b, a])
+    digests = b"".join(hashlib.sha256(text).digest() for text in (b"1", b"2"))
+    assert fingerprint([a, b]) == hashlib.sha256(digests).hexdigest()

@@ -1,7 +1,5 @@
 """The table of frames: what is checked before a file is opened, and after; one frame in memory at a time."""
 
-from types import SimpleNamespace
-
 import formats
 import numpy as np
 import pytest
@@ -23,11 +21,6 @@ def flight(tmp_path, content):
     roles = {"one": ("a.nc", "statistics"), "two": ("b.mat", "train"), "three": ("c.mat", "test")}
     formats.write_flight(tmp_path, content, roles)
     return tmp_path
-
-
-def frame(folder, name):
-    """A row of the table."""
-    return SimpleNamespace(echogram=folder / name, layers=folder / LAYERS)
 
 
 def test_a_table_gives_every_frame_level_and_with_the_surface_first(table):
@@ -86,9 +79,9 @@ def test_frames_of_another_bin_size_are_told(flight, table, content):
     check_frames(table, bin_s=5e-10)
 
 
-def test_named_layers_have_the_same_row_in_every_frame(table):
+def test_named_layers_have_the_same_row_in_every_frame(rows):
     names = ["surface", "Koenig_1", "Koenig_2"]
-    echogram, layers = read_frame(next(table.itertuples()), layer_names=names)
+    echogram, layers = read_frame(rows[0], layer_names=names)
     bins = layer_bins_of(layers, echogram)
     assert layers["layer"].values.tolist() == names
     assert np.isnan(bins[1]).all()
@@ -131,23 +124,23 @@ def test_a_table_needs_its_columns_and_a_row(tmp_path, header):
         read_frames(tmp_path / "frames.tsv")
 
 
-def test_without_a_layer_named_surface_a_frame_is_refused(flight):
+def test_without_a_layer_named_surface_a_frame_is_refused(flight, rows):
     (flight / formats.ORGANIZER_FILE).unlink()
     with pytest.raises(ValueError, match="layer: expected one named surface .*, found id 9, id 5"):
-        read_frame(frame(flight, "a.nc"))
+        read_frame(rows[0])
 
 
-def test_layers_that_end_early_are_refused_with_the_file(flight, content):
+def test_layers_that_end_early_are_refused_with_the_file(flight, rows, content):
     layers = formats.layer_content(content["Surface"][None, :30], [9], content["GPS_time"][:30])
     formats.write_mat5(flight / LAYERS, layers)
     with pytest.raises(ValueError, match=f"{LAYERS}: slow_time: expected to cover"):
-        read_frame(frame(flight, "a.nc"))
+        read_frame(rows[0])
 
 
-def test_compensated_files_give_the_frame_of_the_plain_ones(flight, content):
+def test_compensated_files_give_the_frame_of_the_plain_ones(flight, rows, content):
     stored = formats.compensated(content, np.arange(formats.N_LINES) % 7, n_kept=formats.N_BINS)
     formats.write_mat73(flight / "c.mat", stored)
-    (plain, picks), (undone, same_picks) = (read_frame(frame(flight, name)) for name in ("b.mat", "c.mat"))
+    (plain, picks), (undone, same_picks) = map(read_frame, rows[1:])
     brightest = [echogram["twtt"].values[np.nanargmax(echogram["Data"], axis=0)] for echogram in (plain, undone)]
     assert_allclose(*brightest, atol=formats.BIN_S / 100)
     assert_allclose(picks["twtt"], same_picks["twtt"], atol=formats.BIN_S / 100)

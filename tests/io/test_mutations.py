@@ -26,7 +26,6 @@ from snowsim.io.files import write_dataset
 from snowsim.io.images import read_image
 from snowsim.io.png_pairs import read_pair
 
-SECONDS_PER_FILE = 2
 # A file is called after its kind, which begins with what it holds.
 READERS = {
     "echogram": lambda path: read_echogram(path)["Data"].values,
@@ -124,7 +123,7 @@ def outcomes_of(folder):
         [sys.executable, __file__, str(folder)],
         capture_output=True,
         text=True,
-        timeout=60 + SECONDS_PER_FILE * len(names),
+        timeout=60 + 2 * len(names),
         check=False,
     )
     outcomes = {}

@@ -153,6 +153,7 @@ def test_numbers_that_could_be_power_or_decibels_are_not_guessed(tmp_path, scene
 
 IMAGE = np.arange(300 * 256, dtype=np.uint32).reshape(300, 256).astype(np.uint8)
 MASK = layer_mask(np.full((1, 256), 50.0), 300)
+COLOUR = MASK[..., None].repeat(3, 2).astype(np.uint8)
 
 
 @pytest.mark.parametrize(
@@ -162,10 +163,7 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
         ({"layer_binary": MASK[:86]}, r"size: expected that of the image, \(300, 256\), found \(86, 256\)"),
         ({"layer_binary": ~MASK}, "mask: expected layers on a dark ground, found 100 % of pixels on: inverted"),
         ({"layer_binary": IMAGE}, "mask: expected 1 bit, or two grey levels of which one is 0, found 256 levels"),
-        (
-            {"layer_binary": MASK[..., None].repeat(3, 2).astype(np.uint8)},
-            "PNG: expected 1-bit or 8-bit grey, found mode",
-        ),
+        ({"layer_binary": COLOUR}, "PNG: expected 1-bit or 8-bit grey, found mode"),
         ({"layer_binary": np.zeros_like(MASK)}, "labels: expected at least one layer, found none"),
         ({"layer_binary": MASK, "layer": np.roll(MASK, 1, 0).astype(np.uint8)}, "mask: expected what layer_x.png has"),
         ({"layer": (MASK | np.roll(MASK, 5, 0)).astype(np.uint8)}, "layer numbers: expected one run of pixels"),

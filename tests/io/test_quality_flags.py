@@ -1,11 +1,10 @@
 """Quality flags of IRSNO1B supplements: which frames, lines and blocks they take out, what is counted, what is not."""
 
-import configuration
 import formats
 import numpy as np
 import pytest
-import yaml
 from numpy.testing import assert_array_equal
+from runs import CONFIG, SCHEMA
 
 from snowsim.frames import UNFIT_FLAGS
 from snowsim.io import read_echogram
@@ -23,11 +22,6 @@ def flight(tmp_path, rng):
     return tmp_path
 
 
-@pytest.fixture
-def rows(table):
-    return list(table.itertuples())
-
-
 def supplement(folder, number, **flags):
     """Write the supplement beside a frame: all eight flags, one value for the whole frame unless given by line."""
     path = folder / f"{ROLES[number]}_supplement.nc"
@@ -40,10 +34,9 @@ def by_line(*lines):
 
 
 def test_the_setting_knows_the_flags_of_the_files():
-    schema, config = (yaml.safe_load(path.read_text()) for path in (configuration.SCHEMA, configuration.CONFIG))
-    described = schema["properties"]["import"]["properties"]["unfit_flags"]
+    described = SCHEMA["properties"]["import"]["properties"]["unfit_flags"]
     assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
-    assert config["import"]["unfit_flags"] == list(UNFIT_FLAGS)
+    assert CONFIG["import"]["unfit_flags"] == list(UNFIT_FLAGS)
 
 
 def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table):

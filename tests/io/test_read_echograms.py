@@ -3,7 +3,7 @@
 import formats
 import numpy as np
 import pytest
-from formats import refused
+from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_echogram, to_db
@@ -21,7 +21,6 @@ WRITERS = {
     "opr": lambda path, content: write_dataset(path, formats.opr_dataset(content)),
 }
 of_every_format = pytest.mark.parametrize("write", WRITERS.values(), ids=WRITERS)
-of_cresis = pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73], ids=["mat5", "mat73"])
 
 
 def read_back(write, path, content, **options):
@@ -109,26 +108,26 @@ def test_a_frame_over_a_leap_second_stays_in_order():
     assert_array_equal(np.diff(times), np.timedelta64(500, "ms"))
 
 
-@of_cresis
+@of_mat
 def test_time_may_be_a_row_as_well_as_a_column(path, content, write):
     assert_array_equal(read_back(write, path, content | {"Time": content["Time"][None]})["twtt"], content["Time"])
 
 
-@of_cresis
+@of_mat
 def test_missing_attitude_is_no_fault(path, content, write):
     for name in ("Roll", "Pitch", "Heading"):
         del content[name]
     assert "Roll" not in read_back(write, path, content)
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("struct", ["param_records", "param_qlook", "param_get_heights", "param_csarp"])
 def test_parameters_are_found_under_newer_and_older_names(path, content, write, struct):
     content[struct] = {"season_name": "2012_Greenland_P3", "day_seg": "20120330_04"}
     assert content[struct].items() <= read_back(write, path, content).attrs.items()
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 def test_scaled_integers_come_back_as_power_to_half_a_step(path, content, write, dtype):
     power_db = to_db(content["Data"].astype(float))
@@ -143,7 +142,7 @@ def test_scaled_integers_come_back_as_power_to_half_a_step(path, content, write,
     assert_allclose(found_db, power_db, atol=span_db / largest / 2 + 1e-4)
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("truncate_time", [False, True])
 def test_undone_compensation_gives_back_the_recorded_traces(path, content, write, truncate_time):
     correction = np.arange(formats.N_LINES) % 7
@@ -229,7 +228,7 @@ def test_bad_values_are_refused_in_one_line(path, content, write, change, messag
     refused(read_echogram, path, message)
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("name", ["Data", "Time", "GPS_time", "Latitude", "Surface"])
 def test_a_missing_variable_is_named(path, content, write, name):
     del content[name]
@@ -243,7 +242,7 @@ def test_a_missing_variable_of_netcdf_is_named(path, content, name):
     refused(read_echogram, path, f"{name}: expected variables .*, found")
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("name", ["Data", "Latitude", "GPS_time", "Time"])
 def test_a_wrong_shape_is_named(path, content, write, name):
     content[name] = content[name][:-1]
@@ -251,7 +250,7 @@ def test_a_wrong_shape_is_named(path, content, write, name):
     refused(read_echogram, path, "(Data|Latitude): expected .*, found shape")
 
 
-@of_cresis
+@of_mat
 @pytest.mark.parametrize("value", ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))], ids=str)
 def test_a_wrong_type_is_named(path, content, write, value):
     content["Elevation"] = value

@@ -4,7 +4,7 @@ import formats
 import numpy as np
 import pytest
 import scipy.io
-from formats import refused
+from formats import of_mat, refused
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_layers
@@ -17,9 +17,6 @@ GPS_TIME = formats.GPS_START + 0.05 * np.arange(N_LINES)
 SURFACE = np.full(N_LINES, 3.0e-6)
 KOENIG_2 = SURFACE + 2e-8
 KOENIG_3 = SURFACE + 5e-8
-
-
-of_both_versions = pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73], ids=["mat5", "mat73"])
 
 
 @pytest.fixture
@@ -35,7 +32,7 @@ def write_with_organizer(path, twtt, names, *, write=formats.write_mat5, groups=
     return path
 
 
-@of_both_versions
+@of_mat
 def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, write):
     # The surface is neither the first row nor id 1.
     write_with_organizer(path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"], write=write)
@@ -55,20 +52,20 @@ def test_names_that_come_twice_carry_their_group(path):
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
 
 
-@of_both_versions
+@of_mat
 def test_without_organizer_ids_are_no_names(path, write):
     write(path, formats.layer_content([KOENIG_2, SURFACE], [1, 2], GPS_TIME))
     assert_array_equal(read_layers(path)["layer"], ["id 2", "id 1"])
 
 
-@of_both_versions
+@of_mat
 def test_a_single_layer_may_be_one_dimensional(path, write):
     content = formats.layer_content(SURFACE, [1], GPS_TIME)
     write(path, content | {name: content[name].ravel() for name in ("twtt", "quality", "type")})
     assert read_layers(path)["twtt"].shape == (1, N_LINES)
 
 
-@of_both_versions
+@of_mat
 def test_layers_without_picks_are_left_out_and_listed(path, write):
     write_with_organizer(path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"], write=write)
     layers = read_layers(path)
@@ -76,13 +73,13 @@ def test_layers_without_picks_are_left_out_and_listed(path, write):
     assert layers.attrs["empty_layers"] == "empty"
 
 
-@of_both_versions
+@of_mat
 def test_a_file_without_a_single_pick_is_refused(path, write):
     write_with_organizer(path, [SURFACE * np.nan] * 2, ["surface", "bottom"], write=write)
     refused(read_layers, path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
 
 
-@of_both_versions
+@of_mat
 @pytest.mark.parametrize("names", [("surface", "Koenig_2"), ("", "")])
 def test_old_files_hold_picks_in_the_second_value(path, write, names):
     write(path, formats.old_layer_content([SURFACE, KOENIG_2], GPS_TIME, names))
@@ -148,7 +145,7 @@ def test_impossible_layers_are_refused(path, rows, message):
     ],
     ids=["shape", "no time", "time falls", "flags", "text", "no id"],
 )
-@of_both_versions
+@of_mat
 def test_damaged_layer_files_are_refused(path, write, change, message):
     write(path, formats.layer_content([SURFACE, KOENIG_2], [1, 2], GPS_TIME) | change)
     refused(read_layers, path, message)

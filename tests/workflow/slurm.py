@@ -52,21 +52,16 @@ def find(name):
     return shutil.which(name, path=os.environ["PATH"] + ":/usr/sbin:/sbin")
 
 
-def free_ports(n):
-    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(n)]
-    ports = [each.getsockname()[1] for each in sockets]
-    for each in sockets:
-        each.close()
-    return ports
-
-
 @contextmanager
 def one_node_cluster(folder, cpus=2, memory_mb=8000):
     """Start the cluster; gives the folder of its client programs, to be put first on the path; stops it at the end."""
     for name in ("state", "spool", "bin"):
         (folder / name).mkdir(parents=True)
     host = socket.gethostname().split(".")[0]
-    controller_port, node_port = free_ports(2)
+    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]
+    controller_port, node_port = (each.getsockname()[1] for each in sockets)
+    for each in sockets:
+        each.close()  # the ports are free again
     conf = folder / "slurm.conf"
     values = {"host": host, "folder": folder, "controller_port": controller_port, "node_port": node_port}
     user = subprocess.run(["id", "-un"], capture_output=True, text=True, check=True).stdout.strip()

@@ -20,11 +20,10 @@ def cluster(tmp_path_factory):
 @pytest.mark.cluster
 def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_targets, tmp_path):
     # A node of two cores: a group must not ask for more.
-    arguments = ("--jobs", 8, "--cores", 2, "--latency-wait", 10, "--slurm-init-seconds-before-status-checks", 5)
+    words = ("--jobs", 8, "--cores", 2, "--latency-wait", 10, "--slurm-init-seconds-before-status-checks", 5)
     env = environment(PATH=f"{cluster}:{environment()['PATH']}")
-    done = run_snakemake(
-        tmp_path / "run", *arguments, "--", *reproducible_targets, profile="slurm", timeout=3000, env=env
-    )
+    words += ("--", *reproducible_targets)
+    done = run_snakemake(tmp_path / "run", *words, profile="slurm", timeout=3000, env=env)
     assert "SLURM jobid" in text_of(done)
     assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(tiny_run / "results")
 

@@ -1,8 +1,55 @@
-"""The same configuration gives the same bytes, however the work is divided and ordered."""
+"""The same configuration gives the same bytes, however the work is divided and ordered; two results are compared."""
 
+import numpy as np
+import pandas as pd
 import pytest
 import reproducible
+import xarray as xr
 from runs import run_snakemake, settings
+
+SVG = '<svg><metadata><date>{date}</date></metadata><path d="M 1 {y}"/><text>bins</text></svg>'
+ZONES = pd.DataFrame({"zone": ["low", None], "mean": [1.0, np.nan]})
+
+
+@pytest.fixture
+def folders(tmp_path):
+    for name in ("old", "new"):
+        folder = tmp_path / name
+        (folder / "tables").mkdir(parents=True)
+        ZONES.to_csv(folder / "tables/zones.csv", index=False)
+        (folder / "lines.svg").write_text(SVG.format(date=name, y=2))
+        xr.Dataset({"power": ("layer", [0.5, np.nan])}).to_netcdf(folder / "statistics.nc")
+    return tmp_path / "old", tmp_path / "new"
+
+
+def test_dates_and_missing_values_are_no_difference(folders):
+    assert reproducible.compare(*folders) == []
+
+
+def test_every_value_that_moved_is_named_with_its_size(folders):
+    old, new = folders
+    ZONES.assign(mean=[1.25, np.nan]).to_csv(new / "tables/zones.csv", index=False)
+    (new / "lines.svg").write_text(SVG.format(date="new", y=3))
+    (new / "statistics.nc").unlink()
+    (new / "extra.csv").write_text("a\n1\n")
+    assert reproducible.compare(old, new) == [
+        f"extra.csv: only in {new}",
+        "lines.svg: drawn: differs by up to inf",
+        "statistics.nc: missing",
+        "tables/zones.csv: mean: differs by up to 0.25",
+    ]
+
+
+def test_moved_files_columns_and_small_differences_are_followed(folders, monkeypatch):
+    old, new = folders
+    (new / "tables/zones.csv").unlink()
+    moved = ZONES.assign(mean=[1 + 1e-13, np.nan]).rename(columns={"mean": "average"})
+    moved.to_csv(new / "tables/by_zone.csv", index=False)
+    assert len(reproducible.compare(old, new)) == 2
+    monkeypatch.setitem(reproducible.MOVED_FILES, "tables/zones.csv", "tables/by_zone.csv")
+    monkeypatch.setitem(reproducible.MOVED_COLUMNS, "tables/by_zone.csv", {"mean": "average"})
+    monkeypatch.setitem(reproducible.ALLOWED, "tables/by_zone.csv: average", 5e-13)
+    assert reproducible.compare(old, new) == []
 
 
 def test_one_core_gives_the_same_bytes_as_two(tiny_run, reproducible_targets, tmp_path):

@@ -188,11 +188,10 @@ def own_flight(tiny_flight, tmp_path):
     """A function that writes the tiny flight's frames as files of a source, with a table; gives settings."""
 
     def write(source, kinds, old):
-        rows, n_layers = [], 0
+        rows = []
         roles_of_frames = (("statistics", "train"), ("statistics",), ("test",))
         for number, (kind, roles) in enumerate(zip(kinds, roles_of_frames, strict=True)):
             echogram, layers = tiny_flight[number]
-            n_layers = max(n_layers, layers.sizes["layer"])
             content = own_files.content_of(echogram, number * echogram.sizes["slow_time"])
             name = f"20120330_04_{number + 1:03d}"
             file = own_files.write_echogram(tmp_path, f"echogram_{number}", content, kind)
@@ -202,7 +201,8 @@ def own_flight(tiny_flight, tmp_path):
         (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
         own = {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}
         # One frame has no pick of the first horizon: only names tell that its first layer is the second one.
-        return write_own(tmp_path, source, **own, layer_names=own_files.layer_names(n_layers))
+        names = own_files.layer_names(max(layers.sizes["layer"] for _, layers in tiny_flight))
+        return write_own(tmp_path, source, **own, layer_names=names)
 
     return write
 
@@ -217,9 +217,7 @@ def own_flight(tiny_flight, tmp_path):
     ],
     ids=["nsidc", "cresis", "cresis old layers"],
 )
-def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
-    tiny_flight, tmp_path, own_flight, source, kinds, old
-):
+def test_other_formats_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path, own_flight, source, kinds, old):
     run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old))
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
