@@ -26,7 +26,7 @@ setup: .venv/.installed
 	rm -rf .venv
 	$(PYTHON) -m venv .venv
 	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
-	.venv/bin/python workflow/install_torch.py "$(TORCH_VERSION)" "$(TORCH_INDEX)"
+	.venv/bin/python envs/install_torch.py "$(TORCH_VERSION)" "$(TORCH_INDEX)"
 	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	.venv/bin/python -m pip check
 	touch $@
