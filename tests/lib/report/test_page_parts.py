@@ -10,9 +10,10 @@ import pytest
 from PIL import Image
 from result_tables import SETS, table2, table3_intervals
 
+from lib.figures.style import evenly_spaced
 from lib.report.content import compare_table2, compare_table3, counterparts, paper_figures, stage_costs, title_of
 from lib.report.format import config_lines, duration, groupby_stage, size
-from lib.report.gallery import choose_scenes, layer_lines
+from lib.report.gallery import layer_lines
 from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
 
 
@@ -70,9 +71,9 @@ def test_stages_cost_what_their_rules_cost(tmp_path):
 
 def test_scenes_of_the_gallery_spread_over_the_number_of_layers():
     n_layers = np.random.default_rng(5).permutation(40)
-    chosen = choose_scenes(n_layers, 5)
+    chosen = evenly_spaced(n_layers, 5)
     assert [int(n_layers[i]) for i in chosen] == [0, 10, 20, 29, 39]
-    assert sorted(choose_scenes([3, 1, 2], 16)) == [0, 1, 2]
+    assert sorted(evenly_spaced([3, 1, 2], 16)) == [0, 1, 2]
 
 
 def test_lines_break_where_a_layer_is_absent():

@@ -56,8 +56,7 @@ def stability_phy(stability_phy):
     plot_limits(axes.flat[-1], stability_phy[stability_phy["setting"] == "borders"])
     labels = [name for name in METHOD_NAMES.values() if name in handles]
     figure.legend([handles[label] for label in labels], labels, loc="outside lower left", ncols=4, fontsize=7)
-    note_source(figure, PLANTED)
-    return figure
+    return note_source(figure, PLANTED)
 
 
 def plot_methods(ax, setting, rows):
@@ -114,8 +113,7 @@ def stability_statistics(stability_statistics):
     for ax, panel in zip(axes[-1], panels, strict=False):
         ax.set_xlabel(panel, fontsize=8)
     axes[0, 0].legend(fontsize=6)
-    note_source(figure, PLANTED)
-    return figure
+    return note_source(figure, PLANTED)
 
 
 def plot_estimators(ax, atlas, panel, quantity):
@@ -168,5 +166,4 @@ def stability_statistics_borders(stability_statistics):
     ax.set_yticks(range(len(cases)), cases, fontsize=7)
     ax.set(xlim=(-0.5, 12), ylim=(len(cases) - 0.5, -0.5))
     ax.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.4, 1.08), ncols=4)
-    note_source(figure, PLANTED)
-    return figure
+    return note_source(figure, PLANTED)

@@ -27,8 +27,7 @@ def closed_loop(closed_loop, closed_loop_conventions, source):
     plot_slab_errors(axes[1, 0], closed_loop, "relative_thickness_mean")
     plot_spectrum_errors(axes[1, 1], closed_loop)
     plot_conventions(axes[1, 2], closed_loop_conventions)
-    note_source(figure, f"{source}, and PHY renders of its statistics")
-    return figure
+    return note_source(figure, f"{source}, and PHY renders of its statistics")
 
 
 def plot_layer_errors(ax, table, quantity):

@@ -28,8 +28,7 @@ def convolution_accuracy(convolution_accuracy, studies, source):
     plot_tails(axes[1, 1], table)
     plot_costs(axes[1, 2], table)
     missing = "" if studies else "; SMRT: not run (target study_convolution)"
-    note_source(figure, f"models beside each other, settings of the {source}{missing}")
-    return figure
+    return note_source(figure, f"models beside each other, settings of the {source}{missing}")
 
 
 def plot_stacks(ax, table, sweep, xlabel, scale="log"):

@@ -28,9 +28,8 @@ def echogram(frame, picks):
 def image_with_gaps(power):
     """8-bit image of a frame, uint8 (range_bin, range_line), black where nothing was measured.
 
-    Levelled frames have ragged ends: rows that fewer than half of the lines reach are black whole, and in the others a
-    gap counts as the row's median where `to_uint8` looks for the noise floor. Where most lines hold nothing at all,
-    half of those that do count instead.
+    Levelled frames have ragged ends: rows that fewer than half of the lines reach (where most hold nothing, of those
+    that do) are black whole; in the others `to_uint8` finds the noise floor with the row's median in the gaps.
     """
     measured = np.isfinite(power) & (power > 0)
     reached = measured.sum(axis=1)
@@ -54,9 +53,8 @@ def flight_line(frames, frame_picks):
     draw_coast(axes[0, 0])
     x, y = project(table["latitude_deg"], table["longitude_deg"])
     axes[0, 0].plot(x, y, color="0.3", linewidth=1, zorder=2)
-    points = axes[0, 0].scatter(
-        x, y, c=table["first_slab_bins"], s=26, zorder=3, edgecolor=WHITE, linewidth=0.4, cmap="viridis"
-    )
+    style = {"s": 26, "zorder": 3, "edgecolor": WHITE, "linewidth": 0.4, "cmap": "viridis"}
+    points = axes[0, 0].scatter(x, y, c=table["first_slab_bins"], **style)
     label = "mean thickness of the first slab [range bins]"
     figure.colorbar(points, ax=axes[0, 0], location="bottom", shrink=0.7, pad=0.02, label=label)
     return figure, table
@@ -109,11 +107,7 @@ def chosen_bins(layer_bins, n_range_bins):
 
 
 def plot_pixels(ax, power_db, layer_bins, first_bin):
-    """Pixels of a few range lines, their edges drawn, and the pixel each layer is tracked in.
-
-    Rows of `power_db` (range_bin, range_line) begin at range bin `first_bin`; `layer_bins` gives the bins of a layer in
-    the same lines by the layer's number.
-    """
+    """Pixels (range_bin, range_line) from `first_bin` on with their edges, and those each layer is tracked in."""
     n_bins, n_lines = np.shape(power_db)
     extent = (-0.5, n_lines - 0.5, first_bin + n_bins - 0.5, first_bin - 0.5)
     image = ax.imshow(power_db, aspect="auto", interpolation="none", cmap="gray", extent=extent)
@@ -147,36 +141,25 @@ def plot_lines_power(ax, power_db, layer_bins, first_bin):
 
 
 def waveforms(statistics):
-    """Mean waveform about the surface and the first layer, and the peak power of every layer."""
+    """Mean waveform about the surface and the first layer; peak power of all layers with two standard errors."""
     figure, axes = new_figure(1, 3, width=8)
-    for ax, layer in zip(axes[0], (0, 1), strict=False):
-        plot_waveform(ax, statistics, layer)
-    plot_layer_powers(axes[0, 2], statistics)
-    return figure
-
-
-def plot_waveform(ax, statistics, layer):
-    """Averaged range lines about a layer, the model of all layers, the layer alone with noise."""
-    rows = statistics.sel(layer=layer) if "layer" in statistics.coords else statistics.isel(layer=layer)
-    lag = statistics["lag"]
-    noise = float(statistics["noise_power"])
-    ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color=BLACK, label="averaged lines")
-    ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=BLUE, linestyle="--", label="all layers")
-    ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=RED, label="this layer and noise")
-    ax.set(xlabel=f"range bins below layer {layer}", ylabel="power [dB]")
-    ax.legend(fontsize=6)
-
-
-def plot_layer_powers(ax, statistics):
-    """Peak power of each layer above the noise, with two standard errors."""
-    power = statistics["peak_power"].values
+    lag, noise = statistics["lag"], float(statistics["noise_power"])
+    for layer, ax in enumerate(axes[0, :2]):
+        rows = statistics.sel(layer=layer) if "layer" in statistics.coords else statistics.isel(layer=layer)
+        ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color=BLACK, label="averaged lines")
+        ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=BLUE, linestyle="--", label="all layers")
+        ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=RED, label="this layer and noise")
+        ax.set(xlabel=f"range bins below layer {layer}", ylabel="power [dB]")
+        ax.legend(fontsize=6)
+    ax, power = axes[0, 2], statistics["peak_power"].values
     error = 2 * statistics["peak_power_standard_error"].values
     low = np.maximum(power - error, 1e-3 * power)
     layer = np.arange(power.size)
     ax.vlines(layer, 10 * np.log10(low), 10 * np.log10(power + error), color="0.6")
     ax.plot(layer, 10 * np.log10(power), "o", color=BLACK, markersize=3)
-    ax.axhline(10 * np.log10(float(statistics["noise_power"])), color="0.5", linestyle=":", linewidth=1)
+    ax.axhline(10 * np.log10(noise), color="0.5", linestyle=":", linewidth=1)
     ax.set(xlabel="layer", ylabel="peak power [dB]")
+    return figure
 
 
 def along_track(statistics):

@@ -9,34 +9,25 @@ FAMILIES = ("white", "power_law", "ar1", "matern")  # of spectra, beside those a
 
 
 def label_models(label_criteria, label_savings, label_families):
-    """Criteria against parameters, spectra by family, and how far statistics of scenes change."""
+    """BIC above its least by kind of spectrum and number of zones; spectra by family; how far statistics change."""
     figure, axes = new_figure(1, 3, width=10, height=3.4)
-    plot_criterion(axes[0, 0], label_criteria, "bic")
-    plot_families(axes[0, 1], label_families, zone=0)
-    plot_changes(axes[0, 2], label_savings)
-    return figure
-
-
-def plot_criterion(ax, criteria, criterion):
-    """A criterion above its least against parameters: a line a kind of spectrum, a point a number of zones."""
-    least = criteria[criterion].min()
-    for psd, rows in criteria.groupby("psd", sort=False):
-        above = np.maximum(rows[criterion] - least, 10)
+    ax, least = axes[0, 0], label_criteria["bic"].min()
+    for psd, rows in label_criteria.groupby("psd", sort=False):
+        above = np.maximum(rows["bic"] - least, 10)
         ax.plot(rows["n_parameters"], above, "o-", color=COLOURS[psd], markersize=3, label=name_of(psd))
         for row, y in zip(rows.itertuples(), above, strict=True):
             ax.annotate(f"{row.n_zones}", (row.n_parameters, y), xytext=(2, 2), textcoords="offset points", fontsize=5)
-    ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel=f"{criterion.upper()} above its least")
+    ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel="BIC above its least")
     ax.legend(fontsize=6)
-
-
-def plot_families(ax, families, zone):
-    """Spectrum of slab 0 in one zone, observed as points, and what each family makes of it."""
-    rows = families[families["zone"] == zone]
+    # Observed as points, and what each family makes of it.
+    ax, rows = axes[0, 1], label_families[label_families["zone"] == 0]
     ax.loglog(rows["wavenumber"], rows["tabulated"], ".", color=COLOURS["tabulated"], markersize=2)
     for name in FAMILIES:
         ax.loglog(rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name))
-    ax.set(xlabel="wavenumber [cycles per range line]", ylabel=f"PSD of slab 0, zone {zone} [bins² line]")
+    ax.set(xlabel="wavenumber [cycles per range line]", ylabel="PSD of slab 0, zone 0 [bins² line]")
     ax.legend(fontsize=6)
+    plot_changes(axes[0, 2], label_savings)
+    return figure
 
 
 def plot_changes(ax, savings):
@@ -56,26 +47,22 @@ def plot_changes(ax, savings):
 
 
 def labels(label_layers, label_moments, label_spectra, label_correlation):
-    """Number of layers, thickness, spectra of the first slab, correlation of slabs."""
+    """Layers a scene, thickness by slab and zone, spectra and correlation of slabs: points flight, lines synthetic."""
     figure, axes = new_figure(2, 2, width=7, height=5)
     counts = label_layers["n_scenes"]
     axes[0, 0].bar(label_layers["n_layers"], counts, color="0.5")
     axes[0, 0].axhline(counts.sum() / len(counts), color=BLACK, linestyle=":", linewidth=1)
     axes[0, 0].set(xlabel="layers below the surface", ylabel="scenes")
-    plot_thickness(axes[0, 1], label_moments)
-    plot_spectra(axes[1, 0], label_spectra, slab=0)
-    plot_correlation(axes[1, 1], label_correlation)
-    return figure
-
-
-def plot_thickness(ax, moments):
-    """Mean thickness relative to slab 0 by slab and zone: flight as points, synthetic as lines."""
-    for zone, rows in moments.groupby("zone"):
-        colour = _zone_colour(zone, moments)
+    ax = axes[0, 1]
+    for zone, rows in label_moments.groupby("zone"):
+        colour = _zone_colour(zone, label_moments)
         ax.plot(rows["slab"], rows["relative_mean_observed"], "o", color=colour, markersize=2.5)
         ax.plot(rows["slab"], rows["relative_mean_synthetic"], color=colour, label=f"zone {zone}")
     ax.set(xlabel="slab", ylabel="thickness / slab 0")
     ax.legend(fontsize=7)
+    plot_spectra(axes[1, 0], label_spectra, slab=0)
+    plot_correlation(axes[1, 1], label_correlation)
+    return figure
 
 
 def plot_spectra(ax, spectra, slab):

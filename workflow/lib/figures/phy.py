@@ -13,19 +13,23 @@ def speed_accuracy_waveforms(speed_accuracy_waveforms):
     """Every way of computing mean power."""
     figure, axes = new_figure(width=7, height=3.6)
     plot_speed_accuracy(axes[0, 0], speed_accuracy_waveforms)
-    note_source(figure, PLANTED)
-    return figure
+    return note_source(figure, PLANTED)
 
 
 def speed_accuracy_speckle(speed_accuracy_speckle):
-    """Every speckle method, and the Gamma law where the mean moves within the looks."""
+    """Every speckle method, and the moment-matched Gamma law where the mean moves within the looks."""
     runs = speed_accuracy_speckle
     figure, axes = new_figure(1, 2, width=9, height=3.4, width_ratios=(3, 2))
-    plot_movement(axes[0, 1], runs)
     xlabel = "distance of distribution functions from the literal sum"
     plot_speed_accuracy(axes[0, 0], runs[runs["seconds"].notna()], "distance", xlabel)
-    note_source(figure, PLANTED)
-    return figure
+    ax, method = axes[0, 1], "gamma, moving"
+    for n_looks, rows in runs[runs["method"] == method].groupby("n_looks"):
+        rows = rows.drop_duplicates("movement_db").sort_values("movement_db")
+        style = {"linestyle": "-" if n_looks == runs["n_looks"].min() else "--", "color": COLOURS[method]}
+        ax.plot(rows["movement_db"], rows["distance"], "o", markersize=3, label=f"{n_looks:.0f} looks", **style)
+    ax.set(yscale="log", xlabel="change of the mean within the looks [dB]", ylabel="distance from the literal sum")
+    ax.legend(fontsize=6)
+    return note_source(figure, PLANTED)
 
 
 def speed_accuracy_scenes(speed_accuracy_scenes):
@@ -39,8 +43,7 @@ def speed_accuracy_growth(speed_accuracy_growth):
     figure, axes = new_figure(1, 2, width=7)
     plot_growth(axes[0, 0], runs[runs["setting"] == "pixels"], "n_pixels", "pixels of a scene of 15 layers", "log")
     plot_growth(axes[0, 1], runs[runs["setting"] == "layers"], "n_layers", "layers of a scene of 1024 x 256 pixels")
-    note_source(figure, PLANTED)
-    return figure
+    return note_source(figure, PLANTED)
 
 
 def phy_plan(plans):
@@ -83,10 +86,7 @@ def pareto_front(error, cost):
 
 
 def plot_speed_accuracy(ax, runs, column="error_db", xlabel="largest error of mean power plus noise [dB]"):
-    """Nanoseconds per pixel against error, fastest runs; the Pareto front, and the floor of one float32 normal.
-
-    Points without an error in `column` are drawn as lines: they are no approximations.
-    """
+    """Fastest runs against error, Pareto front and floor; lines where no error is known: they are no approximations."""
     points = fastest(runs, ("setting", "method"))
     floor = points[points["method"] == FLOOR]
     points = points[points["method"] != FLOOR]
@@ -147,17 +147,6 @@ def joined_settings(settings):
     if len(units) == 1 and all(setting[:1].isdigit() for setting in settings):
         settings[:-1] = [setting.partition(" ")[0] for setting in settings[:-1]]
     return settings
-
-
-def plot_movement(ax, runs):
-    """Distance of the moment-matched Gamma from the literal sum against how much the mean moves within the looks."""
-    method = "gamma, moving"
-    for n_looks, rows in runs[runs["method"] == method].groupby("n_looks"):
-        rows = rows.drop_duplicates("movement_db").sort_values("movement_db")
-        style = {"linestyle": "-" if n_looks == runs["n_looks"].min() else "--", "color": COLOURS[method]}
-        ax.plot(rows["movement_db"], rows["distance"], "o", markersize=3, label=f"{n_looks:.0f} looks", **style)
-    ax.set(yscale="log", xlabel="change of the mean within the looks [dB]", ylabel="distance from the literal sum")
-    ax.legend(fontsize=6)
 
 
 def plot_growth(ax, runs, column, xlabel, scale="linear"):

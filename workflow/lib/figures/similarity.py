@@ -50,16 +50,13 @@ def sample(observed, cgan, phy, images):
     """Observed scene, its layers, and both renders of them, for scenes at the quartiles of cGAN's SSIM."""
     names = choose_scenes(images)
     figure, axes = new_figure(len(names), 4, width=8, height=2.6 * len(names))
-    columns = [(observed, "observed"), (observed, "layers"), (cgan, "cGAN"), (phy, "PHY")]
-    for column, (scenes, title) in zip(axes.T, columns, strict=True):
+    for column, scenes, title in ((0, observed, "observed"), (2, cgan, "cGAN"), (3, phy, "PHY")):
         chosen = {scene.name: scene for scene in scenes if scene.name in names}
-        for ax, name in zip(column, names, strict=True):
-            if title == "layers":
-                plot_layers(ax, chosen[name].layer_bins, chosen[name].n_range_bins, f"{title} of {name}")
-            else:
-                plot_echogram(ax, chosen[name].image, title)
-    for ax in axes[:, 0]:
-        ax.set_ylabel("range bin")
+        for row, name in zip(axes, names, strict=True):
+            plot_echogram(row[column], chosen[name].image, title)
+            if scenes is observed:
+                plot_layers(row[1], chosen[name], f"layers of {name}")
+                row[0].set_ylabel("range bin")
     return figure
 
 
@@ -70,31 +67,26 @@ def choose_scenes(images):
 
 
 def render_positions(render_positions):
-    """Distance from layers to the peak near them, by their slope and by their curvature."""
+    """Distance from layers to the peak near them by slope and curvature: means over scenes, two standard errors."""
     figure, axes = new_figure(1, 2, width=8, height=3.2, sharey=True)
-    for ax, against in zip(axes[0], ("slope", "curvature"), strict=True):
-        plot_position_error(ax, render_positions, against)
+    units = {"slope": "range bins per range line", "curvature": "range bins per range line²"}
+    for ax, (against, unit) in zip(axes[0], units.items(), strict=True):
+        chosen = render_positions[render_positions["against"] == against]
+        for k, (method, rows) in enumerate(chosen.groupby("method")):
+            groups = rows.groupby("shape_class")["mean_abs_error_bins"]
+            error = 2 * groups.std() / np.sqrt(groups.count())
+            style = {"fmt": "o-", "color": COLOURS[method], "markersize": 4, "label": name_of(method)}
+            ax.errorbar(groups.mean().index + 0.08 * (k - 1), groups.mean(), error, **style)
+        edges = chosen.drop_duplicates("shape_class").sort_values("shape_class")
+        labels = [
+            f"below {high:.2g}" if low == 0 else f"above {low:.2g}" if np.isinf(high) else f"{low:.2g} to {high:.2g}"
+            for low, high in zip(edges["shape_low"], edges["shape_high"], strict=True)
+        ]
+        ax.set_xticks(range(len(labels)), labels, fontsize=7)
+        ax.set(xlabel=f"{against} [{unit}]", ylim=(0, None))
     axes[0, 0].set_ylabel("distance to the peak [range bins]")
     axes[0, 0].legend(loc="lower left")
     return figure
-
-
-def plot_position_error(ax, positions, against):
-    """Distance by classes of slope or curvature: means over scenes with two standard errors."""
-    chosen = positions[positions["against"] == against]
-    for k, (method, rows) in enumerate(chosen.groupby("method")):
-        groups = rows.groupby("shape_class")["mean_abs_error_bins"]
-        error = 2 * groups.std() / np.sqrt(groups.count())
-        style = {"fmt": "o-", "color": COLOURS[method], "markersize": 4, "label": name_of(method)}
-        ax.errorbar(groups.mean().index + 0.08 * (k - 1), groups.mean(), error, **style)
-    edges = chosen.drop_duplicates("shape_class").sort_values("shape_class")
-    labels = [
-        f"below {high:.2g}" if low == 0 else f"above {low:.2g}" if np.isinf(high) else f"{low:.2g} to {high:.2g}"
-        for low, high in zip(edges["shape_low"], edges["shape_high"], strict=True)
-    ]
-    ax.set_xticks(range(len(labels)), labels, fontsize=7)
-    unit = "range bins per range line" + ("²" if against == "curvature" else "")
-    ax.set(xlabel=f"{against} [{unit}]", ylim=(0, None))
 
 
 def render_texture(render_texture):

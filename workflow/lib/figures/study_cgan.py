@@ -9,10 +9,7 @@ MODES = {"equal_steps": ("cGAN, equal steps", COLOURS["cgan"]), "equal_time": ("
 
 
 def speed_accuracy_cgan(widths):
-    """Similarity against seconds per render: widths trained for equal steps and for equal time, and PHY.
-
-    A cross marks trainings in which the detectors of collapse found faults.
-    """
+    """Similarity against seconds per render by width, and PHY; crosses: trainings that detectors of collapse fault."""
     figure, axes = new_figure(1, 3, width=9)
     for ax, metric in zip(axes[0], ("psnr", "ssim", "rmse"), strict=True):
         for mode, (label, face) in MODES.items():

@@ -1,7 +1,4 @@
-"""The one style of all figures: colours, names, sizes, scenes and picks, and where the data come from.
-
-Figures go to files with the same bytes for the same figure.
-"""
+"""The one style of all figures, what they share, and how they are written: the same bytes for the same figure."""
 
 from pathlib import Path
 
@@ -75,6 +72,7 @@ STYLE = {
 mpl.use("Agg")
 mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
 DPI = 200
+RUNNING_STEPS = 50  # of means of losses
 METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
 PLANTED = "planted layers, no observed data"
 
@@ -90,10 +88,11 @@ def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
 
 
 def note_source(figure, source):
-    """State what the data are in a corner of the figure, unless it says so already: every figure does."""
+    """State what the data are in a corner of the figure, unless it says so already; gives the figure."""
     if not figure.texts:
         figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
         figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
+    return figure
 
 
 def name_columns(ax, keys):
@@ -101,21 +100,25 @@ def name_columns(ax, keys):
     ax.set_xticks(range(len(keys)), [name_of(key) for key in keys], rotation=30, ha="right")
 
 
-def plot_echogram(ax, image, title=None):
+def plot_echogram(ax, image, title=""):
     """8-bit echogram, range down, range lines across."""
     # Uninterpolated: vector files then hold the image's own pixels.
     ax.imshow(image, vmin=0, vmax=255, cmap="gray", aspect="auto", interpolation="none")
     ax.set_xlabel("range line")
-    if title:
-        ax.set_title(title, fontsize=8)
+    ax.set_title(title, fontsize=8)
 
 
-def plot_layers(ax, layer_bins, n_range_bins, title=None):
-    """Layers as lines on the frame of their image."""
-    ax.plot(np.asarray(layer_bins).T, color=BLACK, linewidth=0.6)
-    ax.set(xlim=(-0.5, np.shape(layer_bins)[1] - 0.5), ylim=(n_range_bins - 0.5, -0.5), xlabel="range line")
-    if title:
-        ax.set_title(title, fontsize=8)
+def plot_layers(ax, scene, title):
+    """Layers of a scene as lines on the frame of its image."""
+    ax.plot(scene.layer_bins.T, color=BLACK, linewidth=0.6)
+    ax.set(xlim=(-0.5, scene.n_range_lines - 0.5), ylim=(scene.n_range_bins - 0.5, -0.5), xlabel="range line")
+    ax.set_title(title, fontsize=8)
+
+
+def evenly_spaced(numbers, n_chosen):
+    """Indices of numbers at evenly spaced ranks, in that order; all if there are fewer."""
+    order = np.argsort(np.asarray(numbers), kind="stable")
+    return order[np.unique(np.rint(np.linspace(0, order.size - 1, min(n_chosen, order.size))).astype(int))]
 
 
 def plot_picks(ax, layer_bins):
@@ -124,11 +127,7 @@ def plot_picks(ax, layer_bins):
 
 
 def write_figure(path, figure):
-    """Write a matplotlib figure without a date, whole or not at all.
-
-    A name in .svg is what rules declare: the same figure as PNG is written beside it, and before it, so that where the
-    one lies the other does too. A name in .png writes that alone. ValueError for any other ending.
-    """
+    """Write a figure without a date, whole or not at all; one in .svg as .png too, and first: where it lies both do."""
     suffix = Path(path).suffix
     if suffix not in METADATA:
         msg = f"{path}: expected a figure name that ends in .svg or .png"

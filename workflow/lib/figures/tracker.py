@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from lib.figures.style import COLOURS, NAMES, RED, TRAINING_SETS, name_columns, name_of, new_figure
+from lib.figures.style import COLOURS, NAMES, RED, RUNNING_STEPS, TRAINING_SETS, name_columns, name_of, new_figure
 
-RUNNING_STEPS = 50
 PICK_ERRORS = {
     "mean_absolute_error_bins": "mean absolute error [range bins]",
     "thickness_mean_absolute_error_m": "error of annual thickness [m]",

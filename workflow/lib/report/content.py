@@ -22,11 +22,7 @@ GIBIBYTE_MB = 1024
 
 
 def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, stages, benchmarks):
-    """All that the page's template names, from the files of a run.
-
-    `captions` holds stage and caption of every figure by its path, `studies` the `files` that studies have left and the
-    `parts` that there are, `stages` the stage of every measured rule.
-    """
+    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are."""
     paper = yaml.safe_load(Path(paper).read_text(encoding="utf-8"))
     figures = described_figures(figures, captions)
     by_name = {Path(path).stem: read_table(path) for path in tables}
@@ -134,11 +130,7 @@ def compare_table2(table2, paper):
 
 
 def compare_table3(intervals, paper):
-    """Rows of Table III: output, score, and a cell a training set.
-
-    A cell is ours with its interval, its difference to RD with its own, whether that leaves out zero (`resolved`), and
-    the paper's.
-    """
+    """Rows of Table III: output, score, a cell a training set; `resolved` where the interval of the difference lacks zero."""
     ours = intervals.set_index(["output", "metric", "training_set"])
     rows = []
     for output, published in paper.items():
@@ -155,8 +147,7 @@ def compare_table3(intervals, paper):
 def stage_costs(jobs, stages):
     """Cost of every stage, and under `rules` of every rule in it, in the order of `stages` (rule -> stage).
 
-    `jobs` has a row per job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]. Rules that are not in `stages`
-    are left out: their files are of an older run.
+    `jobs`, a row a job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]; of an older run's rules left out.
     """
     jobs = jobs.assign(**{name: pd.to_numeric(jobs[name], errors="coerce") for name in ("s", "cpu_time", "max_rss")})
     costs = []

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lib.figures.style import METHODS
+from lib.figures.style import METHODS, evenly_spaced
 from lib.report.page import image_uri
 
 LINE_STEP = 2  # every other range line of a layer is drawn
@@ -10,12 +10,9 @@ METRICS = ("ssim", "psnr", "rmse")
 
 
 def gallery_of(scenes, images, n_scenes):
-    """Test scenes spread over their number of layers, as plain values.
-
-    `scenes` holds observed scenes and both renders by name, `images` the table of similarity.
-    """
+    """Test scenes spread over their number of layers, as plain values; `images` is the table of similarity."""
     scores = images.set_index(["scene", "method"])[list(METRICS)].to_dict("index")
-    chosen = choose_scenes([scene.layer_bins.shape[0] for scene in scenes["observed"]], n_scenes)
+    chosen = evenly_spaced([scene.layer_bins.shape[0] for scene in scenes["observed"]], n_scenes)
     return [
         {
             "name": scene.name,
@@ -29,21 +26,14 @@ def gallery_of(scenes, images, n_scenes):
                 for method in METHODS
             },
         }
-        for i, scene in ((i, scenes["observed"][i]) for i in chosen)
+        for i, scene in ((int(i), scenes["observed"][int(i)]) for i in chosen)
     ]
 
 
-def choose_scenes(n_layers, n_scenes):
-    """Indices of scenes at evenly spaced ranks of their number of layers, in that order; all if there are fewer."""
-    order = np.argsort(np.asarray(n_layers), kind="stable")
-    ranks = np.unique(np.rint(np.linspace(0, order.size - 1, min(n_scenes, order.size))).astype(int))
-    return [int(i) for i in order[ranks]]
-
-
 def layer_lines(layer_bins, step=LINE_STEP):
-    """Layers as lists of unbroken pieces, each [range_line, range_bin, range_line, ...], bins to a tenth.
+    """Layers (layer, range_line) as lists of unbroken pieces [range_line, range_bin, range_line, ...], bins to a tenth.
 
-    `layer_bins` is (layer, range_line), NaN where absent; a point every `step` range lines, first and last are kept.
+    NaN is absent; a point every `step` range lines, first and last are kept.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     chosen = np.unique(np.r_[np.arange(0, layer_bins.shape[1], step), layer_bins.shape[1] - 1])

@@ -38,10 +38,7 @@ def write_json(path, value):
 
 
 def read_benchmarks(folder):
-    """What Snakemake measured of every job, a row per job with its `rule`; no rows where nothing was measured.
-
-    Files lie under ``folder/rule/...``; of a repeated measurement all lines count.
-    """
+    """What Snakemake measured under ``folder/rule/...``, a row a measurement with its `rule`; no rows without any."""
     folder = Path(folder)
     tables = [
         pd.read_csv(path, sep="\t").assign(rule=path.relative_to(folder).parts[0])
@@ -67,10 +64,7 @@ def file_uri(path):
 
 
 def figure_uri(path, most_bytes=MOST_BYTES):
-    """A figure as a data URI: as it stands, or if larger than `most_bytes` its pixels as WebP of quality 80.
-
-    The pixels of an SVG figure are those of the PNG that `lib.figures.style.write_figure` leaves beside it.
-    """
+    """A figure as a data URI: as it stands, or if larger than `most_bytes` the PNG beside it as WebP of quality 80."""
     path = Path(path)
     pixels = path.with_suffix(".png")
     if path.stat().st_size <= most_bytes or not pixels.exists():
