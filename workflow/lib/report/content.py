@@ -130,7 +130,7 @@ def compare_table2(table2, paper):
 
 
 def compare_table3(intervals, paper):
-    """Rows of Table III: output, score, a cell a training set; `resolved` where the interval of the difference lacks zero."""
+    """Rows of Table III: output, score, a cell a training set; `resolved` where its interval lacks zero."""
     ours = intervals.set_index(["output", "metric", "training_set"])
     rows = []
     for output, published in paper.items():
