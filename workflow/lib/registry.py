@@ -1,8 +1,4 @@
-"""The list of figures, workflow/figures.yaml: which job draws them, from what, and their captions.
-
-A figure names `tables` of results/tables/, further `inputs` and `scenes` as paths under results/, `settings`, tables of
-`studies` to draw where they are, tables it `makes` on the way, what it `needs` of a source, and its `caption`.
-"""
+"""The list of figures, workflow/figures.yaml: which job draws which of them, and from what files."""
 
 import re
 
@@ -10,10 +6,7 @@ from lib.imports import ROOT, SCRIPTS, closure
 
 
 def plots(registry, left_out):
-    """Figures of every rule, (rule's name, stage) -> file -> figure.
-
-    What the default run leaves out has a rule of its own: asked for by name it is drawn, or says why it cannot be.
-    """
+    """Figures by (rule's name, stage) and file; what the default run leaves out is asked for by a rule of its own."""
     found = {}
     for stage, figures in registry.items():
         for file, figure in figures.items():

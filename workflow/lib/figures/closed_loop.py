@@ -26,7 +26,21 @@ def closed_loop(closed_loop, closed_loop_conventions, source):
         plot_layer_errors(ax, closed_loop, quantity)
     plot_slab_errors(axes[1, 0], closed_loop, "relative_thickness_mean")
     plot_spectrum_errors(axes[1, 1], closed_loop)
-    plot_conventions(axes[1, 2], closed_loop_conventions)
+    # Median error over bound of every quantity that conventions bear on, a row a convention.
+    ax = axes[1, 2]
+    rows = np.arange(len(closed_loop_conventions))
+    for quantity, (colour, marker) in CONVENTION_MARKS.items():
+        share = closed_loop_conventions[f"{quantity}_median"] / closed_loop_conventions[f"{quantity}_bound"]
+        ax.plot(np.maximum(share, 1e-3), rows, marker, color=colour, markersize=4, label=name_of(quantity))
+    ax.axvline(1, color="0.6", linewidth=1)
+    labels = [
+        f"{row.normalise}, {row.align}, {row.width}\n({row.estimator}{', closest' if row.closest else ''})"
+        for row in closed_loop_conventions.itertuples()
+    ]
+    ax.set_yticks(rows, labels, fontsize=6)
+    ax.invert_yaxis()
+    ax.set(xscale="log", xlabel="median error / bound")
+    ax.legend(fontsize=5.5, loc="upper center", bbox_to_anchor=(0.4, 1.16), ncols=3)
     return note_source(figure, f"{source}, and PHY renders of its statistics")
 
 
@@ -70,23 +84,6 @@ def plot_spectrum_errors(ax, table):
     _limit(ax, rows, scale, "band")
     ax.set_xticks(sorted(rows["band"].unique()))
     ax.set_xlabel("band of wavenumber")
-
-
-def plot_conventions(ax, conventions):
-    """Median error over bound of every quantity that conventions bear on, a row a convention."""
-    rows = np.arange(len(conventions))
-    for quantity, (colour, marker) in CONVENTION_MARKS.items():
-        share = conventions[f"{quantity}_median"] / conventions[f"{quantity}_bound"]
-        ax.plot(np.maximum(share, 1e-3), rows, marker, color=colour, markersize=4, label=name_of(quantity))
-    ax.axvline(1, color="0.6", linewidth=1)
-    labels = [
-        f"{row.normalise}, {row.align}, {row.width}\n({row.estimator}{', closest' if row.closest else ''})"
-        for row in conventions.itertuples()
-    ]
-    ax.set_yticks(rows, labels, fontsize=6)
-    ax.invert_yaxis()
-    ax.set(xscale="log", xlabel="median error / bound")
-    ax.legend(fontsize=5.5, loc="upper center", bbox_to_anchor=(0.4, 1.16), ncols=3)
 
 
 def _bound(ax, rows, quantity, unit="relative"):
@@ -160,7 +157,17 @@ def validation(validation_distributions, validation_thickness, validation_tests,
     first = first.groupby("low_bins")[["n_observed", "n_synthetic"]].sum().reset_index(names="low")
     plot_shares(axes[0, 1], first.assign(high=first["low"] + 1), "blocks of the flight", "label scenes")
     axes[0, 1].set(xlabel="mean thickness of the first slab [bins]", ylabel="share per bin")
-    plot_test_values(axes[0, 2], validation_tests)
+    # Probabilities of normality in order, by kind, beside what Gaussian thickness would give.
+    ax = axes[0, 2]
+    for of, colour in (("relative block mean", BLUE), ("undulation", RED)):
+        p_value = np.sort(validation_tests.loc[validation_tests["of"] == of, "p_value_correlated"])
+        if p_value.size:
+            ax.plot((np.arange(p_value.size) + 0.5) / p_value.size, p_value, ".", color=colour, markersize=3, label=of)
+    ax.plot([0, 1], [0, 1], color="0.7", linewidth=1)
+    ax.axhline(0.05, color="0.7", linestyle=":", linewidth=1)
+    ax.set(xlabel="share of zones and slabs", ylabel="p of normality")
+    if len(validation_tests):
+        ax.legend(fontsize=6)
     for ax, slab in zip(axes[1], SHOWN_SLABS, strict=False):
         plot_spectra(ax, label_spectra, slab)
     plot_correlation(axes[1, 2], label_correlation)
@@ -178,19 +185,6 @@ def plot_shares(ax, rows, observed, synthetic):
     ax.bar(middle, share["n_observed"], width=width, color=OBSERVED, label=observed)
     ax.step(middle, share["n_synthetic"], where="mid", color=BLUE, linewidth=1, label=synthetic)
     ax.legend(fontsize=6)
-
-
-def plot_test_values(ax, tests):
-    """Probabilities of the tests of normality in order, by kind, beside what Gaussian thickness would give."""
-    for of, colour in (("relative block mean", BLUE), ("undulation", RED)):
-        p_value = np.sort(tests.loc[tests["of"] == of, "p_value_correlated"])
-        if p_value.size:
-            ax.plot((np.arange(p_value.size) + 0.5) / p_value.size, p_value, ".", color=colour, markersize=3, label=of)
-    ax.plot([0, 1], [0, 1], color="0.7", linewidth=1)
-    ax.axhline(0.05, color="0.7", linestyle=":", linewidth=1)
-    ax.set(xlabel="share of zones and slabs", ylabel="p of normality")
-    if len(tests):
-        ax.legend(fontsize=6)
 
 
 def plot_given_and_recovered(ax, loop, quantity, ylabel, *, decibels=False):

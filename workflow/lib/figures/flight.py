@@ -163,20 +163,9 @@ def waveforms(statistics):
 
 
 def along_track(statistics):
-    """Spectra along track under the picks, and tracked power against the Gamma law."""
+    """Spectra of complex echoes where there is a segment, else of detected power; tracked power, the Gamma law."""
     figure, axes = new_figure(1, 2, width=7)
-    plot_track_spectra(axes[0, 0], statistics)
-    # The paper's chi-square.
-    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
-    axes[0, 1].plot(expected, expected, color="0.6", linewidth=1)
-    axes[0, 1].plot(expected, observed, ".", color=BLACK, markersize=3)
-    n_looks = statistics.attrs["n_looks"]
-    axes[0, 1].set(xlabel=f"Gamma quantile, {n_looks:.1f} looks", ylabel="tracked power / group mean")
-    return figure
-
-
-def plot_track_spectra(ax, statistics):
-    """Spectra of the complex echoes of a segment where there is one, else of detected power."""
+    ax = axes[0, 0]
     if "doppler_layer_1" in statistics:
         x, kind = statistics["doppler_wavenumber"], "doppler"
         ax.set_ylabel("Doppler spectrum / mean [dB]")
@@ -194,6 +183,14 @@ def plot_track_spectra(ax, statistics):
             ax.plot(centres, 10 * np.log10(np.maximum(bands, 1e-4)), color=colour, linewidth=1, label=label)
     ax.set_xlabel("wavenumber [cycles per range line]" if x.name == "wavenumber" else "wavenumber [cycles per m]")
     ax.legend(fontsize=7)
+    # The paper's chi-square.
+    ax = axes[0, 1]
+    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
+    ax.plot(expected, expected, color="0.6", linewidth=1)
+    ax.plot(expected, observed, ".", color=BLACK, markersize=3)
+    n_looks = statistics.attrs["n_looks"]
+    ax.set(xlabel=f"Gamma quantile, {n_looks:.1f} looks", ylabel="tracked power / group mean")
+    return figure
 
 
 # A map of Greenland: degrees north and east, rounded; clockwise from the southern tip. Between places it is straight.
@@ -214,7 +211,6 @@ COAST = (
     (66.9, -53.7), (65.4, -52.9), (64.2, -51.7),  # Sisimiut, Maniitsoq, Nuuk
     (62.0, -49.7), (61.2, -48.4), (60.1, -45.2),  # Paamiut, Arsuk, Nanortalik
 )  # fmt: skip
-EARTH_RADIUS_KM = EARTH_RADIUS_M / 1000
 CENTRAL_LONGITUDE_DEG, TRUE_LATITUDE_DEG = -42.0, 70.0
 PARALLELS_DEG, MERIDIANS_DEG = (60, 65, 70, 75, 80), (-70, -60, -50, -40, -30, -20)
 
@@ -222,7 +218,7 @@ PARALLELS_DEG, MERIDIANS_DEG = (60, 65, 70, 75, 80), (-70, -60, -50, -40, -30, -
 def project(latitude_deg, longitude_deg):
     """Polar stereographic coordinates on a sphere, x and y [km]: the pole at 0, scale true at 70 degrees north."""
     latitude, longitude = np.radians(latitude_deg), np.radians(np.asarray(longitude_deg) - CENTRAL_LONGITUDE_DEG)
-    scale = (1 + np.sin(np.radians(TRUE_LATITUDE_DEG))) * EARTH_RADIUS_KM
+    scale = (1 + np.sin(np.radians(TRUE_LATITUDE_DEG))) * (EARTH_RADIUS_M / 1000)
     radius = scale * np.tan(np.pi / 4 - latitude / 2)
     return radius * np.sin(longitude), -radius * np.cos(longitude)
 

@@ -26,14 +26,10 @@ def label_models(label_criteria, label_savings, label_families):
         ax.loglog(rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name))
     ax.set(xlabel="wavenumber [cycles per range line]", ylabel="PSD of slab 0, zone 0 [bins² line]")
     ax.legend(fontsize=6)
-    plot_changes(axes[0, 2], label_savings)
-    return figure
-
-
-def plot_changes(ax, savings):
-    """Thickness statistics of scenes by each label model against those of the first, in per cent."""
-    columns = [name for name in savings.columns if name.endswith("_bins_change")]
-    rows = savings[~savings["model"].isin(("paper", "in use"))]
+    # Statistics of scenes by each model against those of the first.
+    ax = axes[0, 2]
+    columns = [name for name in label_savings.columns if name.endswith("_bins_change")]
+    rows = label_savings[~label_savings["model"].isin(("paper", "in use"))]
     for i, row in enumerate(rows.itertuples()):
         label = f"{row.model}: {row.n_zones} zones, {name_of(row.psd)}, {row.n_parameters} parameters"
         at = np.arange(len(columns)) + 0.25 * (i - (len(rows) - 1) / 2)
@@ -44,6 +40,7 @@ def plot_changes(ax, savings):
     ax.invert_yaxis()
     ax.set(xlabel="change against the paper's model [%]")
     ax.legend(fontsize=5.5, loc="upper center", bbox_to_anchor=(0.35, 1.22))
+    return figure
 
 
 def labels(label_layers, label_moments, label_spectra, label_correlation):

@@ -1,5 +1,7 @@
 """Similarity of renders to observed scenes, what bounds it, where layers lie in renders, and their texture."""
 
+from itertools import product
+
 import numpy as np
 
 from lib.figures import style
@@ -48,7 +50,8 @@ def ssim_depth(ssim_depth):
 
 def sample(observed, cgan, phy, images):
     """Observed scene, its layers, and both renders of them, for scenes at the quartiles of cGAN's SSIM."""
-    names = choose_scenes(images)
+    ranked = images[images["method"] == "cgan"].sort_values(["ssim", "scene"])["scene"].to_list()
+    names = [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, N_SCENES_SHOWN + 2)[1:-1]]
     figure, axes = new_figure(len(names), 4, width=8, height=2.6 * len(names))
     for column, scenes, title in ((0, observed, "observed"), (2, cgan, "cGAN"), (3, phy, "PHY")):
         chosen = {scene.name: scene for scene in scenes if scene.name in names}
@@ -58,12 +61,6 @@ def sample(observed, cgan, phy, images):
                 plot_layers(row[1], chosen[name], f"layers of {name}")
                 row[0].set_ylabel("range bin")
     return figure
-
-
-def choose_scenes(images):
-    """Names of the scenes at evenly spaced ranks of cGAN's SSIM: neither the best nor the worst."""
-    ranked = images[images["method"] == "cgan"].sort_values(["ssim", "scene"])["scene"].to_list()
-    return [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, N_SCENES_SHOWN + 2)[1:-1]]
 
 
 def render_positions(render_positions):
@@ -90,29 +87,24 @@ def render_positions(render_positions):
 
 
 def render_texture(render_texture):
-    """Four measures of texture above and below the surface."""
+    """Four measures of texture above and below the surface: every scene a point, the mean a bar."""
+    regions = ("above", "below")
+    methods = [method for method in ("observed", *METHODS) if method in set(render_texture["method"])]
     figure, axes = new_figure(2, 2, width=8, height=5.5)
     for ax, (column, label) in zip(axes.flat, TEXTURES.items(), strict=True):
-        plot_texture(ax, render_texture, column)
-        ax.set_ylabel(label)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
-    return figure
-
-
-def plot_texture(ax, textures, column):
-    """One measure of texture: every scene a point, the mean a bar."""
-    regions, methods = ("above", "below"), [m for m in ("observed", *METHODS) if m in set(textures["method"])]
-    for i, region in enumerate(regions):
-        for k, method in enumerate(methods):
-            rows = textures[(textures["region"] == region) & (textures["method"] == method)]
+        for (i, region), (k, method) in product(enumerate(regions), enumerate(methods)):
+            rows = render_texture[(render_texture["region"] == region) & (render_texture["method"] == method)]
             values = rows.sort_values("scene")[column].dropna()
             x = i + 0.26 * (k - (len(methods) - 1) / 2)
             spread = np.linspace(-0.08, 0.08, values.size) if values.size > 1 else np.zeros(values.size)
             ax.plot(x + spread, values, ".", color=COLOURS[method], markersize=2.5, alpha=0.5)
-            label = name_of(method) if i == 0 else None
-            ax.hlines(values.mean(), x - 0.11, x + 0.11, color=COLOURS[method], linewidth=2, label=label)
-    ax.set_xticks(range(len(regions)), [f"{region} the surface" for region in regions])
+            name = name_of(method) if i == 0 else None
+            ax.hlines(values.mean(), x - 0.11, x + 0.11, color=COLOURS[method], linewidth=2, label=name)
+        ax.set_xticks(range(len(regions)), [f"{region} the surface" for region in regions])
+        ax.set_ylabel(label)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    return figure
 
 
 def similarity_bounds(similarity_bounds, similarity_parts, air_texture):

@@ -97,9 +97,7 @@ def described_tables(paths):
         table = read_table(path)
         described.append(
             {
-                "name": "_".join(path.parts[path.parts.index("studies") + 1 :])
-                if "studies" in path.parts
-                else path.name,
+                "name": f"{path.parent.name}_{path.name}" if "studies" in path.parts else path.name,
                 "uri": file_uri(path),
                 "n_bytes": path.stat().st_size,
                 "n_rows": len(table),
@@ -130,7 +128,7 @@ def compare_table2(table2, paper):
 
 
 def compare_table3(intervals, paper):
-    """Rows of Table III: output, score, a cell a training set; `resolved` where its interval lacks zero."""
+    """Rows of Table III: output, score, a cell a training set; `resolved`: its difference to RD is not zero."""
     ours = intervals.set_index(["output", "metric", "training_set"])
     rows = []
     for output, published in paper.items():
