@@ -24,12 +24,11 @@ def inputs_of(figures, files_of):
             if paths.setdefault(name, path) != path:
                 msg = f"figures: {name}: expected one path in a stage, got {paths[name]} and {path}"
                 raise ValueError(msg)
-    return {name: _files(f"results/{path}", files_of) for name, path in paths.items()}
-
-
-def _files(path, files_of):
-    braces = re.search(r"\{(\w+)\}", path)
-    return files_of[braces[1]](path) if braces else path
+    files = {name: f"results/{path}" for name, path in paths.items()}
+    for name, path in files.items():
+        if braces := re.search(r"\{(\w+)\}", path):
+            files[name] = files_of[braces[1]](path)
+    return files
 
 
 def named_by(figures, kind):

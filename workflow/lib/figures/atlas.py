@@ -53,7 +53,19 @@ def stability_phy(stability_phy):
         handles |= {label: handle for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     for ax in axes[:, 0]:
         ax.set_ylabel("largest error [dB]", fontsize=7)
-    plot_limits(axes.flat[-1], stability_phy[stability_phy["setting"] == "borders"])
+    # Limits of valid input as a grid of outcomes, a row a case, a column a public function.
+    ax, rows = axes.flat[-1], stability_phy[stability_phy["setting"] == "borders"]
+    cases, methods = list(rows["value"].unique()), list(rows["method"].unique())
+    for outcome in ("within", "refused", "wrong"):
+        chosen, (marker, colour) = rows[rows["outcome"] == outcome], OUTCOMES[outcome]
+        x = [methods.index(method) for method in chosen["method"]]
+        y = [cases.index(case) for case in chosen["value"]]
+        ax.plot(x, y, marker, color=colour, markersize=5, markeredgewidth=1.5, linestyle="none", label=outcome)
+    ax.set_xticks(range(len(methods)), [METHOD_NAMES[name].replace(" ", "\n", 1) for name in methods], fontsize=6)
+    ax.set_yticks(range(len(cases)), cases, fontsize=6)
+    ax.set(ylim=(len(cases) - 0.5, -0.5), xlim=(-0.5, len(methods) - 0.5))
+    ax.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
+    ax.set_title("borders of what may be given", fontsize=8)
     labels = [name for name in METHOD_NAMES.values() if name in handles]
     figure.legend([handles[label] for label in labels], labels, loc="outside lower left", ncols=4, fontsize=7)
     return note_source(figure, PLANTED)
@@ -85,21 +97,6 @@ def plot_methods(ax, setting, rows):
     ax.axhspan(1.5 * MOST_ERROR_DB, 1e5, color="0.93", zorder=0)
     ax.set_title(setting, fontsize=8)
     ax.tick_params(labelsize=6)
-
-
-def plot_limits(ax, rows):
-    """Limits of valid input as a grid of outcomes, a row a case, a column a public function."""
-    cases, methods = list(rows["value"].unique()), list(rows["method"].unique())
-    for outcome in ("within", "refused", "wrong"):
-        chosen, (marker, colour) = rows[rows["outcome"] == outcome], OUTCOMES[outcome]
-        x = [methods.index(method) for method in chosen["method"]]
-        y = [cases.index(case) for case in chosen["value"]]
-        ax.plot(x, y, marker, color=colour, markersize=5, markeredgewidth=1.5, linestyle="none", label=outcome)
-    ax.set_xticks(range(len(methods)), [METHOD_NAMES[name].replace(" ", "\n", 1) for name in methods], fontsize=6)
-    ax.set_yticks(range(len(cases)), cases, fontsize=6)
-    ax.set(ylim=(len(cases) - 0.5, -0.5), xlim=(-0.5, len(methods) - 0.5))
-    ax.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
-    ax.set_title("borders of what may be given", fontsize=8)
 
 
 def stability_statistics(stability_statistics):

@@ -118,9 +118,8 @@ def validation_thickness(validation_thickness, validation_tests):
     for row, slab in zip(axes, SHOWN_SLABS, strict=True):
         for ax, zone in zip(row, zones, strict=False):
             plot_thickness_histogram(ax, validation_thickness, validation_tests, zone, slab)
+        row[0].set_ylabel("share per bin")
     axes[0, 0].legend(fontsize=6)
-    for ax in axes[:, 0]:
-        ax.set_ylabel("share per bin")
     return figure
 
 

@@ -87,7 +87,16 @@ def pixel_grid(frame, picks):
         table[f"layer_{layer}"] = (bins == np.rint(tracked)).astype(int).ravel()
     figure, axes = new_figure(1, 2, width=6.5, height=4.6, width_ratios=[1, 1.2])
     plot_pixels(axes[0, 0], power_db, dict(zip(layers, layer_bins, strict=True)), first)
-    plot_lines_power(axes[0, 1], power_db, layer_bins, first)
+    # The same lines against range bin, each set off from the last, layers marked.
+    ax = axes[0, 1]
+    for i, (column, tracked_bins) in enumerate(zip(power_db.T, layer_bins.T, strict=True)):
+        offset = OFFSET_DB * i
+        ax.plot(column + offset, bins[:, 0], color="0.3", linewidth=0.9)
+        for tracked, colour in zip(np.rint(tracked_bins), LAYER_COLOURS, strict=False):
+            if np.isfinite(tracked):
+                ax.plot(column[int(tracked) - first] + offset, tracked, "o", color=colour, markersize=4)
+    ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin")
+    ax.set_ylim(last - 0.5, first - 0.5)
     return figure, pd.DataFrame(table)
 
 
@@ -125,19 +134,6 @@ def plot_pixels(ax, power_db, layer_bins, first_bin):
     ax.set(xlabel="range line", ylabel="range bin", xticks=range(n_lines))
     if layer_bins:
         ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(layer_bins), handletextpad=0.1, columnspacing=1)
-
-
-def plot_lines_power(ax, power_db, layer_bins, first_bin):
-    """Power of the same few range lines against range bin, each set off from the last, layers marked."""
-    bins = np.arange(first_bin, first_bin + len(power_db))
-    for line, column in enumerate(power_db.T):
-        offset = OFFSET_DB * line
-        ax.plot(column + offset, bins, color="0.3", linewidth=0.9)
-        for tracked, colour in zip(np.rint(layer_bins[:, line]), LAYER_COLOURS, strict=False):
-            if np.isfinite(tracked):
-                ax.plot(column[int(tracked) - first_bin] + offset, tracked, "o", color=colour, markersize=4)
-    ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin")
-    ax.set_ylim(bins[-1] + 0.5, bins[0] - 0.5)
 
 
 def waveforms(statistics):

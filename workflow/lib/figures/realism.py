@@ -27,7 +27,17 @@ def realism(realism, realism_curves):
     plot_curve(thickness, curves, "thickness PSD", BLACK)
     thickness.set(xscale="log", yscale="log", xlabel="wavenumber [cycles per range line]")
     thickness.set_ylabel("thickness PSD [bins²]")
-    plot_levels(levels, realism)
+    # Every quantity with an observed value, as a ratio to the middle of the observed range.
+    rows = realism[realism["observed_low"].notna() & ~realism["quantity"].str.contains(", lag |of a frame")].iloc[::-1]
+    top = rows["observed_high"].fillna(rows["observed_low"])
+    middle = (rows["observed_low"] + top) / 2
+    y = range(len(rows))
+    reach = [(rows["value"] - rows["low"]) / middle, (rows["high"] - rows["value"]) / middle]
+    levels.errorbar(rows["value"] / middle, y, xerr=reach, fmt="o", markersize=3, color=BLACK, linewidth=1)
+    levels.hlines(y, rows["observed_low"] / middle, top / middle, color=BLUE, linewidth=5, alpha=0.4)
+    levels.axvline(1, color="0.5", linestyle=":", linewidth=1)
+    levels.set_yticks(y, rows["quantity"], fontsize=5)
+    levels.set(xlabel="value / observed")
     return figure
 
 
@@ -60,17 +70,3 @@ def plot_autocorrelation(ax, curves, table):
         ax.errorbar(lag, middle, yerr=reach, color=colour, label=f"{label}, observed (other band)", **style)
     ax.set(xscale="log", xlabel="lag [pixels]", ylabel="autocorrelation", ylim=(0, 1))
     ax.legend(fontsize=6, loc="lower left")
-
-
-def plot_levels(ax, table):
-    """Every quantity with an observed value, as a ratio to the middle of the observed range."""
-    rows = table[table["observed_low"].notna() & ~table["quantity"].str.contains(", lag |of a frame")].iloc[::-1]
-    top = rows["observed_high"].fillna(rows["observed_low"])
-    middle = (rows["observed_low"] + top) / 2
-    y = range(len(rows))
-    reach = [(rows["value"] - rows["low"]) / middle, (rows["high"] - rows["value"]) / middle]
-    ax.errorbar(rows["value"] / middle, y, xerr=reach, fmt="o", markersize=3, color=BLACK, linewidth=1)
-    ax.hlines(y, rows["observed_low"] / middle, top / middle, color=BLUE, linewidth=5, alpha=0.4)
-    ax.axvline(1, color="0.5", linestyle=":", linewidth=1)
-    ax.set_yticks(y, rows["quantity"], fontsize=5)
-    ax.set(xlabel="value / observed")

@@ -48,8 +48,7 @@ def annotation(train, source):
     """A train scene, its annotation, and every layer there is: of rich scenes the one in the middle by share found."""
     shares = [annotated_share(scene) for scene in train]
     rich = [i for i, scene in enumerate(train) if complete_layers(scene).shape[0] > RICH_LAYERS] or range(len(train))
-    ranked = sorted(rich, key=lambda i: (shares[i], i))
-    middle = ranked[len(ranked) // 2]
+    middle = sorted(rich, key=lambda i: (shares[i], i))[len(rich) // 2]
     scene = train[middle]
     panels = {"echogram": None, "annotation": scene.layer_bins}
     if scene.complete_layer_bins is not None:

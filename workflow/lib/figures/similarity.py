@@ -116,7 +116,16 @@ def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
         if ax is not axes[0, 0]:
             ax.set_yticklabels([])
     axes[0, 0].legend(fontsize=6, loc="upper left")
-    plot_parts(axes[1, 0], similarity_parts)
+    # Mean square error taken apart, stacked; what is in common is left out.
+    ax = axes[1, 0]
+    wide = similarity_parts.pivot_table(index="method", columns="part", values="mean_square", sort=False)
+    methods, left = [name_of(method) for method in wide.index], np.zeros(len(wide))
+    for name, colour in zip([name for name in wide.columns if name != "speckle in common"], PART_COLOURS, strict=True):
+        ax.barh(methods, wide[name], left=left, color=colour, label=name, height=0.5)
+        left = left + wide[name].to_numpy()
+    ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
+    ax.set_xlabel("mean square error [grey levels squared]")
+    ax.legend(fontsize=6, loc="upper right")
     # Train scenes set aside, rendered from picked layers and from all there are.
     for method, group in bounds[bounds["scenes"] != "test"].groupby("method"):
         axes[1, 1].plot(group["layers"], group["psnr"], "o-", color=COLOURS[method], label=name_of(method))
@@ -142,15 +151,3 @@ def plot_cases(ax, rows, metric):
     ax.set_yticks(range(len(cases)), cases)
     ax.set_ylim(len(cases) - 0.5, -2)  # room for a legend
     ax.set_xlabel(name_of(metric))
-
-
-def plot_parts(ax, parts):
-    """Mean square error of both methods taken apart, stacked; what is in common is left out."""
-    wide = parts.pivot_table(index="method", columns="part", values="mean_square", sort=False)
-    methods, left = [name_of(method) for method in wide.index], np.zeros(len(wide))
-    for name, colour in zip([name for name in wide.columns if name != "speckle in common"], PART_COLOURS, strict=True):
-        ax.barh(methods, wide[name], left=left, color=colour, label=name, height=0.5)
-        left = left + wide[name].to_numpy()
-    ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
-    ax.set_xlabel("mean square error [grey levels squared]")
-    ax.legend(fontsize=6, loc="upper right")

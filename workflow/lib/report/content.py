@@ -92,20 +92,17 @@ def counterparts(figures, paper_numbers):
 
 def described_tables(paths):
     """Tables with their content for the download, their size and first rows; a study's are named after it, too."""
-    described = []
-    for path in map(Path, paths):
-        table = read_table(path)
-        described.append(
-            {
-                "name": f"{path.parent.name}_{path.name}" if "studies" in path.parts else path.name,
-                "uri": file_uri(path),
-                "n_bytes": path.stat().st_size,
-                "n_rows": len(table),
-                "columns": list(table.columns),
-                "rows": table.head(PREVIEW_ROWS).astype(object).to_numpy().tolist(),
-            }
-        )
-    return described
+    return [
+        {
+            "name": f"{path.parent.name}_{path.name}" if "studies" in path.parts else path.name,
+            "uri": file_uri(path),
+            "n_bytes": path.stat().st_size,
+            "n_rows": len(table),
+            "columns": list(table.columns),
+            "rows": table.head(PREVIEW_ROWS).astype(object).to_numpy().tolist(),
+        }
+        for path, table in ((Path(path), read_table(path)) for path in paths)
+    ]
 
 
 def compare_table2(table2, paper):

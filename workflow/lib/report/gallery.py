@@ -31,10 +31,7 @@ def gallery_of(scenes, images, n_scenes):
 
 
 def layer_lines(layer_bins, step=LINE_STEP):
-    """Layers (layer, range_line) as lists of unbroken pieces [range_line, range_bin, range_line, ...], bins to a tenth.
-
-    NaN is absent; a point every `step` range lines, first and last are kept.
-    """
+    """Layers (layer, range_line) as unbroken pieces [range_line, range_bin, range_line, ...], each `step`-th line."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     chosen = np.unique(np.r_[np.arange(0, layer_bins.shape[1], step), layer_bins.shape[1] - 1])
     layers = []
