@@ -10,14 +10,17 @@ from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summarise, summary_to_dataset
 
 
-def render_power(scene, statistics, tolerance_db, normalise, align, width, rng):
+def render_power(scene, statistics, tolerance_db, speckle_correlation, normalise, align, width, rng):
     # As many looks as the flight, so that 20 lines average as many here as there.
-    parameters = draw_parameters(statistics, scene.layer_bins.shape[0], width=width, rng=rng)
+    drawn = {"width": width, "speckle_correlation": speckle_correlation}
+    parameters = draw_parameters(statistics, scene.layer_bins.shape[0], **drawn, rng=rng)
     options = {"tolerance_db": tolerance_db, "speckle": "gamma", "normalise": normalise, "align": align}
     return render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
 
 
-def summarise_part(paths_to_layers, statistics, convention, seed, tolerance_db, first, span, stride):
+def summarise_part(
+    paths_to_layers, statistics, convention, seed, tolerance_db, speckle_correlation, first, span, stride
+):
     """Sums over renders of label scenes `span`, of files whose first scene is number `first`."""
     geometry = {name: statistics.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     _, *conventions = convention.split("_")
@@ -27,7 +30,7 @@ def summarise_part(paths_to_layers, statistics, convention, seed, tolerance_db, 
             scene = scenes[index - first]
             # By scene, never by part; where no width is drawn, the same speckle for every convention.
             rng = random_stream(seed, "closed_loop", scene.name)
-            power = render_power(scene, statistics, tolerance_db, *conventions, rng)
+            power = render_power(scene, statistics, tolerance_db, speckle_correlation, *conventions, rng)
             frame = as_frame(power, scene.layer_bins, index, **geometry)
             summaries.append(thinned(summarise(*frame, where=scene.name), stride))
     return merge(summaries)

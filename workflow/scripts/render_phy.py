@@ -12,9 +12,8 @@ from snowsim.seeding import random_stream
 
 
 def render_scene(scene, statistics, phy, rng):
-    parameters = draw_parameters(
-        statistics, scene.layer_bins.shape[0], width=phy["width"], n_looks=phy["n_looks"], rng=rng
-    )
+    drawn = {key: phy[key] for key in ("width", "n_looks", "speckle_correlation")}
+    parameters = draw_parameters(statistics, scene.layer_bins.shape[0], **drawn, rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
     scene_plan = plan(scene.layer_bins, parameters, scene.n_range_bins, **options)
     image, noise_floor_db, maximum_db = to_uint8(render_plan(scene_plan, rng=rng))

@@ -49,7 +49,8 @@ def outcome(work):
 def level_scene(n_layers, statistics, phy, rng, n_range_lines=256):
     """Image and mask of level layers, rendered by PHY."""
     layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(n_range_lines)
-    parameters = draw_parameters(statistics, n_layers + 1, width=phy["width"], n_looks=phy["n_looks"], rng=rng)
+    drawn = {key: phy[key] for key in ("width", "n_looks", "speckle_correlation")}
+    parameters = draw_parameters(statistics, n_layers + 1, **drawn, rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
     n_range_bins = scene_height(layer_bins)
     power = render_plan(plan(layer_bins, parameters, n_range_bins, **options), rng=rng)
