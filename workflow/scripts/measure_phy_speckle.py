@@ -7,12 +7,13 @@ import pandas as pd
 from job import job
 
 from lib.diagnostics.phy_alternatives import draw_moving_speckle
-from lib.diagnostics.phy_errors import cube_distance, moving_distance, quantile_distance
+from lib.diagnostics.phy_errors import correlated_distance, cube_distance, moving_distance, quantile_distance
 from lib.timing import device_name, time_rounds
 from snowsim.io.files import write_table
 from snowsim.phy import draw_speckle
 
 N_LOOKS = (16, 100)
+CORRELATION = (1, 0.16, 0.02)  # down range, of bins somewhat finer than a range response; others cost the same
 MOVEMENTS_DB = (1.0, 3.0, 6.0, 10.0, 20.0)
 DISTANCE = {"looks": lambda n_looks: 0.0, "gamma": lambda n_looks: 0.0, "cube": cube_distance,
             "quantile": quantile_distance}  # fmt: skip
@@ -34,6 +35,9 @@ def measure(path_to_table, n_range_lines, n_range_bins, n_rounds, seed):
             key = (f"M = {n_looks}", method)
             works[key] = partial(draw_speckle, mean_power, n_looks, method=method, rng=rng)
             about[key] = {"distance": distance(n_looks), "n_looks": n_looks}
+        key = (f"M = {n_looks}", "quantile, correlated")
+        works[key] = partial(draw_speckle, mean_power, n_looks, method="quantile", correlation=CORRELATION, rng=rng)
+        about[key] = {"distance": correlated_distance(n_looks), "n_looks": n_looks}
         for movement_db in MOVEMENTS_DB:
             means = look_means(movement_db, n_looks)
             key = (f"M = {n_looks}, {movement_db:g} dB", "gamma, moving")

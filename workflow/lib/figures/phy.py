@@ -16,6 +16,7 @@ COLOURS = {
     "table": "#0072B2",
     "planned": "#0072B2",
     "quantile": "#0072B2",
+    "quantile, correlated": "#E69F00",
     "render": "#56B4E9",
     "gamma, moving": "#56B4E9",
     "looks, moving": "#999999",
