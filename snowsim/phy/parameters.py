@@ -10,6 +10,7 @@ from snowsim.phy.waveform import waveform_peak
 NORMALISE = ("peak", "none")
 ALIGN = ("peak", "gaussian")
 WIDTHS = ("paper", "fitted")
+SPECKLE_CORRELATIONS = ("measured", "none")
 
 # Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
 EXACT_BOUND_DB = 1e-11
@@ -112,16 +113,20 @@ def _per_layer(name, value, n_layers):
     return array
 
 
-def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, rng):
+def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, speckle_correlation="measured", rng):
     """Parameters of `render` for one scene of `n_layers` layers, surface included, from the statistics of a flight.
 
     A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
     look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
     bounds of the measured 1/e width passed on as printed; only the latter uses `rng`. `n_looks` is the flight's by
-    default.
+    default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed; statistics that
+    were made before it was measured give none.
     """
     if width not in WIDTHS:
         msg = f"width must be one of {', '.join(WIDTHS)}, got {width!r}"
+        raise ValueError(msg)
+    if speckle_correlation not in SPECKLE_CORRELATIONS:
+        msg = f"speckle_correlation must be one of {', '.join(SPECKLE_CORRELATIONS)}, got {speckle_correlation!r}"
         raise ValueError(msg)
     n_layers = int(n_layers)
     if n_layers < 1:
@@ -139,13 +144,16 @@ def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, rng):
     if not 0 < noise_power < np.inf:
         msg = f"noise_power of the statistics must be positive and finite, got {noise_power}"
         raise ValueError(msg)
-    return {
+    parameters = {
         "peak_power": _down_to(statistics, "peak_power", n_layers),
         "variance_bins2": variance_bins2,
         "decay_rate": _down_to(statistics, "decay_rate", n_layers),
         "noise_power": noise_power,
         "n_looks": float(statistics.attrs["n_looks"] if n_looks is None else n_looks),
     }
+    if speckle_correlation == "measured" and "speckle_correlation" in statistics:
+        parameters["speckle_correlation"] = statistics["speckle_correlation"].values
+    return parameters
 
 
 def _down_to(statistics, name, n_layers):

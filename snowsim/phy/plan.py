@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from snowsim.phy.correlated import correlating_taps
 from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.speckle import check_method, checked_looks
 from snowsim.phy.tables import Supports, allowed_error, find_supports
@@ -14,7 +15,7 @@ PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_lo
 COST_NORMAL = 8.6
 COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
 COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
-COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 3.0}
+COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 3.0, "correlated": 12.0}
 COST_LOOK = 18.0
 MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is used
 
@@ -26,7 +27,8 @@ class Plan:
     `noise_power` is what errors are measured against and what rendering adds; `n_looks` is NaN where only mean power is
     wanted; `supports` is None for the closed form on every pixel. No pixel of ``P_s + noise_power`` is further than
     `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
-    in draws of one float32 normal.
+    in draws of one float32 normal. `correlation` (lag,) of speckle down range is None where range bins are independent;
+    no lag of what is drawn is further than `correlation_error` from it.
     """
 
     waveforms: Waveforms
@@ -38,6 +40,8 @@ class Plan:
     bound_db: float
     n_terms: int
     cost_normals: float
+    correlation: np.ndarray | None = None
+    correlation_error: float = 0.0
 
     @property
     def method(self):
@@ -58,7 +62,8 @@ class Plan:
         """Numbers to keep with the scene, JSON-able."""
         return {
             "plan_method": self.method,
-            "plan_speckle": self.speckle,
+            "plan_speckle": self.speckle if self.correlation is None else f"{self.speckle}, correlated",
+            "plan_correlation_error": self.correlation_error,
             "plan_tolerance_db": self.tolerance_db,
             "plan_bound_db": self.bound_db,
             "plan_cost_normals": self.cost_normals,
@@ -73,9 +78,10 @@ class Plan:
 def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, normalise="peak", align="peak"):
     """`Plan` of a scene, before any pixel is computed; arguments as for `render`, refusals too.
 
-    `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one.
+    `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one. Where
+    `parameters` hold a `speckle_correlation`, `quantile` stands in for `gamma`: it alone draws correlated range bins.
     """
-    if set(parameters) != set(PARAMETERS):
+    if set(parameters) - {"speckle_correlation"} != set(PARAMETERS):
         got = ", ".join(map(str, parameters)) or "none"
         msg = f"parameters: expected {', '.join(PARAMETERS)}, got {got}"
         raise ValueError(msg)
@@ -83,13 +89,16 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
     noise_power = checked_power("noise_power", parameters["noise_power"])
     n_looks = checked_looks(parameters["n_looks"])
+    correlation = parameters.get("speckle_correlation")
     if speckle is None:
         speckle = "gamma" if tolerance_db is None else "quantile"
-    check_method(speckle, n_looks)
-    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle)
+    if correlation is not None and speckle == "gamma":
+        speckle = "quantile"
+    check_method(speckle, n_looks, correlation)
+    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
 
 
-def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma"):
+def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None):
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
@@ -104,10 +113,17 @@ def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="ga
                 supports, bound_db, cost = found, float(-10 * np.log10(1 - found.error)), cost_found
                 n_terms = n_table + n_exponential
     cost += COST_SCENE + n_pixels * COST_PIXEL
-    if np.isfinite(n_looks):
+    if correlation is not None:
+        cost += n_pixels * COST_SPECKLE["correlated"]
+    elif np.isfinite(n_looks):
         cost += n_pixels * COST_SPECKLE.get(speckle, COST_LOOK * n_looks)
     cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
-    return Plan(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals)
+    correlation_error = 0.0 if correlation is None else correlating_taps(correlation, n_looks)[1]
+    return Plan(
+        *(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals),
+        correlation=correlation,
+        correlation_error=correlation_error,
+    )
 
 
 def _n_terms_full(waveforms):

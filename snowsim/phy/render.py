@@ -13,14 +13,16 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     layer_bins : array_like, (layer, range_line)
         Fractional range bins; NaN where absent.
     parameters : mapping
-        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`.
+        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`; where speckle is to be
+        correlated down range, `speckle_correlation` (lag), see `draw_speckle`.
     n_range_bins : int
         Height of the scene.
     tolerance_db : float or None
         Largest error of the mean power, noise included, at any pixel [dB]; None for exact.
     rng : numpy.random.Generator
     speckle : str, optional
-        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
+        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one. Correlated speckle is
+        drawn by `quantile` for `gamma` and refused for the others.
     normalise, align : str
         See `mean_power`.
 
@@ -57,4 +59,5 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
 def render_plan(scene_plan, *, rng):
     """Power of a planned scene after M looks, (range_bin, range_line)."""
     power = planned_power(scene_plan, added_power=scene_plan.noise_power)
-    return draw_speckle(power, scene_plan.n_looks, method=scene_plan.speckle, rng=rng)
+    options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
+    return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)

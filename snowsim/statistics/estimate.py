@@ -7,7 +7,7 @@ from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
 from snowsim.statistics.deblend import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
-from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra
+from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra, range_correlation
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
 from snowsim.statistics.zones import as_variables, zone_statistics
 
@@ -37,7 +37,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         Beside them: counts (`n_picks`, `n_groups (layer)`, `n_gap_blocks (slab)`, `n_psd_samples (zone, slab)`), rules
         applied (`substituted (layer)`, `source`, `psd_source (zone, slab)`), `offset_bins (layer)` of the waveform's
         peak below the pick, the width histogram, correlations between slabs, mean waveforms, tracked power against
-        Gamma(M), along-track spectra of power.
+        Gamma(M), autocorrelation of speckle down range (`speckle_correlation (speckle_lag)`, by range bins from 0, and
+        the attribute `speckle_correlation_source`, see `range_correlation`), along-track spectra of power.
 
     Raises
     ------
@@ -67,6 +68,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     measured = Measured(*tracked, decay, width)
     layer_values = paper_values(measured) if estimator == "paper" else deblended_values(measured, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
+    correlation, correlation_error, correlation_source = range_correlation(summary)
     zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins)
     dataset = xr.Dataset(
         {"noise_power": ((), noise_power), "noise_power_standard_error": ((), noise_error)}
@@ -75,10 +77,13 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         | _widths(width)
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {"tracked_power_quantile": ("probability", looks[3]), "gamma_quantile": ("probability", looks[4])}
+        | {"speckle_correlation": ("speckle_lag", correlation)}
+        | {"speckle_correlation_standard_error": ("speckle_lag", correlation_error)}
         | _spectra(summary),
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
+            "speckle_lag": np.arange(correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
             "probability": looks[2],
             "width_edge_bins": ("width_edge", WIDTH_EDGES),
@@ -90,6 +95,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
             "n_looks": float(looks[0]),
             "n_looks_standard_error": float(looks[1]),
             "noise_looks": float(noise_looks),
+            "speckle_correlation_source": correlation_source,
             "n_frames": len(summary),
             "n_range_lines": sum(frame.depth_bins.shape[1] for frame in summary),
             "n_layers_seen": n_seen,

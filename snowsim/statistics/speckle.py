@@ -1,12 +1,14 @@
-"""Tracked power against the Gamma law of M looks, and along-track spectra of complex and of detected power."""
+"""Speckle: tracked power against Gamma(M), correlation down range in the air, along-track spectra."""
 
 import numpy as np
 from scipy.special import betaincinv
 
 from snowsim.statistics.blocks import BLOCK_LINES
-from snowsim.statistics.summaries import GROUP_LINES
+from snowsim.statistics.summaries import GROUP_LINES, stacked
 
 MOST_LOOKS = 1e6  # stands for power without speckle
+SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
+MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they tell a correlation to 0.01
 QUANTILES = np.concatenate([[0.001, 0.002, 0.005], np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 
 
@@ -33,6 +35,32 @@ def compare_with_gamma(tracked):
     n_looks_error = (GROUP_LINES - 1) / variance**2 * error / GROUP_LINES
     expected = GROUP_LINES * betaincinv(n_looks, (GROUP_LINES - 1) * n_looks, QUANTILES)  # of the Beta law
     return n_looks, n_looks_error, QUANTILES, np.quantile(ratio, QUANTILES), expected
+
+
+def range_correlation(summary):
+    """Autocorrelation of power down range in the air, (speckle_lag,) from lag 0, its standard error and its source.
+
+    Noise passes the same range response as echoes, so speckle has its correlation. What is the same at every lag, as
+    the means taken out leave it, is read off lags from `SPECKLE_LAGS` on. The error is from the scatter of groups. With
+    fewer than `MINIMUM_PAIRS` pairs at a lag, as in few images, or without speckle, independence stands in: zero from
+    lag 1 on, without an error; the source says ``none``.
+    """
+    products, pairs = (stacked(summary, name).astype(float) for name in ("air_products", "air_pairs"))
+    n_pairs = pairs.sum(axis=0)
+    independent = np.eye(1, SPECKLE_LAGS)[0]
+    if n_pairs.min() < MINIMUM_PAIRS:
+        return independent, np.zeros(SPECKLE_LAGS), f"none: fewer than {MINIMUM_PAIRS} pairs of range bins in the air"
+    covariance = products.sum(axis=0) / n_pairs
+    common = covariance[SPECKLE_LAGS:].mean()
+    variance = covariance[0] - common
+    if variance < 1 / MOST_LOOKS:
+        return independent, np.zeros(SPECKLE_LAGS), "none: no speckle in the air"
+    correlation = (covariance[:SPECKLE_LAGS] - common) / variance
+    by_group = (products - covariance * pairs) / n_pairs
+    by_group = by_group[:, :SPECKLE_LAGS] - by_group[:, SPECKLE_LAGS:].mean(axis=1, keepdims=True)
+    by_group = (by_group - correlation * by_group[:, :1]) / variance
+    n_groups = int((pairs[:, -1] > 0).sum())
+    return correlation, np.sqrt((by_group**2).sum(axis=0) * n_groups / max(n_groups - 1, 1)), "air"
 
 
 def doppler_spectra(amplitude, layer_bins, line_spacing_m, *, n_mean_layers=15):

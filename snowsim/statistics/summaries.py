@@ -12,11 +12,17 @@ GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
 PARTS = 4  # of a group's picks of a layer, in order of depth: where its layers lie, for averages of sloping layers
 AIR_MARGIN_BINS = 30  # bins above the surface that still hold its rise: 8 standard deviations at a variance of 15
+AIR_LAGS = 13  # of products down range, from 0; the last tell what lines have in common beyond the range response
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
 BY_LINE = ("depth_bins", "tracked_power")
-BY_GROUP = ("power", "position", "spread", "n_picks", "air_sum", "air_square", "air_count")
+BY_GROUP = (
+    *("power", "position", "spread", "n_picks"),
+    *("air_sum", "air_square", "air_count", "air_products", "air_pairs"),
+)
+DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag"}  # the second; else layer
+CONTENT = "snowsim flight summary 2"
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,9 @@ class FrameSummary:
     air_sum: np.ndarray
     air_square: np.ndarray  # sum of squares
     air_count: np.ndarray  # number of bins
+    # (group, air_lag), of power in the air over its line's mean, less its row's mean over the frame:
+    air_products: np.ndarray  # sum of products of bins so many apart
+    air_pairs: np.ndarray  # number of them
     n_outside: int  # picks outside the record, treated as gaps
 
     def order(self):
@@ -74,6 +83,7 @@ def summarise(echogram, layers, where="frame"):
     n_groups = n_lines // GROUP_LINES if picked else 0
     deepest = int(np.ceil(np.nanmax(rows))) if picked else 0
     averaged, air = _average(power, surface_row, n_groups, deepest + ROWS_BELOW - FIRST_ROW + 1)
+    products, pairs = _air_products(power[: n_groups * GROUP_LINES], surface_row[: n_groups * GROUP_LINES])
     grouped = rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
     position, spread = _positions(np.sort(grouped))
     spacing = np.diff(along_track_m(echogram)) if n_lines > 1 else np.array([np.nan])
@@ -93,6 +103,8 @@ def summarise(echogram, layers, where="frame"):
         air_sum=air[0],
         air_square=air[1],
         air_count=air[2].astype(np.int64),
+        air_products=products,
+        air_pairs=pairs,
         n_outside=int(outside.sum()),
     )
     return [summary]
@@ -140,6 +152,26 @@ def _average(power, surface_row, n_groups, n_rows):
     return averaged, air
 
 
+def _air_products(power, surface_row):
+    """Sums of products of deviations in the air, float64 (group, air_lag), and numbers of products, of whole groups.
+
+    Power is taken over its line's mean, so that gain and overloaded lines do not count, and from that its row's mean,
+    so that bands of coherent noise do not. What both means take from a product is the same at every lag.
+    """
+    n_bins = max(int(surface_row.max(initial=0)) - AIR_MARGIN_BINS, 0)
+    air = power[:, :n_bins].astype(float)
+    held = (air > 0) & (np.arange(n_bins) < surface_row[:, None] - AIR_MARGIN_BINS)
+    air = np.where(held, air, 0)
+    air *= (held.sum(axis=1) / np.maximum(air.sum(axis=1), np.finfo(float).tiny))[:, None]
+    deviation = np.where(held, air - air.sum(axis=0) / np.maximum(held.sum(axis=0), 1), 0)
+    sums = []
+    for values in (deviation, held.astype(float)):
+        ends = [(values[:, : max(n_bins - lag, 0)], values[:, lag:]) for lag in range(AIR_LAGS)]
+        by_line = np.stack([np.einsum("ij,ij->i", *pair) for pair in ends], axis=1)
+        sums.append(by_line.reshape(len(power) // GROUP_LINES, GROUP_LINES, AIR_LAGS).sum(axis=1))
+    return sums[0], sums[1].astype(np.int64)
+
+
 @njit(cache=True)
 def _positions(rows):
     """Mean and variance of each part of rows (group, layer, line) sorted along the last axis, NaN at its end."""
@@ -178,7 +210,7 @@ def merge(summaries):
 def summary_to_dataset(summary):
     """A summary as a dataset for `snowsim.io.files.write_dataset`: frames one after the other, padded with NaN."""
     n_layers = max(frame.depth_bins.shape[0] for frame in summary)
-    n_rows = max(frame.power.shape[1] for frame in summary)
+    widths = {"layer": n_layers, "row": max(frame.power.shape[1] for frame in summary), "air_lag": AIR_LAGS}
     variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME}
     shape = {
         "n_lines": [frame.depth_bins.shape[1] for frame in summary],
@@ -195,28 +227,28 @@ def summary_to_dataset(summary):
         if parts[0].ndim == 1:
             variables[name] = ("group", np.concatenate(parts))
         else:
-            width, dim = (n_rows, "row") if name == "power" else (n_layers, "layer")
+            dim = DIMENSIONS.get(name, "layer")
             dims = ("group", dim, "part")[: parts[0].ndim]
-            variables[name] = (dims, np.concatenate([_widened(part, width) for part in parts]))
-    return xr.Dataset(variables, attrs={"content": "snowsim flight summary 1"})
+            variables[name] = (dims, np.concatenate([_widened(part, widths[dim]) for part in parts]))
+    return xr.Dataset(variables, attrs={"content": CONTENT})
 
 
 def summary_from_dataset(dataset):
     """The summary in a dataset of `summary_to_dataset`; ValueError if it is none."""
-    if dataset.attrs.get("content") != "snowsim flight summary 1":
-        msg = f"expected attribute content 'snowsim flight summary 1', got {dataset.attrs.get('content')!r}"
+    if dataset.attrs.get("content") != CONTENT:
+        msg = f"expected attribute content {CONTENT!r}, got {dataset.attrs.get('content')!r}"
         raise ValueError(msg)
     variables = {name: dataset[name].values for name in dataset.variables}
     summary, line, group = [], 0, 0
     for i in range(dataset.sizes["frame"]):
         lines = slice(line, line + int(variables["n_lines"][i]))
         groups = slice(group, group + int(variables["n_groups"][i]))
-        n_layers, n_rows = int(variables["n_layers"][i]), int(variables["n_rows"][i])
+        widths = {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i]), "air_lag": AIR_LAGS}
         parts = {name: variables[name][i].item() for name in BY_FRAME}
-        parts |= {name: np.ascontiguousarray(variables[name][lines, :n_layers].T) for name in BY_LINE}
+        parts |= {name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T) for name in BY_LINE}
         for name in BY_GROUP:
             part = variables[name][groups]
-            parts[name] = part if part.ndim == 1 else part[:, : n_rows if name == "power" else n_layers]
+            parts[name] = part if part.ndim == 1 else part[:, : widths[DIMENSIONS.get(name, "layer")]]
         summary.append(FrameSummary(**parts))
         line, group = lines.stop, groups.stop
     return summary

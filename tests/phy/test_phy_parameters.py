@@ -33,6 +33,13 @@ def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_v
     assert parameters["n_looks"] == 16
 
 
+def test_speckle_is_correlated_as_measured_unless_none_is_asked_for_or_known(statistics, rng):
+    assert "speckle_correlation" not in draw_parameters(statistics, 2, rng=rng)
+    statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
+    assert_array_equal(draw_parameters(statistics, 2, rng=rng)["speckle_correlation"], [1, 0.1])
+    assert "speckle_correlation" not in draw_parameters(statistics, 2, speckle_correlation="none", rng=rng)
+
+
 def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
     variance = draw_parameters(statistics, 100_000, width="paper", rng=rng)["variance_bins2"]
     assert 10 <= variance.min() < variance.max() <= 15
@@ -48,6 +55,7 @@ def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
         ("noise_power", 0.0, {}, "noise_power of the statistics must be positive and finite, got 0"),
         ("width_bound_bins", ("bound", [15.0, 10.0]), {"width": "paper"}, "width_bound_bins must .* got 15, 10"),
         ("noise_power", 1e-3, {"width": "narrow"}, "width must be one of paper, fitted, got 'narrow'"),
+        ("noise_power", 1e-3, {"speckle_correlation": "some"}, "speckle_correlation must be one of measured, none"),
         ("noise_power", 1e-3, {"n_layers": 0}, "n_layers must be at least 1, got 0"),
     ],
 )

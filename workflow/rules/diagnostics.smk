@@ -143,7 +143,7 @@ rule render_closed_loop:
     params:
         convention=LOOP_DEFAULT,
         seed=config["seed"],
-        tolerance_db=config["phy"]["tolerance_db"],
+        phy=config["phy"],
         first=lambda wildcards: shard_range("labels", wildcards.shard)[0],
         stride=LOOP_STRIDE,
     message:
@@ -171,7 +171,7 @@ for lot, conventions in enumerate(LOOP_LOTS):
         params:
             conventions=conventions,
             seed=config["seed"],
-            tolerance_db=config["phy"]["tolerance_db"],
+            phy=config["phy"],
             n_scenes=LOOP_TRIED,
             stride=LOOP_STRIDE,
         message:

@@ -11,11 +11,11 @@ from snowsim.seeding import random_stream
 from snowsim.statistics import summary_to_dataset
 
 
-def render_closed_loop(layers, statistics, summary, *, convention, seed, tolerance_db, first, stride):
+def render_closed_loop(layers, statistics, summary, *, convention, seed, phy, first, stride):
     stream = partial(random_stream, seed, "closed_loop")
     with SceneSet(layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), first)
-        renders = summarise_renders(scenes, read_dataset(statistics), convention, tolerance_db, stride, stream)
+        renders = summarise_renders(scenes, read_dataset(statistics), convention, phy, stride, stream)
     write_dataset(summary, summary_to_dataset(renders).assign_attrs(synthetic="renders by PHY, not observed data"))
 
 

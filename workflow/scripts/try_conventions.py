@@ -11,13 +11,13 @@ from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
 
 
-def try_conventions(layers, statistics, recovered, tables, *, conventions, seed, tolerance_db, n_scenes, stride):
+def try_conventions(layers, statistics, recovered, tables, *, conventions, seed, phy, n_scenes, stride):
     stream = partial(random_stream, seed, "closed_loop")
     for convention, path_to_given, *paths in zip(conventions, statistics, recovered, tables, strict=True):
         given = read_dataset(path_to_given)
         with SceneSet(layers) as drawn:
             scenes = enumerate(progress(islice(drawn, n_scenes), convention, total=n_scenes))
-            renders = summarise_renders(scenes, given, convention, tolerance_db, stride, stream)
+            renders = summarise_renders(scenes, given, convention, phy, stride, stream)
         found, table = recover(renders, given)
         write_dataset(paths[0], found)
         write_table(paths[1], table)

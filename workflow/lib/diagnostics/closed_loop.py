@@ -228,20 +228,21 @@ def thinned(summary, stride):
     return [replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP}) for frame in summary]
 
 
-def summarise_renders(scenes, given, convention, tolerance_db, stride, stream):
+def summarise_renders(scenes, given, convention, phy, stride, stream):
     """Sums over renders of (number, scene) by statistics `given`; `stream` gives the random generator of a scene.
 
-    A convention is named ``<estimator>_<normalise>_<align>_<width>``.
+    A convention is named ``<estimator>_<normalise>_<align>_<width>``; the rest of the settings is that of `phy`.
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     _, normalise, align, width = convention.split("_")
-    options = {"tolerance_db": tolerance_db, "speckle": "gamma", "normalise": normalise, "align": align}
+    options = {"tolerance_db": phy["tolerance_db"], "speckle": "gamma", "normalise": normalise, "align": align}
+    drawn = {"width": width, "speckle_correlation": phy["speckle_correlation"]}
     summaries = []
     for number, scene in scenes:
         # By scene, never by part; where no width is drawn, the same speckle for every convention.
         rng = stream(scene.name)
         # As many looks as the flight: 20 lines average as many here as there.
-        parameters = draw_parameters(given, scene.layer_bins.shape[0], width=width, rng=rng)
+        parameters = draw_parameters(given, scene.layer_bins.shape[0], **drawn, rng=rng)
         power = render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
         frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), stride))

@@ -21,6 +21,7 @@ ALL_WAYS_DB = (0.5, 0.05, 1e-3)  # tolerances at which slower ways are timed, to
 SCENE_TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01)
 GROWTH_TOLERANCE_DB = 0.05
 N_LOOKS = (16, 100)
+CORRELATION = (1, 0.16, 0.02)  # down range, of bins somewhat finer than a range response; others cost the same
 MOVEMENTS_DB = (1.0, 3.0, 6.0, 10.0, 20.0)
 TIMED_MOVEMENT_DB = 6.0  # the time does not depend on how far the mean moves
 DISTANCE = {
@@ -90,6 +91,9 @@ def time_speckle(n_range_lines, n_range_bins, n_rounds, *, rng):
             key = (f"M = {n_looks}", method)
             works[key] = partial(draw_speckle, mean_power, n_looks, method=method, rng=rng)
             about[key] = {"distance": distance(n_looks), "n_looks": n_looks}
+        key = (f"M = {n_looks}", "quantile, correlated")
+        works[key] = partial(draw_speckle, mean_power, n_looks, method="quantile", correlation=CORRELATION, rng=rng)
+        about[key] = {"distance": phy_errors.correlated_distance(n_looks), "n_looks": n_looks}
         for movement_db in MOVEMENTS_DB:
             distance = phy_errors.moving_distance(look_means(movement_db, n_looks))
             key = (f"M = {n_looks}, {movement_db:g} dB", "gamma, moving")

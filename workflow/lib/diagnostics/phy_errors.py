@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
-from scipy.special import gammainc, gammaincinv, ndtr
+from scipy.special import gammainc, gammaincinv, ndtr, ndtri
 
 from lib.diagnostics.phy_alternatives import waveforms_of
+from snowsim.phy.correlated import filter_to_power, normal_quantiles
 from snowsim.phy.power import exact_power
 from snowsim.phy.speckle import quantile_table
 from snowsim.phy.waveform import SAFE_RANGE, waveform_exact
@@ -60,6 +61,14 @@ def quantile_distance(n_looks):
     exact = gammainc(n_looks, n_looks * table)
     step = np.arange(table.size) / table.size
     return float(max(np.abs(exact - step).max(), np.abs(exact - step - 1 / table.size).max()))
+
+
+def correlated_distance(n_looks):
+    """Largest distance of the distribution functions of correlated speckle and of `gamma`, at a million normals."""
+    normals = ndtri((np.arange(1_000_000) + 0.5) / 1_000_000).astype(np.float32)[:, None]
+    power = np.ones(normals.shape)
+    filter_to_power(normals, np.ones(1, dtype=np.float32), normal_quantiles(float(n_looks)), power, power)
+    return float(np.abs(gammainc(n_looks, n_looks * power) - ndtr(normals.astype(float))).max())
 
 
 def moving_distance(look_means):

@@ -29,7 +29,7 @@ COLOURS = {
     **dict.fromkeys(("white", "looks, moving", "closed form in support", "wrapped", "nature run"), GREY),
     **dict.fromkeys(("cube", "naive", "naive closed form", "cGAN", "SMRT"), PINK),
     **dict.fromkeys(("recursive float64", "recursive64"), WINE),
-    "cut": ORANGE,
+    **dict.fromkeys(("quantile, correlated", "cut"), ORANGE),
     "table32": YELLOW,
 }
 # As figures write them; other names stand with spaces for underscores.
