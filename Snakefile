@@ -5,55 +5,15 @@ configfile: f"{workflow.current_basedir.get_path_or_uri(secret_free=False)}/conf
 
 
 include: "workflow/rules/common.smk"
-include: f"workflow/rules/{FLIGHT_RULES[SOURCE]}.smk"
-include: "workflow/rules/statistics.smk"
+include: "workflow/rules/flight.smk"
 include: "workflow/rules/labels.smk"
-include: "workflow/rules/phy.smk"
-include: "workflow/rules/cgan.smk"
+include: "workflow/rules/renders.smk"
 include: "workflow/rules/similarity.smk"
 include: "workflow/rules/tracker.smk"
-include: "workflow/rules/charts.smk"
-include: "workflow/rules/stability.smk"
-include: "workflow/rules/stability_statistics.smk"
-include: "workflow/rules/phy_charts.smk"
-include: "workflow/rules/closed_loop.smk"
-include: "workflow/rules/validation.smk"
-include: "workflow/rules/realism.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/diagnostics.smk"
 include: "workflow/rules/export.smk"
-include: "workflow/rules/study_tracker.smk"
-include: "workflow/rules/evidence.smk"
-include: "workflow/rules/convolution.smk"
-include: "workflow/rules/study_convolution.smk"
-include: "workflow/rules/study_cgan.smk"
-include: "workflow/rules/targets.smk"
-include: "workflow/rules/guards.smk"
-include: "workflow/rules/paper_figures.smk"
-
-
-localrules:
-    all,
-    flight,
-    labels,
-    renders,
-    similarity,
-    trackers,
-    charts,
-    charts_phy,
-    stability,
-    stability_statistics,
-    closed_loop,
-    validation,
-    realism,
-    export,
-    study_tracker,
-    evidence,
-    paper_figures,
-    report,
-    convolution,
-    study_convolution,
-    study_cgan,
-    studies,
-    help,
+include: "workflow/rules/studies.smk"
 
 
 rule all:
@@ -71,10 +31,26 @@ rule all:
         rules.evidence.input,
         rules.validation.input,
         rules.convolution.input,
-        rules.paper_figures.input,
         "results/report.html",
+    localrule: True
     message:
         "both tables, every figure and the report (default)"
+
+
+rule studies:
+    input:
+        lambda wildcards: [file for item in targets("study_") for file in item.input],
+    localrule: True
+    message:
+        "all studies: hours of trainings, not part of the default run"
+
+
+rule help:
+    localrule: True
+    params:
+        targets=lambda wildcards: describe_targets(),
+    message:
+        "{params.targets}"
 
 
 include: "workflow/rules/report.smk"

@@ -73,15 +73,24 @@ def describe(image):
 
 def draw(image, surface, table, source):
     """The figure of an image and its table."""
-    from lib.figures import accumulation as plots
-    from lib.figures.style import new_figure, note_source
+    from lib.figures.style import BLACK, BLUE, RED, new_figure, note_source, plot_picks
 
-    figure, axes = new_figure(2, 2, width=8, height=5)
+    figure, ((scene, fall), (lags, spectrum)) = new_figure(2, 2, width=8, height=5)
     curve = {name: rows for name, rows in table.groupby("curve")}
-    plots.plot_surface(axes[0, 0], image, surface)
-    plots.plot_fall(axes[0, 1], curve["fall"])
-    plots.plot_autocorrelation(axes[1, 0], curve["autocorrelation along track"], curve["autocorrelation in range"])
-    plots.plot_ring_spectrum(axes[1, 1], curve["ring spectrum"])
+    scene.imshow(image, cmap="gray", vmin=0, vmax=255, aspect="auto", interpolation="nearest")
+    plot_picks(scene, surface[None])
+    scene.set(xlabel="range line", ylabel="range bin")
+    fall.plot(curve["fall"]["x"], curve["fall"]["value"], color=BLACK, linewidth=0.8)
+    fall.axhline(0, color="0.6", linewidth=0.8, linestyle=":")
+    fall.set(xlabel="range bins below the surface", ylabel="power over noise [dB]")
+    for direction, colour in (("along track", BLUE), ("in range", RED)):
+        rows = curve[f"autocorrelation {direction}"]
+        lags.plot(rows["x"], rows["value"], ".-", color=colour, markersize=3, linewidth=0.8, label=direction)
+    lags.axhline(0, color="0.6", linewidth=0.8)
+    lags.set(xlabel="lag [pixels]", ylabel="autocorrelation")
+    lags.legend(fontsize=7)
+    spectrum.loglog(curve["ring spectrum"]["x"], curve["ring spectrum"]["value"], color=BLACK, linewidth=0.8)
+    spectrum.set(xlabel="wavenumber [cycles per pixel]", ylabel="PSD [grey levels² pixels²]")
     note_source(figure, source)
     return figure
 

@@ -1,4 +1,9 @@
-"""Files to datasets and back; the only package that opens files."""
+"""Files to datasets and back; the only package that opens files.
+
+Readers are imported where they are called: every job imports this package, and h5py, scipy and xarray take a second.
+"""
+
+from snowsim.io.guard import refusal
 
 
 def read_echogram(path, *, compensated=False):
@@ -37,17 +42,16 @@ def read_echogram(path, *, compensated=False):
     >>> dict(echogram.sizes), echogram["twtt"].attrs["units"]
     ({'twtt': 300, 'slow_time': 64}, 's')
     """
-    from snowsim.io import cresis, nsidc, open_polar, sniff
-    from snowsim.io.guard import refusal
+    from snowsim.io import cresis, datasets, nsidc, sniff
 
-    _, kind = sniff.sniff(path)
+    kind = sniff.sniff(path)
     if kind == "nsidc":
         return nsidc.read_nsidc(path, compensated=compensated)
     if kind == "cresis":
         return cresis.read_cresis(path, compensated=compensated)
     if kind == "opr":
-        return open_polar.read_opr(path)
-    raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.IN_WORDS[kind])
+        return datasets.read_opr(path)
+    raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.in_words(kind))
 
 
 def read_layers(path, *, names=None, missing="refuse"):
@@ -85,16 +89,14 @@ def read_layers(path, *, names=None, missing="refuse"):
     >>> layers["twtt"].dims, int(layers["layer"][0])
     (('layer', 'slow_time'), 0)
     """
-    from snowsim.io import layers, open_polar, sniff
-    from snowsim.io.guard import refusal
+    from snowsim.io import layers, sniff
 
-    names = [names] if isinstance(names, str) else names
-    options = {"names": names, "missing": missing}
-    _, kind = sniff.sniff(path)
-    if kind == "cresis_layer":
-        return layers.read_cresis_layers(path, **options)
-    if kind == "cresis_layer_data":
-        return layers.read_cresis_layer_data(path, **options)
-    if kind == "opr_layers":
-        return open_polar.read_opr_layers(path, **options)
-    raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.IN_WORDS[kind])
+    readers = {
+        "cresis_layer": layers.read_cresis_layers,
+        "cresis_layer_data": layers.read_cresis_layer_data,
+        "opr_layers": layers.read_opr_layers,
+    }
+    kind = sniff.sniff(path)
+    if kind not in readers:
+        raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))
+    return readers[kind](path, names=[names] if isinstance(names, str) else names, missing=missing)

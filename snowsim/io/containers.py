@@ -1,6 +1,6 @@
-"""HDF5 files opened with care: no links out of the file, no heap that would trap the library, no oversized variable.
+"""HDF5 and NetCDF files opened with care: no link out of the file, no trap for the library, no oversized variable.
 
-NetCDF files, version 3 and 4, as undecoded datasets; read by h5py and scipy, which survive damaged files.
+NetCDF is read by h5py and scipy, which survive damaged files.
 """
 
 import mmap
@@ -17,6 +17,10 @@ from snowsim.io.guard import check_size, container_of, library_errors, numeric, 
 HEAP = b"GCOL\x01"  # a global heap collection, version 1: HDF5 File Format Specification, III.E
 TEXT_LINK = 16  # bytes of a text's length, heap and place in it
 HEAP_HEADER, HEAP_OBJECT = 16, 16  # bytes in front of a collection and of each of its objects
+# What NetCDF-4 keeps for itself in an HDF5 file.
+PRIVATE = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS", "_nc3_strict", "_NCProperties"}
+PRIVATE_START = "_Netcdf4"
+NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 
 @contextmanager
@@ -95,12 +99,6 @@ def _check_heap(path, content, at):
         offset += step
 
 
-# What NetCDF-4 keeps for itself in an HDF5 file.
-PRIVATE = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS", "_nc3_strict", "_NCProperties"}
-PRIVATE_START = "_Netcdf4"
-NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
-
-
 def names_in_netcdf3(path):
     """Names of the variables in a NetCDF file of version 3."""
     with library_errors(path, "NetCDF", "a readable file"), scipy.io.netcdf_file(path, mmap=False) as file:
@@ -108,28 +106,12 @@ def names_in_netcdf3(path):
 
 
 def read_netcdf(path, names=None):
-    """Variables of a NetCDF file as they are stored: no fill value, scale or time is applied.
+    """Dataset of the variables of a NetCDF file, or of those of `names` that are there, with all attributes.
 
-    Parameters
-    ----------
-    path : Path
-    names : iterable of str, optional
-        Read those of these that are there; by default all.
-
-    Returns
-    -------
-    xarray.Dataset
-        With the names of dimensions as in the file, and all attributes.
-
-    Raises
-    ------
-    ValueError
-        One line, for a damaged file, a variable beyond the size limit or one that lies in another file.
+    As they are stored: no fill value, scale or time is applied. A variable beyond the size limit is refused.
     """
-    if container_of(path) == "netcdf3":
-        variables, attributes = _read3(path, names)
-    else:
-        variables, attributes = _read4(path, names)
+    read = _read3 if container_of(path) == "netcdf3" else _read4
+    variables, attributes = read(path, names)
     with library_errors(path, "NetCDF", "variables that agree on their dimensions"):
         return xr.Dataset(variables, attrs=attributes)
 
@@ -177,11 +159,8 @@ def _dimensions(node, name):
     """Names of a variable's dimensions; names of its own where it has none."""
     if node.ndim == 1 and node.is_scale:
         return (name,)
-    dimensions = []
-    for axis, scales in enumerate(node.dims):
-        scale = scales[0].name.rpartition("/")[2] if len(scales) else f"{name}_{axis}"
-        dimensions.append(scale)
-    return tuple(dimensions)
+    scales = [scales[0].name.rpartition("/")[2] if len(scales) else None for scales in node.dims]
+    return tuple(scale or f"{name}_{axis}" for axis, scale in enumerate(scales))
 
 
 def _attributes(node):
@@ -191,12 +170,12 @@ def _attributes(node):
 
 def _plain(value):
     """Text, numbers, or arrays of them."""
+    if isinstance(value, np.ndarray) and value.dtype.kind == "S":
+        value = b"".join(value.ravel().tolist())
     if isinstance(value, bytes):
         return value.decode("utf-8").replace("\0", "")
     if isinstance(value, h5py.Empty):
         return ""
     if isinstance(value, np.ndarray):
-        if value.dtype.kind == "S":
-            return b"".join(value.ravel().tolist()).decode("utf-8").replace("\0", "")
         return value.ravel()[0].item() if value.size == 1 and value.dtype.kind in "fiu" else value
     return value.item() if isinstance(value, np.generic) else value

@@ -1,15 +1,14 @@
-"""Plain arrays to the Open Polar Radar datasets, and the checks both pass on the way out.
+"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked on the way out."""
 
-GPS and UTC seconds of the archives' files to UTC datetime64.
-Elevation compensation as the archives store it, undone: every trace back to the travel times it was recorded at.
-"""
+import importlib.util
 
 import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import check_echogram, check_layers
-from snowsim.io.guard import check_size, refusal
+from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
+from snowsim.io.containers import read_netcdf
+from snowsim.io.guard import check_present, check_size, existing, library_errors, refusal
 
 UNITS = {
     "Data": "W (uncalibrated)",
@@ -21,25 +20,43 @@ UNITS = {
     "Roll": "radian",
     "Pitch": "radian",
     "Heading": "radian",
-    "twtt": "s",
 }
+UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
 RANGES = {"Latitude": 90, "Longitude": 360}
+PARAMETERS = ("season_name", "radar_name", "day_seg")  # of all that a file tells, this much goes with the dataset
+FIRST_DAY, LAST_YEAR = "1980-01-06", 2100
+SECONDS_OF_DAY = 86400
+# GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and Reference Systems Service.
+LEAP_DAYS = (
+    "1981-07-01",
+    "1982-07-01",
+    "1983-07-01",
+    "1985-07-01",
+    "1988-01-01",
+    "1990-01-01",
+    "1991-01-01",
+    "1992-07-01",
+    "1993-07-01",
+    "1994-07-01",
+    "1996-01-01",
+    "1997-07-01",
+    "1999-01-01",
+    "2006-01-01",
+    "2009-01-01",
+    "2012-07-01",
+    "2015-07-01",
+    "2017-01-01",
+)
 
 
 def echogram_dataset(path, content, attributes):
     """Echogram dataset of `Data` (range_bin, range_line), `twtt`, `slow_time` and values along slow_time; checked."""
-    along_track = {name: v for name, v in content.items() if name not in ("Data", "twtt", "slow_time")}
-    dataset = xr.Dataset(
-        {
-            "Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]}),
-            **{
-                name: v if isinstance(v, tuple) else ("slow_time", v, {"units": UNITS[name]})
-                for name, v in along_track.items()
-            },
-        },
-        coords={"twtt": ("twtt", content["twtt"], {"units": "s"}), "slow_time": content["slow_time"]},
-        attrs={name: value for name, value in attributes.items() if value is not None},
-    )
+    variables = {"Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]})}
+    for name, values in content.items():
+        if name not in ("Data", "twtt", "slow_time"):
+            variables[name] = values if isinstance(values, tuple) else ("slow_time", values, {"units": UNITS[name]})
+    coordinates = {"twtt": ("twtt", content["twtt"], {"units": "s"}), "slow_time": content["slow_time"]}
+    dataset = xr.Dataset(variables, coordinates, attributes)
     return checked_echogram(path, dataset)
 
 
@@ -54,67 +71,62 @@ def checked_echogram(path, dataset):
     return dataset
 
 
-def layers_dataset(path, content, attributes):
-    """Layers dataset of `twtt`, `quality`, `type` (layer, slow_time), names and positions along slow_time; checked."""
-    along_track = {name: content[name] for name in ("Latitude", "Longitude", "Elevation") if name in content}
-    dataset = xr.Dataset(
-        {
-            "twtt": (("layer", "slow_time"), content["twtt"], {"units": "s"}),
-            "quality": (("layer", "slow_time"), content["quality"], {"flag_values": "1 good, 2 moderate, 3 bad"}),
-            "type": (("layer", "slow_time"), content["type"], {"flag_values": "1 manual, 2 automatic"}),
-            **{name: ("slow_time", values, {"units": UNITS[name]}) for name, values in along_track.items()},
-        },
-        coords={
-            "slow_time": content["slow_time"],
-            "layer": ("layer", np.asarray(content["names"], dtype=str)),
-            "group": ("layer", np.asarray(content["groups"], dtype=str)),
-        },
-        attrs={name: value for name, value in attributes.items() if value is not None},
-    )
-    check_layers(dataset, str(path))
+def read_opr(path):
+    """Echogram dataset as it stands on disk, with dimensions put in the order (twtt, slow_time); checked."""
+    dataset = load_opr(path, ("Data", "twtt", "slow_time", *ECHOGRAM_ALONG_TRACK))
+    if set(dataset["Data"].dims) != {"twtt", "slow_time"}:
+        raise refusal(path, "Data", "dimensions twtt and slow_time", ", ".join(map(str, dataset["Data"].dims)))
+    return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
+
+
+def load_opr(path, needed):
+    """Dataset of a NetCDF file or Zarr store in memory; those needed must be there, real numbers, and `twtt` in s."""
+    path = existing(path, directory=True)
+    if path.is_dir():
+        dataset = _loaded_store(path)
+    else:
+        with library_errors(path, "dataset", "times and fill values that can be decoded"):
+            dataset = xr.decode_cf(read_netcdf(path), decode_timedelta=False).load()
+    check_present(path, needed, dataset.variables)
+    unit = str(dataset["twtt"].attrs.get("units", ""))
+    if unit not in UNITS_OF_TWTT:
+        raise refusal(path, "twtt", "seconds", unit)
+    for name in needed:
+        if name != "slow_time" and dataset[name].dtype.kind not in "fiu":
+            raise refusal(path, name, "real numbers", dataset[name].dtype)
     return dataset
 
 
-# GPS - UTC [s] from each date on: Bulletin C of the International Earth Rotation and Reference Systems Service.
-LEAP_SECONDS = (
-    ("1980-01-06", 0),
-    ("1981-07-01", 1),
-    ("1982-07-01", 2),
-    ("1983-07-01", 3),
-    ("1985-07-01", 4),
-    ("1988-01-01", 5),
-    ("1990-01-01", 6),
-    ("1991-01-01", 7),
-    ("1992-07-01", 8),
-    ("1993-07-01", 9),
-    ("1994-07-01", 10),
-    ("1996-01-01", 11),
-    ("1997-07-01", 12),
-    ("1999-01-01", 13),
-    ("2006-01-01", 14),
-    ("2009-01-01", 15),
-    ("2012-07-01", 16),
-    ("2015-07-01", 17),
-    ("2017-01-01", 18),
-)
-LAST_YEAR = 2100
-SECONDS_OF_DAY = 86400
+def _loaded_store(path):
+    if importlib.util.find_spec("zarr") is None:
+        raise refusal(path, "Zarr store", "package zarr to read it", "it is not installed")
+    with (
+        library_errors(path, "dataset", "a readable store"),
+        xr.open_dataset(path, engine="zarr", decode_timedelta=False) as dataset,
+    ):
+        for name, variable in dataset.variables.items():
+            check_size(path, name, variable.shape, variable.dtype.itemsize)
+        return dataset.load()
+
+
+def from_db(power_db):
+    """Linear power of decibels; where it overflows, the infinite power is refused by name further on."""
+    with np.errstate(over="ignore"):
+        return 10 ** (power_db / 10)
 
 
 def leap_seconds(gps_seconds):
     """GPS minus UTC [s] at a time given in GPS seconds since 1970-01-01 (leap seconds not removed)."""
-    offset = 0
-    for date, seconds in LEAP_SECONDS:
-        if gps_seconds >= np.datetime64(date, "s").astype(np.int64) + seconds:
-            offset = seconds
-    return offset
+    days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
+    since = days + 1 + np.arange(days.size)
+    return int(np.searchsorted(since, gps_seconds, side="right"))
 
 
 def from_utc_seconds(path, what, seconds, epoch="1970-01-01"):
     """UTC seconds since a date as datetime64[ns], (range_line,); ValueError where not finite or out of this age."""
     seconds = np.asarray(seconds, dtype=float)
     since = np.datetime64(epoch, "s").astype(np.int64)
-    first = np.datetime64(LEAP_SECONDS[0][0], "s").astype(np.int64)
+    first = np.datetime64(FIRST_DAY, "s").astype(np.int64)
     last = np.datetime64(f"{LAST_YEAR}-01-01", "s").astype(np.int64)
     # Written so that NaN fails too.
     bad = ~((seconds + since >= first) & (seconds + since < last))
@@ -140,45 +152,24 @@ def from_gps_seconds(path, what, seconds):
 
 
 def unwrap_midnight(seconds_of_day):
-    """Seconds of day that fall back by more than half a day are taken to have passed midnight, and go on.
-
-    Returns
-    -------
-    seconds : ndarray
-    n_crossings : int
-    """
+    """Seconds of day, and how often midnight passed: where they fall back by over half a day, they go on instead."""
     seconds_of_day = np.asarray(seconds_of_day, dtype=float)
     wrapped = np.concatenate([[False], np.diff(seconds_of_day) < -SECONDS_OF_DAY / 2])
     return seconds_of_day + SECONDS_OF_DAY * np.cumsum(wrapped), int(wrapped.sum())
 
 
-def undo_compensation(path, content, correction_bins, first_bin=None, n_recorded=None):
-    """Shift every trace back by the bins that were inserted above it.
+def undo_compensation(path, content, correction_bins, *, keep=False, first_bin=None, n_recorded=None):
+    """Content with traces shifted back by `correction_bins` (range_line,), inserted to simulate level flight.
 
-    Parameters
-    ----------
-    path : path_like
-        For the message of a refusal.
-    content : dict
-        `Data` (range_bin, range_line) linear power, `twtt` (range_bin,) [s], `Elevation` [m], `Surface` and perhaps
-        `Bottom` (range_line,) [s].
-    correction_bins : array_like, (range_line,)
-        `Elevation_Correction`: bins inserted above each trace to simulate level flight; whole, not negative.
-    first_bin : int, optional
-        Index, from 0, of the first kept row on the compensated travel-time axis (`Truncate_Bins`).
-    n_recorded : int, optional
-        Bins of a trace as recorded; where known, rows padded below it count as missing.
+    `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m], `Surface` and perhaps
+    `Bottom` (range_line,) [s]. `first_bin` is the index, from 0, of the first kept row (`Truncate_Bins`); rows padded
+    below `n_recorded` bins of a trace count as missing. With `keep`, traces stay shifted and the bins are added.
 
-    Returns
-    -------
-    dict
-        As `content`, with ``max(correction_bins)`` rows more; NaN where nothing was recorded.
-
-    Notes
-    -----
     ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS toolbox's
     compression, in which inserted bins hold zero power. They are NaN here, so that no zero passes for a measurement.
     """
+    if keep:
+        return {**content, "Elevation_Correction": ("slow_time", correction_bins, {"units": "range bins"})}
     data, twtt = content["Data"], content["twtt"]
     correction_bins = np.asarray(correction_bins, dtype=float)
     whole = np.isfinite(correction_bins) & (correction_bins >= 0) & (correction_bins == np.floor(correction_bins))

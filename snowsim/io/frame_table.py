@@ -1,4 +1,4 @@
-"""A flight as a table of frames: which echogram goes with which layers, and what for; read one frame at a time."""
+"""A flight as a table of frames: which echogram goes with which layers, and what for; read one at a time."""
 
 import io
 from pathlib import Path
@@ -6,16 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from snowsim import frames
 from snowsim.echogram import bin_size_s
-from snowsim.frames import (
-    UNFIT_FLAGS,
-    align_layers,
-    count_unfit,
-    cut_blocks,
-    flatten,
-    leave_out_unfit,
-    resample_range,
-)
 from snowsim.frames.blocks import UNFIT
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
@@ -29,25 +21,9 @@ HELD_OUT = ("validation", "test")
 def read_frames(path, *, root=None):
     """The table of frames, checked as far as it goes without opening the files it names.
 
-    Parameters
-    ----------
-    path : path_like
-        Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files), `role` ("statistics",
-        "train", "validation" or "test"). Lines that begin with # are remarks.
-    root : path_like, optional
-        What relative file names are relative to; by default the table's own folder.
-
-    Returns
-    -------
-    pandas.DataFrame
-        The four columns as text, paths made absolute.
-
-    Raises
-    ------
-    ValueError
-        If a column is missing, unknown or double; else with one line for every row that fails: an empty cell, a frame
-        that comes twice, an unknown role, a file that is not there, an echogram held out for validation or test that
-        has another role too.
+    Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to `root`, by default
+    the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin with #
+    are remarks. Rows that fail are told together, each in a line; an echogram held out may have no other role.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)
@@ -69,26 +45,12 @@ def read_frames(path, *, root=None):
 def check_frames(table, *, bin_s=None, blocks=False, **options):
     """Read every frame once, one at a time; one ValueError tells of all that fail.
 
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `read_frames`.
-    bin_s, **options
-        As for `read_frame`. Without `bin_s`, all frames must have the bin size most of them have.
-    blocks : bool
-        Cut the frames of the benchmark into scenes, too: a frame that gives none fails.
+    `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin size most of them
+    have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame that gives none fails.
 
-    Returns
-    -------
-    pandas.DataFrame
-        The table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many scenes a frame was cut into
-        (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for an unfit line (`n_unfit_blocks`);
-        how many range lines are unfit (`n_unfit_lines`), and how many lines have which flag (`flags`).
-
-    Raises
-    ------
-    ValueError
-        With one line for every frame that fails.
+    Returned is the table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many scenes a frame was
+    cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for an unfit line
+    (`n_unfit_blocks`); how many range lines are unfit (`n_unfit_lines`), and how many lines have which flag (`flags`).
     """
     rows, failed = [], []
     names = options.get("layer_names") or ()
@@ -104,7 +66,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
             continue
         sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
         counts = (len(scenes), len(skipped), sum(reason.endswith(UNFIT) for reason in skipped.values()))
-        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *count_unfit(echogram)))
+        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_unfit(echogram)))
     columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
     columns += ["n_unfit_blocks", "n_unfit_lines", "flags"]
     found = pd.DataFrame(rows, columns=columns)
@@ -125,76 +87,56 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
 
 def scenes_of_frame(row, echogram, layers):
     """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no block is a scene."""
-    scenes, skipped = cut_blocks(echogram, layers, name=row.frame)
+    scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = one_line("; ".join(f"{name}: {reason}" for name, reason in skipped.items()), 200)
         raise refusal(row.echogram, "blocks", "at least one that is a scene", f"none ({reasons})")
     return scenes, skipped
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=UNFIT_FLAGS, source=None):
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=frames.UNFIT_FLAGS, source=None):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
-    Parameters
-    ----------
-    row : object
-        With attributes `echogram` and `layers`, such as `table.itertuples()` gives.
-    bin_s : float, optional
-        Bring the echogram to this bin size [s]; by default it keeps its own.
-    flattening : {"surface", "elevation", "none"}
-        See `snowsim.frames.flatten`; a frame that is level already is not changed.
-    layer_names : iterable of str, optional
-        Layers from the surface down: layer i is then the same one in all frames, a row of NaN where a frame lacks it.
-        By default, all layers with picks that the frame has.
-    unfit_flags : iterable of str
-        Range lines with one of these flags of the supplement hold neither power nor picks (`leave_out_unfit`).
-    source : {"nsidc", "cresis", "opr"}, optional
-        Format the echogram must have; by default any.
+    `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram is brought to `bin_s`
+    [s], by default its own bin size, and levelled ("surface", "elevation", "none": see `snowsim.frames.flatten`). With
+    `layer_names`, from the surface down, layer i is the same one in all frames, a row of NaN where a frame lacks it; by
+    default all layers with picks are taken. Range lines with one of the `unfit_flags` of the supplement hold neither
+    power nor picks. `source` is the format the echogram must have ("nsidc", "cresis", "opr"); by default any.
 
-    Returns
-    -------
-    echogram, layers : xarray.Dataset
-        On the same range lines, the snow surface as layer 0; `unfit (slow_time)` where the echogram has flags.
-
-    Raises
-    ------
-    ValueError
-        One line with file, variable, expected and found: a file is not sound, no layer is named surface, layers do
-        not cover the echogram, leave its window or cross, every range line is unfit. Also if there is no such flag.
+    Both come on the same range lines, the snow surface as layer 0, with `unfit (slow_time)` where the echogram has
+    flags. Refused are files that are not sound or whose layers do not cover the echogram, leave its window, cross or
+    have none named surface, frames whose range lines are all unfit, and unknown flags.
     """
     unknown = [flag for flag in unfit_flags if flag not in sniff.SUPPLEMENT_FLAGS]
     if unknown:
         msg = f"unfit_flags must be of {', '.join(sniff.SUPPLEMENT_FLAGS)}, got {', '.join(unknown)}"
         raise ValueError(msg)
     if source is not None:
-        _, kind = sniff.sniff(row.echogram)
+        kind = sniff.sniff(row.echogram)
         if kind != source:
-            raise refusal(row.echogram, "format", sniff.IN_WORDS[source], sniff.IN_WORDS[kind])
+            raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
     echogram = read_echogram(row.echogram)
     layers = read_layers(row.layers, names=layer_names, missing="skip")
-    labels = layers["layer"].values if "layer" in layers.coords else []
-    named = getattr(labels, "dtype", None) is not None and labels.dtype.kind in "OUS"
-    if named and surface_among([str(label) for label in labels]) != 0:
-        found = one_line(", ".join(map(str, labels)), 200)
+    index = layers.get_index("layer")
+    labels = [str(label) for label in index]
+    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
+        found = one_line(", ".join(labels), 200)
         raise refusal(row.layers, "layer", "one named surface (from the organizer file beside it)", found)
     if layer_names is not None:
         layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
-    layers = align_layers(layers, echogram, where=str(row.layers))
+    layers = frames.align_layers(layers, echogram, where=str(row.layers))
     # Before levelling: an unfit line must not decide where the surface lies.
-    echogram, layers = leave_out_unfit(echogram, layers, flags=unfit_flags)
-    n_unfit, flags = count_unfit(echogram)
+    echogram, layers = frames.leave_out_unfit(echogram, layers, flags=unfit_flags)
+    n_unfit, flags = frames.count_unfit(echogram)
     if n_unfit == echogram.sizes["slow_time"]:
         raise refusal(row.echogram, "quality_mask", "a range line that is fit", f"all {n_unfit} unfit ({flags})")
     if bin_s is not None:
-        echogram = resample_range(echogram, bin_s)
-    return flatten(echogram, layers, method=flattening)
+        echogram = frames.resample_range(echogram, bin_s)
+    return frames.flatten(echogram, layers, method=flattening)
 
 
 def each_frame(table, role=None, **options):
-    """Yield (echogram, layers) of every frame with a role, or of all; one is read when it is asked for.
-
-    `**options` are those of `read_frame`.
-    """
+    """Yield (echogram, layers) of every frame with a role, or of all, one by one; options as for `read_frame`."""
     for row in table.itertuples():
         if role is None or row.role == role:
             yield read_frame(row, **options)

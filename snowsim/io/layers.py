@@ -1,48 +1,36 @@
-"""CReSIS layer files, old and new, to layer datasets with named layers ordered from the snow surface down."""
+"""Layer files of every format as datasets of named layers, ordered from the snow surface down."""
 
 import re
-from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from snowsim.io.datasets import from_gps_seconds, layers_dataset
-from snowsim.io.guard import existing, matrix, numeric, one_line, refusal, vector
-from snowsim.io.matlab import names_in_matlab, read_matlab
+from snowsim.echogram import check_layers
+from snowsim.io.datasets import UNITS, from_gps_seconds, load_opr
+from snowsim.io.guard import check_present, existing, matrix, one_line, refusal, vector
+from snowsim.io.matlab import read_matlab
+from snowsim.io.sniff import names_in
 
 SURFACE = "surface"
 # What the first two entries of an old file are where it gives no names: the format's own convention.
 OLD_NAMES = ("surface", "bottom")
+# What a dataset holds on (layer, slow_time), and its attributes.
+PICKS = {
+    "twtt": {"units": "s"},
+    "quality": {"flag_values": "1 good, 2 moderate, 3 bad"},
+    "type": {"flag_values": "1 manual, 2 automatic"},
+}
 
 
-def read_cresis_layers(path, *, names=None, missing="refuse", organizer=None):
-    """Layers of a new CReSIS layer file (`CSARP_layer`); names come from the organizer file beside it.
+def read_cresis_layers(path, *, names=None, missing="refuse"):
+    """Layers of a new CReSIS layer file (`CSARP_layer`), all or those of `names`; see `snowsim.io.read_layers`.
 
-    Parameters
-    ----------
-    path : path_like
-    names : iterable of str, optional
-        Read these layers only ("surface", "Koenig_2"); by default all.
-    missing : {"refuse", "skip"}
-        What becomes of a file that has no layer of one of the `names`.
-    organizer : path_like, optional
-        `layer_YYYYMMDD_SS.mat`; by default the one beside `path`. Without one, layers are named "id 1", "id 2", ...
-
-    Returns
-    -------
-    xarray.Dataset
-        As `snowsim.echogram.check_layers` wants it. `layer` holds the names (group:name where a name comes twice),
-        from the surface down; layers without a single pick are left out and listed in `attrs["empty_layers"]`.
-
-    Raises
-    ------
-    ValueError
-        One line with file, variable, expected and found; also if no layer is left, or if layers cross.
+    Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name comes twice), without
+    one they are "id 1", "id 2", ... Layers without a pick are left out and listed in `attrs["empty_layers"]`.
     """
     path = existing(path)
     values = read_matlab(path, ("gps_time", "twtt", "id", "quality", "type", "lat", "lon", "elev"))
-    for name in ("gps_time", "twtt", "id"):
-        if name not in values:
-            raise refusal(path, name, "variables gps_time, id, twtt", _listing(path))
+    check_present(path, ("gps_time", "id", "twtt"), values, names_in)
     gps_time = vector(path, "gps_time", values["gps_time"])
     ids = vector(path, "id", values["id"])
     n_lines, n_layers = gps_time.size, ids.size
@@ -55,8 +43,9 @@ def read_cresis_layers(path, *, names=None, missing="refuse", organizer=None):
         absent = flags is None or np.size(flags) == 0
         flags = np.full((n_layers, n_lines), default) if absent else matrix(path, name, flags, n_layers, n_lines)
         content[name] = _flags(path, name, flags)
-    content["names"], content["groups"] = _organized(path, ids, organizer)
-    return _finished(path, content, values, ("lat", "lon", "elev"), (names, missing), "CReSIS layer")
+    content["names"], content["groups"] = _organized(path, ids)
+    dataset = _layers_dataset(path, content, values, ("lat", "lon", "elev"), "CReSIS layer")
+    return _chosen(path, dataset, names, missing)
 
 
 def read_cresis_layer_data(path, *, names=None, missing="refuse"):
@@ -67,34 +56,42 @@ def read_cresis_layer_data(path, *, names=None, missing="refuse"):
     """
     path = existing(path)
     values = read_matlab(path, ("layerData", "GPS_time", "Latitude", "Longitude", "Elevation"))
-    for name in ("GPS_time", "layerData"):
-        if name not in values:
-            raise refusal(path, name, "variables GPS_time, layerData", _listing(path))
+    check_present(path, ("GPS_time", "layerData"), values, names_in)
     gps_time = vector(path, "GPS_time", values["GPS_time"])
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
     if not isinstance(entries, list) or not entries:
         raise refusal(path, "layerData", "a cell of structs", type(entries).__name__)
     parts = [_entry(path, number, entry, gps_time.size) for number, entry in enumerate(entries)]
-    content = {name: np.array([part[name] for part in parts]) for name in ("twtt", "quality", "type")}
-    content["names"] = [part["name"] for part in parts]
-    content["groups"] = [part["group"] for part in parts]
+    content = {name: np.array([part[name] for part in parts]) for name in PICKS}
+    content |= {name: [part[name] for part in parts] for name in ("names", "groups")}
     content["slow_time"] = from_gps_seconds(path, "GPS_time", gps_time)
-    return _finished(
-        path, content, values, ("Latitude", "Longitude", "Elevation"), (names, missing), "CReSIS layerData"
-    )
+    dataset = _layers_dataset(path, content, values, ("Latitude", "Longitude", "Elevation"), "CReSIS layerData")
+    return _chosen(path, dataset, names, missing)
+
+
+def read_opr_layers(path, *, names=None, missing="refuse"):
+    """Layers dataset of Open Polar Radar as it stands on disk, (layer, slow_time); checked.
+
+    A single layer without a `layer` dimension gets one. Layers with names are ordered from the surface down; numbered
+    ones keep their order, the first being the surface. `names` selects by the values of `layer`.
+    """
+    dataset = load_opr(path, ("twtt", "slow_time", "quality", "type"))
+    single = [name for name in PICKS if dataset[name].dims == ("slow_time",)]
+    if single:
+        dataset = dataset.assign({name: dataset[name].expand_dims("layer") for name in single})
+    for name in PICKS:
+        if set(dataset[name].dims) != {"layer", "slow_time"}:
+            raise refusal(path, name, "dimensions layer and slow_time", ", ".join(map(str, dataset[name].dims)))
+    return _chosen(path, dataset.transpose("layer", "slow_time", ...), names, missing)
 
 
 def order_from_surface(twtt, names, path="layers"):
-    """Order of layers from the surface down, by what lies above what, (layer,) of int.
+    """Order of layers (layer, range_line) from the surface down, by what lies above what, (layer,) of int.
 
     Layer i goes before j if it is above it on some line both are picked on. Layers that share no line are ordered by
-    their median depth below the surface. The layer named "surface" goes before all others.
-
-    Raises
-    ------
-    ValueError
-        If two layers cross or touch, also by way of others.
+    their median depth below the surface. The layer named "surface" goes before all others. Layers that cross or
+    touch, also by way of others, are refused.
     """
     twtt = np.asarray(twtt, dtype=float)
     n_layers = len(names)
@@ -106,15 +103,14 @@ def order_from_surface(twtt, names, path="layers"):
         line = int(np.argmax(twtt[i] <= twtt[j])) if np.any(twtt[i] < twtt[j]) else 0
         found = f"{names[i]} and {names[j]} cross or touch near range_line {line}"
         raise refusal(path, "twtt", "layers that keep their order", found)
-    surface = surface_among(names)
+    surface, top = surface_among(names), 0
     if surface is not None:
         if above[:, surface].any():
             other = names[int(np.argmax(above[:, surface]))]
             raise refusal(path, "twtt", "the surface above all layers", f"{other} above it")
         above[surface] = np.arange(n_layers) != surface
-        depth = np.array([_median(row - twtt[surface], row) for row in twtt])
-    else:
-        depth = np.array([_median(row, row) for row in twtt])
+        top = twtt[surface]
+    depth = [_median(row - top, row) for row in twtt]
     order, left = [], list(range(n_layers))
     while left:
         free = [i for i in left if not above[left, i].any()]
@@ -131,22 +127,10 @@ def surface_among(names):
     return next((i for i, name in enumerate(names) if name.rpartition(":")[2] == SURFACE), None)
 
 
-def find_organizer(path):
-    """The organizer file beside a new layer file, or None."""
-    path = Path(path)
-    segment = re.search(r"\d{8}_\d{2}", path.stem)
-    organizer = path.with_name(f"layer_{segment.group()}.mat") if segment else path
-    return organizer if organizer.is_file() and organizer != path else None
-
-
 def _median(values, fallback):
     """Median over finite values; over those of `fallback` where there are none."""
     values = values[np.isfinite(values)]
     return np.median(values) if values.size else np.median(fallback[np.isfinite(fallback)])
-
-
-def _listing(path):
-    return one_line(", ".join(sorted(names_in_matlab(path))), 200)
 
 
 def _flags(path, what, values):
@@ -159,15 +143,14 @@ def _flags(path, what, values):
     return flags.astype(np.uint8)
 
 
-def _organized(path, ids, organizer):
+def _organized(path, ids):
     """Names and groups of layer ids; "id 3" where no organizer file knows them."""
-    organizer = find_organizer(path) if organizer is None else existing(organizer)
+    segment = re.search(r"\d{8}_\d{2}", path.stem)
+    organizer = path.with_name(f"layer_{segment.group()}.mat") if segment else path
     named = {}
-    if organizer is not None:
+    if organizer.is_file() and organizer != path:
         values = read_matlab(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
-        for name in ("lyr_id", "lyr_name"):
-            if name not in values:
-                raise refusal(organizer, name, "variables lyr_id, lyr_name", _listing(organizer))
+        check_present(organizer, ("lyr_id", "lyr_name"), values, names_in)
         known = vector(organizer, "lyr_id", values["lyr_id"])
         names = _texts(organizer, "lyr_name", values["lyr_name"], known.size)
         groups = _texts(organizer, "lyr_group_name", values.get("lyr_group_name", [""] * known.size), known.size)
@@ -205,36 +188,51 @@ def _entry(path, number, entry, n_lines):
         "twtt": picks,
         "quality": _flags(path, f"{where}.quality", quality),
         "type": np.where(np.isfinite(manual), 1, 2).astype(np.uint8),
-        "name": name,
-        "group": group if isinstance(group, str) else "",
+        "names": name,
+        "groups": group if isinstance(group, str) else "",
     }
 
 
-def _finished(path, content, values, positions, wanted, source):
-    """Drop layers without picks, select by name, order from the surface down, and hand on to the validator."""
+def _layers_dataset(path, content, values, positions, source):
+    """Dataset of all layers of a CReSIS file; positions are read from `values` under the format's own names."""
     if np.isinf(content["twtt"]).any():
         raise refusal(path, "twtt", "finite travel times or NaN", "infinite ones")
-    layer_names = list(content["names"])
-    twice = {name for name in layer_names if layer_names.count(name) > 1}
-    groups = content["groups"]
-    layer_names = [f"{group}:{n}" if n in twice else n for n, group in zip(layer_names, groups, strict=True)]
-    if len(set(layer_names)) < len(layer_names):
-        raise refusal(path, "layers", "names that differ", one_line(", ".join(layer_names), 200))
-    names, missing = wanted
-    for name in names or ():
-        if name not in layer_names and missing == "refuse":
-            raise refusal(path, "layers", f"one named {name}", one_line(", ".join(layer_names), 200))
+    names, groups = content["names"], content["groups"]
+    names = [f"{group}:{n}" if names.count(n) > 1 else n for n, group in zip(names, groups, strict=True)]
+    if len(set(names)) < len(names):
+        raise refusal(path, "layers", "names that differ", one_line(", ".join(names), 200))
     picked = np.isfinite(content["twtt"]).any(axis=1)
-    empty = [name for name, has in zip(layer_names, picked, strict=True) if not has]
-    keep = [i for i, name in enumerate(layer_names) if picked[i] and (names is None or name in set(names))]
-    if not keep:
-        raise refusal(path, "twtt", "at least one layer with picks", f"only NaN in {one_line(', '.join(empty), 200)}")
-    order = order_from_surface(content["twtt"][keep], [layer_names[i] for i in keep], path)
-    keep = [keep[i] for i in order]
-    chosen = {name: content[name][keep] for name in ("twtt", "quality", "type")}
-    chosen |= {"names": [layer_names[i] for i in keep], "groups": [groups[i] for i in keep]}
-    chosen["slow_time"] = content["slow_time"]
+    variables = {name: (("layer", "slow_time"), content[name], attributes) for name, attributes in PICKS.items()}
     for name, ours in zip(positions, ("Latitude", "Longitude", "Elevation"), strict=True):
         if name in values:
-            chosen[ours] = vector(path, name, numeric(path, name, values[name]), chosen["slow_time"].size)
-    return layers_dataset(path, chosen, {"source_format": source, "empty_layers": ", ".join(empty)})
+            along_track = vector(path, name, values[name], content["slow_time"].size)
+            variables[ours] = ("slow_time", along_track, {"units": UNITS[ours]})
+    coordinates = {
+        "slow_time": content["slow_time"],
+        "layer": ("layer", np.asarray(names, dtype=str)),
+        "group": ("layer", np.asarray(groups, dtype=str)),
+    }
+    empty = ", ".join(name for name, has in zip(names, picked, strict=True) if not has)
+    return xr.Dataset(variables, coordinates, {"source_format": source, "empty_layers": empty})
+
+
+def _chosen(path, dataset, names, missing):
+    """Layers of the names wanted, checked; where they have names, only those with picks, from the surface down."""
+    index = dataset.get_index("layer")  # numbers where the file has no coordinate of this name
+    named = index.dtype.kind in "OUS"
+    labels = [str(label) for label in index]
+    wanted = labels if names is None else [str(name) for name in names]
+    for name in wanted:
+        if name not in labels and missing == "refuse":
+            raise refusal(path, "layer", f"one named {name}", one_line(", ".join(labels), 200))
+    picked = np.isfinite(dataset["twtt"].values).any(axis=1)
+    keep = [i for i, label in enumerate(labels) if label in wanted and (picked[i] or not named)]
+    if not picked[keep].any():
+        empty = ", ".join(label for label, has in zip(labels, picked, strict=True) if not has)
+        raise refusal(path, "twtt", "at least one layer with picks", f"only NaN in {one_line(empty, 200)}")
+    dataset = dataset.isel(layer=keep)
+    if named:
+        order = order_from_surface(dataset["twtt"].values, [labels[i] for i in keep], path)
+        dataset = dataset.isel(layer=order)
+    check_layers(dataset, str(path))
+    return dataset

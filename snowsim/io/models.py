@@ -18,14 +18,8 @@ KEY = "snowsim"  # one header entry: safetensors keeps no order among several, a
 def write_model(path, arrays, metadata):
     """Write arrays and what made them to one safetensors file, whole or not at all.
 
-    Parameters
-    ----------
-    path : path_like
-        Ends in `.safetensors`.
-    arrays : dict
-        Arrays or CPU tensors, nested by string or integer keys without `/`.
-    metadata : dict
-        What JSON holds: kind, settings, seed, step, fingerprint of the data. The version of this package is added.
+    Arrays or CPU tensors are nested by string or integer keys without `/`; metadata is what JSON holds: kind, settings,
+    seed, step, fingerprint of the data. The version of this package is added.
     """
     header = {"format": FORMAT, "version": __version__, **metadata}
     flat = {name: np.asarray(array, order="C") for name, array in _flat(arrays)}
@@ -34,24 +28,10 @@ def write_model(path, arrays, metadata):
 
 
 def read_model(path, expected=None):
-    """Read a file of `write_model`; nothing in it is executed.
+    """Arrays, nested as written with keys as text, and metadata of a file of `write_model`; nothing in it is executed.
 
-    Parameters
-    ----------
-    path : path_like
-    expected : dict, optional
-        Metadata that the file must hold, such as settings, seed and fingerprint of the training it is to continue.
-
-    Returns
-    -------
-    arrays : dict
-        Nested as written, keys as text.
-    metadata : dict
-
-    Raises
-    ------
-    ValueError
-        If the file is truncated or no model, or was made with something else than `expected`.
+    A file that is truncated, no model, or made with other metadata than `expected` is refused: settings, seed and
+    fingerprint of the training it is to continue.
     """
     try:
         with safe_open(path, framework="numpy") as file:

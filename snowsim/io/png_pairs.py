@@ -9,7 +9,7 @@ import numpy as np
 
 from snowsim.echogram import Scene, check_layer_bins, to_uint8
 from snowsim.io.guard import container_of, existing, library_errors, numeric, one_line, refusal
-from snowsim.io.images import image_height, read_image
+from snowsim.io.images import read_image
 from snowsim.io.matlab import read_matlab
 
 MAXIMUM_SHARE_ON = 0.5  # a mask of one pixel per layer and column has a few per cent on; an inverted one nearly all
@@ -19,22 +19,11 @@ DATA_SCALES = ("power", "db")
 class PairSet(Sequence):
     """Scenes of a directory in the layout of the published benchmark; a scene is read when it is asked for.
 
-    Parameters
-    ----------
-    path : path_like
-        A directory, of which every `data_*.png` (or, if there is none, every `data_*.mat`) is a scene, in order of
-        name; or a list file with one such name a line, relative to the list (a second name on the line, the label, is
-        not needed).
-    data_scale : {"power", "db"}, optional
-        What floating-point `data` of .mat pairs are, which cannot be told from non-negative numbers.
+    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a scene, by name; or
+    a list file with one such name a line, relative to the list (a second name, the label, is not needed). `data_scale`,
+    "power" or "db", says what floating-point `data` of .mat pairs are, which non-negative numbers do not tell. No
+    scene, a missing file or a name that comes twice is refused.
 
-    Raises
-    ------
-    ValueError
-        If there is no scene, a file of the list is missing, or two scenes have one name.
-
-    Notes
-    -----
     A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of `data_`. Layer number k
     is row k - 1 of `layer_bins`; numbers that occur nowhere between others leave a row of NaN. A mask alone tells no
     numbers: the k-th run of pixels from the top of a column is then layer k - 1 there, so below a gap in a layer the
@@ -48,7 +37,10 @@ class PairSet(Sequence):
             msg = f"data_scale must be one of {', '.join(DATA_SCALES)}, got {data_scale}"
             raise ValueError(msg)
         self._data_scale = data_scale
-        self._paths = _found(path) if path.is_dir() else _listed(path)
+        if path.is_dir():
+            self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
+        else:
+            self._paths = _listed(path)
         if not self._paths:
             raise refusal(path, "scenes", "files data_*.png or data_*.mat", "none")
         self.names = [scene_name(file) for file in self._paths]
@@ -68,23 +60,10 @@ class PairSet(Sequence):
         beside = [_beside(path, prefix) for path in paths for prefix in ("layer_", "layer_binary_")]
         return [*paths, *(path for path in beside if path is not None)]
 
-    @property
-    def heights(self):
-        """Height of every scene in range bins, without its pixels being read."""
-        return [_height(path, self._data_scale) for path in self._paths]
-
     def check(self):
-        """Read every scene once; one ValueError names all that fail.
+        """Read every scene once; one ValueError names all that fail, also those not as wide as most.
 
-        Returns
-        -------
-        list of dict
-            Of each scene `name`, `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
-
-        Raises
-        ------
-        ValueError
-            With one line for every scene that cannot be read, or is not as wide as most are.
+        A list of a dict for each scene: `name`, `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
         """
         rows, failed = [], []
         for path in self._paths:
@@ -115,49 +94,35 @@ def scene_name(path):
 def read_pair(path, *, data_scale=None):
     """Scene of one `data_*` file and the labels beside it; see `PairSet`.
 
-    Raises
-    ------
-    ValueError
-        One line with file, variable, expected and found: no labels, sizes that differ, labels that disagree or cross,
-        an inverted or anti-aliased mask, a damaged or oversized image.
+    Refused are labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; damaged or
+    oversized images.
     """
     path = existing(path)
     if container_of(path) == "png":
         image, texts = read_image(path)
-        labels = _png_labels(path, image.shape)
+        where, numbers, mask = _png_labels(path, image.shape)
     else:
         image, texts = _mat_image(path, data_scale)
-        labels = _mat_labels(path, image.shape)
-    where, numbers, mask = labels
+        where, numbers, mask = _mat_labels(path, image.shape)
     layer_bins = layers_of_mask(mask, where) if numbers is None else layers_of_numbers(numbers, where)
     if not np.isfinite(layer_bins).any():
         raise refusal(where, "labels", "at least one layer", "none")
     check_layer_bins(layer_bins, str(where))
-    return Scene(
-        name=scene_name(path),
-        n_range_bins=image.shape[0],
-        layer_bins=layer_bins,
-        image=image,
-        **texts,
-    )
+    return Scene(scene_name(path), image.shape[0], layer_bins, image=image, **texts)
 
 
 def layers_of_numbers(numbers, where="labels"):
     """Layers of an image of layer numbers, (layer, range_line) in range bins; 0 is no layer.
 
-    Raises
-    ------
-    ValueError
-        If the pixels of one layer in one column do not lie together.
+    The pixels of one layer in one column must lie together.
     """
     numbers = np.asarray(numbers)
     layer_bins = np.full((int(numbers.max(initial=0)), numbers.shape[1]), np.nan)
     rows, lines = np.nonzero(numbers)
     layers = numbers[rows, lines].astype(int) - 1
     shape = layer_bins.shape
-    count, total, lowest, highest = np.zeros(shape), np.zeros(shape), np.full(shape, np.inf), np.full(shape, -np.inf)
+    count, lowest, highest = np.zeros(shape), np.full(shape, np.inf), np.full(shape, -np.inf)
     np.add.at(count, (layers, lines), 1)
-    np.add.at(total, (layers, lines), rows)
     np.minimum.at(lowest, (layers, lines), rows)
     np.maximum.at(highest, (layers, lines), rows)
     present = count > 0
@@ -166,17 +131,14 @@ def layers_of_numbers(numbers, where="labels"):
         layer, line = np.argwhere(apart)[0]
         found = f"{int(count[layer, line])} apart for number {layer + 1} at range_line {line}"
         raise refusal(where, "layer numbers", "one run of pixels per layer and column", found)
-    layer_bins[present] = total[present] / count[present]
+    layer_bins[present] = (lowest[present] + highest[present]) / 2
     return layer_bins
 
 
 def layers_of_mask(mask, where="mask"):
     """Layers of a binary mask, (layer, range_line) in range bins: the k-th run from the top of a column is layer k.
 
-    Raises
-    ------
-    ValueError
-        If more than half of the pixels are on, as in an inverted mask.
+    More than half of the pixels on, as in an inverted mask, are refused.
     """
     mask = np.asarray(mask, dtype=bool)
     if mask.size and mask.mean() > MAXIMUM_SHARE_ON:
@@ -190,10 +152,6 @@ def layers_of_mask(mask, where="mask"):
     layer_bins = np.full((int(run.max(initial=-1)) + 1, mask.shape[1]), np.nan)
     layer_bins[run, lines] = (first + behind - 1) / 2
     return layer_bins
-
-
-def _found(path):
-    return sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
 
 
 def _listed(path):
@@ -220,15 +178,13 @@ def _png_labels(path, shape):
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
     numbers = mask = None
     if binary is not None:
-        mask, _ = read_image(binary, binary=True)
-        _same_size(binary, mask.shape, shape)
+        mask = _as_large(binary, read_image(binary, binary=True)[0], shape)
     if numbered is not None:
-        numbers, _ = read_image(numbered)
-        _same_size(numbered, numbers.shape, shape)
-        if mask is not None and ((numbers > 0) != mask).any():
-            row, line = np.argwhere((numbers > 0) != mask)[0]
-            found = f"a difference at range_bin {row}, range_line {line}"
-            raise refusal(binary, "mask", f"what {numbered.name} has", found)
+        numbers = _as_large(numbered, read_image(numbered)[0], shape)
+    if numbers is not None and mask is not None and ((numbers > 0) != mask).any():
+        row, line = np.argwhere((numbers > 0) != mask)[0]
+        found = f"a difference at range_bin {row}, range_line {line}"
+        raise refusal(binary, "mask", f"what {numbered.name} has", found)
     return numbered or binary, numbers, mask
 
 
@@ -259,8 +215,7 @@ def _mat_labels(path, shape):
     values = read_matlab(label, ("layer",))
     if "layer" not in values:
         raise refusal(label, "layer", "variable layer", "none")
-    numbers = numeric(label, "layer", values["layer"])
-    _same_size(label, numbers.shape, shape)
+    numbers = _as_large(label, numeric(label, "layer", values["layer"]), shape)
     if not ((numbers >= 0) & (numbers <= 255) & (numbers == np.floor(numbers))).all():
         raise refusal(label, "layer", "whole numbers from 0 to 255", numbers.dtype)
     if numbers.dtype == bool or label.name.startswith("layer_binary_"):
@@ -268,10 +223,8 @@ def _mat_labels(path, shape):
     return label, numbers.astype(np.uint8), None
 
 
-def _same_size(path, found, expected):
-    if found != expected:
-        raise refusal(path, "size", f"that of the image, {expected}", found)
-
-
-def _height(path, data_scale):
-    return image_height(path) if container_of(path) == "png" else _mat_image(path, data_scale)[0].shape[0]
+def _as_large(path, labels, shape):
+    """The labels, if their image is as large as that of the echogram."""
+    if labels.shape != shape:
+        raise refusal(path, "size", f"that of the image, {shape}", labels.shape)
+    return labels

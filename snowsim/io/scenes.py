@@ -22,36 +22,19 @@ NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
 def write_scenes(path, scenes, attributes=None):
     """Write scenes to one file, in order, holding one at a time.
 
-    Parameters
-    ----------
-    path : path_like
-        Written aside and renamed when complete.
-    scenes : iterable of Scene
-        All with the same number of range lines, and the same arrays present.
-    attributes : dict, optional
-        Global attributes (what made them; ``synthetic``).
-
-    Raises
-    ------
-    ValueError
-        If there is no scene, or scenes differ in width or in what they hold.
-
-    Notes
-    -----
-    Images and layers of all scenes stand below each other (the contiguous ragged arrays of the CF conventions, section
-    9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer bins are float32: 1e-4 bins at row 2000.
+    At least one, all with the same number of range lines and the same arrays present; others are refused. `attributes`
+    are global (what made them; ``synthetic``). Images and layers of all scenes stand below each other (the contiguous
+    ragged arrays of the CF conventions, section 9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer
+    bins are float32: 1e-4 bins at row 2000.
     """
     with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
         file.format = FORMAT
         file.setncatts(attributes or {})
-        rows = dict.fromkeys(("pixel_row", "layer_row"), 0)
-        n_scenes = 0
         for scene in scenes:
-            if n_scenes == 0:
+            if not file.dimensions:
                 _define(file, scene)
-            _append(file, scene, n_scenes, rows, path)
-            n_scenes += 1
-        if n_scenes == 0:
+            _append(file, scene, path)
+        if not file.dimensions:
             msg = f"{path}: expected at least one scene to write, got none"
             raise ValueError(msg)
 
@@ -69,15 +52,11 @@ def _define(file, scene):
             file.createDimension(dimension, None)
         chunks = (64, scene.n_range_lines)
         file.createVariable(name, dtype, (dimension, "range_line"), chunksizes=chunks, zlib=dtype != "u1", complevel=1)
-    for name in ("name", "notes"):
-        file.createVariable(name, str, ("scene",))
-    for name in ("n_range_bins", "n_layers"):
-        file.createVariable(name, "i4", ("scene",))
-    for name, dtype in NUMBERS.items():
+    for name, dtype in ({"name": str, "notes": str, "n_range_bins": "i4", "n_layers": "i4"} | NUMBERS).items():
         file.createVariable(name, dtype, ("scene",))
 
 
-def _append(file, scene, index, rows, path):
+def _append(file, scene, path):
     held = [name for name in ARRAYS if name in file.variables]
     if _present(scene) != held or scene.n_range_lines != len(file.dimensions["range_line"]):
         msg = (
@@ -85,6 +64,9 @@ def _append(file, scene, index, rows, path):
             f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
         )
         raise ValueError(msg)
+    # Before anything is written: that makes the dimensions longer.
+    starts = {name: len(dimension) for name, dimension in file.dimensions.items()}
+    index = starts["scene"]
     file["name"][index] = scene.name
     file["notes"][index] = json.dumps(scene.notes, sort_keys=True)
     file["n_range_bins"][index] = scene.n_range_bins
@@ -94,10 +76,7 @@ def _append(file, scene, index, rows, path):
     lengths = {"pixel_row": scene.n_range_bins, "layer_row": scene.layer_bins.shape[0]}
     for name in held:
         dimension = ARRAYS[name][0]
-        start = rows[dimension]
-        file[name][start : start + lengths[dimension]] = getattr(scene, name)
-    for dimension, length in lengths.items():
-        rows[dimension] += length
+        file[name][starts[dimension] : starts[dimension] + lengths[dimension]] = getattr(scene, name)
 
 
 class SceneSet:
@@ -117,8 +96,8 @@ class SceneSet:
     def __init__(self, paths):
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
-        self._where = []  # (file, index in file, first pixel row, first layer row)
-        self.heights, self.zones = [], []
+        self._where = []  # (file, index in it, first pixel row, first layer row)
+        self.zones = []
         for path in paths:
             self._index(path)
         self.attributes = self._files[0].__dict__ if self._files else {}
@@ -133,46 +112,30 @@ class SceneSet:
             msg = f"{path}: expected attribute format '{FORMAT}', got {getattr(file, 'format', None)!r}"
             raise ValueError(msg)
         file.set_auto_mask(False)
-        heights = file["n_range_bins"][:]
-        first_rows = np.concatenate([[0], np.cumsum(heights)[:-1]])
-        first_layers = np.concatenate([[0], np.cumsum(file["n_layers"][:])[:-1]])
-        which = len(self._files)
+        heights, n_layers = file["n_range_bins"][:], file["n_layers"][:]
+        first_rows, first_layers = np.cumsum(heights) - heights, np.cumsum(n_layers) - n_layers
         self._files.append(file)
-        self._where += [
-            (which, i, int(row), int(layer))
-            for i, (row, layer) in enumerate(zip(first_rows, first_layers, strict=True))
-        ]
-        self.heights += [int(height) for height in heights]
+        self._where += [(file, i, *first) for i, first in enumerate(zip(first_rows, first_layers, strict=True))]
         self.zones += [int(zone) for zone in file["zone"][:]]
 
     def __len__(self):
         return len(self._where)
 
     def __getitem__(self, item):
-        which, index, first_row, first_layer = self._where[item]
-        file = self._files[which]
+        file, index, first_row, first_layer = self._where[item]
         n_range_bins, n_layers = int(file["n_range_bins"][index]), int(file["n_layers"][index])
         spans = {
             "pixel_row": slice(first_row, first_row + n_range_bins),
             "layer_row": slice(first_layer, first_layer + n_layers),
         }
-        arrays = {
-            name: np.asarray(file[name][spans[dimension]])
-            for name, (dimension, _) in ARRAYS.items()
-            if name in file.variables
-        }
-        for name in ("layer_bins", "complete_layer_bins"):
-            if name in arrays:
-                arrays[name] = arrays[name].astype(float)
-        return Scene(
-            name=str(file["name"][index]),
-            n_range_bins=n_range_bins,
-            notes=json.loads(file["notes"][index]),
-            zone=int(file["zone"][index]),
-            noise_floor_db=float(file["noise_floor_db"][index]),
-            maximum_db=float(file["maximum_db"][index]),
-            **arrays,
-        )
+        arrays = {}
+        for name, (dimension, dtype) in ARRAYS.items():
+            if name in file.variables:
+                values = np.asarray(file[name][spans[dimension]])
+                arrays[name] = values if dtype == "u1" else values.astype(float)
+        numbers = {name: file[name][index].item() for name in NUMBERS}
+        notes = json.loads(file["notes"][index])
+        return Scene(str(file["name"][index]), n_range_bins, **arrays, **numbers, notes=notes)
 
     def close(self):
         """Close the files."""

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import train_cgan
 from toy_scenes import toy_scenes
 from train_cgan import train
 from trainings import kill_midway
 
+from lib import cgan_training
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
@@ -26,11 +26,11 @@ def arguments(folder, **changes):
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
     return {
-        "paths_to_scenes": [str(scenes)],
-        "path_to_generator": str(folder / "generator.safetensors"),
-        "path_to_losses": str(folder / "losses.csv"),
-        "path_to_validation": str(folder / "validation.csv"),
-        "path_to_samples": str(folder / "samples.nc"),
+        "scenes": [str(scenes)],
+        "generator": str(folder / "generator.safetensors"),
+        "losses": str(folder / "losses.csv"),
+        "scores": str(folder / "validation.csv"),
+        "samples": str(folder / "samples.nc"),
         "seed": 1,
         "device": "cpu",
         "settings": SETTINGS,
@@ -95,9 +95,9 @@ def collapse(tmp_path, monkeypatch):
         def planted(losses, adversarial):
             return {"mask_response": 0.0 if losses[-1]["step"] >= first_step else 1.0}
 
-        monkeypatch.setattr(train_cgan, "WINDOW_STEPS", 20)
-        monkeypatch.setattr(train_cgan, "measure_losses", planted)
-        monkeypatch.setattr(train_cgan, "measure_renders", lambda *arguments, **options: {})
+        monkeypatch.setattr(cgan_training, "WINDOW_STEPS", 20)
+        monkeypatch.setattr(cgan_training, "measure_losses", planted)
+        monkeypatch.setattr(cgan_training, "measure_renders", lambda *arguments, **options: {})
         validation = {**VALIDATION, "every_steps": every_steps}
         train(**arguments(tmp_path / "run", settings=SHORT, validation=validation, on_collapse=on_collapse))
         return read_model(tmp_path / "run/generator.safetensors")[1]

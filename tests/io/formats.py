@@ -7,22 +7,37 @@ dimensions the other way round, v7.3 files are HDF5 with transposed arrays, text
 import h5py
 import netCDF4
 import numpy as np
+import pytest
 import scipy.io
 import xarray as xr
 
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.echogram import to_db
+
 BIN_S = 2.886e-10
-SPEED_OF_LIGHT = 299_792_458.0
 GPS_START = 1_333_065_600.0 + 15  # 2012-03-30 00:00:00 UTC, 15 leap seconds then
 N_BINS, N_LINES = 120, 40
 SURFACE_BIN = 30
+LAYERS_FILE, ORGANIZER_FILE = "Data_20120330_04_001.mat", "layer_20120330_04.mat"
+TABLE_HEADER = "frame\techogram\tlayers\trole"
 
 
-def truth(rng, n_bins=N_BINS, n_lines=N_LINES):
-    """Linear power with a bright surface, and everything along track, as an L1B file holds it."""
-    power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
-    surface_bins = SURFACE_BIN + np.arange(n_lines) % 3
+def refused(read, path, message):
+    """Check that a reader refuses a file in one line that begins with its name; give the line."""
+    with pytest.raises(ValueError, match=message) as error:
+        read(path)
+    line = str(error.value)
+    assert "\n" not in line
+    assert line.startswith(str(path))
+    return line
+
+
+def truth(rng, n_bins=N_BINS, n_lines=N_LINES, n_above=0):
+    """Linear power with a bright surface, and everything along track, as an L1B file holds it; rows of air on top."""
+    power = rng.gamma(4, 0.25e-3, size=(n_bins + n_above, n_lines)).astype(np.float32)
+    surface_bins = SURFACE_BIN + n_above + np.arange(n_lines) % 3
     power[surface_bins, np.arange(n_lines)] = 1.0
-    time = 3e-6 + BIN_S * np.arange(n_bins)
+    time = 3e-6 + BIN_S * np.arange(-n_above, n_bins)
     return {
         "Data": power,
         "Time": time,
@@ -37,11 +52,16 @@ def truth(rng, n_bins=N_BINS, n_lines=N_LINES):
     }
 
 
-def slow_time(content):
-    """UTC of the lines of `truth`, to the nanosecond as far as float64 seconds hold them."""
-    return np.datetime64("2012-03-30", "ns") + np.rint((np.asarray(content["GPS_time"]) - GPS_START) * 1e9).astype(
-        "timedelta64[ns]"
-    )
+def slow_time(gps_time):
+    """UTC of GPS seconds of that day, to the nanosecond as far as float64 seconds hold them."""
+    nanoseconds = np.rint((np.asarray(gps_time) - GPS_START) * 1e9)
+    return np.datetime64("2012-03-30", "ns") + nanoseconds.astype("timedelta64[ns]")
+
+
+def check_times(dataset, gps_time):
+    """Seconds since 1970 are doubles, 2.4e-7 s apart."""
+    late = np.abs(dataset["slow_time"].values - slow_time(gps_time))
+    assert (late <= np.timedelta64(300, "ns")).all()
 
 
 def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"):
@@ -58,19 +78,18 @@ def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, dr
                 variable[:] = values
                 variable.setncatts(attributes)
 
-        with np.errstate(divide="ignore"):
-            amplitude = 10 * np.log10(content["Data"])
+        amplitude = to_db(content["Data"])
         if transposed:
             put("amplitude", ("fasttime", "time"), amplitude, units="counts in dB")
         else:
             put("amplitude", ("time", "fasttime"), amplitude.T, units="counts in dB", matlab_class="single")
         put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
         put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
-        for ours, theirs in {"Latitude": "lat", "Longitude": "lon", "Elevation": "altitude"}.items():
+        for theirs, ours in {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}.items():
             put(theirs, ("time",), content[ours])
+        put("Surface", ("time",), content["Surface"], units="seconds")
         for ours in ("Roll", "Pitch", "Heading"):
             put(ours.lower(), ("time",), np.degrees(content[ours]), units="degrees")
-        put("Surface", ("time",), content["Surface"], units="seconds")
         for name, values in (extra or {}).items():
             put(name, ("time",), values)
         file.createDimension("text", 24)
@@ -80,52 +99,35 @@ def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, dr
 
 
 def write_supplement(path, **flags):
-    with netCDF4.Dataset(path, "w") as file:
-        file.createDimension("unit", 1)
-        for name, value in flags.items():
-            size = np.size(value)
-            if f"n{size}" not in file.dimensions:
-                file.createDimension(f"n{size}", size)
-            file.createVariable(name, "u1", (f"n{size}",))[:] = value
+    flags = {name: np.atleast_1d(np.asarray(value, dtype="u1")) for name, value in flags.items()}
+    xr.Dataset({name: (f"n{value.size}", value) for name, value in flags.items()}).to_netcdf(path)
 
 
-def write_nsidc_flight(folder, rng, roles, n_lines):
-    """IRSNO1B frames high enough for blocks, one a role and called so, with layers and the table `frames.tsv`."""
-    content = truth(rng, n_bins=400, n_lines=n_lines)
-    # More rows of air: the surface of `truth` is in bin 30, that of a block in row 50.
-    air = rng.gamma(4, 0.25e-3, size=(40, n_lines)).astype(np.float32)
-    time = content["Time"][0] + BIN_S * np.arange(-40, 400)
-    content |= {"Data": np.vstack([air, content["Data"]]), "Time": time}
-    layers = layer_content([content["Surface"] + 40 * BIN_S, content["Surface"]], [5, 9], content["GPS_time"])
-    write_mat5(folder / "Data_20120330_04_001.mat", layers)
-    write_mat5(folder / "layer_20120330_04.mat", organizer_content([5, 9], ["Koenig_2", "surface"]))
-    rows = ["frame\techogram\tlayers\trole"]
-    for role in roles:
-        write_nsidc(folder / f"{role}.nc", content)
-        rows.append(f"{role}\t{role}.nc\tData_20120330_04_001.mat\t{role}")
-    (folder / "frames.tsv").write_text("\n".join(rows) + "\n")
+def write_flight(folder, content, echograms):
+    """Table `frames.tsv` of echograms (file and role), and their layer file: the surface and one 40 bins below."""
+    surface = content["Surface"]
+    layers = layer_content([surface + 40 * BIN_S, surface], [5, 9], content["GPS_time"])
+    write_mat5(folder / LAYERS_FILE, layers)
+    write_mat5(folder / ORGANIZER_FILE, organizer_content([5, 9], ["Koenig_2", "surface"]))
+    rows = [f"{name}\t{file}\t{LAYERS_FILE}\t{role}" for name, (file, role) in echograms.items()]
+    (folder / "frames.tsv").write_text("\n".join(["# a remark", TABLE_HEADER, *rows]))
 
 
-def as_matlab(content, *, time_as="column"):
-    """Rows, columns and matrices as MATLAB keeps them."""
-    values = {}
-    for name, value in content.items():
-        value = np.asarray(value) if not isinstance(value, dict | str | list) else value
-        if isinstance(value, np.ndarray) and value.ndim == 1:
-            column = name in ("Time", "Truncate_Bins") and time_as == "column"
-            value = value[:, None] if column else value[None, :]
-        values[name] = value
-    return values
+def as_matlab(content):
+    """Vectors as MATLAB keeps them: rows, and some columns."""
+    columns = {name: (-1, 1) for name in ("Time", "Truncate_Bins")}
+    vectors = [name for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1]
+    return content | {name: content[name].reshape(columns.get(name, (1, -1))) for name in vectors}
 
 
-def write_mat5(path, content, *, time_as="column", compress=True):
-    scipy.io.savemat(path, as_matlab(content, time_as=time_as), do_compression=compress)
+def write_mat5(path, content, *, compress=True):
+    scipy.io.savemat(path, as_matlab(content), do_compression=compress)
 
 
-def write_mat73(path, content, *, time_as="column"):
+def write_mat73(path, content):
     """HDF5 as MATLAB writes it: a user block, transposed arrays, text as uint16, cells as references."""
     with h5py.File(path, "w", userblock_size=512) as file:
-        for name, value in as_matlab(content, time_as=time_as).items():
+        for name, value in as_matlab(content).items():
             _put73(file, file, name, value)
     with open(path, "r+b") as raw:
         raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124, b" ") + b"\x00\x02IM")
@@ -133,34 +135,29 @@ def write_mat73(path, content, *, time_as="column"):
 
 def _put73(file, group, name, value):
     if isinstance(value, str):
+        matlab_class = "char"
         node = group.create_dataset(name, data=np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None])
-        node.attrs["MATLAB_class"] = np.bytes_("char")
-        node.attrs["MATLAB_int_decode"] = np.int32(2)
     elif isinstance(value, dict):
+        matlab_class = "struct"
         node = group.create_group(name)
-        node.attrs["MATLAB_class"] = np.bytes_("struct")
         for key, item in value.items():
             _put73(file, node, key, item)
-    elif isinstance(value, list):
-        refs = file.require_group("#refs#")
-        links = []
-        for item in value:
+    elif np.asarray(value).dtype.kind in "OU":
+        matlab_class = "cell"
+        refs, links = file.require_group("#refs#"), []
+        for item in np.ravel(value):
             key = f"r{len(refs)}"
             _put73(file, refs, key, item)
             links.append(refs[key].ref)
         node = group.create_dataset(name, (len(links), 1), dtype=h5py.ref_dtype)
         node[:, 0] = links
-        node.attrs["MATLAB_class"] = np.bytes_("cell")
     else:
-        value = np.atleast_2d(np.asarray(value))
+        value = np.atleast_2d(value)
+        matlab_class = {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
+        node = group.create_dataset(name, data=value.T if value.size else np.array(value.shape, dtype="u8"))
         if value.size == 0:
-            node = group.create_dataset(name, data=np.array(value.shape, dtype="u8"))
             node.attrs["MATLAB_empty"] = np.uint8(1)
-        else:
-            node = group.create_dataset(name, data=value.T)
-        node.attrs["MATLAB_class"] = np.bytes_(
-            {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
-        )
+    node.attrs["MATLAB_class"] = np.bytes_(matlab_class)
 
 
 def compensated(content, correction, *, n_kept, first=0, truncate_time=False):
@@ -173,14 +170,14 @@ def compensated(content, correction, *, n_kept, first=0, truncate_time=False):
         padded[bins : bins + n_bins, line] = content["Data"][:, line]
     time = content["Time"][0] + BIN_S * np.arange(padded.shape[0])
     kept = slice(first, first + n_kept)
-    out = dict(content)
-    out["Data"] = padded[kept]
-    out["Time"] = time[kept] if truncate_time else time
-    out["Elevation"] = content["Elevation"] + correction * BIN_S * SPEED_OF_LIGHT / 2
-    out["Surface"] = content["Surface"] + correction * BIN_S
-    out["Elevation_Correction"] = correction.astype(float)
-    out["Truncate_Bins"] = np.arange(first, first + n_kept) + 1.0
-    return out
+    return content | {
+        "Data": padded[kept],
+        "Time": time[kept] if truncate_time else time,
+        "Elevation": content["Elevation"] + correction * BIN_S * SPEED_OF_LIGHT_M_S / 2,
+        "Surface": content["Surface"] + correction * BIN_S,
+        "Elevation_Correction": correction.astype(float),
+        "Truncate_Bins": np.arange(first, first + n_kept) + 1.0,
+    }
 
 
 def layer_content(twtt, ids, gps_time, *, elevation=2500.0):
@@ -199,47 +196,47 @@ def layer_content(twtt, ids, gps_time, *, elevation=2500.0):
     }
 
 
+def cell(items):
+    """A row of MATLAB's cells."""
+    cells = np.empty((1, len(items)), dtype=object)
+    for i, item in enumerate(items):
+        cells[0, i] = item
+    return cells
+
+
 def organizer_content(ids, names, groups=None):
-    cells = np.empty((1, len(names)), dtype=object)
-    cells[0] = names
-    group_cells = np.empty((1, len(names)), dtype=object)
-    group_cells[0] = groups or [""] * len(names)
     return {
         "lyr_id": np.asarray(ids, float),
-        "lyr_name": cells,
-        "lyr_group_name": group_cells,
+        "lyr_name": cell(names),
+        "lyr_group_name": cell(groups or [""] * len(names)),
         "lyr_order": np.asarray(ids),
     }
 
 
 def old_layer_content(twtt, gps_time, names):
     """An old layer file: a cell of structs."""
-    entries = np.empty((1, len(twtt)), dtype=object)
-    for i, (row, name) in enumerate(zip(twtt, names, strict=True)):
-        values = np.empty((1, 2), dtype=object)
+    entries = []
+    for row, name in zip(twtt, names, strict=True):
         manual = np.full(row.size, np.nan)
         manual[0] = row[0]
-        values[0] = [{"data": manual[None]}, {"data": row[None]}]
-        entries[0, i] = {"value": values, "quality": np.ones((1, row.size))} | ({"name": name} if name else {})
-    n_lines = np.size(gps_time)
-    along = {
-        name: np.full(n_lines, value)
-        for name, value in (("Latitude", 70.0), ("Longitude", -40.0), ("Elevation", 2500.0))
-    }
-    return {"GPS_time": np.asarray(gps_time), "layerData": entries, **along}
+        value = cell([{"data": manual[None]}, {"data": row[None]}])
+        entries.append({"value": value, "quality": np.ones((1, row.size))} | ({"name": name} if name else {}))
+    positions = {"Latitude": 70.0, "Longitude": -40.0, "Elevation": 2500.0}
+    along = {name: np.full(np.size(gps_time), value) for name, value in positions.items()}
+    return {"GPS_time": np.asarray(gps_time), "layerData": cell(entries), **along}
 
 
 def opr_dataset(content):
     """The same echogram as an Open Polar Radar dataset."""
-    along = ("Latitude", "Longitude", "Elevation", "Surface", "Roll", "Pitch", "Heading")
+    along = [name for name in content if name not in ("Data", "Time", "GPS_time")]
     return xr.Dataset(
         {"Data": (("twtt", "slow_time"), content["Data"]), **{n: ("slow_time", content[n]) for n in along}},
-        coords={"twtt": ("twtt", content["Time"], {"units": "s"}), "slow_time": slow_time(content)},
+        coords={"twtt": ("twtt", content["Time"], {"units": "s"}), "slow_time": slow_time(content["GPS_time"])},
     )
 
 
-def opr_layers(twtt, times, names=None):
+def opr_layers(twtt, gps_time, names=None):
     twtt = np.atleast_2d(twtt)
-    coords = {"slow_time": times} | ({} if names is None else {"layer": np.asarray(names, dtype=str)})
+    coords = {"slow_time": slow_time(gps_time)} | ({} if names is None else {"layer": np.asarray(names, dtype=str)})
     flags = {name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)) for name in ("quality", "type")}
     return xr.Dataset({"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords)

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from formats import refused
 from pandas.testing import assert_frame_equal
 
-from lib.figures.style import new_figure, write_figure
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table, written_whole
 
 
@@ -64,26 +64,7 @@ def test_a_dataset_comes_back_bit_by_bit(tmp_path, rng):
     xr.testing.assert_identical(read_dataset(tmp_path / "a.nc"), dataset)
 
 
-def test_a_truncated_dataset_is_refused_by_name(tmp_path, rng):
-    write_dataset(tmp_path / "a.nc", xr.Dataset({"x": ("line", rng.random(10_000))}))
-    content = (tmp_path / "a.nc").read_bytes()
-    (tmp_path / "a.nc").write_bytes(content[:5_000])
-    with pytest.raises(ValueError, match=r"a\.nc: expected a NetCDF-4 file"):
-        read_dataset(tmp_path / "a.nc")
-
-
-@pytest.mark.parametrize("ending", [".svg", ".png"])
-def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
-    paths = [tmp_path / f"{name}{ending}" for name in "xy"]
-    for path in paths:
-        figure, axes = new_figure()
-        axes[0, 0].plot([1, 2], label="line")
-        axes[0, 0].legend()
-        write_figure(path, figure)
-    assert paths[0].read_bytes() == paths[1].read_bytes()
-
-
-def test_a_figure_of_another_kind_is_refused(tmp_path):
-    figure, _ = new_figure()
-    with pytest.raises(ValueError, match=r"ends in \.svg or \.png"):
-        write_figure(tmp_path / "a.jpg", figure)
+def test_a_truncated_dataset_is_refused_by_name(path, rng):
+    write_dataset(path, xr.Dataset({"x": ("line", rng.random(10_000))}))
+    path.write_bytes(path.read_bytes()[:5_000])
+    refused(read_dataset, path, "expected a NetCDF-4 file")

@@ -4,7 +4,9 @@ import hashlib
 
 import numpy as np
 import pytest
+from formats import refused
 from numpy.testing import assert_array_equal
+from safetensors.numpy import save_file
 
 from snowsim import __version__
 from snowsim.io.models import fingerprint, read_model, write_model
@@ -36,10 +38,10 @@ def test_the_same_model_gives_the_same_bytes(path, tmp_path):
     assert path.read_bytes() == (tmp_path / "again.safetensors").read_bytes()
 
 
-def test_arrays_need_not_lie_in_row_order(tmp_path):
+def test_arrays_need_not_lie_in_row_order(path):
     transposed = np.arange(6.0).reshape(2, 3).T
-    write_model(tmp_path / "t.safetensors", {"a": transposed}, {})
-    assert_array_equal(read_model(tmp_path / "t.safetensors")[0]["a"], transposed)
+    write_model(path, {"a": transposed}, {})
+    assert_array_equal(read_model(path)[0]["a"], transposed)
 
 
 def test_expected_metadata_is_compared_as_json_keeps_it(path):
@@ -57,31 +59,20 @@ def test_expected_metadata_is_compared_as_json_keeps_it(path):
     ],
 )
 def test_a_model_of_another_configuration_is_refused(path, expected, words):
-    with pytest.raises(ValueError, match=words) as error:
-        read_model(path, expected=expected)
-    assert str(error.value).startswith(str(path))
-    assert "\n" not in str(error.value)
+    refused(lambda path: read_model(path, expected=expected), path, words)
 
 
 @pytest.mark.parametrize("n_bytes", [0, 5, 200, -1])
-def test_a_truncated_model_is_refused(path, n_bytes):
+def test_a_truncated_model_is_refused_and_one_that_is_gone(path, n_bytes):
     path.write_bytes(path.read_bytes()[:n_bytes])
-    with pytest.raises(ValueError, match="expected a whole safetensors file") as error:
-        read_model(path)
-    assert "\n" not in str(error.value)
+    refused(read_model, path, "expected a whole safetensors file")
+    path.unlink()
+    refused(read_model, path, "expected a whole safetensors file")
 
 
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(ValueError, match="none.safetensors"):
-        read_model(tmp_path / "none.safetensors")
-
-
-def test_a_foreign_safetensors_file_is_refused(tmp_path):
-    from safetensors.numpy import save_file
-
-    save_file({"a": np.zeros(2)}, tmp_path / "foreign.safetensors")
-    with pytest.raises(ValueError, match="expected a model of format"):
-        read_model(tmp_path / "foreign.safetensors")
+def test_a_foreign_safetensors_file_is_refused(path):
+    save_file({"a": np.zeros(2)}, path)
+    refused(read_model, path, "expected a model of format")
 
 
 def test_a_failed_write_leaves_the_old_file(path):

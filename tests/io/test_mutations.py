@@ -5,9 +5,11 @@ of its payload from data: there, at most the value that was hit may differ.
 """
 
 import json
+import resource
 import shutil
 import subprocess
 import sys
+from itertools import cycle
 from pathlib import Path
 
 import formats
@@ -15,13 +17,22 @@ import h5py
 import numpy as np
 import pytest
 import scipy.io
-from PIL import Image
 
 from snowsim.echogram import Scene
-from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
+from snowsim.io import read_echogram, read_layers
+from snowsim.io.export import export_pairs, layer_numbers
 from snowsim.io.files import write_dataset
+from snowsim.io.images import read_image
+from snowsim.io.png_pairs import read_pair
 
 SECONDS_PER_FILE = 2
+# A file is called after its kind, which begins with what it holds.
+READERS = {
+    "echogram": lambda path: read_echogram(path)["Data"].values,
+    "layers": lambda path: read_layers(path)["twtt"].values,
+    "image": lambda path: read_image(path)[0],
+    "pair": lambda path: read_pair(path).layer_bins,
+}
 KINDS = (
     "echogram-nsidc",
     "echogram-mat5",
@@ -35,7 +46,6 @@ KINDS = (
     "layers-opr",
     "image-png",
     "pair-mat73",
-    "scene-netcdf",
 )
 
 
@@ -43,55 +53,45 @@ def write_sound(kind, path, rng):
     """One sound file of a kind, small, so that a random bit often hits structure."""
     content = formats.truth(rng, n_bins=40, n_lines=12)
     twtt = np.array([content["Surface"], content["Surface"] + 1e-8, content["Surface"] + 2e-8])
-    layers = formats.layer_content(twtt, [1, 2, 3], content["GPS_time"])
-    old = formats.old_layer_content(twtt[:2], content["GPS_time"], ["surface", "Koenig_2"])
     scene = Scene("s", 300, twtt[:, :10] * 1e7, image=rng.integers(0, 256, (300, 10), dtype=np.uint8), maximum_db=3.0)
+    what, _, how = kind.partition("-")
     if kind == "echogram-nsidc":
         formats.write_nsidc(path, content)
     elif kind == "echogram-opr":
         write_dataset(path, formats.opr_dataset(content))
     elif kind == "layers-opr":
-        names = ["surface", "a", "b"]
-        write_dataset(path, formats.opr_layers(twtt, formats.slow_time(content), names))
+        write_dataset(path, formats.opr_layers(twtt, content["GPS_time"], ["surface", "a", "b"]))
     elif kind == "image-png":
         export_pairs(path.parent / "pairs", [scene])
         (path.parent / "pairs" / "data_s.png").rename(path)
-    elif kind == "pair-mat73":
-        formats.write_mat73(path, {"data": scene.image, "layer": layer_numbers(scene.layer_bins, 300)[0]})
-    elif kind == "scene-netcdf":
-        export_netcdf(path.parent / "scenes", [scene])
-        (path.parent / "scenes" / "scene_s.nc").rename(path)
     else:
-        values = {"echogram": content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}, "layers": layers}
-        values = old if "old" in kind else values[kind.partition("-")[0]]
-        if kind.endswith("mat73"):
-            formats.write_mat73(path, as_lists(values))
+        if what == "echogram":
+            values = content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}
+        elif what == "pair":
+            values = {"data": scene.image, "layer": layer_numbers(scene.layer_bins, 300)[0]}
+        elif how.startswith("old"):
+            values = formats.old_layer_content(twtt[:2], content["GPS_time"], ["surface", "Koenig_2"])
         else:
-            formats.write_mat5(path, values, compress=kind.endswith("compressed"))
-
-
-def as_lists(value):
-    """Cells as lists, all the way down."""
-    if isinstance(value, dict):
-        return {key: as_lists(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray) and value.dtype.kind == "O":
-        return [as_lists(item) for item in value.ravel()]
-    return value
+            values = formats.layer_content(twtt, [1, 2, 3], content["GPS_time"])
+        if how.endswith("mat73"):
+            formats.write_mat73(path, values)
+        else:
+            formats.write_mat5(path, values, compress=how.endswith("compressed"))
 
 
 def cut(content, rng):
     return content[: rng.integers(1, len(content))]
 
 
-def flipped(content, rng, low=0, high=None):
+def flipped(content, rng):
     content = bytearray(content)
-    for place in rng.integers(low, high or len(content), size=rng.integers(1, 9)):
+    for place in rng.integers(len(content), size=rng.integers(1, 9)):
         content[place] ^= 1 << rng.integers(8)
     return bytes(content)
 
 
 def flipped_head(content, rng):
-    return flipped(content, rng, high=min(len(content), 4096))
+    return flipped(content[:4096], rng) + content[4096:]
 
 
 def overwritten(content, rng):
@@ -104,11 +104,8 @@ RETYPED = ("text", 1 + 2j, np.zeros((0, 0)), np.ones((2, 3, 4)), np.int8(3), np.
 
 
 def write_changed_variables(kind, sound, folder):
-    """Files in which one variable is dropped or something else stands in its place."""
-    if kind == "image-png":
-        with Image.open(sound) as image:
-            for mode in ("1", "RGB", "RGBA", "P", "I;16", "LA"):
-                image.convert("I").convert(mode).save(folder / f"image-mode-{mode.replace(';', '')}", format="PNG")
+    """The sound file, each of its variables left out or retyped in turn."""
+    if sound.read_bytes()[1:4] == b"PNG":
         return
     is_mat5 = sound.read_bytes()[:10] == b"MATLAB 5.0"
     if is_mat5:
@@ -117,27 +114,28 @@ def write_changed_variables(kind, sound, folder):
     else:
         with h5py.File(sound) as file:
             names = sorted(name for name in file if isinstance(file[name], h5py.Dataset))
-    for name in names:
+    for place, name in enumerate(names):
         for number, value in enumerate((None, *RETYPED)):
-            path = folder / f"{kind}-var{number:02d}-{names.index(name):02d}"
+            path = folder / f"{kind}-var{number:02d}-{place:02d}"
             if is_mat5:
                 changed = {k: v for k, v in content.items() if k != name} | ({} if value is None else {name: value})
                 scipy.io.savemat(path, changed)
                 continue
-            path.write_bytes(sound.read_bytes())
+            shutil.copy(sound, path)
             with h5py.File(path, "r+") as file:
                 del file[name]
                 if value is not None:
                     file[name] = value
 
 
-def read_all(folder, n_files):
-    """Outcome of every file, from a child process."""
+def outcomes_of(folder):
+    """What became of every file or store of a folder, from a child process; an error must be one line."""
+    names = {path.name for path in folder.iterdir()}
     child = subprocess.run(
-        [sys.executable, str(Path(__file__).with_name("read_all.py")), str(folder)],
+        [sys.executable, __file__, str(folder)],
         capture_output=True,
         text=True,
-        timeout=60 + SECONDS_PER_FILE * n_files,
+        timeout=60 + SECONDS_PER_FILE * len(names),
         check=False,
     )
     outcomes = {}
@@ -146,15 +144,13 @@ def read_all(folder, n_files):
         outcomes[outcome.pop("file")] = outcome
     at = next((name for name, outcome in outcomes.items() if outcome.get("begun")), None)
     assert child.returncode == 0, f"{at}: {child.stderr[-2000:]}"
-    return outcomes
-
-
-def check_outcomes(folder, outcomes):
+    assert outcomes.keys() == names
     for name, outcome in outcomes.items():
         if "error" in outcome:
             assert outcome["error"].startswith(f"{folder / name}: "), outcome["error"]
             assert "\n" not in outcome["error"]
             assert len(outcome["error"]) < 1000
+    return outcomes
 
 
 def damage(kind, folder, n_files, rng):
@@ -164,9 +160,8 @@ def damage(kind, folder, n_files, rng):
     write_sound(kind, sound, rng)
     damaged = folder / "damaged"
     damaged.mkdir(exist_ok=True)
-    (damaged / f"{kind}-sound").write_bytes(sound.read_bytes())
-    for number in range(n_files):
-        name = list(DAMAGES)[number % len(DAMAGES)]
+    shutil.copy(sound, damaged / f"{kind}-sound")
+    for number, name in zip(range(n_files), cycle(DAMAGES), strict=False):
         (damaged / f"{kind}-{name}-{number:04d}").write_bytes(DAMAGES[name](sound.read_bytes(), rng))
     return sound, damaged
 
@@ -182,9 +177,8 @@ def check_cuts(kind, outcomes):
 def test_a_few_damaged_files_of_every_format_give_one_line(tmp_path, rng):
     for kind in KINDS:
         _, damaged = damage(kind, tmp_path, 12, rng)
-    outcomes = read_all(damaged, 13 * len(KINDS))
+    outcomes = outcomes_of(damaged)
     assert len(outcomes) == 13 * len(KINDS)
-    check_outcomes(damaged, outcomes)
     for kind in KINDS:
         check_cuts(kind, outcomes)
 
@@ -194,47 +188,26 @@ def test_a_few_damaged_files_of_every_format_give_one_line(tmp_path, rng):
 def test_damaged_files_give_one_line(tmp_path, rng, kind):
     sound, damaged = damage(kind, tmp_path, 400, rng)
     write_changed_variables(kind, sound, damaged)
-    n_files = len(list(damaged.iterdir()))
-    assert n_files > 400
-    outcomes = read_all(damaged, n_files)
-    assert len(outcomes) == n_files
-    check_outcomes(damaged, outcomes)
+    outcomes = outcomes_of(damaged)
+    assert len(outcomes) > 400
     check_cuts(kind, outcomes)
 
 
-def damage_stores(folder, n_stores, rng):
-    """Zarr stores of one echogram, each with one of its files damaged or gone; and the sound one."""
-    sound = folder / "echogram-zarr-sound"
+@pytest.mark.parametrize("n_stores", [20, pytest.param(300, marks=pytest.mark.slow)])
+def test_damaged_stores_give_one_line(tmp_path, rng, n_stores):
+    sound = tmp_path / "echogram-zarr-sound"
     formats.opr_dataset(formats.truth(rng, n_bins=40, n_lines=12)).to_zarr(sound)
     files = [path.relative_to(sound) for path in sorted(sound.rglob("*")) if path.is_file()]
-    for number in range(n_stores):
-        store = folder / f"echogram-zarr-{number:04d}"
+    for number, name in zip(range(n_stores), cycle([*DAMAGES, "gone"]), strict=False):
+        store = tmp_path / f"echogram-zarr-{name}-{number:04d}"
         shutil.copytree(sound, store)
         file = store / files[rng.integers(len(files))]
-        damages = [*DAMAGES.values(), None]
-        damage_file = damages[number % len(damages)]
-        if damage_file is None:
+        if name == "gone":
             file.unlink()
         else:
-            file.write_bytes(damage_file(file.read_bytes(), rng))
-    return n_stores + 1
-
-
-def check_stores(folder, n_stores, rng):
-    n_stores = damage_stores(folder, n_stores, rng)
-    outcomes = read_all(folder, n_stores)
-    assert len(outcomes) == n_stores
-    check_outcomes(folder, outcomes)
+            file.write_bytes(DAMAGES[name](file.read_bytes(), rng))
+    outcomes = outcomes_of(tmp_path)
     assert sum("error" in outcome for outcome in outcomes.values()) > n_stores / 10
-
-
-def test_a_few_damaged_stores_give_one_line(tmp_path, rng):
-    check_stores(tmp_path, 20, rng)
-
-
-@pytest.mark.slow
-def test_damaged_stores_give_one_line(tmp_path, rng):
-    check_stores(tmp_path, 300, rng)
 
 
 @pytest.mark.parametrize(
@@ -256,8 +229,7 @@ def test_a_flipped_payload_bit_changes_at_most_its_own_value(tmp_path, rng, kind
         content = bytearray(sound.read_bytes())
         content[start + rng.integers(length)] ^= 1 << rng.integers(8)
         (damaged / f"{kind}-bit-{number:02d}").write_bytes(content)
-    outcomes = read_all(damaged, 41)
-    check_outcomes(damaged, outcomes)
+    outcomes = outcomes_of(damaged)
     expected = np.array(outcomes.pop(f"{kind}-sound")["values"])
     n_read = n_changed = 0
     for outcome in outcomes.values():
@@ -274,11 +246,26 @@ def test_a_flipped_payload_bit_changes_at_most_its_own_value(tmp_path, rng, kind
 
 def payload(path, variable):
     """Where the numbers of a variable lie in a file, and how many bytes they take."""
-    if path.read_bytes()[:10] == b"MATLAB 5.0":
-        values = scipy.io.loadmat(path)[variable]
-        stored = values.astype(values.dtype, order="F").tobytes(order="F")
-        start = path.read_bytes().index(stored)
-        return start, len(stored)
-    with h5py.File(path) as file:
-        node = file[variable]
-        return node.id.get_offset(), node.id.get_storage_size()
+    content = path.read_bytes()
+    if content.startswith(b"MATLAB 5.0"):
+        stored = scipy.io.loadmat(path)[variable].tobytes(order="F")
+    else:
+        with h5py.File(path) as file:
+            stored = file[variable][()].tobytes()
+    return content.index(stored), len(stored)
+
+
+def read_all(folder):
+    """In the child process: read every file of a folder, tell each outcome on a line of its own."""
+    resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
+    for path in sorted(Path(folder).iterdir()):
+        print(json.dumps({"file": path.name, "begun": True}), flush=True)  # noqa: T201
+        try:
+            outcome = {"values": READERS[path.name.partition("-")[0]](path).ravel().tolist()}
+        except ValueError as error:
+            outcome = {"error": str(error)}
+        print(json.dumps({"file": path.name, **outcome}), flush=True)  # noqa: T201
+
+
+if __name__ == "__main__":
+    read_all(sys.argv[1])

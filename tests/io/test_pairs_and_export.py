@@ -1,5 +1,7 @@
 """The published benchmark's layout, read and written; images that are no such thing are refused."""
 
+import json
+import shutil
 import struct
 import zlib
 
@@ -7,11 +9,14 @@ import formats
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+from formats import refused
 from numpy.testing import assert_array_equal
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from snowsim.echogram import Scene, layer_mask
-from snowsim.io.export import ExportedScenes, export_netcdf, export_pairs, layer_numbers, scene_dataset
+from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
 from snowsim.io.images import read_image
 from snowsim.io.png_pairs import PairSet, layers_of_mask, layers_of_numbers, read_pair
 
@@ -25,43 +30,22 @@ def scenes(rng):
         bins = 50 + 30.3 * np.arange(6)[:, None] + 4 * np.sin(lines / 40) * np.arange(6)[:, None] / 5
         bins[2, 40:90] = np.nan
         bins[5] += np.where(lines > 200, height, 0)
-        made.append(
-            Scene(
-                name=f"20120330_04_{number + 1:03d}",
-                n_range_bins=height,
-                layer_bins=bins,
-                complete_layer_bins=np.vstack([bins, bins[-1] + 10]),
-                image=rng.integers(0, 256, size=(height, 256), dtype=np.uint8),
-                noise_floor_db=-61.2345678901234,
-                maximum_db=float(rng.normal()),
-                zone=number,
-                notes={"bin_size_s": 2.886e-10},
-            )
-        )
+        image = rng.integers(0, 256, size=(height, 256), dtype=np.uint8)
+        contrast = {"noise_floor_db": -61.2345678901234, "maximum_db": float(rng.normal()), "zone": number}
+        complete = np.vstack([bins, bins[-1] + 10])
+        name, notes = f"20120330_04_{number + 1:03d}", {"bin_size_s": 2.886e-10}
+        made.append(Scene(name, height, bins, image, complete, **contrast, notes=notes))
     return made
 
 
-def save(path, values):
-    Image.fromarray(values).save(path)
-    return path
-
-
-def same(found, expected):
-    return all(
-        np.array_equal(getattr(found, n), getattr(expected, n), equal_nan=n != "image")
-        for n in ("image", "layer_bins", "complete_layer_bins")
-        if getattr(expected, n) is not None
-    ) and all(
-        getattr(found, n) == getattr(expected, n) for n in ("name", "n_range_bins", "maximum_db", "zone", "notes")
-    )
-
-
-def test_pairs_come_back_exactly_but_for_whole_bins(tmp_path, scenes):
+@pytest.fixture
+def exported(tmp_path, scenes):
     assert export_pairs(tmp_path / "set", iter(scenes)) == {"n_scenes": 3, "n_merged_pixels": 0}
-    back = PairSet(tmp_path / "set")
-    assert len(back) == 3
-    assert back.heights == [300, 320, 301]
-    for found, scene in zip(back, scenes, strict=True):
+    return tmp_path / "set"
+
+
+def test_pairs_come_back_exactly_but_for_whole_bins(exported, scenes):
+    for found, scene in zip(PairSet(exported), scenes, strict=True):
         assert found.name == scene.name
         assert_array_equal(found.image, scene.image)
         outside = scene.layer_bins > scene.n_range_bins - 0.5
@@ -70,41 +54,30 @@ def test_pairs_come_back_exactly_but_for_whole_bins(tmp_path, scenes):
         assert (found.noise_floor_db, found.maximum_db, found.zone) == (-61.2345678901234, scene.maximum_db, scene.zone)
 
 
-def test_a_second_export_of_what_was_read_gives_the_same_bytes(tmp_path, scenes):
-    export_pairs(tmp_path / "a", scenes)
-    export_pairs(tmp_path / "b", PairSet(tmp_path / "a"))
-    files = sorted(path.name for path in (tmp_path / "a").iterdir())
+def test_a_second_export_of_what_was_read_gives_the_same_bytes(tmp_path, exported):
+    export_pairs(tmp_path / "again", PairSet(exported))
+    files = sorted(path.name for path in exported.iterdir())
     assert len(files) == 10
     for name in files:
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+        assert (exported / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
 
 
-def test_the_published_loader_finds_every_pair(tmp_path, scenes):
+def test_the_published_loader_finds_every_pair(exported, scenes):
     # What BinaLab/MultiScale's SnowData does with a list: read names, put layer_binary_ for data_, take grey > 0.
-    export_pairs(tmp_path / "set", scenes, list_name="train.lst")
-    names = pd.read_csv(tmp_path / "set" / "train.lst", names=["data"])["data"]
-    assert len(names) == 3
+    names = pd.read_csv(exported / "all.lst", names=["data"])["data"]
     for name, scene in zip(names, scenes, strict=True):
-        image_path = str(tmp_path / "set" / name)
-        image = np.asarray(Image.open(image_path).convert("L"))
-        label = np.asarray(Image.open(image_path.replace("data_", "layer_binary_")).convert("L"))
-        assert_array_equal(image, scene.image)
-        assert_array_equal(label > 0, scene.mask())
+        image_path = str(exported / name)
+        label = Image.open(image_path.replace("data_", "layer_binary_"))
+        assert label.mode == "1"
+        assert_array_equal(np.asarray(Image.open(image_path).convert("L")), scene.image)
+        assert_array_equal(np.asarray(label.convert("L")) > 0, scene.mask())
 
 
-def test_masks_are_one_bit_on_disk(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes)
-    with Image.open(tmp_path / "set" / f"layer_binary_{scenes[0].name}.png") as file:
-        assert file.mode == "1"
-
-
-def test_a_list_chooses_and_orders_the_scenes(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes)
-    (tmp_path / "set" / "some.lst").write_text("data_20120330_04_003.png\ndata_20120330_04_001.png layer.png\n\n")
-    assert PairSet(tmp_path / "set" / "some.lst").names == ["20120330_04_003", "20120330_04_001"]
-    (tmp_path / "set" / "bad.lst").write_text("data_9.png\ndata_20120330_04_001.png\ndata_8.png\n")
-    with pytest.raises(ValueError, match="expected files that are there, found 2 missing: data_9.png, data_8.png"):
-        PairSet(tmp_path / "set" / "bad.lst")
+def test_a_list_chooses_and_orders_the_scenes(exported):
+    (exported / "some.lst").write_text("data_20120330_04_003.png\ndata_20120330_04_001.png layer.png\n\n")
+    assert PairSet(exported / "some.lst").names == ["20120330_04_003", "20120330_04_001"]
+    (exported / "bad.lst").write_text("data_9.png\ndata_20120330_04_001.png\ndata_8.png\n")
+    refused(PairSet, exported / "bad.lst", "expected files that are there, found 2 missing: data_9.png, data_8.png")
 
 
 def test_complete_layers_can_be_the_labels(tmp_path, scenes):
@@ -112,13 +85,20 @@ def test_complete_layers_can_be_the_labels(tmp_path, scenes):
     assert PairSet(tmp_path / "set")[0].layer_bins.shape[0] == 7
 
 
-def test_netcdf_comes_back_exactly(tmp_path, scenes):
-    scenes[1].image = None
-    scenes[1].complete_layer_bins = None
-    export_netcdf(tmp_path / "set", scenes)
-    for back in (ExportedScenes(tmp_path / "set"), ExportedScenes(tmp_path / "set" / "all.lst")):
-        assert all(same(found, scene) for found, scene in zip(back, scenes, strict=True))
-    assert np.isnan(scene_dataset(scenes[0])["layer_bins"].values[2, 50])
+def test_netcdf_holds_every_scene_exactly(tmp_path, scenes):
+    scenes[1].image = scenes[1].complete_layer_bins = None
+    assert export_netcdf(tmp_path / "set", scenes) == {"n_scenes": 3}
+    files = (tmp_path / "set" / "all.lst").read_text().split()
+    for file, scene in zip(files, scenes, strict=True):
+        found = xr.load_dataset(tmp_path / "set" / file)
+        for name in ("image", "layer_bins", "complete_layer_bins"):
+            assert (name in found) == (getattr(scene, name) is not None)
+            if name in found:
+                assert_array_equal(found[name], getattr(scene, name))
+        assert_array_equal(found["mask"], scene.mask())
+        for name in ("name", "n_range_bins", "noise_floor_db", "maximum_db", "zone"):
+            assert found.attrs[name] == getattr(scene, name)
+        assert json.loads(found.attrs["notes"]) == scene.notes
 
 
 def test_two_layers_at_one_pixel_are_counted():
@@ -127,19 +107,22 @@ def test_two_layers_at_one_pixel_are_counted():
     assert n_merged == 1
 
 
-def test_numbers_and_layers_are_inverse(rng):
-    bins = np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
-    bins[4, 10:20] = np.nan
-    assert_array_equal(layers_of_numbers(layer_numbers(bins, 120)[0]), bins)
+@pytest.fixture
+def whole_bins(rng):
+    return np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
 
 
-def test_a_mask_alone_gives_every_layer_where_none_has_gaps(rng):
-    bins = np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
-    assert_array_equal(layers_of_mask(layer_mask(bins, 120)), bins)
+def test_numbers_and_layers_are_inverse(whole_bins):
+    whole_bins[4, 10:20] = np.nan
+    assert_array_equal(layers_of_numbers(layer_numbers(whole_bins, 120)[0]), whole_bins)
 
 
-def test_below_a_gap_a_mask_keeps_positions_but_not_numbers(rng):
-    bins = np.cumsum(rng.integers(2, 9, size=(4, 50)), axis=0).astype(float)
+def test_a_mask_alone_gives_every_layer_where_none_has_gaps(whole_bins):
+    assert_array_equal(layers_of_mask(layer_mask(whole_bins, 120)), whole_bins)
+
+
+def test_below_a_gap_a_mask_keeps_positions_but_not_numbers(whole_bins):
+    bins = whole_bins[:4]
     bins[1, 10:20] = np.nan
     found = layers_of_mask(layer_mask(bins, 60))
     assert_array_equal(layer_mask(found, 60), layer_mask(bins, 60))
@@ -153,42 +136,42 @@ def test_thick_lines_count_at_their_middle():
     assert_array_equal(layers_of_mask(mask), [[3.0], [7.5]])
 
 
-def test_a_mask_alone_is_enough(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes[:1])
-    (tmp_path / "set" / f"layer_{scenes[0].name}.png").unlink()
-    assert_array_equal(PairSet(tmp_path / "set")[0].mask(), scenes[0].mask())
+def test_a_mask_alone_is_enough(exported, scenes):
+    (exported / f"layer_{scenes[0].name}.png").unlink()
+    assert_array_equal(PairSet(exported)[0].mask(), scenes[0].mask())
+
+
+def write_mat_pair(folder, image, scene):
+    """Image and layer numbers of a scene in one MAT file."""
+    numbers, _ = layer_numbers(scene.layer_bins, scene.n_range_bins)
+    formats.write_mat73(folder / "data_x.mat", {"data": image, "layer": numbers})
+    return folder / "data_x.mat"
 
 
 def test_mat_pairs_hold_data_and_layer(tmp_path, scenes):
     scene = scenes[0]
-    numbers, _ = layer_numbers(scene.layer_bins, scene.n_range_bins)
-    formats.write_mat73(tmp_path / "data_x.mat", {"data": scene.image, "layer": numbers})
-    found = PairSet(tmp_path)[0]
+    found = read_pair(write_mat_pair(tmp_path, scene.image, scene))
     assert_array_equal(found.image, scene.image)
     assert_array_equal(found.mask(), scene.mask())
-    # In two files, as doubles, and in decibels.
-    formats.write_mat73(tmp_path / "data_x.mat", {"data": scene.image.astype(float)})
+    found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float), scene))
+    assert_array_equal(found.image, scene.image)
+    found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene))  # decibels
+    assert found.maximum_db == scene.image.max() - 200.5
+
+
+def test_mat_labels_may_be_in_a_file_of_their_own(tmp_path, scenes):
+    numbers, _ = layer_numbers(scenes[0].layer_bins, scenes[0].n_range_bins)
+    formats.write_mat73(tmp_path / "data_x.mat", {"data": scenes[0].image})
     formats.write_mat73(tmp_path / "layer_x.mat", {"layer": numbers.astype(float)})
-    assert_array_equal(read_pair(tmp_path / "data_x.mat").image, scene.image)
-    formats.write_mat73(tmp_path / "data_x.mat", {"data": scene.image.astype(float) - 200.5})
-    assert read_pair(tmp_path / "data_x.mat").maximum_db == scene.image.max() - 200.5
+    assert_array_equal(PairSet(tmp_path)[0].mask(), scenes[0].mask())
 
 
 def test_numbers_that_could_be_power_or_decibels_are_not_guessed(tmp_path, scenes):
-    numbers, _ = layer_numbers(scenes[0].layer_bins, scenes[0].n_range_bins)
     data = scenes[0].image + 0.5
-    formats.write_mat73(tmp_path / "data_x.mat", {"data": data, "layer": numbers})
-    with pytest.raises(ValueError, match="data: expected whole numbers from 0 to 255, or data_scale"):
-        PairSet(tmp_path)[0]
+    path = write_mat_pair(tmp_path, data, scenes[0])
+    refused(read_pair, path, "data: expected whole numbers from 0 to 255, or data_scale")
     assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(10 * np.log10(data.max()))
     assert PairSet(tmp_path, data_scale="db")[0].maximum_db == pytest.approx(data.max())
-
-
-def pair(tmp_path, image, **labels):
-    save(tmp_path / "data_x.png", image)
-    for name, values in labels.items():
-        save(tmp_path / f"{name}_x.png", values)
-    return tmp_path / "data_x.png"
 
 
 IMAGE = np.arange(300 * 256, dtype=np.uint32).reshape(300, 256).astype(np.uint8)
@@ -214,35 +197,29 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
     ids=["none", "short", "inverted", "grey", "colour", "black", "differ", "apart", "crossing"],
 )
 def test_wrong_labels_are_refused(tmp_path, labels, message):
-    path = pair(tmp_path, IMAGE, **labels)
+    for name, values in {"data": IMAGE, **labels}.items():
+        Image.fromarray(values).save(tmp_path / f"{name}_x.png")
     with pytest.raises(ValueError, match=message) as error:
-        read_pair(path)
+        read_pair(tmp_path / "data_x.png")
     assert "\n" not in str(error.value)
 
 
-def test_all_failing_scenes_are_reported_together(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes)
-    for scene in scenes[:2]:
-        path = tmp_path / "set" / f"layer_binary_{scene.name}.png"
-        path.write_bytes(path.read_bytes()[:60])
-    with pytest.raises(ValueError, match="2 of 3 scenes fail") as error:
-        PairSet(tmp_path / "set").check()
-    assert len(str(error.value).splitlines()) == 3
-
-
-def test_scenes_of_another_width_are_reported_with_the_damaged(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes)
+def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported, scenes):
     narrow = Scene("narrow", 300, scenes[0].layer_bins[:, :200], image=scenes[0].image[:, :200])
-    export_pairs(tmp_path / "set", [narrow], list_name="narrow.lst")
-    (tmp_path / "set" / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
+    export_pairs(exported, [narrow], list_name="narrow.lst")
+    mask = exported / f"layer_binary_{scenes[0].name}.png"
+    mask.write_bytes(mask.read_bytes()[:60])
     with pytest.raises(ValueError, match="2 of 4 scenes fail") as error:
-        PairSet(tmp_path / "set").check()
+        PairSet(exported).check()
+    assert len(str(error.value).splitlines()) == 3
     assert "narrow: width: expected 256 range lines as in most, found 200" in str(error.value)
+    (exported / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
+    with pytest.raises(ValueError, match="3 of 4 scenes fail"):
+        PairSet(exported).check()
 
 
-def test_checked_scenes_tell_their_sizes_and_files(tmp_path, scenes):
-    export_pairs(tmp_path / "set", scenes)
-    pairs = PairSet(tmp_path / "set")
+def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
+    pairs = PairSet(exported)
     assert [row["n_range_bins"] for row in pairs.check()] == [300, 320, 301]
     assert all(row["tells_db"] and row["n_range_lines"] == 256 and row["n_layers"] == 6 for row in pairs.check())
     written = {f"{part}_{scene.name}.png" for part in ("data", "layer", "layer_binary") for scene in scenes[1:]}
@@ -256,31 +233,22 @@ def bomb(columns, rows):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", header)
-        + chunk(b"IDAT", zlib.compress(bytes(10**6)))
-        + chunk(b"IEND", b"")
-    )
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(bytes(10**6))) + chunk(b"IEND", b"")
 
 
 @pytest.mark.parametrize("size", [(10_000, 7_000), (10_000, 9_500), (60_000, 60_000)])
-def test_decompression_bombs_are_refused_by_their_size(tmp_path, size):
+def test_decompression_bombs_are_refused_by_their_size(path, size):
     # Below Pillow's own warning, between its warning and its error, beyond both.
-    (tmp_path / "data_x.png").write_bytes(bomb(*size))
-    with pytest.raises(ValueError, match="PNG: expected (1 to|at most) 67108864 pixels"):
-        read_image(tmp_path / "data_x.png")
+    path.write_bytes(bomb(*size))
+    refused(read_image, path, "PNG: expected (1 to|at most) 67108864 pixels")
 
 
-def test_text_that_inflates_is_refused(tmp_path):
-    from PIL.PngImagePlugin import PngInfo
-
+def test_text_that_inflates_is_refused(path):
     info = PngInfo()
     info.add_text("maximum_db", "0" * 10**7, zip=True)
-    Image.fromarray(IMAGE).save(tmp_path / "data_x.png", pnginfo=info)
-    with pytest.raises(ValueError, match="data_x.png"):
-        read_image(tmp_path / "data_x.png")
+    Image.fromarray(IMAGE).save(path, format="PNG", pnginfo=info)
+    refused(read_image, path, "PNG: expected a whole grey image")
 
 
 @pytest.mark.parametrize("name", ["../x", "a b", "data_x", "binary_x", "x,y", ""])
@@ -311,23 +279,20 @@ def test_real_echogram_images_are_read_as_they_are(shared_data):
 def test_real_inverted_short_masks_are_refused(tmp_path, shared_data):
     folder = shared_data / "accumulation_radar_png"
     for frame in ("20100507_01_008_010", "20110419_01_008_010"):
-        mask = next(folder.glob(f"{frame}_SG1*.png")).read_bytes()
-        (tmp_path / "data_x.png").write_bytes((folder / f"{frame}_5m_30m_ORIGINAL.png").read_bytes())
-        (tmp_path / "layer_binary_x.png").write_bytes(mask)
+        mask = tmp_path / "layer_binary_x.png"
+        shutil.copy(next(folder.glob(f"{frame}_SG1*.png")), mask)
+        shutil.copy(folder / f"{frame}_5m_30m_ORIGINAL.png", tmp_path / "data_x.png")
         with pytest.raises(ValueError, match=r"size: expected that of the image, \(150, \d+\), found \(86, "):
             read_pair(tmp_path / "data_x.png")
         with pytest.raises(ValueError, match="inverted"):
-            layers_of_mask(read_image(tmp_path / "layer_binary_x.png", binary=True)[0])
+            layers_of_mask(read_image(mask, binary=True)[0])
 
 
-def test_real_antialiased_lines_are_refused_as_masks(shared_data):
-    for path in sorted((shared_data / "layer_line_png").glob("*.png")):
-        with pytest.raises(ValueError, match="expected 1-bit or 8-bit grey, found mode RGB"):
-            read_image(path, binary=True)
+def test_real_antialiased_lines_are_refused_as_masks(path, shared_data):
+    def read_mask(path):
+        return read_image(path, binary=True)
 
-
-def test_real_antialiased_lines_in_grey_are_refused_too(tmp_path, shared_data):
-    path = next((shared_data / "layer_line_png").glob("*.png"))
-    Image.open(path).convert("L").save(tmp_path / "layer_binary_x.png")
-    with pytest.raises(ValueError, match="two grey levels of which one is 0, found"):
-        read_image(tmp_path / "layer_binary_x.png", binary=True)
+    for real in sorted((shared_data / "layer_line_png").glob("*.png")):
+        refused(read_mask, real, "expected 1-bit or 8-bit grey, found mode RGB")
+        Image.open(real).convert("L").save(path, format="PNG")
+        refused(read_mask, path, "two grey levels of which one is 0, found")

@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from snowsim.frames import UNFIT_FLAGS
 from snowsim.io import read_echogram
-from snowsim.io.frame_table import check_frames, read_frame, read_frames, scenes_of_frame
+from snowsim.io.frame_table import check_frames, read_frame, scenes_of_frame
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,9 +20,17 @@ ROLES = ("statistics", "train", "test")
 
 @pytest.fixture
 def flight(tmp_path, rng):
-    """Folder of three IRSNO1B frames, one a role, with layers and a table, without supplements."""
-    formats.write_nsidc_flight(tmp_path, rng, ROLES, N_LINES)
+    """Folder of three IRSNO1B frames, one a role and called so, with layers and a table, without supplements."""
+    content = formats.truth(rng, n_bins=400, n_lines=N_LINES, n_above=40)  # a block has 50 rows above its surface
+    for role in ROLES:
+        formats.write_nsidc(tmp_path / f"{role}.nc", content)
+    formats.write_flight(tmp_path, content, {role: (f"{role}.nc", role) for role in ROLES})
     return tmp_path
+
+
+@pytest.fixture
+def rows(table):
+    return list(table.itertuples())
 
 
 def supplement(folder, number, **flags):
@@ -43,10 +51,10 @@ def test_the_setting_knows_the_flags_of_the_files():
     assert yaml.safe_load((ROOT / "config/config.yaml").read_text())["import"]["unfit_flags"] == list(UNFIT_FLAGS)
 
 
-def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight):
+def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table):
     supplement(flight, 0, vertical_stripes_artifact=by_line(*range(40)), land_ice=1)
     supplement(flight, 1, coh_noise_removal_artifact=by_line(300), low_SNR=1)
-    table = check_frames(read_frames(flight / "frames.tsv"), blocks=True)
+    table = check_frames(table, blocks=True)
     assert table["n_unfit_lines"].tolist() == [40, 1, 0]
     assert table["n_scenes"].tolist() == [0, 1, 2]
     assert table["n_skipped"].tolist() == [0, 1, 0]
@@ -58,12 +66,11 @@ def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight):
     ]
 
 
-def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight):
-    row = next(read_frames(flight / "frames.tsv").itertuples())
-    plain_echogram, plain_layers = read_frame(row)
+def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight, rows):
+    plain_echogram, plain_layers = read_frame(rows[0])
     unfit = by_line(3, 519) > 0
     supplement(flight, 0, missing_data=unfit.astype(np.uint8))
-    echogram, layers = read_frame(row)
+    echogram, layers = read_frame(rows[0])
     assert np.isnan(echogram["Data"].values[:, unfit]).all()
     assert np.isnan(layers["twtt"].values[:, unfit]).all()
     rows = np.isin(echogram["twtt"].values, plain_echogram["twtt"].values)
@@ -72,8 +79,8 @@ def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight):
 
 
 @pytest.mark.parametrize("flags", [{}, {"low_SNR": 1, "land_ice": 1, "deconvolution_artifact": 1}])
-def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, flags):
-    row = list(read_frames(flight / "frames.tsv").itertuples())[2]
+def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, rows, flags):
+    row = rows[2]
     echogram, layers = read_frame(row)
     scenes, skipped = scenes_of_frame(row, echogram, layers)
     supplement(flight, 2, **flags)
@@ -88,10 +95,9 @@ def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, flags):
         assert same.notes == scene.notes
 
 
-def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight):
+def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight, table):
     supplement(flight, 0, no_good_data=1)
     supplement(flight, 2, unclassified_artifact=1, land_ice=1)
-    table = read_frames(flight / "frames.tsv")
     with pytest.raises(ValueError, match="2 of 3 frames fail") as error:
         check_frames(table, blocks=True)
     first, last = str(error.value).splitlines()[1:]
@@ -103,22 +109,22 @@ def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight):
     assert checked["flags"].tolist() == ["no_good_data 520", "", "unclassified_artifact 520; land_ice 520"]
 
 
-def test_a_frame_left_without_a_scene_is_told_with_the_reason(flight):
+def test_a_frame_left_without_a_scene_is_told_with_the_reason(flight, table):
     supplement(flight, 1, no_good_data=by_line(252))
     with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged unfit"):
-        check_frames(read_frames(flight / "frames.tsv"), blocks=True)
+        check_frames(table, blocks=True)
 
 
-def test_flags_that_no_supplement_has_are_refused(flight):
-    row = next(read_frames(flight / "frames.tsv").itertuples())
+def test_flags_that_no_supplement_has_are_refused(rows):
     with pytest.raises(ValueError, match="unfit_flags must be of .*land_ice, got zero_padding"):
-        read_frame(row, unfit_flags=["zero_padding"])
+        read_frame(rows[0], unfit_flags=["zero_padding"])
 
 
-def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight):
+def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight, rows):
     supplement(flight, 0, missing_data=by_line(7))
     read_echogram(flight / "statistics.nc").to_netcdf(flight / "again.nc")
-    row = next(read_frames(flight / "frames.tsv").itertuples())
-    found, expected = (read_frame(row._replace(echogram=flight / name))[0] for name in ("again.nc", "statistics.nc"))
+    found, expected = (
+        read_frame(rows[0]._replace(echogram=flight / name))[0] for name in ("again.nc", "statistics.nc")
+    )
     assert_array_equal(found["unfit"], expected["unfit"])
     assert int(found["unfit"].sum()) == 1

@@ -4,6 +4,7 @@ import formats
 import numpy as np
 import pytest
 import scipy.io
+from formats import refused
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_layers
@@ -16,94 +17,82 @@ GPS_TIME = formats.GPS_START + 0.05 * np.arange(N_LINES)
 SURFACE = np.full(N_LINES, 3.0e-6)
 KOENIG_2 = SURFACE + 2e-8
 KOENIG_3 = SURFACE + 5e-8
-SEGMENT = "20120330_04"
 
 
-def write(kind, folder, content, name=f"Data_{SEGMENT}_001.mat"):
-    writer = {"mat5": formats.write_mat5, "mat73": formats.write_mat73}[kind]
-    if kind == "mat73":
-        # A cell is a list there.
-        content = {k: list(v.ravel()) if np.asarray(v).dtype.kind == "O" else v for k, v in content.items()}
-    writer(folder / name, content)
-    return folder / name
+of_both_versions = pytest.mark.parametrize("write", [formats.write_mat5, formats.write_mat73], ids=["mat5", "mat73"])
 
 
-def write_with_organizer(kind, folder, twtt, names, ids=None, groups=None):
-    ids = ids or [7 * (i + 1) for i in range(len(names))]
-    write(kind, folder, formats.organizer_content(ids, names, groups), f"layer_{SEGMENT}.mat")
-    return write(kind, folder, formats.layer_content(twtt, ids, GPS_TIME))
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / formats.LAYERS_FILE
 
 
-def refused(path, message):
-    with pytest.raises(ValueError, match=message) as error:
-        read_layers(path)
-    assert "\n" not in str(error.value)
-    assert str(error.value).startswith(str(path))
+def write_with_organizer(path, twtt, names, *, write=formats.write_mat5, groups=None):
+    """A layer file, and beside it the file that names its layers."""
+    ids = [7 * (i + 1) for i in range(len(names))]
+    write(path.with_name(formats.ORGANIZER_FILE), formats.organizer_content(ids, names, groups))
+    write(path, formats.layer_content(twtt, ids, GPS_TIME))
+    return path
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(tmp_path, kind):
+@of_both_versions
+def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, write):
     # The surface is neither the first row nor id 1.
-    path = write_with_organizer(kind, tmp_path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
+    write_with_organizer(path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"], write=write)
     layers = read_layers(path)
     check_layers(layers)
     assert_array_equal(layers["layer"], ["surface", "Koenig_2", "Koenig_3"])
     assert_allclose(layers["twtt"].sel(layer="Koenig_3"), KOENIG_3, rtol=0)
-    late = np.abs(layers["slow_time"].values - formats.slow_time({"GPS_time": GPS_TIME}))
-    assert (late <= np.timedelta64(300, "ns")).all()
+    formats.check_times(layers, GPS_TIME)
 
 
-def test_layers_are_selected_by_name(tmp_path):
-    path = write_with_organizer("mat5", tmp_path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
+def test_layers_are_selected_by_name(path):
+    write_with_organizer(path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"])
     assert_array_equal(read_layers(path, names=["Koenig_2", "surface"])["layer"], ["surface", "Koenig_2"])
-    with pytest.raises(ValueError, match="expected one named Koenig_9, found Koenig_3, surface, Koenig_2"):
-        read_layers(path, names=["Koenig_9"])
+    message = "expected one named Koenig_9, found Koenig_3, surface, Koenig_2"
+    refused(lambda path: read_layers(path, names=["Koenig_9"]), path, message)
 
 
-def test_names_that_come_twice_carry_their_group(tmp_path):
-    path = write_with_organizer(
-        "mat5", tmp_path, [SURFACE, KOENIG_2, KOENIG_3], ["surface", "deep", "deep"], groups=["standard", "a", "b"]
-    )
+def test_names_that_come_twice_carry_their_group(path):
+    names, groups = ["surface", "deep", "deep"], ["standard", "a", "b"]
+    write_with_organizer(path, [SURFACE, KOENIG_2, KOENIG_3], names, groups=groups)
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_without_organizer_ids_are_no_names(tmp_path, kind):
-    path = write(kind, tmp_path, formats.layer_content([KOENIG_2, SURFACE], [1, 2], GPS_TIME))
+@of_both_versions
+def test_without_organizer_ids_are_no_names(path, write):
+    write(path, formats.layer_content([KOENIG_2, SURFACE], [1, 2], GPS_TIME))
     assert_array_equal(read_layers(path)["layer"], ["id 2", "id 1"])
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_a_single_layer_may_be_one_dimensional(tmp_path, kind):
+@of_both_versions
+def test_a_single_layer_may_be_one_dimensional(path, write):
     content = formats.layer_content(SURFACE, [1], GPS_TIME)
     for name in ("twtt", "quality", "type"):
         content[name] = content[name].ravel()
-    layers = read_layers(write(kind, tmp_path, content))
-    assert layers["twtt"].shape == (1, N_LINES)
+    write(path, content)
+    assert read_layers(path)["twtt"].shape == (1, N_LINES)
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_layers_without_picks_are_left_out_and_listed(tmp_path, kind):
-    path = write_with_organizer(kind, tmp_path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"])
+@of_both_versions
+def test_layers_without_picks_are_left_out_and_listed(path, write):
+    write_with_organizer(path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"], write=write)
     layers = read_layers(path)
     assert_array_equal(layers["layer"], ["surface", "Koenig_2"])
     assert layers.attrs["empty_layers"] == "empty"
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_a_file_without_a_single_pick_is_refused(tmp_path, kind):
-    path = write_with_organizer(kind, tmp_path, [SURFACE * np.nan] * 2, ["surface", "bottom"])
-    refused(path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
+@of_both_versions
+def test_a_file_without_a_single_pick_is_refused(path, write):
+    write_with_organizer(path, [SURFACE * np.nan] * 2, ["surface", "bottom"], write=write)
+    refused(read_layers, path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
+@of_both_versions
 @pytest.mark.parametrize("names", [("surface", "Koenig_2"), ("", "")])
-def test_old_files_hold_picks_in_the_second_value(tmp_path, kind, names):
-    content = formats.old_layer_content([SURFACE, KOENIG_2], GPS_TIME, names)
-    if kind == "mat73":
-        for entry in content["layerData"].ravel():
-            entry["value"] = list(entry["value"].ravel())
-    layers = read_layers(write(kind, tmp_path, content))
+def test_old_files_hold_picks_in_the_second_value(path, write, names):
+    write(path, formats.old_layer_content([SURFACE, KOENIG_2], GPS_TIME, names))
+    layers = read_layers(path)
     # Entries without names are the surface and the bottom.
     assert_array_equal(layers["layer"], names if names[0] else ("surface", "bottom"))
     assert_array_equal(layers["twtt"], [SURFACE, KOENIG_2])
@@ -111,17 +100,15 @@ def test_old_files_hold_picks_in_the_second_value(tmp_path, kind, names):
 
 
 @pytest.mark.parametrize("names", [None, ["surface", "Koenig_2"], ["Koenig_2", "surface"]])
-def test_open_polar_radar_layers_read_back(tmp_path, names):
+def test_open_polar_radar_layers_read_back(path, names):
     rows = [SURFACE, KOENIG_2] if names is None or names[0] == "surface" else [KOENIG_2, SURFACE]
-    dataset = formats.opr_layers(np.array(rows), formats.slow_time({"GPS_time": GPS_TIME}), names)
-    write_dataset(tmp_path / "l.nc", dataset)
-    assert_array_equal(read_layers(tmp_path / "l.nc")["twtt"], [SURFACE, KOENIG_2])
+    write_dataset(path, formats.opr_layers(rows, GPS_TIME, names))
+    assert_array_equal(read_layers(path)["twtt"], [SURFACE, KOENIG_2])
 
 
-def test_a_single_open_polar_radar_layer_gets_its_dimension(tmp_path):
-    dataset = formats.opr_layers(SURFACE, formats.slow_time({"GPS_time": GPS_TIME})).isel(layer=0)
-    write_dataset(tmp_path / "l.nc", dataset)
-    assert read_layers(tmp_path / "l.nc")["twtt"].dims == ("layer", "slow_time")
+def test_a_single_open_polar_radar_layer_gets_its_dimension(path):
+    write_dataset(path, formats.opr_layers(SURFACE, GPS_TIME).isel(layer=0))
+    assert read_layers(path)["twtt"].dims == ("layer", "slow_time")
 
 
 def test_layers_that_share_no_line_are_ordered_by_depth():
@@ -150,8 +137,9 @@ def test_order_follows_what_lies_above_what_and_not_the_mean():
     ],
     ids=["crossing", "above the surface", "equal", "infinite"],
 )
-def test_impossible_layers_are_refused(tmp_path, rows, message):
-    refused(write_with_organizer("mat5", tmp_path, rows, ["surface", "b", "c"][: len(rows)]), message)
+def test_impossible_layers_are_refused(path, rows, message):
+    write_with_organizer(path, rows, ["surface", "b", "c"][: len(rows)])
+    refused(read_layers, path, message)
 
 
 @pytest.mark.parametrize(
@@ -166,20 +154,21 @@ def test_impossible_layers_are_refused(tmp_path, rows, message):
     ],
     ids=["shape", "no time", "time falls", "flags", "text", "no id"],
 )
-@pytest.mark.parametrize("kind", ["mat5", "mat73"])
-def test_damaged_layer_files_are_refused(tmp_path, kind, change, message):
-    content = formats.layer_content([SURFACE, KOENIG_2], [1, 2], GPS_TIME) | change
-    refused(write(kind, tmp_path, content), message)
+@of_both_versions
+def test_damaged_layer_files_are_refused(path, write, change, message):
+    write(path, formats.layer_content([SURFACE, KOENIG_2], [1, 2], GPS_TIME) | change)
+    refused(read_layers, path, message)
 
 
 def test_real_layer_file_gives_its_named_layers(shared_data):
-    layers = read_layers(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat")
+    path = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
+    layers = read_layers(path)
     assert_array_equal(layers["layer"], ["surface", "bottom"])
     assert_array_equal(layers["group"], ["standard", "standard"])
     assert layers.attrs["empty_layers"] == "test, test1"
     assert layers["twtt"].isnull().sum("slow_time").values.tolist() == [0, 2]
     # 18 leap seconds in 2018, against the file's own numbers.
-    raw = scipy.io.loadmat(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat")["gps_time"][0]
+    raw = scipy.io.loadmat(path)["gps_time"][0]
     assert abs(layers["slow_time"].values[0].astype(np.int64) / 1e9 - (raw[0] - 18)) < 1e-6
     assert layers["slow_time"].values[0].astype("datetime64[D]") == np.datetime64("2018-10-30")
 
@@ -191,9 +180,10 @@ def test_real_layers_are_ordered_though_their_ids_are_not(shared_data):
 
 def test_real_degenerate_file_is_refused(shared_data):
     for name in ("Data_20181103_01_001.mat", "Data_20181103_01_016.mat"):
-        refused(shared_data / "cresis_layers" / "20181103_01" / name, r"found no layer \(MATLAB_empty\)")
+        refused(read_layers, shared_data / "cresis_layers" / "20181103_01" / name, r"found no layer \(MATLAB_empty\)")
 
 
 def test_organizers_and_images_are_no_layers(shared_data):
-    refused(shared_data / "cresis_layers" / "20181030_01" / "layer_20181030_01.mat", "found a CReSIS layer organizer")
-    refused(shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png", "found a PNG image")
+    organizer = shared_data / "cresis_layers" / "20181030_01" / "layer_20181030_01.mat"
+    refused(read_layers, organizer, "found a CReSIS layer organizer")
+    refused(read_layers, shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png", "found a PNG image")

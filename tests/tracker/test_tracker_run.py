@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from toy_scenes import toy_scenes
-from train_tracker import compose, train
+from train_tracker import train
 from trainings import kill_midway
 
+from lib.tracker_training import compose
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
@@ -29,10 +30,11 @@ def scene_files(tmp_path):
 def arguments(folder, scene_files):
     """Arguments of the script, its files in `folder`."""
     return {
-        "paths_to_real": [scene_files[0]],
-        "paths_to_added": [[scene_files[1]]],
-        "path_to_network": str(folder / "network.safetensors"),
-        "path_to_losses": str(folder / "losses.csv"),
+        "real": [scene_files[0]],
+        "phy": [scene_files[1]],
+        "cgan": [],
+        "network": str(folder / "network.safetensors"),
+        "losses": str(folder / "losses.csv"),
         "seed": 1,
         "replica": "0",
         "device": "cpu",

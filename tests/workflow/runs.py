@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,26 +46,50 @@ def environment(**changes):
     return {**os.environ, "PYTHONPATH": str(source_tree()), **changes}
 
 
-def run_snakemake(folder, *arguments, timeout=540, **options):
-    """Run the workflow with results in `folder`; gives the finished process with its output as text.
-
-    Options are those of `command`.
-    """
+def call(*words, cwd=None, timeout=300, env=None):
+    """The finished process of some words with its output as text, by default in the copied source."""
+    words, folder, variables = [str(word) for word in words], cwd or source_tree(), env or environment()
     return subprocess.run(
-        command(folder, *arguments, **options),
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
-        cwd=source_tree(),
-        env=environment(),
+        words, capture_output=True, text=True, timeout=timeout, check=False, cwd=folder, env=variables
     )
 
 
+def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, **options):
+    """The finished run of the workflow in `folder`, well unless it `fails`; options are those of `command`."""
+    done = call(*command(folder, *arguments, **options), timeout=timeout, env=env)
+    assert (done.returncode != 0) == fails, text_of(done)[-4000:]
+    return done
+
+
+def settings(folder, text):
+    """Configuration files of the tiny run with what differs, YAML."""
+    folder.mkdir(exist_ok=True)
+    (folder / "settings.yaml").write_text(f"{text}\n")
+    return "config.yaml", "tiny.yaml", folder / "settings.yaml"
+
+
+def text_of(done):
+    """All that a finished process told."""
+    return done.stdout + done.stderr
+
+
+def lines_with(done, start):
+    """Lines that a finished process told and that start so."""
+    return [line for line in text_of(done).splitlines() if line.startswith(start)]
+
+
+def wait_until(holds, seconds):
+    """Whether a condition comes to hold within some seconds."""
+    for _ in range(10 * seconds):
+        if holds():
+            return True
+        time.sleep(0.1)
+    return False
+
+
 def rules_to_run(dry_run):
-    """Names of the rules in the job table of a dry run, targets that only collect files left out."""
-    assert dry_run.returncode == 0, dry_run.stderr[-2000:]
-    if "Nothing to be done" in dry_run.stdout + dry_run.stderr:
+    """Names of the rules in the job table of a dry run, that of the default target left out."""
+    if "Nothing to be done" in text_of(dry_run):
         return set()
     lines = dry_run.stdout.split("Job stats:")[1].split("\n\n")[0].splitlines()[3:]
     return {line.split()[0] for line in lines} - {"all", "total"}

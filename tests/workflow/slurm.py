@@ -5,9 +5,10 @@ import shutil
 import signal
 import socket
 import subprocess
-import time
 from contextlib import contextmanager
 from pathlib import Path
+
+from runs import wait_until
 
 PACKAGES = ("slurm-wlm", "slurm-client", "slurmctld", "slurmd")
 DAEMONS = ("slurmctld", "slurmd")
@@ -94,22 +95,28 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
     try:
         for words in (["slurmctld", "-f", conf, "-c"], ["slurmd", "-f", conf, "-N", host, "-c"]):
             subprocess.run([find(words[0]), *map(str, words[1:])], check=True, timeout=60, cwd=folder)
-        wait_until_idle(folder)
+        if not wait_until(lambda: state_of(folder) == "idle", seconds=60):
+            logs = "".join((folder / f"{name}.log").read_text()[-1500:] for name in DAEMONS)
+            msg = f"the cluster is not idle: {state_of(folder)}\n{logs}"
+            raise RuntimeError(msg)
         yield folder / "bin"
     finally:
         for name in reversed(DAEMONS):
             stop(folder / f"{name}.pid")
 
 
-def wait_until_idle(folder, seconds=60):
-    for _ in range(seconds):
-        state = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
-        if state.stdout.strip() == "idle":
-            return
-        time.sleep(1)
-    logs = "".join((folder / f"{name}.log").read_text()[-1500:] for name in DAEMONS)
-    msg = f"the cluster is not idle after {seconds} s: {state.stdout} {state.stderr}\n{logs}"
-    raise RuntimeError(msg)
+def state_of(folder):
+    told = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
+    return (told.stdout + told.stderr).strip()
+
+
+def runs(pid, kind=0):
+    """Whether a process is there to take a signal."""
+    try:
+        os.kill(pid, kind)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def stop(pid_file, seconds=15):
@@ -118,10 +125,5 @@ def stop(pid_file, seconds=15):
         return
     pid = int(pid_file.read_text())
     for kind in (signal.SIGTERM, signal.SIGKILL):
-        try:
-            os.kill(pid, kind)
-            for _ in range(10 * seconds):
-                time.sleep(0.1)
-                os.kill(pid, 0)
-        except ProcessLookupError:
+        if not runs(pid, kind) or wait_until(lambda: not runs(pid), seconds):
             return

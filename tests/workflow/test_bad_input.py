@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
-from runs import run_snakemake
+from runs import lines_with, run_snakemake
 
 
 @pytest.fixture
@@ -15,23 +15,19 @@ def broken_run(tiny_run, tmp_path):
     return tmp_path
 
 
-def error_lines(done):
-    return [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("error: ")]
-
-
-def run_from_the_flight(folder, target):
-    """Make a target from the flight as it lies there, however old or broken."""
-    return run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target)
+def error_from_the_flight(folder, target):
+    """The one line of error when a target is made from the flight as it lies there, however old or broken."""
+    done = run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target, fails=True)
+    assert not (folder / target).exists()
+    (line,) = lines_with(done, "error: ")
+    return line
 
 
 def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
     path = broken_run / "results/flight/0001.nc"  # the second of the first lot
     path.write_bytes(path.read_bytes()[:20_000])
-    done = run_from_the_flight(broken_run, "results/statistics/0000.nc")
-    assert done.returncode != 0
-    assert error_lines(done) == [line for line in error_lines(done) if "results/flight/0001.nc: expected" in line]
-    assert len(error_lines(done)) == 1
-    assert not (broken_run / "results/statistics/0000.nc").exists()
+    line = error_from_the_flight(broken_run, "results/statistics/0000.nc")
+    assert "results/flight/0001.nc: expected" in line
 
 
 def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
@@ -39,8 +35,5 @@ def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
         layers = xr.load_dataset(path)
         layers["twtt"][:] = np.nan
         layers.to_netcdf(path)
-    done = run_from_the_flight(broken_run, "results/statistics.nc")
-    assert done.returncode != 0
-    assert len(error_lines(done)) == 1
-    assert "a flight needs layers, none of its 3 frames" in error_lines(done)[0]
-    assert not (broken_run / "results/statistics.nc").exists()
+    line = error_from_the_flight(broken_run, "results/statistics.nc")
+    assert "a flight needs layers, none of its 3 frames" in line

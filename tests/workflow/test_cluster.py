@@ -1,10 +1,11 @@
 """The workflow through SLURM: a cluster of one node is started for it."""
 
 import subprocess
+import threading
 
 import pytest
 import reproducible
-from runs import command, environment, source_tree
+from runs import environment, run_snakemake, text_of
 from slurm import missing_programs, one_node_cluster, stop
 
 
@@ -23,17 +24,11 @@ def cluster(tmp_path_factory):
 def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_targets, tmp_path):
     # A node of two cores: a group must not ask for more.
     arguments = ("--jobs", 8, "--cores", 2, "--latency-wait", 10, "--slurm-init-seconds-before-status-checks", 5)
-    done = subprocess.run(
-        command(tmp_path / "run", *arguments, "--", *reproducible_targets, profile="slurm"),
-        capture_output=True,
-        text=True,
-        timeout=3000,
-        check=False,
-        cwd=source_tree(),
-        env=environment(PATH=f"{cluster}:{environment()['PATH']}"),
+    env = environment(PATH=f"{cluster}:{environment()['PATH']}")
+    done = run_snakemake(
+        tmp_path / "run", *arguments, "--", *reproducible_targets, profile="slurm", timeout=3000, env=env
     )
-    assert done.returncode == 0, done.stderr[-4000:]
-    assert "SLURM jobid" in done.stdout + done.stderr
+    assert "SLURM jobid" in text_of(done)
     assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(tiny_run / "results")
 
 
@@ -42,8 +37,6 @@ def test_a_stopped_daemon_is_gone(tmp_path):
     sleeper = subprocess.Popen(["sleep", "60"])
     (tmp_path / "a.pid").write_text(str(sleeper.pid))
     # Its parent must collect it: a zombie still answers to signal 0.
-    import threading
-
     threading.Thread(target=sleeper.wait).start()
     stop(tmp_path / "a.pid")
     assert sleeper.poll() is not None
@@ -51,16 +44,7 @@ def test_a_stopped_daemon_is_gone(tmp_path):
 
 def test_the_slurm_profile_plans_the_whole_run(tmp_path):
     pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
-    done = subprocess.run(
-        command(tmp_path, "--dry-run", profile="slurm"),
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-        cwd=source_tree(),
-        env=environment(),
-    )
-    assert done.returncode == 0, done.stderr[-2000:]
+    run_snakemake(tmp_path, "--dry-run", profile="slurm")
 
 
 @pytest.mark.parametrize("device", ["cpu", "cuda"])

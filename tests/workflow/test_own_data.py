@@ -11,7 +11,8 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose, assert_array_equal
-from runs import ROOT, rules_to_run, run_snakemake
+from runs import ROOT, rules_to_run, run_snakemake, settings, text_of
+from snakemake.utils import update_config
 
 from snowsim.io.frame_table import COLUMNS, read_frames
 from snowsim.io.png_pairs import PairSet
@@ -19,14 +20,6 @@ from snowsim.io.scenes import SceneSet
 from snowsim.statistics import fit
 
 EXAMPLES = sorted((ROOT / "config/examples").glob("*.yaml"))
-
-
-def merged(base, over):
-    """Settings of `base` with those of `over` put in, all the way down."""
-    both = dict(base)
-    for key, value in over.items():
-        both[key] = merged(base[key], value) if isinstance(value, dict) and isinstance(base.get(key), dict) else value
-    return both
 
 
 def test_there_is_a_worked_example_for_every_source():
@@ -39,10 +32,11 @@ def test_there_is_a_worked_example_for_every_source():
 def test_worked_examples_pass_the_schema_and_explain_every_setting(path):
     schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
     default = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-    jsonschema.validate(merged(default, yaml.safe_load(path.read_text())), schema)
-    settings = [line for line in path.read_text().splitlines() if ": " in line and not line.startswith(("#", "source"))]
-    assert settings
-    assert all("#" in line for line in settings)
+    update_config(default, yaml.safe_load(path.read_text()))
+    jsonschema.validate(default, schema)
+    lines = [line for line in path.read_text().splitlines() if ": " in line and not line.startswith(("#", "source"))]
+    assert lines
+    assert all("#" in line for line in lines)
 
 
 def test_the_example_table_lacks_nothing_but_the_files():
@@ -51,16 +45,17 @@ def test_the_example_table_lacks_nothing_but_the_files():
     assert all("echogram: expected a file, found nothing at" in line for line in str(error.value).splitlines()[1:])
 
 
-def refused(folder, settings):
-    """Lines a dry run says of a configuration it refuses."""
-    folder.mkdir(exist_ok=True)
-    (folder / "own.yaml").write_text(yaml.safe_dump(settings))
-    done = run_snakemake(folder, "--dry-run", "--quiet", configs=("config.yaml", folder / "own.yaml"))
-    assert done.returncode != 0
+def write_own(folder, source, **own):
+    """Configuration files of a run on own data of the tiny sizes, `own` the settings of the import."""
+    return settings(folder, yaml.safe_dump({"source": source, "import": own}))
+
+
+def check_refused(folder, expected, configs):
+    """A dry run refuses a configuration in one line, and nothing is written."""
+    text = text_of(run_snakemake(folder, "--dry-run", "--quiet", configs=configs, fails=True))
     assert not (folder / "results").exists()
-    text = done.stdout + done.stderr
     assert "Traceback" not in text
-    return text
+    assert sum(expected in line for line in text.splitlines()) == 1, text
 
 
 @pytest.mark.parametrize(
@@ -76,8 +71,7 @@ def test_a_bad_table_stops_before_any_job(tmp_path, table, expected):
     if table is not None:
         (tmp_path / "frames.tsv").write_text(table)
     (tmp_path / "a").touch()
-    text = refused(tmp_path, {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}})
-    assert sum(expected in line for line in text.splitlines()) == 1, text
+    check_refused(tmp_path, expected, write_own(tmp_path, "nsidc", frames=str(tmp_path / "frames.tsv")))
 
 
 def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path):
@@ -88,8 +82,8 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
         (tmp_path, "test.lst: expected scenes that are in no other list, found 1 in train.lst too"),
         (tmp_path / "none", "none/train.lst: path: expected a file, found nothing"),
     ):
-        text = refused(tmp_path / "run", {"source": "png_pairs", "import": {"pairs": {"folder": str(folder)}}})
-        assert sum(expected in line for line in text.splitlines()) == 1, text
+        configs = write_own(tmp_path / "run", "png_pairs", pairs={"folder": str(folder)})
+        check_refused(tmp_path / "run", expected, configs)
 
 
 def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
@@ -97,22 +91,17 @@ def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
         (tmp_path / f"data_{name}.png").touch()
         (tmp_path / f"layer_{name}.png").touch()
         (tmp_path / f"{split}.lst").write_text(f"data_{name}.png\n")
-    own = tmp_path / "own.yaml"
-    own.write_text(yaml.safe_dump({"source": "png_pairs", "import": {"pairs": {"folder": str(tmp_path)}}}))
+    configs = write_own(tmp_path, "png_pairs", pairs={"folder": str(tmp_path)})
     for target in ("realism", "results/figures/echogram.svg", "results/figures/pixel_grid.svg"):
-        done = run_snakemake(tmp_path / "run", "--dry-run", "--", target, configs=("config.yaml", "tiny.yaml", own))
-        text = done.stdout + done.stderr
-        assert done.returncode != 0, target
+        text = text_of(run_snakemake(tmp_path / "run", "--dry-run", "--", target, configs=configs, fails=True))
         assert "source png_pairs: there are no frames: images tell no positions" in text, text
 
 
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
     formats.write_nsidc_flight(tmp_path, rng, ("statistics", "train", "test"), 512)
-    settings = {"source": "nsidc", "import": {"frames": str(tmp_path / "frames.tsv")}}
-    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
-    configs = ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
-    done = run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
-    assert done.returncode == 0, done.stderr[-4000:]
+    own = {"source": "nsidc", "frames": str(tmp_path / "frames.tsv")}
+    configs = write_own(tmp_path, **own)
+    run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
 
     def again():
         return rules_to_run(run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs))
@@ -123,8 +112,7 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
     assert again() == imports
     (tmp_path / "test_supplement.nc").unlink()
     assert again() == set()
-    settings["import"]["unfit_flags"] = ["low_SNR"]
-    (tmp_path / "own.yaml").write_text(yaml.safe_dump(settings))
+    write_own(tmp_path, **own, unfit_flags=["low_SNR"])
     assert again() == imports
 
 
@@ -133,18 +121,8 @@ def exported(tiny_run, tmp_path_factory):
     """A copy of the finished tiny run with all its sets exported."""
     folder = tmp_path_factory.mktemp("exported") / "run"
     shutil.copytree(tiny_run, folder)
-    done = run_snakemake(folder, "--rerun-triggers", "mtime", "--", "export")
-    assert done.returncode == 0, done.stderr[-4000:]
+    run_snakemake(folder, "--rerun-triggers", "mtime", "--", "export")
     return folder / "results"
-
-
-@pytest.fixture(scope="module")
-def own_config(exported, tmp_path_factory):
-    """Settings that make the exported folder the benchmark."""
-    path = tmp_path_factory.mktemp("own") / "own.yaml"
-    pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
-    path.write_text(yaml.safe_dump({"source": "png_pairs", "import": {"pairs": pairs}}))
-    return path
 
 
 @pytest.mark.slow
@@ -169,10 +147,10 @@ def test_exported_sets_are_those_of_the_run(exported, name):
 
 
 @pytest.mark.slow
-def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, own_config, tmp_path):
-    done = run_snakemake(tmp_path, configs=("config.yaml", "tiny.yaml", own_config), timeout=1800)
-    assert done.returncode == 0, done.stderr[-4000:]
-    assert "left out: realism: it holds the synthetic flight against observed values" in done.stdout + done.stderr
+def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, tmp_path):
+    pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
+    done = run_snakemake(tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800)
+    assert "left out: realism: it holds the synthetic flight against observed values" in text_of(done)
     results = tmp_path / "results"
     for table in ("table2", "table3"):
         ours, theirs = (pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported))
@@ -190,25 +168,26 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
         assert b"synthetic reference flight" not in path.read_bytes(), path
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
     assert not (results / "figures/flight_line.svg").exists()
-    settings = yaml.safe_load(own_config.read_text())
-    settings["import"]["pairs"]["data_scale"] = "db"
-    (tmp_path / "changed.yaml").write_text(yaml.safe_dump(settings))
-    changed = ("config.yaml", "tiny.yaml", tmp_path / "changed.yaml")
+    changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "data_scale": "db"})
     assert {"check_pairs", "import_pairs"} <= rules_to_run(run_snakemake(tmp_path, "--dry-run", configs=changed))
 
 
 @pytest.fixture
-def own_flight(tiny_run, tmp_path):
+def tiny_flight(tiny_run):
+    """Echogram and layers of every frame of the tiny flight."""
+    pairs = [[tiny_run / f"results/flight/{i:04d}{part}.nc" for part in ("", "_layers")] for i in range(3)]
+    return [tuple(map(xr.load_dataset, pair)) for pair in pairs]
+
+
+@pytest.fixture
+def own_flight(tiny_flight, tmp_path):
     """A function that writes the tiny flight's frames as files of a source, with a table; gives settings."""
 
     def write(source, kinds, old):
         rows, n_layers = [], 0
-        for number, (kind, roles) in enumerate(
-            zip(kinds, (("statistics", "train"), ("statistics",), ("test",)), strict=True)
-        ):
-            echogram, layers = (
-                xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers")
-            )
+        roles_of_frames = (("statistics", "train"), ("statistics",), ("test",))
+        for number, (kind, roles) in enumerate(zip(kinds, roles_of_frames, strict=True)):
+            echogram, layers = tiny_flight[number]
             n_layers = max(n_layers, layers.sizes["layer"])
             content = own_files.content_of(echogram, number * echogram.sizes["slow_time"])
             name = f"20120330_04_{number + 1:03d}"
@@ -219,9 +198,7 @@ def own_flight(tiny_run, tmp_path):
         (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
         own = {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}
         # One frame has no pick of the first horizon: only names tell that its first layer is the second one.
-        own["layer_names"] = own_files.layer_names(n_layers)
-        (tmp_path / "own.yaml").write_text(yaml.safe_dump({"source": source, "import": own}))
-        return ("config.yaml", "tiny.yaml", tmp_path / "own.yaml")
+        return write_own(tmp_path, source, **own, layer_names=own_files.layer_names(n_layers))
 
     return write
 
@@ -237,17 +214,11 @@ def own_flight(tiny_run, tmp_path):
     ids=["nsidc", "cresis", "cresis old layers"],
 )
 def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
-    tiny_run, tmp_path, own_flight, source, kinds, old
+    tiny_flight, tmp_path, own_flight, source, kinds, old
 ):
-    configs = own_flight(source, kinds, old)
-    done = run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=configs)
-    assert done.returncode == 0, done.stderr[-4000:]
+    run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old))
     results = tmp_path / "run/results"
-    flight = [
-        tuple(xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers"))
-        for number in range(2)
-    ]
-    expected, found = fit(flight), xr.load_dataset(results / "statistics.nc")
+    expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"
     assert found.sizes["layer"] == expected.sizes["layer"]
     # Decibels in float32, eps 6e-8 of some 30 dB, keep power to 4e-7; levelling by whole bins moves nothing.
@@ -270,21 +241,16 @@ def test_frames_of_other_formats_give_the_statistics_and_scenes_of_the_flight(
 
 
 @pytest.mark.slow
-def test_range_lines_flagged_unfit_enter_neither_statistics_nor_scenes(tiny_run, tmp_path, own_flight):
+def test_range_lines_flagged_unfit_enter_neither_statistics_nor_scenes(tiny_flight, tmp_path, own_flight):
     configs = own_flight("nsidc", ("nsidc", "nsidc", "nsidc"), False)
     lines = np.arange(512)
     formats.write_supplement(tmp_path / "echogram_0_supplement.nc", no_good_data=np.uint8(lines < 60), land_ice=1)
     formats.write_supplement(tmp_path / "echogram_2_supplement.nc", missing_data=np.uint8(lines == 300), low_SNR=1)
-    done = run_snakemake(tmp_path / "run", "--", "flight", "charts", configs=configs)
-    assert done.returncode == 0, done.stderr[-4000:]
+    run_snakemake(tmp_path / "run", "--", "flight", "charts", configs=configs)
     results = tmp_path / "run/results"
-    flight = [
-        tuple(xr.load_dataset(tiny_run / f"results/flight/{number:04d}{part}.nc") for part in ("", "_layers"))
-        for number in range(2)
-    ]
-    for dataset, name in zip(flight[0], ("Data", "twtt"), strict=True):
+    for dataset, name in zip(tiny_flight[0], ("Data", "twtt"), strict=True):
         dataset[name] = dataset[name].where(xr.DataArray(lines >= 60, dims="slow_time"))
-    expected, found = fit(flight), xr.load_dataset(results / "statistics.nc")
+    expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert_array_equal(found["n_picks"], expected["n_picks"])
     # Decibels in float32, as above.
     for name in ("noise_power", "peak_power", "decay_rate", "thickness_mean_bins"):
@@ -312,9 +278,7 @@ def test_frames_that_fail_are_all_told_in_one_go(tmp_path, own_flight):
     configs = own_flight("nsidc", ("nsidc", "mat5", "nsidc"), False)
     first = tmp_path / "echogram_0"
     first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])
-    done = run_snakemake(tmp_path / "run", "--", "results/statistics.nc", configs=configs)
-    assert done.returncode != 0
-    text = done.stdout + done.stderr
+    text = text_of(run_snakemake(tmp_path / "run", "--", "results/statistics.nc", configs=configs, fails=True))
     assert "error: check_frames: frames: 3 of 4 frames fail" in text
     for name in ("20120330_04_001: ", "20120330_04_001t: ", "20120330_04_002: "):
         assert any(line.startswith(name) for line in text.splitlines())

@@ -11,7 +11,7 @@ SCRIPTS = Path(__file__).resolve().parents[2] / "workflow/scripts"
 def test_a_missing_smrt_is_named_with_how_to_get_it(monkeypatch):
     monkeypatch.syspath_prepend(SCRIPTS)
     monkeypatch.setitem(sys.modules, "smrt", None)  # importing it then fails
-    from study_convolution_smrt import import_smrt
+    from lib.diagnostics.smrt_waveforms import import_smrt
 
     with pytest.raises(ValueError, match=r"smrt, which is not installed: pip install 'snowsim\[studies\]'"):
         import_smrt()

@@ -1,9 +1,8 @@
-# What all rules lean on: the check of the configuration, names of scene sets and shards, code as input.
+# What all rules share: the check of the configuration, names of files, code as input, the list of targets, guards.
 
 import hashlib
 import math
 import os
-import shutil
 import sys
 from pathlib import Path
 
@@ -17,6 +16,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents
 # What scripts import is read by the code that tests use, too; tables of own data by the package that the jobs use.
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
+from lib.guards import check_disk, check_folders
 from lib.imports import closure
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
@@ -27,6 +27,14 @@ for variable in (
     "NUMBA_NUM_THREADS",
 ):
     os.environ[variable] = "1"
+
+
+def or_refused(function, *arguments):
+    """What a function gives; its complaint as one line of the workflow's."""
+    try:
+        return function(*arguments)
+    except ValueError as error:
+        raise WorkflowError(str(error)) from None
 
 
 def check_config(config):
@@ -82,17 +90,23 @@ SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 wildcard_constraints:
     frame=r"\d{4}",
+    lot=r"\d{4}",
     shard=r"\d{4}",
     replica=r"\d+",
     split="|".join(SPLITS),
     scenes="labels|test",
-    method="|".join(METHODS),
     training_set="|".join(TRAINING_SETS),
 
 
 def shards(scenes):
     """Names of the files a scene set is divided into."""
     return numbered(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
+
+
+def shard_range(scenes, shard):
+    """First scene of a shard and the one after its last."""
+    first = int(shard) * SHARD_SIZE[scenes]
+    return first, min(first + SHARD_SIZE[scenes], N_SCENES[scenes])
 
 
 def flight_files(pattern):
@@ -113,34 +127,24 @@ def middle_frame(pattern):
     return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
 
 
-def shard_range(scenes, shard):
-    """First scene of a shard and the one after its last."""
-    first = int(shard) * SHARD_SIZE[scenes]
-    return first, min(first + SHARD_SIZE[scenes], N_SCENES[scenes])
-
-
-def benchmark_files(split):
-    """The files of one split of the benchmark."""
-    return expand(
-        "results/benchmark/{split}/{shard}.nc", split=split, shard=shards(split)
-    )
+def benchmark_files(*splits):
+    """The files of splits of the benchmark."""
+    return [
+        f"results/benchmark/{split}/{shard}.nc"
+        for split in splits
+        for shard in shards(split)
+    ]
 
 
 def rendered_files(method, scenes):
     """The files of one scene set as one method rendered it."""
-    return expand(
-        "results/{method}/{scenes}/{shard}.nc",
-        method=method,
-        scenes=scenes,
-        shard=shards(scenes),
-    )
+    return [f"results/{method}/{scenes}/{shard}.nc" for shard in shards(scenes)]
 
 
 def layers_of(wildcards):
     """Where the layers of a scene set to render come from."""
-    if wildcards.scenes == "labels":
-        return f"results/labels/{wildcards.shard}.nc"
-    return f"results/benchmark/{wildcards.scenes}/{wildcards.shard}.nc"
+    folder = {"labels": "labels", "test": "benchmark/test"}[wildcards.scenes]
+    return f"results/{folder}/{wildcards.shard}.nc"
 
 
 def added_scenes(method):
@@ -151,6 +155,11 @@ def added_scenes(method):
         return rendered_files(method, "labels") if joins else []
 
     return files
+
+
+def tables(*names):
+    """Tables of results by their names."""
+    return [f"results/tables/{name}.csv" for name in names]
 
 
 def other_band_images():
@@ -186,8 +195,12 @@ FIGURES = yaml.safe_load((ROOT / "workflow/figures.yaml").read_text())
 
 
 def figure_files(stage):
-    """Figures of a stage, as the registry names them."""
-    return [f"results/figures/{file}" for file in FIGURES[stage]]
+    """Figures of a stage, as the registry names them, without those that need what the source cannot give."""
+    return [
+        f"results/figures/{file}"
+        for file, figure in FIGURES[stage].items()
+        if figure.get("needs") not in LEFT_OUT[SOURCE]
+    ]
 
 
 def targets(prefix=""):
@@ -199,8 +212,51 @@ def targets(prefix=""):
     ]
 
 
+TARGET_GROUPS = {
+    "main": "from the flight to Table III, and the report",
+    "diagnostics": "nothing on the main path depends on them",
+    "studies": "many trainings each, not part of the default run",
+}
+
+
 def describe_targets():
-    """The targets with a line each."""
+    """The targets with a line each, in groups by the file that their rules stand in."""
     width = max(len(item.name) for item in targets())
-    lines = [f"  {item.name:<{width}}  {item.message}" for item in targets()]
-    return "\n".join(["snakemake --cores N TARGET; targets are:", *lines])
+    lines = {group: [f"{group}: {about}"] for group, about in TARGET_GROUPS.items()}
+    for item in targets():
+        places = (item.name, Path(item.snakefile).stem)
+        group = next((name for name in places if name in lines), "main")
+        lines[group].append(f"  {item.name:<{width}}  {item.message}")
+    return "\n".join(
+        ["snakemake --cores N TARGET; targets are:", *sum(lines.values(), [])]
+    )
+
+
+# What scenes and frames take on disk [bytes], from a run of the default configuration: see docs/scale.md. The rest is small.
+BYTES_PER_SCENE = {
+    "draw_labels": 18e3,
+    "render_phy": 220e3,
+    "render_cgan": 220e3,
+    "reference_scenes": 110e3,
+}
+BYTES_PER_FRAME_LINE = 3.7e3
+SMALL_FILES_BYTES = 20e6
+
+
+def bytes_of(job):
+    """About what one job writes."""
+    name = job.rule.name
+    if name in BYTES_PER_SCENE:
+        scenes = job.wildcards.get("scenes", job.wildcards.get("split", "labels"))
+        first, end = shard_range(scenes, job.wildcards.shard)
+        return (end - first) * BYTES_PER_SCENE[name]
+    if name.startswith("reference_frames_"):
+        n_lines = len(job.output.echograms) * config["flight"]["n_range_lines"]
+        return n_lines * BYTES_PER_FRAME_LINE
+    return 0
+
+
+onstart:
+    or_refused(check_folders, "results", "logs")
+    needed = SMALL_FILES_BYTES + sum(map(bytes_of, workflow.dag.needrun_jobs()))
+    or_refused(check_disk, needed)

@@ -20,9 +20,7 @@ wildcard_constraints:
 
 rule export_scenes:
     input:
-        scenes=lambda wildcards: [
-            file for files in EXPORTS[wildcards.export_set].values() for file in files
-        ],
+        unread=lambda wildcards: sum(EXPORTS[wildcards.export_set].values(), []),
         code=imported_by("export_scenes.py"),
     output:
         folder=directory("results/export/{format}/{export_set}"),
@@ -32,10 +30,8 @@ rule export_scenes:
         "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
     params:
+        wanted="{format}",
         lists=lambda wildcards: EXPORTS[wildcards.export_set],
         layers=config["export"]["layers"],
         what=lambda wildcards: WHAT[wildcards.export_set],
@@ -52,5 +48,6 @@ rule export:
             format=config["export"]["formats"],
             export_set=config["export"]["sets"],
         ),
+    localrule: True
     message:
         "scenes for other code"

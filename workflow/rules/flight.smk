@@ -1,93 +1,294 @@
-# The sample flight (statistics come from it) and the benchmark (train, validation and test scenes).
+# The sample flight, its statistics, and the benchmark (train, validation and test scenes).
 
 
-include: "reference_checks.smk"
+if SOURCE == "reference":
 
+    # A rule for each lot: a job draws several frames, for to start it takes longer than to draw one.
+    for lot, frames in FRAME_LOTS.items():
 
-# A rule for each lot: a job draws several frames, for to start it takes longer than to draw one.
-for lot, frames in FRAME_LOTS.items():
+        rule:
+            name:
+                f"reference_frames_{lot}"
+            input:
+                code=imported_by("reference_frames.py"),
+            output:
+                echograms=expand("results/flight/{frame}.nc", frame=frames),
+                layers=expand("results/flight/{frame}_layers.nc", frame=frames),
+                segment=SEGMENT if lot == "0000" else [],
+            log:
+                f"logs/reference_frames/{lot}.log",
+            benchmark:
+                f"results/benchmarks/reference_frames/{lot}.tsv"
+            conda:
+                "../../envs/cpu.yaml"
+            resources:
+                mem_mb=1500,
+            params:
+                frames=[int(frame) for frame in frames],
+                seed=config["seed"],
+                flight={
+                    key: config["flight"][key] for key in ("n_frames", "n_range_lines")
+                },
+                reference=config["reference"],
+            message:
+                f"frames of the synthetic reference flight, lot {lot}"
+            script:
+                "../scripts/reference_frames.py"
 
-    rule:
-        name:
-            f"reference_frames_{lot}"
+    rule reference_scenes:
         input:
-            code=imported_by("reference_frames.py"),
+            code=imported_by("reference_scenes.py"),
         output:
-            echograms=expand("results/flight/{frame}.nc", frame=frames),
-            layers=expand("results/flight/{frame}_layers.nc", frame=frames),
+            scenes="results/benchmark/{split}/{shard}.nc",
         log:
-            f"logs/reference_frames/{lot}.log",
+            "logs/reference_scenes/{split}/{shard}.log",
         benchmark:
-            f"results/benchmarks/reference_frames/{lot}.tsv"
+            "results/benchmarks/reference_scenes/{split}/{shard}.tsv"
         conda:
             "../../envs/cpu.yaml"
-        threads: 1
         resources:
             mem_mb=1500,
         params:
-            frames=[int(frame) for frame in frames],
             seed=config["seed"],
-            flight={key: config["flight"][key] for key in ("n_frames", "n_range_lines")},
             reference=config["reference"],
+            n_looks=config["benchmark"]["n_looks"],
+            split="{split}",
+            span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+            source=SYNTHETIC,
         message:
-            f"frames of the synthetic reference flight, lot {lot}"
+            "{wildcards.split} scenes, shard {wildcards.shard}, of the synthetic benchmark"
         script:
-            "../scripts/reference_frames.py"
+            "../scripts/reference_scenes.py"
+
+elif SOURCE == "png_pairs":
+
+    # A folder in the published benchmark's layout is the benchmark; the statistics come from its train scenes.
+    LISTS = {
+        split: str(Path(PAIRS["folder"]) / PAIRS["lists"][split]) for split in OBSERVED
+    }
+
+    rule check_pairs:
+        input:
+            unread=[
+                *LISTS.values(),
+                *[
+                    file
+                    for pairs in OBSERVED.values()
+                    for file in pairs.files(slice(None))
+                ],
+            ],
+            code=imported_by("check_pairs.py"),
+        output:
+            table=CHECK,
+        log:
+            "logs/check_pairs.log",
+        benchmark:
+            "results/benchmarks/check_pairs/all.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        params:
+            lists=LISTS,
+            data_scale=PAIRS["data_scale"],
+            contrast_db=PAIRS["contrast_db"],
+        message:
+            "check of all scenes"
+        script:
+            "../scripts/check_pairs.py"
+
+    rule import_pairs:
+        input:
+            listing=lambda wildcards: LISTS[wildcards.split],
+            # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or
+            # files have changed, and what was imported with the old ones would stay. The same holds for frames.
+            unread=lambda wildcards: [
+                CHECK,
+                *OBSERVED[wildcards.split].files(
+                    slice(*shard_range(wildcards.split, wildcards.shard))
+                ),
+            ],
+            code=imported_by("import_pairs.py"),
+        output:
+            scenes="results/benchmark/{split}/{shard}.nc",
+        log:
+            "logs/import_pairs/{split}/{shard}.log",
+        benchmark:
+            "results/benchmarks/import_pairs/{split}/{shard}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        params:
+            split="{split}",
+            span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+            data_scale=PAIRS["data_scale"],
+        message:
+            "{wildcards.split} scenes, shard {wildcards.shard}"
+        script:
+            "../scripts/import_pairs.py"
+
+    rule summarise_scenes:
+        input:
+            scenes="results/benchmark/train/{shard}.nc",
+            code=imported_by("summarise_scenes.py"),
+        output:
+            summary="results/statistics/{shard}.nc",
+        log:
+            "logs/summarise_scenes/{shard}.log",
+        benchmark:
+            "results/benchmarks/summarise_scenes/{shard}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        params:
+            bin_s=OWN["bin_s"],
+            line_spacing_m=PAIRS["line_spacing_m"],
+            contrast_db=PAIRS["contrast_db"],
+        message:
+            "sums over train scenes, shard {wildcards.shard}"
+        script:
+            "../scripts/summarise_scenes.py"
+
+else:
+
+    # Own frames are the flight and, cut into blocks, the benchmark.
+    rule check_frames:
+        input:
+            frames=OWN["frames"],
+            unread=sorted(
+                {
+                    file
+                    for rows in OBSERVED.values()
+                    for row in rows
+                    for file in sources.frame_files(row, SOURCE)
+                }
+            ),
+            code=imported_by("check_frames.py"),
+        output:
+            table=CHECK,
+        log:
+            "logs/check_frames.log",
+        benchmark:
+            "results/benchmarks/check_frames/all.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        resources:
+            mem_mb=4000,
+        params:
+            reading=READING,
+        message:
+            "check of all frames"
+        script:
+            "../scripts/check_frames.py"
+
+    rule import_frame:
+        input:
+            **frame_inputs(
+                lambda wildcards: OBSERVED["statistics"][int(wildcards.frame)]
+            ),
+            code=imported_by("import_frame.py"),
+        output:
+            frame="results/flight/{frame}.nc",
+            frame_layers="results/flight/{frame}_layers.nc",
+        log:
+            "logs/import_frame/{frame}.log",
+        benchmark:
+            "results/benchmarks/import_frame/{frame}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        resources:
+            mem_mb=4000,
+        params:
+            name=lambda wildcards: OBSERVED["statistics"][int(wildcards.frame)]["frame"],
+            reading=READING,
+        message:
+            "frame {params.name} of the flight"
+        script:
+            "../scripts/import_frame.py"
+
+    rule import_blocks:
+        input:
+            **frame_inputs(
+                lambda wildcards: OBSERVED[wildcards.split][int(wildcards.shard)]
+            ),
+            code=imported_by("import_blocks.py"),
+        output:
+            scenes="results/benchmark/{split}/{shard}.nc",
+        log:
+            "logs/import_blocks/{split}/{shard}.log",
+        benchmark:
+            "results/benchmarks/import_blocks/{split}/{shard}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        resources:
+            mem_mb=4000,
+        params:
+            name=lambda wildcards: OBSERVED[wildcards.split][int(wildcards.shard)][
+                "frame"
+            ],
+            reading=READING,
+        message:
+            "{wildcards.split} scenes of frame {params.name}"
+        script:
+            "../scripts/import_blocks.py"
 
 
-rule reference_segment:
+# Sums over a lot of frames or, where there are only images, over a file of train scenes.
+SUMMARIES = [
+    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
+]
+
+
+if FRAME_LOTS:
+
+    rule summarise_frames:
+        input:
+            echograms=lambda wildcards: expand(
+                "results/flight/{frame}.nc", frame=FRAME_LOTS[wildcards.lot]
+            ),
+            layers=lambda wildcards: expand(
+                "results/flight/{frame}_layers.nc", frame=FRAME_LOTS[wildcards.lot]
+            ),
+            code=imported_by("summarise_frames.py"),
+        output:
+            summary="results/statistics/{lot}.nc",
+        log:
+            "logs/summarise_frames/{lot}.log",
+        benchmark:
+            "results/benchmarks/summarise_frames/{lot}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        message:
+            "sums over frames, lot {wildcards.lot}"
+        script:
+            "../scripts/summarise_frames.py"
+
+
+rule fit_statistics:
     input:
-        code=imported_by("reference_segment.py"),
+        summaries=SUMMARIES,
+        segment=SEGMENT,
+        code=imported_by("fit_statistics.py"),
     output:
-        segment="results/flight/segment.nc",
+        statistics="results/statistics.nc",
     log:
-        "logs/reference_segment.log",
+        "logs/fit_statistics.log",
     benchmark:
-        "results/benchmarks/reference_segment/all.tsv"
+        "results/benchmarks/fit_statistics/all.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=1500,
     params:
-        seed=config["seed"],
-        reference=config["reference"],
+        estimator=config["statistics"]["estimator"],
     message:
-        "complex 5 km segment of the synthetic reference flight"
+        "flight statistics"
     script:
-        "../scripts/reference_segment.py"
-
-
-rule reference_scenes:
-    input:
-        code=imported_by("reference_scenes.py"),
-    output:
-        scenes="results/benchmark/{split}/{shard}.nc",
-    log:
-        "logs/reference_scenes/{split}/{shard}.log",
-    benchmark:
-        "results/benchmarks/reference_scenes/{split}/{shard}.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-        reference=config["reference"],
-        n_looks=config["benchmark"]["n_looks"],
-        span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
-        source=SYNTHETIC,
-    message:
-        "{wildcards.split} scenes, shard {wildcards.shard}, of the synthetic benchmark"
-    script:
-        "../scripts/reference_scenes.py"
+        "../scripts/fit_statistics.py"
 
 
 rule flight:
     input:
+        CHECK,
         expand("results/flight/{frame}.nc", frame=FRAMES),
-        "results/flight/segment.nc",
-        *[benchmark_files(split) for split in SPLITS],
+        SEGMENT,
+        benchmark_files(*SPLITS),
+    localrule: True
     message:
         "the sample flight and the benchmark"

@@ -1,73 +1,11 @@
 # Flight statistics -> synthetic layer sets.
 
-# Numbers of zones that criteria choose from; the schema allows no others.
-ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
 # What labels are drawn from: the flight statistics as they are, or a model with other zones or spectra.
 LABEL_STATISTICS = (
     "results/statistics.nc"
     if (config["labels"]["n_zones"], config["labels"]["psd"]) == (4, "tabulated")
     else "results/label_model.nc"
 )
-
-
-rule compare_label_models:
-    input:
-        summaries=SUMMARIES,
-        statistics="results/statistics.nc",
-        code=imported_by("compare_label_models.py"),
-    output:
-        model="results/label_model.nc",
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
-        seconds="results/tables/speed_accuracy_labels.csv",
-    log:
-        "logs/compare_label_models.log",
-    benchmark:
-        "results/benchmarks/compare_label_models/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-        n_zones=config["labels"]["n_zones"],
-        psd=config["labels"]["psd"],
-        zone_counts=ZONE_COUNTS,
-        n_range_lines=config["labels"]["n_range_lines"],
-        n_scenes=min(300, config["labels"]["n_scenes"]),
-    message:
-        "label models with fewer parameters, and what they save"
-    script:
-        "../scripts/compare_label_models.py"
-
-
-rule plot_label_models:
-    input:
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
-        code=imported_by("plot_label_models.py"),
-    output:
-        figure=report(
-            "results/figures/label_models.svg", caption="../report/label_models.rst"
-        ),
-    log:
-        "logs/plot_label_models.log",
-    benchmark:
-        "results/benchmarks/plot_label_models/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of label models"
-    script:
-        "../scripts/plot_label_models.py"
 
 
 rule draw_labels:
@@ -82,9 +20,6 @@ rule draw_labels:
         "results/benchmarks/draw_labels/{shard}.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
     params:
         seed=config["seed"],
         span=lambda wildcards: shard_range("labels", wildcards.shard),
@@ -116,7 +51,6 @@ rule summarise_labels:
         "results/benchmarks/summarise_labels/all.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
     message:
@@ -125,38 +59,13 @@ rule summarise_labels:
         "../scripts/summarise_labels.py"
 
 
-rule plot_labels:
-    input:
-        layers="results/tables/label_layers.csv",
-        moments="results/tables/label_moments.csv",
-        spectra="results/tables/label_spectra.csv",
-        correlation="results/tables/label_correlation.csv",
-        code=imported_by("plot_labels.py"),
-    output:
-        figure=report("results/figures/labels.svg", caption="../report/labels.rst"),
-    log:
-        "logs/plot_labels.log",
-    benchmark:
-        "results/benchmarks/plot_labels/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the label sets"
-    script:
-        "../scripts/plot_labels.py"
-
-
 rule labels:
     input:
-        expand("results/labels/{shard}.nc", shard=shards("labels")),
+        rules.summarise_labels.input.labels,
         rules.summarise_labels.output,
-        rules.plot_labels.output,
-        rules.compare_label_models.output,
-        rules.plot_label_models.output,
+        tables("label_criteria", "label_savings", "label_families"),
+        tables("speed_accuracy_labels"),
+        figure_files("labels"),
+    localrule: True
     message:
         "all label sets and their tables"

@@ -1,24 +1,38 @@
-# One page that stands alone, from the tables and figures of the default run. Included last: it shows what others declare.
+# One page that stands alone, from the tables and figures of the default run. Included last: it shows what others make.
 
 
-include: "reported.smk"
-
-
-REPORT_FIGURES = declared_figures(reported("figures"))
-STUDY_FILES = study_files()
+STUDY_STAGES = [stage for stage in FIGURES if stage.startswith("study_")]
+# What a study makes takes hours. It joins the page when it is there, and is no input of it: as one, a stale study would
+# be rerun by the default run. Digests of it are parameters: they have the page written anew when one changes.
+STUDY_FILES = [
+    *[file for stage in STUDY_STAGES for file in figure_files(stage)],
+    *sorted(map(str, Path("results/studies").glob("*/*.csv"))),
+]
 
 
 rule write_report:
     input:
-        tables=reported("tables"),
-        figures=[figure["file"] for figure in REPORT_FIGURES],
-        captions=[figure["caption"] for figure in REPORT_FIGURES],
+        tables=[
+            file
+            for file in dict.fromkeys(map(str, rules.all.input))
+            if file.startswith("results/tables/")
+        ],
+        figures=[
+            file
+            for stage in FIGURES
+            if stage not in STUDY_STAGES
+            for file in figure_files(stage)
+        ],
+        observed=benchmark_files("test"),
+        cgan=rendered_files("cgan", "test"),
+        phy=rendered_files("phy", "test"),
         images="results/similarity.parquet",
-        gallery="results/gallery.json",
+        statistics="results/statistics.nc",
         paper=ROOT / "workflow/report/paper.yaml",
-        page=sorted((ROOT / "workflow/report/page").iterdir()),
+        template=sorted((ROOT / "workflow/report/page").iterdir()),
         code=imported_by("write_report.py"),
     output:
+        gallery="results/gallery.json",
         page="results/report.html",
     log:
         "logs/write_report.log",
@@ -32,13 +46,28 @@ rule write_report:
     params:
         config=config,
         note=NOTE,
-        figures=REPORT_FIGURES,
-        studies={
-            "files": STUDY_FILES,
-            "figures": declared_figures(STUDY_FILES),
-            "parts": study_parts(),
+        n_scenes=16,
+        captions={
+            f"results/figures/{file}": (stage, figure["caption"])
+            for stage, figures in FIGURES.items()
+            for file, figure in figures.items()
         },
-        stages=measured_stages(),
+        studies={
+            "files": {
+                path: digest
+                for file in STUDY_FILES
+                for path, digest in finished_study(file).items()
+            },
+            "parts": sorted(
+                item.name.removeprefix("study_") for item in targets("study_")
+            ),
+        },
+        # Stage of every rule whose jobs are measured, by the folder of its measurements.
+        stages={
+            Path(str(item.benchmark)).parts[2]: Path(item.snakefile).stem
+            for item in workflow.rules
+            if str(item.benchmark).startswith("results/benchmarks/")
+        },
         benchmarks="results/benchmarks",
     message:
         "the report, one page"
@@ -48,6 +77,6 @@ rule write_report:
 
 rule report:
     input:
-        rules.write_report.output,
+        rules.write_report.output.page,
     message:
-        "the report of the run, one page that stands alone"
+        "the report of the run, one page"

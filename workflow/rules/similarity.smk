@@ -4,41 +4,34 @@
 rule score_similarity:
     input:
         observed="results/benchmark/test/{shard}.nc",
-        rendered="results/{method}/test/{shard}.nc",
+        rendered=expand("results/{method}/test/{{shard}}.nc", method=METHODS),
         code=imported_by("score_similarity.py"),
     output:
-        images="results/similarity/{method}/{shard}.parquet",
-        rows="results/similarity/{method}/{shard}_rows.parquet",
+        images=expand("results/similarity/{method}/{{shard}}.parquet", method=METHODS),
+        rows=expand(
+            "results/similarity/{method}/{{shard}}_rows.parquet", method=METHODS
+        ),
     log:
-        "logs/score_similarity/{method}/{shard}.log",
+        "logs/score_similarity/{shard}.log",
     benchmark:
-        "results/benchmarks/score_similarity/{method}/{shard}.tsv"
+        "results/benchmarks/score_similarity/{shard}.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
+    params:
+        methods=METHODS,
     message:
-        "similarity of {wildcards.method} renders, shard {wildcards.shard}"
+        "similarity of both renders, shard {wildcards.shard}"
     script:
         "../scripts/score_similarity.py"
 
 
 rule tabulate_similarity:
     input:
-        images=expand(
-            "results/similarity/{method}/{shard}.parquet",
-            method=METHODS,
-            shard=shards("test"),
-        ),
-        rows=expand(
-            "results/similarity/{method}/{shard}_rows.parquet",
-            method=METHODS,
-            shard=shards("test"),
-        ),
+        images=expand(rules.score_similarity.output.images, shard=shards("test")),
+        rows=expand(rules.score_similarity.output.rows, shard=shards("test")),
         code=imported_by("tabulate_similarity.py"),
     output:
-        images="results/similarity.parquet",
+        all_images="results/similarity.parquet",
         table2="results/tables/table2.csv",
         ssim_depth="results/tables/ssim_depth.csv",
     log:
@@ -47,9 +40,6 @@ rule tabulate_similarity:
         "results/benchmarks/tabulate_similarity/all.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
     params:
         window_rows=config["similarity"]["window_rows"],
     message:
@@ -58,156 +48,11 @@ rule tabulate_similarity:
         "../scripts/tabulate_similarity.py"
 
 
-rule plot_similarity:
-    input:
-        images="results/similarity.parquet",
-        ssim_depth="results/tables/ssim_depth.csv",
-        code=imported_by("plot_similarity.py"),
-    output:
-        boxplots=report(
-            "results/figures/similarity_boxplots.svg",
-            caption="../report/similarity_boxplots.rst",
-        ),
-        ssim_depth=report(
-            "results/figures/ssim_depth.svg", caption="../report/ssim_depth.rst"
-        ),
-    log:
-        "logs/plot_similarity.log",
-    benchmark:
-        "results/benchmarks/plot_similarity/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of similarity"
-    script:
-        "../scripts/plot_similarity.py"
-
-
-rule plot_sample:
-    input:
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        images="results/similarity.parquet",
-        code=imported_by("plot_sample.py"),
-    output:
-        sample=report("results/figures/sample.svg", caption="../report/sample.rst"),
-    log:
-        "logs/plot_sample.log",
-    benchmark:
-        "results/benchmarks/plot_sample/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "observed, labels, cGAN, PHY of a few test scenes"
-    script:
-        "../scripts/plot_sample.py"
-
-
-rule explain_similarity:
-    input:
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        train=benchmark_files("train"),
-        generator="results/cgan/generator.safetensors",
-        statistics="results/statistics.nc",
-        code=imported_by("explain_similarity.py"),
-    output:
-        bounds="results/tables/similarity_bounds.csv",
-        parts="results/tables/similarity_parts.csv",
-    log:
-        "logs/explain_similarity.log",
-    benchmark:
-        "results/benchmarks/explain_similarity/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=2000,
-        gpu=int(config["cgan"]["device"] == "cuda"),
-    params:
-        seed=config["seed"],
-        n_looks=config["benchmark"]["n_looks"],
-        statistics=config["cgan"]["statistics"],
-        phy=config["phy"],
-        validation=config["cgan"]["validation"],
-        device=config["cgan"]["device"],
-    message:
-        "bounds of similarity and what keeps renders from them"
-    script:
-        "../scripts/explain_similarity.py"
-
-
-rule measure_air:
-    input:
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        code=imported_by("measure_air.py"),
-    output:
-        table="results/tables/air_texture.csv",
-    log:
-        "logs/measure_air.log",
-    benchmark:
-        "results/benchmarks/measure_air/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    message:
-        "texture above the snow surface"
-    script:
-        "../scripts/measure_air.py"
-
-
-rule plot_similarity_bounds:
-    input:
-        bounds="results/tables/similarity_bounds.csv",
-        parts="results/tables/similarity_parts.csv",
-        air="results/tables/air_texture.csv",
-        code=imported_by("plot_similarity_bounds.py"),
-    output:
-        figure=report(
-            "results/figures/similarity_bounds.svg",
-            caption="../report/similarity_bounds.rst",
-        ),
-    log:
-        "logs/plot_similarity_bounds.log",
-    benchmark:
-        "results/benchmarks/plot_similarity_bounds/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figure of the bounds of similarity"
-    script:
-        "../scripts/plot_similarity_bounds.py"
-
-
 rule similarity:
     input:
         rules.tabulate_similarity.output,
-        rules.plot_similarity.output,
-        rules.plot_sample.output,
-        rules.explain_similarity.output,
-        rules.measure_air.output,
-        rules.plot_similarity_bounds.output,
-        rules.plot_cgan_training.output,
+        tables("similarity_bounds", "similarity_parts", "air_texture"),
+        figure_files("similarity"),
+    localrule: True
     message:
         "Table II and its figures"

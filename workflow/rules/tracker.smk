@@ -17,12 +17,12 @@ rule train_tracker:
     priority: 50
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
     params:
         seed=config["seed"],
+        replica="{replica}",
         device=config["tracker"]["device"],
         n_epochs=config["tracker"]["n_epochs"],
         data={
@@ -31,9 +31,9 @@ rule train_tracker:
             "n_layers": config["tracker"]["added_layers"],
         },
         settings=config["tracker"]["training"],
-        checkpoint=lambda wildcards: f"results/checkpoints/train_tracker_{wildcards.training_set}_{wildcards.replica}.safetensors",
+        checkpoint="results/checkpoints/train_tracker_{training_set}_{replica}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
-        events=lambda wildcards: f"logs/tensorboard/train_tracker/{wildcards.training_set}/{wildcards.replica}",
+        events="logs/tensorboard/train_tracker/{training_set}/{replica}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
@@ -60,7 +60,6 @@ rule score_tracker:
         "results/benchmarks/score_tracker/{training_set}.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
@@ -79,87 +78,31 @@ rule tabulate_trackers:
             training_set=TRAINING_SETS,
             replica=SEEDS,
         ),
-        code=imported_by("tabulate_trackers.py"),
-    output:
-        table3="results/tables/table3.csv",
-        intervals="results/tables/table3_intervals.csv",
-        tests="results/tables/table3_tests.csv",
-        curves="results/tables/precision_recall.csv",
-    log:
-        "logs/tabulate_trackers.log",
-    benchmark:
-        "results/benchmarks/tabulate_trackers/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        seed=config["seed"],
-        n_bootstrap=config["tracker"]["n_bootstrap"],
-        training_sets=list(TRAINING_SETS),
-        replicas=SEEDS,
-    message:
-        "Table III"
-    script:
-        "../scripts/tabulate_trackers.py"
-
-
-rule tabulate_tracker_zones:
-    input:
-        counts=expand(
-            "results/tracker/{training_set}/{replica}_counts.parquet",
-            training_set=TRAINING_SETS,
-            replica=SEEDS,
-        ),
-        picks="results/tracker/rd/0_picks.parquet",  # thickness of every scene's first slab
-        statistics="results/statistics.nc",
-        code=imported_by("tabulate_tracker_zones.py"),
-    output:
-        zones="results/tables/table3_zones.csv",
-    log:
-        "logs/tabulate_tracker_zones.log",
-    benchmark:
-        "results/benchmarks/tabulate_tracker_zones/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        seed=config["seed"],
-        n_bootstrap=config["tracker"]["n_bootstrap"],
-        training_sets=list(TRAINING_SETS),
-        replicas=SEEDS,
-    message:
-        "edge scores by accumulation zone"
-    script:
-        "../scripts/tabulate_tracker_zones.py"
-
-
-rule tabulate_picks:
-    input:
         picks=expand(
             "results/tracker/{training_set}/{replica}_picks.parquet",
             training_set=TRAINING_SETS,
             replica=SEEDS,
         ),
         statistics="results/statistics.nc",
-        code=imported_by("tabulate_picks.py"),
+        code=imported_by("tabulate_trackers.py"),
     output:
-        picks="results/tables/picks.csv",
-        zones="results/tables/picks_by_zone.csv",
-        depths="results/tables/picks_by_depth.csv",
+        table3="results/tables/table3.csv",
+        intervals="results/tables/table3_intervals.csv",
+        tests="results/tables/table3_tests.csv",
+        curves="results/tables/precision_recall.csv",
+        zones="results/tables/table3_zones.csv",
+        pick_errors="results/tables/picks.csv",
+        picks_by_zone="results/tables/picks_by_zone.csv",
+        picks_by_depth="results/tables/picks_by_depth.csv",
     log:
-        "logs/tabulate_picks.log",
+        "logs/tabulate_trackers.log",
     benchmark:
-        "results/benchmarks/tabulate_picks/all.tsv"
+        "results/benchmarks/tabulate_trackers/all.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
     params:
+        seed=config["seed"],
+        n_bootstrap=config["tracker"]["n_bootstrap"],
         runs=[
             (training_set, replica)
             for training_set in TRAINING_SETS
@@ -168,9 +111,9 @@ rule tabulate_picks:
         depth_step_bins=config["tracker"]["picks"]["depth_step_bins"],
         snow_density_kg_m3=config["tracker"]["picks"]["snow_density_kg_m3"],
     message:
-        "errors of picks"
+        "Table III, scores by zone, errors of picks"
     script:
-        "../scripts/tabulate_picks.py"
+        "../scripts/tabulate_trackers.py"
 
 
 rule track_samples:
@@ -188,7 +131,6 @@ rule track_samples:
         "results/benchmarks/track_samples/all.tsv"
     conda:
         "../../envs/cpu.yaml"
-    threads: 1
     resources:
         mem_mb=2000,
         gpu=int(config["tracker"]["device"] == "cuda"),
@@ -202,80 +144,10 @@ rule track_samples:
         "../scripts/track_samples.py"
 
 
-rule plot_picks:
-    input:
-        picks="results/tables/picks.csv",
-        depths="results/tables/picks_by_depth.csv",
-        zones="results/tables/table3_zones.csv",
-        samples="results/tracker/samples.nc",
-        code=imported_by("plot_picks.py"),
-    output:
-        picks=report("results/figures/picks.svg", caption="../report/picks.rst"),
-        zones=report(
-            "results/figures/table3_zones.svg", caption="../report/table3_zones.rst"
-        ),
-        sheet=report(
-            "results/figures/side_outputs.png", caption="../report/side_outputs.rst"
-        ),
-    log:
-        "logs/plot_picks.log",
-    benchmark:
-        "results/benchmarks/plot_picks/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        source=NOTE,
-    message:
-        "figures of picks and side outputs"
-    script:
-        "../scripts/plot_picks.py"
-
-
-rule plot_trackers:
-    input:
-        curves="results/tables/precision_recall.csv",
-        intervals="results/tables/table3_intervals.csv",
-        losses=expand(
-            "results/tracker/{training_set}/0_losses.csv", training_set=TRAINING_SETS
-        ),
-        code=imported_by("plot_trackers.py"),
-    output:
-        curves=report(
-            "results/figures/precision_recall.svg",
-            caption="../report/precision_recall.rst",
-        ),
-        scores=report("results/figures/table3.svg", caption="../report/table3.rst"),
-        losses=report(
-            "results/figures/tracker_losses.svg",
-            caption="../report/tracker_losses.rst",
-        ),
-    log:
-        "logs/plot_trackers.log",
-    benchmark:
-        "results/benchmarks/plot_trackers/all.tsv"
-    conda:
-        "../../envs/cpu.yaml"
-    threads: 1
-    resources:
-        mem_mb=1000,
-    params:
-        training_sets=list(TRAINING_SETS),
-        source=NOTE,
-    message:
-        "figures of the trackers"
-    script:
-        "../scripts/plot_trackers.py"
-
-
 rule trackers:
     input:
         rules.tabulate_trackers.output,
-        rules.tabulate_tracker_zones.output,
-        rules.tabulate_picks.output,
-        rules.plot_trackers.output,
-        rules.plot_picks.output,
+        figure_files("tracker"),
+    localrule: True
     message:
         "Table III, errors of picks, and their figures"

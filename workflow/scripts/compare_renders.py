@@ -1,33 +1,66 @@
-"""Where layers lie in renders of the test masks, and their texture above and below the surface."""
+"""Renders of the test masks: where layers lie, texture above and below the surface, what bounds their similarity."""
 
 import pandas as pd
-from job import job, progress
+import torch
+from job import progress, run
+from render_cgan import scene_renderer
+from render_phy import render_scene
 
-from lib.diagnostics.renders import position_errors, shape_edges, texture_by_region
-from snowsim.io.files import write_table
+from lib.diagnostics import similarity
+from lib.diagnostics.renders import air_texture, position_errors, shape_edges, texture_by_region
+from snowsim.cgan import held_out
+from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
+from snowsim.seeding import random_stream
 
 
-def compare(paths_to_observed, paths_to_cgan, paths_to_phy, path_to_positions, path_to_textures):
-    with SceneSet(paths_to_observed) as observed_scenes:
-        edges = shape_edges(scene.layer_bins for scene in observed_scenes)
-    positions, textures = [], []
-    for method, paths in (("observed", paths_to_observed), ("cgan", paths_to_cgan), ("phy", paths_to_phy)):
-        with SceneSet(paths_to_observed) as observed_scenes, SceneSet(paths) as scenes:
-            pairs = zip(observed_scenes, scenes, strict=True)
-            for observed, scene in progress(pairs, f"{method} scenes", total=len(scenes)):
-                if observed.name != scene.name:
-                    msg = f"{method}: expected scene {observed.name}, got {scene.name}"
+def compare_renders(
+    observed, cgan, phy, train, generator, statistics, positions, textures, air, bounds, parts,
+    *, seed, n_looks, normalisation, conventions, n_held, device,
+):  # fmt: skip
+    torch.set_num_threads(1)
+
+    def stream(*keys):
+        return random_stream(seed, "explain_similarity", *keys)
+
+    with SceneSet(observed) as test:
+        edges = shape_edges(scene.layer_bins for scene in test)
+    errors, by_region, in_air = [], [], []
+    for method, paths in (("observed", observed), ("cgan", cgan), ("phy", phy)):
+        with SceneSet(observed) as test, SceneSet(paths) as scenes:
+            for truth, scene in progress(zip(test, scenes, strict=True), f"{method} scenes", total=len(scenes)):
+                if truth.name != scene.name:
+                    msg = f"{method}: expected scene {truth.name}, got {scene.name}"
                     raise ValueError(msg)
                 keys = {"scene": scene.name, "method": method}
                 # Renders were given the annotated layers: these are where their peaks should lie.
-                positions.append(position_errors(scene.image, observed.layer_bins, edges).assign(**keys))
-                textures.append(texture_by_region(scene.image, observed.image, observed.layer_bins).assign(**keys))
-    for path, tables in ((path_to_positions, positions), (path_to_textures, textures)):
+                errors.append(position_errors(scene.image, truth.layer_bins, edges).assign(**keys))
+                by_region.append(texture_by_region(scene.image, truth.image, truth.layer_bins).assign(**keys))
+                above = air_texture(scene.image, scene.layer_bins)
+                in_air += [{"method": method, "quantity": name, "value": value} for name, value in above.items()]
+    for path, tables in ((positions, errors), (textures, by_region)):
         table = pd.concat(tables)
         write_table(path, table[["scene", "method", *table.columns.drop(["scene", "method"])]])
+    groups = pd.DataFrame(in_air).groupby(["quantity", "method"], sort=False)["value"]
+    write_table(air, groups.agg(["min", "mean", "max"]).assign(n_scenes=groups.size()).reset_index())
+
+    rows, of_errors = [], []
+    with SceneSet(observed) as test, SceneSet(cgan) as by_cgan, SceneSet(phy) as by_phy:
+        for truth, *renders in progress(zip(test, by_cgan, by_phy, strict=True), "bounds", total=len(test)):
+            rendered = dict(zip(("cgan", "phy"), renders, strict=True))
+            rows += similarity.explain_scene(truth, rendered, n_looks, rng=stream(truth.name))
+            of_errors += similarity.explain_errors(truth, rendered)
+    render_by_cgan, flight = scene_renderer(generator, device, normalisation), read_dataset(statistics)
+    renderers = {
+        "cgan": lambda scene: render_by_cgan(scene, stream("cgan", scene.name)),
+        "phy": lambda scene: render_scene(scene, flight, conventions, stream("phy", scene.name)).image,
+    }
+    with SceneSet(train) as scenes:
+        _, numbers = held_out(len(scenes), n_held, seed=seed)
+        for scene in progress([scenes[number] for number in numbers], "annotation"):
+            rows += similarity.explain_annotation(scene, renderers)
+    write_table(bounds, similarity.mean_similarity(rows))
+    write_table(parts, similarity.mean_errors(of_errors))
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        compare(snakemake.input.observed, snakemake.input.cgan, snakemake.input.phy, *snakemake.output)
+run(compare_renders)

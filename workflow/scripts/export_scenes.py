@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.export import export_netcdf, export_pairs
 from snowsim.io.files import written_whole
 from snowsim.io.scenes import SceneSet
 
 
-def export(folder, wanted, lists, layers, what):
+def export(folder, *, wanted, lists, layers, what):
     lines = [what]
     for name, paths in lists.items():
         list_name = f"{name}.lst"
@@ -25,6 +25,4 @@ def export(folder, wanted, lists, layers, what):
         aside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        export(snakemake.output.folder, snakemake.wildcards.format, **snakemake.params)
+run(export)

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from job import job
+from job import logger, run
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.frames import count_unfit
@@ -10,20 +10,15 @@ from snowsim.io.files import write_dataset
 from snowsim.io.frame_table import read_frame
 
 
-def import_frame(path_to_frame, path_to_layers, path_to_echogram_out, path_to_layers_out, name, reading, log):
-    echogram, layers = read_frame(SimpleNamespace(echogram=path_to_frame, layers=path_to_layers), **reading)
-    n_unfit, flags = count_unfit(echogram)
+def import_frame(echogram, layers, frame, frame_layers, *, name, reading):
+    observed, picked = read_frame(SimpleNamespace(echogram=echogram, layers=layers), **reading)
+    n_unfit, flags = count_unfit(observed)
     if flags:
-        log.info("%s: %d of %d range lines left out; flags: %s", name, n_unfit, echogram.sizes["slow_time"], flags)
-    attributes = {"frame": name, "source": reading["source"], "synthetic": "no"}
-    kept = echogram[["Data", *ECHOGRAM_ALONG_TRACK]]
-    kept.attrs = layers.attrs = attributes
-    write_dataset(path_to_echogram_out, kept)
-    write_dataset(path_to_layers_out, layers)
+        logger.info("%s: %d of %d range lines left out; flags: %s", name, n_unfit, observed.sizes["slow_time"], flags)
+    kept = observed[["Data", *ECHOGRAM_ALONG_TRACK]]
+    kept.attrs = picked.attrs = {"frame": name, "source": reading["source"], "synthetic": "no"}
+    write_dataset(frame, kept)
+    write_dataset(frame_layers, picked)
 
 
-if __name__ == "__main__":
-    with job(snakemake) as logger:
-        import_frame(
-            snakemake.input.echogram, snakemake.input.layers, *snakemake.output, log=logger, **snakemake.params
-        )
+run(import_frame)

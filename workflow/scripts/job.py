@@ -46,10 +46,14 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
+# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files beside others.
+NOT_HANDED = {"code", "unread"}
+
+
 def run(function):
     """Call a script's one function with what its rule names; nothing happens where the script is imported.
 
-    Inputs, outputs and params reach it by their names in the rule, `code` left out; nothing is handed by position.
+    Inputs, outputs and params reach it by their names in the rule, those of `NOT_HANDED` left out.
     """
     if function.__module__ == "__main__":
         snakemake = sys.modules["__main__"].snakemake
@@ -60,17 +64,18 @@ def run(function):
 def named(snakemake):
     """Inputs, outputs and params of a job by name; ValueError where one has no name, or two have the same."""
     given = {}
-    for kind in (snakemake.input, snakemake.output, snakemake.params):
-        if len(dict(kind.items())) < len(list(kind.keys())) or (len(kind) and not list(kind.keys())):
-            msg = f"rule {snakemake.rule}: expected names for all inputs, outputs and params"
+    for kind in ("input", "output", "params"):
+        items = getattr(snakemake, kind)
+        n_named = sum(1 if end is None else end - start for _, (start, end) in items._get_names())
+        if n_named < len(items):
+            msg = f"{kind}: expected a name for every item, found {len(items) - n_named} of {len(items)} without"
             raise ValueError(msg)
-        for name, value in kind.items():
+        for name, value in items.items():
             if name in given:
-                msg = f"rule {snakemake.rule}: expected every name once, found {name} twice"
+                msg = f"expected each name once in input, output and params, found {name} twice"
                 raise ValueError(msg)
-            if name != "code":
-                given[name] = value
-    return given
+            given[name] = value
+    return {name: value for name, value in given.items() if name not in NOT_HANDED}
 
 
 def check_memory(mem_mb):

@@ -1,24 +1,24 @@
-"""Frames of the synthetic reference flight."""
+"""Frames of the synthetic reference flight; one lot also makes its complex segment."""
 
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.files import write_dataset
-from snowsim.reference import checked_settings, draw_climate, draw_frame
+from snowsim.reference import checked_settings, draw_climate, draw_complex_segment, draw_frame
 from snowsim.seeding import random_stream
 
 
-def draw(paths_to_echograms, paths_to_layers, frames, flight, reference, seed):
+def draw_frames(echograms, layers, segment, *, frames, flight, reference, seed):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    paths = zip(frames, paths_to_echograms, paths_to_layers, strict=True)
-    for frame, path_to_echogram, path_to_layers in progress(paths, "frames", total=len(frames)):
-        echogram, layers = draw_frame(
-            frame, **flight, climate=climate, settings=settings, rng=random_stream(seed, "reference_frame", frame)
-        )
+    made = {"climate": climate, "settings": settings}
+    files = zip(frames, echograms, layers, strict=True)
+    for frame, path_to_echogram, path_to_layers in progress(files, "frames", total=len(frames)):
+        rng = random_stream(seed, "reference_frame", frame)
+        echogram, picked = draw_frame(frame, **flight, **made, rng=rng)
         write_dataset(path_to_echogram, echogram)
-        write_dataset(path_to_layers, layers)
+        write_dataset(path_to_layers, picked)
+    for path in segment:
+        write_dataset(path, draw_complex_segment(**made, rng=random_stream(seed, "reference_segment")))
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        draw(snakemake.output.echograms, snakemake.output.layers, **snakemake.params)
+run(draw_frames)

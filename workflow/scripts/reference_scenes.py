@@ -1,30 +1,22 @@
 """One shard of the synthetic benchmark."""
 
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.scenes import write_scenes
 from snowsim.reference import checked_settings, draw_climate, draw_scene
 from snowsim.seeding import random_stream
 
 
-def draw(path_to_scenes, split, span, n_looks, reference, source, seed):
+def draw_shard(scenes, *, split, span, n_looks, reference, source, seed):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    scenes = (
+    made = {"climate": climate, "settings": settings, "n_looks": n_looks}
+    drawn = (
         # By scene, never by shard: how scenes are divided must not change them.
-        draw_scene(
-            scene,
-            split,
-            climate=climate,
-            settings=settings,
-            n_looks=n_looks,
-            rng=random_stream(seed, "reference_scenes", split, scene),
-        )
+        draw_scene(scene, split, **made, rng=random_stream(seed, "reference_scenes", split, scene))
         for scene in progress(range(*span), f"{split} scenes")
     )
-    write_scenes(path_to_scenes, scenes, {"synthetic": source})
+    write_scenes(scenes, drawn, {"synthetic": source})
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        draw(*snakemake.output, split=snakemake.wildcards.split, **snakemake.params)
+run(draw_shard)

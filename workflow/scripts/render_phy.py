@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from job import job, progress
+from job import progress, run
 
 from snowsim.echogram import to_uint8
 from snowsim.io.files import read_dataset
@@ -12,9 +12,9 @@ from snowsim.seeding import random_stream
 
 
 def render_scene(scene, statistics, phy, rng):
-    parameters = draw_parameters(
-        statistics, scene.layer_bins.shape[0], width=phy["width"], n_looks=phy["n_looks"], rng=rng
-    )
+    """The scene of some layers as PHY renders it, with what its plan left out."""
+    n_layers = scene.layer_bins.shape[0]
+    parameters = draw_parameters(statistics, n_layers, width=phy["width"], n_looks=phy["n_looks"], rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
     scene_plan = plan(scene.layer_bins, parameters, scene.n_range_bins, **options)
     image, noise_floor_db, maximum_db = to_uint8(render_plan(scene_plan, rng=rng))
@@ -28,17 +28,15 @@ def render_scene(scene, statistics, phy, rng):
     )
 
 
-def render_shard(path_to_layers, path_to_statistics, path_to_scenes, phy, seed):
-    statistics = read_dataset(path_to_statistics)
-    with SceneSet(path_to_layers) as layers:
-        scenes = (
+def render_shard(layers, statistics, scenes, *, phy, seed):
+    flight = read_dataset(statistics)
+    with SceneSet(layers) as drawn:
+        rendered = (
             # By scene, never by shard: how scenes are divided must not change them.
-            render_scene(scene, statistics, phy, rng=random_stream(seed, "render_phy", scene.name))
-            for scene in progress(layers, "PHY")
+            render_scene(scene, flight, phy, rng=random_stream(seed, "render_phy", scene.name))
+            for scene in progress(drawn, "PHY")
         )
-        write_scenes(path_to_scenes, scenes, {"method": "PHY", "synthetic": statistics.attrs["synthetic"]})
+        write_scenes(scenes, rendered, {"method": "PHY", "synthetic": flight.attrs["synthetic"]})
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        render_shard(snakemake.input.layers, snakemake.input.statistics, snakemake.output.scenes, **snakemake.params)
+run(render_shard)

@@ -1,36 +1,35 @@
-"""Score rendered test scenes against the observed ones, image by image and row by row."""
+"""Score renders of test scenes by every method against the observed ones, image by image and row by row."""
 
 import pandas as pd
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.image import similarity, ssim_map
 
 
-def score_shard(path_to_observed, path_to_rendered, path_to_images, path_to_rows, method):
+def score_method(observed, path_to_rendered, method):
+    """Tables of one method: scores, a row an image, and mean SSIM, a row a range bin of each image."""
     images, rows = [], []
-    with SceneSet(path_to_observed) as observed_scenes, SceneSet(path_to_rendered) as rendered_scenes:
-        pairs = zip(observed_scenes, rendered_scenes, strict=True)
-        for observed, rendered in progress(pairs, "similarity", total=len(observed_scenes)):
-            if observed.name != rendered.name:
-                msg = f"{path_to_rendered}: expected scene {observed.name}, got {rendered.name}"
+    with SceneSet(path_to_rendered) as rendered:
+        pairs = zip(observed, rendered, strict=True)
+        for truth, scene in progress(pairs, f"similarity of {method}", total=len(observed)):
+            if truth.name != scene.name:
+                msg = f"{path_to_rendered}: expected scene {truth.name}, got {scene.name}"
                 raise ValueError(msg)
-            images.append(
-                {
-                    "scene": observed.name,
-                    "method": method,
-                    **similarity(rendered.image, observed.image),
-                }
-            )
-            ssim = ssim_map(rendered.image, observed.image).mean(axis=1)
-            rows.append(
-                pd.DataFrame({"scene": observed.name, "method": method, "range_bin": range(ssim.size), "ssim": ssim})
-            )
-    write_table(path_to_images, pd.DataFrame(images))
-    write_table(path_to_rows, pd.concat(rows))
+            keys = {"scene": truth.name, "method": method}
+            images.append({**keys, **similarity(scene.image, truth.image)})
+            ssim = ssim_map(scene.image, truth.image).mean(axis=1)
+            rows.append(pd.DataFrame({**keys, "range_bin": range(ssim.size), "ssim": ssim}))
+    return pd.DataFrame(images), pd.concat(rows)
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        score_shard(*snakemake.input[:2], *snakemake.output, method=snakemake.wildcards.method)
+def score_similarity(observed, rendered, images, rows, *, methods):
+    with SceneSet(observed) as scenes:
+        for method, path, path_to_images, path_to_rows in zip(methods, rendered, images, rows, strict=True):
+            of_images, of_rows = score_method(scenes, path, method)
+            write_table(path_to_images, of_images)
+            write_table(path_to_rows, of_rows)
+
+
+run(score_similarity)

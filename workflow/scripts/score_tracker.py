@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import torch
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.files import write_table
 from snowsim.io.models import read_model
@@ -26,7 +26,7 @@ def pick(scenes, edges, threshold):
     return pd.concat(tables)
 
 
-def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, outputs=OUTPUTS):
+def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, outputs):
     """Score one tracker; no picks are written where there is no path to them."""
     weights, metadata = read_model(path_to_network, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
@@ -48,20 +48,12 @@ def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, out
     write_table(path_to_counts, pd.concat(tables))
 
 
-def evaluate_all(paths_to_scenes, paths_to_networks, paths_to_counts, paths_to_picks, **options):
+def score_trackers(scenes, networks, counts, picks=(), *, device, outputs=OUTPUTS):
     torch.set_num_threads(1)
-    files = zip(paths_to_networks, paths_to_counts, paths_to_picks or [None] * len(paths_to_counts), strict=True)
-    with SceneSet(paths_to_scenes) as scenes:
+    files = zip(networks, counts, picks or [None] * len(counts), strict=True)
+    with SceneSet(scenes) as test_scenes:
         for paths in files:
-            evaluate(scenes, *paths, **options)
+            evaluate(test_scenes, *paths, device, outputs)
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        evaluate_all(
-            snakemake.input.scenes,
-            snakemake.input.networks,
-            snakemake.output.counts,
-            snakemake.output.get("picks", []),
-            **snakemake.params,
-        )
+run(score_trackers)

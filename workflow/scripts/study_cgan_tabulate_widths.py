@@ -1,50 +1,14 @@
 """Seconds per step and per render, and similarity on train scenes set aside, by width of the cGAN, beside PHY."""
 
-import pandas as pd
-from job import job
+from job import run
 
-from lib.figures.cgan import plot_widths
-from lib.figures.style import new_figure, note_source, write_figure
+from lib.diagnostics.cgan_studies import widths_table
 from snowsim.io.files import read_table, write_table
 
-METRICS = ["psnr", "ssim", "rmse"]
+
+def tabulate(speed, bounds, validations, table, *, runs):
+    by_run = {tuple(run): read_table(path) for run, path in zip(runs, validations, strict=True)}
+    write_table(table, widths_table(read_table(speed), read_table(bounds), by_run))
 
 
-def tabulate(path_to_speed, path_to_bounds, paths_to_validations, path_to_table, path_to_figure, runs, source):
-    seconds = read_table(path_to_speed).groupby(["method", "width", "work"])["seconds"].median()
-    rows = []
-    for (mode, width), path in zip(runs, paths_to_validations, strict=True):
-        validation = read_table(path)
-        best = validation.loc[validation["fitness"].idxmax()]
-        rows.append(
-            {
-                "method": "cgan",
-                "mode": mode,
-                "width": width,
-                "n_steps": int(validation["step"].iloc[-1]),
-                "seconds_per_step": seconds["cgan", width, "step"],
-                "seconds_per_render": seconds["cgan", width, "render"],
-                **best[METRICS].to_dict(),
-                "n_faults": int(best["n_faults"]),
-            }
-        )
-    bounds = read_table(path_to_bounds)
-    same_scenes = (bounds["scenes"] != "test") & (bounds["layers"] == "as picked") & (bounds["method"] == "phy")
-    phy = {"method": "phy", "mode": "none", "width": 0, "n_steps": 0, "seconds_per_step": float("nan")}
-    phy |= {"seconds_per_render": seconds["phy", 0, "render"]} | bounds.loc[same_scenes, METRICS].iloc[0].to_dict()
-    phy |= {"n_faults": 0}
-    table = pd.DataFrame([*rows, phy])
-    write_table(path_to_table, table)
-
-    figure, axes = new_figure(1, 3, width=9)
-    for ax, metric in zip(axes[0], METRICS, strict=True):
-        plot_widths(ax, table, metric)
-    axes[0, 0].legend(fontsize=7)
-    note_source(figure, source)
-    write_figure(path_to_figure, figure)
-
-
-if __name__ == "__main__":
-    with job(snakemake):
-        given = snakemake.input
-        tabulate(given.speed, given.bounds, given.validations, *snakemake.output, **snakemake.params)
+run(tabulate)

@@ -1,47 +1,40 @@
-"""Table III, its intervals, and precision-recall curves from the per-threshold counts."""
+"""Table III with its intervals, tests and curves, fused scores by accumulation zone, and errors of picks."""
 
-import numpy as np
-import pandas as pd
-from job import job
+from job import run
 
-from snowsim.io.files import read_table, write_table
-from snowsim.metrics.comparison import compare
-from snowsim.metrics.edges import precision_recall
+from lib import tracker_tables
+from snowsim.io.files import read_dataset, read_table, write_table
+from snowsim.metrics.pick_tables import pool_picks, snow_per_bin_m, zone_of
 from snowsim.metrics.tables import counts_of_runs, tracker_intervals, tracker_table
 from snowsim.seeding import random_stream
 
 
-def fused_curves(counts, training_sets):
-    """Precision and recall of the fused output at every threshold, means over replicas."""
-    frames = []
-    for training_set in training_sets:
-        curves = [precision_recall(images) for images in counts[training_set, "fuse"]]
-        mean = {name: np.mean([curve[name] for curve in curves], axis=0) for name in ("precision", "recall")}
-        frames.append(pd.DataFrame({"training_set": training_set, **mean}))
-    return pd.concat(frames)
-
-
-def paired_tests(counts, training_sets, n_bootstrap, rng):
-    """Fused scores of every training set against those of the first."""
-    fused = {training_set: counts[training_set, "fuse"] for training_set in training_sets}
-    pairs = [(training_set, training_sets[0]) for training_set in training_sets[1:]]
-    return compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(columns={"name": "training_set"})
-
-
 def tabulate(
-    paths_to_counts, path_to_table3, path_to_intervals, path_to_tests, path_to_curves, training_sets, replicas,
-    n_bootstrap, seed,
+    counts, picks, statistics, table3, intervals, tests, curves, zones, pick_errors, picks_by_zone, picks_by_depth,
+    *, runs, n_bootstrap, depth_step_bins, snow_density_kg_m3, seed,
 ):  # fmt: skip
-    counts = counts_of_runs(map(read_table, paths_to_counts), training_sets, len(replicas))
+    flight = read_dataset(statistics)
+    training_sets = list(dict.fromkeys(training_set for training_set, _ in runs))
+    scores = counts_of_runs(map(read_table, counts), training_sets, len(runs) // len(training_sets))
     rng = random_stream(seed, "tabulate_trackers")
-    intervals = tracker_intervals(counts, training_sets, n_bootstrap=n_bootstrap, rng=rng)
-    write_table(path_to_intervals, intervals)
-    write_table(path_to_table3, tracker_table(intervals))
-    tests = paired_tests(counts, training_sets, n_bootstrap, random_stream(seed, "tabulate_trackers", "tests"))
-    write_table(path_to_tests, tests)
-    write_table(path_to_curves, fused_curves(counts, training_sets))
+    scored = tracker_intervals(scores, training_sets, n_bootstrap=n_bootstrap, rng=rng)
+    write_table(intervals, scored)
+    write_table(table3, tracker_table(scored))
+    rng = random_stream(seed, "tabulate_trackers", "tests")
+    write_table(tests, tracker_tables.paired_tests(scores, training_sets, n_bootstrap=n_bootstrap, rng=rng))
+    write_table(curves, tracker_tables.fused_curves(scores, training_sets))
+
+    picked = [read_table(path) for path in picks]
+    edges = flight["zone_edge_bins"].values
+    # Every run has picks of the same scenes, by name as the counts.
+    thickness = picked[0].groupby("scene", sort=True)["first_thickness_bins"].first()
+    by_zone = {"n_bootstrap": n_bootstrap, "seed": seed}
+    write_table(zones, tracker_tables.intervals_by_zone(scores, training_sets, zone_of(thickness, edges), **by_zone))
+    rows = tracker_tables.rows_of_picks(picked, runs, edges, depth_step_bins)
+    bin_size_m = snow_per_bin_m(flight.attrs["bin_size_s"], snow_density_kg_m3)
+    write_table(pick_errors, pool_picks(rows, tracker_tables.RUN, bin_size_m=bin_size_m))
+    write_table(picks_by_zone, tracker_tables.picks_by_zone(rows, bin_size_m))
+    write_table(picks_by_depth, tracker_tables.picks_by_depth(rows, bin_size_m))
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        tabulate(snakemake.input.counts, *snakemake.output, **snakemake.params)
+run(tabulate)

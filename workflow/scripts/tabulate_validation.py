@@ -1,33 +1,32 @@
 """Distributions of the flight beside labels and renders, tests of normality, one line as a sum of layers."""
 
-from job import job
+import pandas as pd
+from job import run
 
-from lib.diagnostics.validation import superposition, validate
+from lib.diagnostics import validation
 from snowsim.io.files import read_dataset, read_table, write_table
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summary_from_dataset
 
 
-def tabulate(paths_to_summaries, path_to_statistics, path_to_zones, path_to_rendered, paths_to_labels, paths, seed):
-    summary = merge(summary_from_dataset(read_dataset(path)) for path in paths_to_summaries)
-    statistics = read_dataset(path_to_statistics)
-    labels = [read_table(path) for path in paths_to_labels]
+def tabulate_validation(
+    summaries, statistics, zones, rendered, label_layers, label_histograms,
+    thickness, tests, distributions, superposition, tracked_power, *, seed,
+):  # fmt: skip
+    summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
+    flight = read_dataset(statistics)
+    labels = [read_table(label_layers), read_table(label_histograms)]
+    edges = read_dataset(zones)["zone_edge_bins"].values
     rng = random_stream(seed, "tabulate_validation")
-    edges = read_dataset(path_to_zones)["zone_edge_bins"].values
-    tables = validate(summary, statistics, read_dataset(path_to_rendered), labels, edges, rng=rng)
-    tables["superposition"] = superposition(summary, statistics)
-    for name, path in paths.items():
-        write_table(path, tables[name])
+    tables = validation.validate(summary, flight, read_dataset(rendered), labels, edges, rng=rng)
+    write_table(thickness, tables["thickness"])
+    write_table(tests, tables["tests"])
+    write_table(distributions, tables["distributions"])
+    write_table(superposition, validation.superposition(summary, flight))
+    # Quantiles of tracked peak power beside those of the Gamma law of as many looks.
+    quantiles = {"probability": "probability", "gamma": "gamma_quantile", "tracked": "tracked_power_quantile"}
+    power = pd.DataFrame({column: flight[name].values for column, name in quantiles.items()})
+    write_table(tracked_power, power.assign(n_looks=float(flight.attrs["n_looks"])))
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        tabulate(
-            snakemake.input.summaries,
-            snakemake.input.statistics,
-            snakemake.input.zones,
-            snakemake.input.rendered,
-            (snakemake.input.label_layers, snakemake.input.label_histograms),
-            dict(snakemake.output.items()),
-            **snakemake.params,
-        )
+run(tabulate_validation)

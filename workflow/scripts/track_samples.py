@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 import xarray as xr
-from job import job, progress
+from job import progress, run
 
 from snowsim.io.files import write_dataset
 from snowsim.io.models import read_model
@@ -20,29 +20,29 @@ def choose_scenes(scenes, n_scenes):
     return list(dict.fromkeys(ranked[round(rank)] for rank in ranks))
 
 
-def track_samples(paths_to_scenes, paths_to_networks, path_to_samples, training_sets, device, n_scenes):
+def track_samples(scenes, networks, samples, *, training_sets, device, n_scenes):
     torch.set_num_threads(1)
-    with SceneSet(paths_to_scenes) as scenes:
-        chosen = [scenes[place] for place in choose_scenes(scenes, n_scenes)]
+    with SceneSet(scenes) as test_scenes:
+        chosen = [test_scenes[place] for place in choose_scenes(test_scenes, n_scenes)]
     maps = []
-    for path in progress(paths_to_networks, "side outputs"):
+    for path in progress(networks, "side outputs"):
         weights, metadata = read_model(path, {"kind": "tracker"})
         settings = Settings(**metadata["settings"])
         network = trained_network(weights, settings, device=device)
         probabilities = [track(network, scene.image, precision=settings.precision)[:, :N_ROWS] for scene in chosen]
         maps.append(np.rint(255 * np.stack(probabilities)).astype(np.uint8))
     dims = ("training_set", "scene", "output", "range_bin", "range_line")
-    samples = xr.Dataset(
+    images = np.stack([scene.image[:N_ROWS] for scene in chosen])
+    masks = np.stack([scene.mask()[:N_ROWS] for scene in chosen]).astype(np.uint8)
+    found = xr.Dataset(
         {
             "probability": (dims, np.stack(maps), {"units": "1/255"}),
-            "image": (("scene", *dims[3:]), np.stack([scene.image[:N_ROWS] for scene in chosen])),
-            "mask": (("scene", *dims[3:]), np.stack([scene.mask()[:N_ROWS] for scene in chosen]).astype(np.uint8)),
+            "image": (("scene", *dims[3:]), images),
+            "mask": (("scene", *dims[3:]), masks),
         },
         coords={"training_set": training_sets, "scene": [scene.name for scene in chosen], "output": list(OUTPUTS)},
     )
-    write_dataset(path_to_samples, samples)
+    write_dataset(samples, found)
 
 
-if __name__ == "__main__":
-    with job(snakemake):
-        track_samples(snakemake.input.scenes, snakemake.input.networks, *snakemake.output, **snakemake.params)
+run(track_samples)

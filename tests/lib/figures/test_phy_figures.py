@@ -3,8 +3,7 @@
 import pandas as pd
 from numpy.testing import assert_array_equal
 
-from lib.figures.phy import fastest, pareto_front, plot_speed_accuracy
-from lib.figures.style import new_figure
+from lib.figures.phy import fastest, pareto_front, speed_accuracy_waveforms
 
 
 def test_pareto_front_holds_what_nothing_beats_in_both():
@@ -27,7 +26,6 @@ def test_points_are_the_fastest_runs_per_pixel():
 
 
 def test_floor_front_and_points_are_drawn():
-    figure, axes = new_figure()
-    plot_speed_accuracy(axes[0, 0], runs())
-    labels = {text.get_text() for text in axes[0, 0].get_legend().get_texts()}
+    (ax,) = speed_accuracy_waveforms(runs()).axes
+    labels = {text.get_text() for text in ax.get_legend().get_texts()}
     assert labels == {"table", "closed form", "Pareto front", "one float32 normal per pixel"}

@@ -2,12 +2,13 @@
 
 import base64
 import io
+import re
+from itertools import product
 
 import jinja2
 import numpy as np
 import pandas as pd
 import pytest
-from numpy.testing import assert_allclose
 from PIL import Image
 
 from lib.report.content import compare_table2, compare_table3, counterparts, paper_figures, stage_costs, title_of
@@ -41,13 +42,8 @@ def test_a_title_is_the_first_clause_without_the_paper_s_figure():
 
 
 def test_table2_stands_beside_the_paper_s():
-    table2 = pd.DataFrame(
-        [
-            {"metric": metric, "statistic": statistic, "cgan": value, "phy": 2 * value}
-            for metric in ("ssim", "psnr", "rmse")
-            for value, statistic in enumerate(("min", "mean", "max"), start=1)
-        ]
-    )
+    rows = product(("ssim", "psnr", "rmse"), ("min", "mean", "max"))
+    table2 = pd.DataFrame(rows, columns=["metric", "statistic"]).assign(cgan=[1, 2, 3] * 3, phy=[2, 4, 6] * 3)
     paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
     rows = compare_table2(table2, paper)
     assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": "2.00 / 4.00 / 6.00", "paper": "4.00 / 5.00 / 6.00"}
@@ -78,9 +74,6 @@ def test_stages_cost_what_their_rules_cost(tmp_path):
     assert costs[0]["n_jobs"] == 3
     assert (costs[0]["wall_s"], costs[0]["cpu_s"], costs[0]["memory_gb"]) == (6.0, 3.0, 0.5)
     assert [rule["wall_s"] for rule in costs[0]["rules"]] == [5.0, 1.0]
-
-
-def test_no_measured_times_cost_nothing(tmp_path):
     assert stage_costs(read_benchmarks(tmp_path / "none"), {"draw": "labels"}) == []
 
 
@@ -153,15 +146,14 @@ def test_durations_and_sizes_read_well():
     assert [size(n) for n in (820, 12_000, 1_340_000)] == ["820 B", "12 kB", "1.3 MB"]
 
 
-def test_stages_come_in_the_page_s_order_and_unknown_ones_last():
-    figures = [{"stage": stage} for stage in ("new_part", "tracker", "charts", "tracker")]
-    assert [(stage, len(group)) for stage, group in groupby_stage(figures)] == [
-        ("charts", 1), ("tracker", 2), ("new_part", 1),
-    ]  # fmt: skip
+def test_figures_of_a_stage_stand_together_in_the_order_stages_come():
+    figures = [{"stage": stage} for stage in ("tracker", "labels", "tracker")]
+    assert [(stage, len(group)) for stage, group in groupby_stage(figures)] == [("tracker", 2), ("labels", 1)]
 
 
-def test_shares_of_a_stage_s_rules_add_up():
-    jobs = pd.DataFrame({"rule": ["a", "b"], "s": [1.0, 2.0], "cpu_time": [0.5, np.nan], "max_rss": [100.0, 2048.0]})
-    stage = stage_costs(jobs, {"a": "x", "b": "x"})[0]
-    assert_allclose(stage["wall_s"], sum(rule["wall_s"] for rule in stage["rules"]))
-    assert stage["memory_gb"] == 2.0
+def test_the_page_shows_figures_and_what_studies_made_with_their_study_s_name(planted_page):
+    text = planted_page.read_text()
+    assert re.findall(r'id="figure-(\w+)"', text) == ["wave", "fall"]
+    assert '<h3 id="stage-flight">The flight and its statistics</h3>' in text
+    assert "<h3>Seeds</h3>" in text
+    assert 'download="seeds_spread.csv"' in text

@@ -1,22 +1,35 @@
 """How good the convolution model is: errors against contrast, layers, lenses and layering; tails; and cost."""
 
 import numpy as np
+import pandas as pd
 
-# Okabe & Ito (2008), as in the other figures.
-COLOURS = {
-    "Born": "#D55E00",
-    "single scattering": "#009E73",
-    "convolution": "#0072B2",
-    "transfer matrix": "#000000",
-    "PHY": "#0072B2",
-    "PHY, literal": "#56B4E9",
-    "nature run": "#999999",
-    "SMRT": "#CC79A7",
+from lib.figures.style import COLOURS, new_figure, note_source
+
+SWEEPS = {
+    "density contrast": ("density contrast of 20 slabs [kg m-3]", "log"),
+    "layers": ("slabs of the default horizon contrast", "log"),
+    "ice lenses": ("ice lenses of 3 cm among 20 slabs", "symlog"),
+    "fine layering": ("s.d. of fine layering [kg m-3]", "log"),
 }
 SIMPLER = ("Born", "single scattering", "convolution")
+TAIL_MARKS = {"surface": "o", "horizon": "s", "volume": "^"}
 SPECKLE_DB = 0.43  # standard deviation of the mean of 100 looks: 10 / ln 10 / sqrt(100)
 LEAST_DB = 1e-3  # errors below are drawn there
 ABOVE = ("Born", "PHY", "nature run", "transfer matrix")
+
+
+def convolution_accuracy(convolution_accuracy, studies, source):
+    """Errors of the convolution model by what causes them, and what each model costs; SMRT's where they were made."""
+    table = pd.concat([convolution_accuracy, *studies])
+    figure, axes = new_figure(2, 3, width=9.5, height=5.5)
+    for ax, (sweep, (xlabel, scale)) in zip(axes.flat, SWEEPS.items(), strict=False):
+        plot_stacks(ax, table, sweep, xlabel, scale)
+    axes[0, 0].legend(fontsize=6, loc="upper left")
+    plot_tails(axes[1, 1], table)
+    plot_costs(axes[1, 2], table)
+    missing = "" if studies else "; SMRT: not run (target study_convolution)"
+    note_source(figure, f"models beside each other, settings of the {source}{missing}")
+    return figure
 
 
 def plot_stacks(ax, table, sweep, xlabel, scale="log"):
@@ -25,9 +38,8 @@ def plot_stacks(ax, table, sweep, xlabel, scale="log"):
     for method in SIMPLER:
         line = rows[rows["method"] == method].sort_values("value")
         # Two of the lines often coincide: the wider lies below.
-        width = 3 if method == "single scattering" else 1.2
-        ax.plot(line["value"], line["error_db"].clip(LEAST_DB), "o-", markersize=3, color=COLOURS[method],
-                linewidth=width, label=method)  # fmt: skip
+        style = {"color": COLOURS[method], "linewidth": 3 if method == "single scattering" else 1.2, "label": method}
+        ax.plot(line["value"], line["error_db"].clip(LEAST_DB), "o-", markersize=3, **style)
     _limit(ax)
     ax.set(xscale=scale, yscale="log", xlabel=xlabel, ylabel="error [dB rms]")
     if scale == "symlog":
@@ -39,17 +51,13 @@ def plot_stacks(ax, table, sweep, xlabel, scale="log"):
 def plot_tails(ax, table):
     """Error of the best fit of eq. (1) to tails of surface and horizon, by how far down they are followed."""
     rows = table[(table["part"] == "tail") & (table["unit"] == "dB below the peak") & (table["method"] == "PHY")]
-    styles = {"surface": "o", "horizon": "s", "volume": "^"}
     for (reference, case), line in rows.groupby(["reference", "sweep"], sort=False):
         line = line.sort_values("value")
-        colour = COLOURS["SMRT"] if reference == "SMRT" else COLOURS["nature run"]
-        ax.plot(
-            line["value"], line["error_db"].clip(LEAST_DB), f"{styles[case]}-", markersize=3, color=colour,
-            label=f"{case}, {reference}",
-        )  # fmt: skip
+        style = {"color": COLOURS["SMRT" if reference == "SMRT" else "nature run"], "label": f"{case}, {reference}"}
+        ax.plot(line["value"], line["error_db"].clip(LEAST_DB), f"{TAIL_MARKS[case]}-", markersize=3, **style)
     _limit(ax)
     ax.set(yscale="log", xlabel="tail followed down to [dB below the peak]", ylabel="best fit of eq. (1) [dB rms]")
-    ax.legend(frameon=False, fontsize=6)
+    ax.legend(fontsize=6)
 
 
 def plot_costs(ax, table):
@@ -58,10 +66,10 @@ def plot_costs(ax, table):
     points = rows.groupby("method", sort=False).agg({"seconds": "min", "error_db": "first"})
     for method, point in points.iterrows():
         name = method.removesuffix(", stack")
-        error = max(point["error_db"], LEAST_DB)
-        ax.plot(error, point["seconds"], "o", color=COLOURS[name], markersize=4)
+        at = max(point["error_db"], LEAST_DB), point["seconds"]
+        ax.plot(*at, "o", color=COLOURS[name], markersize=4)
         offset = 4 if name in ABOVE else -8  # names of neighbouring points lie above and below them
-        ax.annotate(name, (error, point["seconds"]), xytext=(3, offset), textcoords="offset points", fontsize=6)
+        ax.annotate(name, at, xytext=(3, offset), textcoords="offset points", fontsize=6)
     ax.set(xscale="log", yscale="log", xlabel="error of the mean [dB rms]", ylabel="seconds per scene")
     ax.set_xlim(LEAST_DB / 2, 20 * np.nanmax(points["error_db"].clip(LEAST_DB)))
     ax.axvspan(LEAST_DB / 2, 1.6 * LEAST_DB, color="0.93", zorder=0)
@@ -70,6 +78,6 @@ def plot_costs(ax, table):
 
 def _limit(ax):
     ax.axhline(SPECKLE_DB, color="0.5", linestyle=":", linewidth=1)
-    ax.annotate("speckle of 100 looks", (0.02, SPECKLE_DB), xycoords=("axes fraction", "data"), fontsize=6,
-                va="bottom", color="0.4")  # fmt: skip
+    at, style = (0.02, SPECKLE_DB), {"fontsize": 6, "va": "bottom", "color": "0.4"}
+    ax.annotate("speckle of 100 looks", at, xycoords=("axes fraction", "data"), **style)
     ax.set_ylim(LEAST_DB / 2, 20)

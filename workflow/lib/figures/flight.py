@@ -1,18 +1,28 @@
-"""The flight, its picks, and the statistics that it gave.
-
-A map of Greenland: a schematic coast between named places, and a polar stereographic projection.
-"""
+"""The flight: an echogram and its picks, pixel by pixel too, where its frames lie, and the statistics that it gave."""
 
 import numpy as np
+import pandas as pd
 from matplotlib.patches import Rectangle
 
-from lib.figures.style import COLOURS
+from lib.figures.style import BLACK, BLUE, GREEN, GREY, LAND, PINK, RED, WHITE, new_figure, plot_echogram, plot_picks
 from snowsim.constants import EARTH_RADIUS_M
-from snowsim.echogram import to_uint8
+from snowsim.echogram import layer_bins_of, to_uint8
 
-LAYER_COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7")
+N_LINES, N_LAYERS, MARGIN_BINS = 4, 3, 6  # of the grid of pixels
+LAYER_COLOURS = (RED, BLUE, GREEN, PINK)
 OFFSET_DB = 25.0
 N_BANDS = 64  # of a spectrum along track
+
+
+def echogram(frame, picks):
+    """A frame as an image, and the same with its picks."""
+    figure, axes = new_figure(1, 2, width=8, height=4, sharey=True)
+    image = image_with_gaps(frame["Data"].transpose("twtt", "slow_time").values)
+    for ax, title in zip(axes[0], ("echogram", "with picks"), strict=True):
+        plot_echogram(ax, image, title)
+    plot_picks(axes[0, 1], layer_bins_of(picks, frame))
+    axes[0, 0].set_ylabel("range bin")
+    return figure
 
 
 def image_with_gaps(power):
@@ -37,31 +47,76 @@ def image_with_gaps(power):
     return image
 
 
-def plot_picks(ax, layer_bins):
-    """Picks as thin lines over an echogram."""
-    ax.plot(np.asarray(layer_bins).T, color="#E69F00", linewidth=0.6)
-
-
-def plot_positions(ax, table):
-    """Frames of the flight on a map of Greenland, coloured by the thickness of the first slab (Fig. 4)."""
-    draw_coast(ax)
+def flight_line(frames, frame_picks):
+    """Frames on a map of Greenland, coloured by the thickness of the first slab, and the table of them."""
+    table = pd.DataFrame([position(*both) for both in zip(frames, frame_picks, strict=True)])
+    figure, axes = new_figure(width=4.2, height=5.4)
+    draw_coast(axes[0, 0])
     x, y = project(table["latitude_deg"], table["longitude_deg"])
-    ax.plot(x, y, color="0.3", linewidth=1, zorder=2)
-    points = ax.scatter(x, y, c=table["first_slab_bins"], s=26, zorder=3, edgecolor="white",
-                        linewidth=0.4, cmap="viridis")  # fmt: skip
-    ax.figure.colorbar(points, ax=ax, location="bottom", shrink=0.7, pad=0.02,
-                       label="mean thickness of the first slab [range bins]")  # fmt: skip
+    axes[0, 0].plot(x, y, color="0.3", linewidth=1, zorder=2)
+    points = axes[0, 0].scatter(
+        x, y, c=table["first_slab_bins"], s=26, zorder=3, edgecolor=WHITE, linewidth=0.4, cmap="viridis"
+    )
+    label = "mean thickness of the first slab [range bins]"
+    figure.colorbar(points, ax=axes[0, 0], location="bottom", shrink=0.7, pad=0.02, label=label)
+    return figure, table
 
 
-def plot_pixel_grid(ax, power_db, layer_bins, first_bin):
-    """Pixels of a few range lines, their edges drawn, and the pixel each layer is tracked in (Fig. 5).
+def position(frame, picks):
+    """Position and mean thickness of the first slab of a frame."""
+    layer_bins = layer_bins_of(picks, frame)
+    first_slab = np.diff(layer_bins[:2], axis=0)  # empty where the surface alone is picked
+    return {
+        "latitude_deg": float(frame["Latitude"].mean()),
+        "longitude_deg": float(frame["Longitude"].mean()),
+        "first_slab_bins": float(np.nanmean(first_slab)) if np.isfinite(first_slab).any() else np.nan,
+        "n_range_lines": frame.sizes["slow_time"],
+        "picked": float(np.isfinite(layer_bins).mean()),
+    }
+
+
+def pixel_grid(frame, picks):
+    """Four range lines as pixels and as curves, with the pixels three layers are tracked in, and the table of them."""
+    layer_bins = layer_bins_of(picks, frame)
+    line, layers = chosen_pixels(layer_bins)
+    layer_bins = layer_bins[layers, line : line + N_LINES]
+    power = frame["Data"].transpose("twtt", "slow_time").values[:, line : line + N_LINES]
+    first, last = chosen_bins(layer_bins, power.shape[0])
+    power_db = 10 * np.log10(np.where(power[first:last] > 0, power[first:last], np.nan))  # blank where there is no echo
+    bins, lines = np.meshgrid(np.arange(first, last), np.arange(N_LINES), indexing="ij")
+    table = {"range_bin": bins.ravel(), "range_line": lines.ravel() + line, "power_db": power_db.ravel()}
+    for layer, tracked in zip(layers, layer_bins, strict=True):
+        table[f"layer_{layer}"] = (bins == np.rint(tracked)).astype(int).ravel()
+    figure, axes = new_figure(1, 2, width=6.5, height=4.6, width_ratios=[1, 1.2])
+    plot_pixels(axes[0, 0], power_db, dict(zip(layers, layer_bins, strict=True)), first)
+    plot_lines_power(axes[0, 1], power_db, layer_bins, first)
+    return figure, pd.DataFrame(table)
+
+
+def chosen_pixels(layer_bins):
+    """First of the four range lines in a row with most picked layers, and the uppermost three of these layers."""
+    picked = np.lib.stride_tricks.sliding_window_view(np.isfinite(layer_bins), N_LINES, axis=1).all(axis=2)
+    # More than three layers are no better than three: the first such lines are taken.
+    line = int(np.argmax(np.minimum(picked.sum(axis=0), N_LAYERS)))
+    return line, np.flatnonzero(picked[:, line])[:N_LAYERS]
+
+
+def chosen_bins(layer_bins, n_range_bins):
+    """Range bins to show: those of the layers and some around; the uppermost where no layer is picked."""
+    if layer_bins.size == 0:
+        return 0, min(8 * MARGIN_BINS, n_range_bins)
+    return max(int(layer_bins.min()) - MARGIN_BINS, 0), min(int(layer_bins.max()) + 2 * MARGIN_BINS, n_range_bins)
+
+
+def plot_pixels(ax, power_db, layer_bins, first_bin):
+    """Pixels of a few range lines, their edges drawn, and the pixel each layer is tracked in.
 
     Rows of `power_db` (range_bin, range_line) begin at range bin `first_bin`; `layer_bins` gives the bins of a layer in
     the same lines by the layer's number.
     """
     n_bins, n_lines = np.shape(power_db)
-    image = ax.imshow(power_db, aspect="auto", interpolation="none", cmap="gray",
-                      extent=(-0.5, n_lines - 0.5, first_bin + n_bins - 0.5, first_bin - 0.5))  # fmt: skip
+    extent = (-0.5, n_lines - 0.5, first_bin + n_bins - 0.5, first_bin - 0.5)
+    image = ax.imshow(power_db, aspect="auto", interpolation="none", cmap="gray", extent=extent)
     ax.figure.colorbar(image, ax=ax, label="power [dB]")
     ax.set_xticks(np.arange(-0.5, n_lines), minor=True)
     ax.set_yticks(np.arange(first_bin - 0.5, first_bin + n_bins), minor=True)
@@ -79,27 +134,35 @@ def plot_pixel_grid(ax, power_db, layer_bins, first_bin):
 
 
 def plot_lines_power(ax, power_db, layer_bins, first_bin):
-    """Power of the same few range lines against range bin, each set off from the last, layers marked (Fig. 5)."""
-    n_bins, n_lines = np.shape(power_db)
-    bins = np.arange(first_bin, first_bin + n_bins)
-    for line in range(n_lines):
+    """Power of the same few range lines against range bin, each set off from the last, layers marked."""
+    bins = np.arange(first_bin, first_bin + len(power_db))
+    for line, column in enumerate(power_db.T):
         offset = OFFSET_DB * line
-        ax.plot(np.asarray(power_db)[:, line] + offset, bins, color="0.3", linewidth=0.9)
+        ax.plot(column + offset, bins, color="0.3", linewidth=0.9)
         for tracked, colour in zip(np.rint(layer_bins[:, line]), LAYER_COLOURS, strict=False):
             if np.isfinite(tracked):
-                ax.plot(power_db[int(tracked) - first_bin, line] + offset, tracked, "o", color=colour, markersize=4)
-    ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin",
-           ylim=(bins[-1] + 0.5, bins[0] - 0.5))  # fmt: skip
+                ax.plot(column[int(tracked) - first_bin] + offset, tracked, "o", color=colour, markersize=4)
+    ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin")
+    ax.set_ylim(bins[-1] + 0.5, bins[0] - 0.5)
+
+
+def waveforms(statistics):
+    """Mean waveform about the surface and the first layer, and the peak power of every layer."""
+    figure, axes = new_figure(1, 3, width=8)
+    for ax, layer in zip(axes[0], (0, 1), strict=False):
+        plot_waveform(ax, statistics, layer)
+    plot_layer_powers(axes[0, 2], statistics)
+    return figure
 
 
 def plot_waveform(ax, statistics, layer):
-    """Mean waveform about one layer: averaged range lines, the model of all layers, the layer alone (Figs 6 and 7)."""
+    """Averaged range lines about a layer, the model of all layers, the layer alone with noise."""
     rows = statistics.sel(layer=layer) if "layer" in statistics.coords else statistics.isel(layer=layer)
     lag = statistics["lag"]
     noise = float(statistics["noise_power"])
-    ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color="black", label="averaged lines")
-    ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=COLOURS["phy"], linestyle="--", label="all layers")
-    ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=COLOURS["cgan"], label="this layer and noise")
+    ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color=BLACK, label="averaged lines")
+    ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=BLUE, linestyle="--", label="all layers")
+    ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=RED, label="this layer and noise")
     ax.set(xlabel=f"range bins below layer {layer}", ylabel="power [dB]")
     ax.legend(fontsize=6)
 
@@ -111,25 +174,35 @@ def plot_layer_powers(ax, statistics):
     low = np.maximum(power - error, 1e-3 * power)
     layer = np.arange(power.size)
     ax.vlines(layer, 10 * np.log10(low), 10 * np.log10(power + error), color="0.6")
-    ax.plot(layer, 10 * np.log10(power), "o", color="black", markersize=3)
+    ax.plot(layer, 10 * np.log10(power), "o", color=BLACK, markersize=3)
     ax.axhline(10 * np.log10(float(statistics["noise_power"])), color="0.5", linestyle=":", linewidth=1)
     ax.set(xlabel="layer", ylabel="peak power [dB]")
 
 
+def along_track(statistics):
+    """Spectra along track under the picks, and tracked power against the Gamma law."""
+    figure, axes = new_figure(1, 2, width=7)
+    plot_track_spectra(axes[0, 0], statistics)
+    # The paper's chi-square.
+    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
+    axes[0, 1].plot(expected, expected, color="0.6", linewidth=1)
+    axes[0, 1].plot(expected, observed, ".", color=BLACK, markersize=3)
+    n_looks = statistics.attrs["n_looks"]
+    axes[0, 1].set(xlabel=f"Gamma quantile, {n_looks:.1f} looks", ylabel="tracked power / group mean")
+    return figure
+
+
 def plot_track_spectra(ax, statistics):
-    """Spectra along track under the picks: complex echoes of a segment where there is one, else detected power."""
+    """Spectra of the complex echoes of a segment where there is one, else of detected power."""
     if "doppler_layer_1" in statistics:
-        x, names = statistics["doppler_wavenumber"], ("doppler_layer_1", "doppler_layer_mean")
+        x, kind = statistics["doppler_wavenumber"], "doppler"
         ax.set_ylabel("Doppler spectrum / mean [dB]")
     else:
-        x, names = (
-            statistics["wavenumber"][1:],
-            ("detected_power_spectrum_layer_1", "detected_power_spectrum_layer_mean"),
-        )
+        x, kind = statistics["wavenumber"][1:], "detected_power_spectrum"
         ax.set_ylabel("spectrum of detected power / mean [dB]")
-    for name, label, colour in zip(names, ("layer 1", "mean of layers 1-15"), ("0.6", "black"), strict=True):
-        if name in statistics:
-            density = statistics[name].values[-x.size :]
+    for part, label, colour in (("layer_1", "layer 1", GREY), ("layer_mean", "mean of layers 1-15", BLACK)):
+        if f"{kind}_{part}" in statistics:
+            density = statistics[f"{kind}_{part}"].values[-x.size :]
             # Means of power over bands: a single wavenumber of a single layer is exponentially distributed.
             n_together = max(1, x.size // N_BANDS)
             kept = x.size // n_together * n_together
@@ -140,67 +213,27 @@ def plot_track_spectra(ax, statistics):
     ax.legend(fontsize=7)
 
 
-def plot_looks(ax, statistics):
-    """Quantiles of tracked power against those of Gamma(M) (the paper's chi-square)."""
-    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
-    ax.plot(expected, expected, color="0.6", linewidth=1)
-    ax.plot(expected, observed, ".", color="black", markersize=3)
-    ax.set(xlabel=f"Gamma quantile, {statistics.attrs['n_looks']:.1f} looks", ylabel="tracked power / group mean")
-
-
-# Degrees north and east, rounded; clockwise from the southern tip. The coast between them is drawn straight.
-COAST = {
-    "Cape Farewell": (59.8, -43.9),
-    "Prins Christian Sund": (60.1, -43.1),
-    "Lindenow Fjord": (60.5, -43.0),
-    "Timmiarmiut": (62.5, -42.1),
-    "Skjoldungen": (63.2, -41.4),
-    "Kap Mosting": (63.7, -40.5),
-    "Isortoq": (65.5, -39.0),
-    "Tasiilaq": (65.6, -37.6),
-    "Kap Gustav Holm": (66.6, -34.3),
-    "Kangerlussuaq, east": (68.1, -31.8),
-    "Kap Dalton": (69.4, -24.1),
-    "Kap Brewster": (70.1, -22.1),
-    "Ittoqqortoormiit": (70.5, -22.0),
-    "Liverpool Land": (71.5, -21.7),
-    "Traill Island": (72.5, -22.0),
-    "Kap Broer Ruys": (73.5, -20.4),
-    "Daneborg": (74.3, -20.2),
-    "Shannon": (75.2, -17.5),
-    "Danmarkshavn": (76.8, -18.7),
-    "Ile de France": (77.7, -17.7),
-    "Nordostrundingen": (81.4, -11.5),
-    "Station Nord": (81.6, -16.7),
-    "Kap Bridgman": (83.4, -26.0),
-    "Cape Morris Jesup": (83.6, -33.4),
-    "Lockwood Island": (83.4, -40.5),
-    "Cape Bryant": (82.3, -55.0),
-    "Kap Morton": (81.2, -63.6),
-    "Kap Constitution": (80.6, -66.9),
-    "Humboldt Glacier": (79.2, -65.5),
-    "Cape Inglefield": (78.6, -72.7),
-    "Cape Alexander": (78.2, -73.1),
-    "Pituffik": (76.5, -68.8),
-    "Cape York": (75.9, -66.4),
-    "Melville Bay": (76.2, -62.0),
-    "Kullorsuaq": (74.6, -57.2),
-    "Upernavik": (72.8, -56.1),
-    "Nuussuaq": (70.7, -54.6),
-    "Qeqertarsuaq": (69.3, -53.5),
-    "Aasiaat": (68.7, -52.9),
-    "Sisimiut": (66.9, -53.7),
-    "Maniitsoq": (65.4, -52.9),
-    "Nuuk": (64.2, -51.7),
-    "Paamiut": (62.0, -49.7),
-    "Arsuk": (61.2, -48.4),
-    "Nanortalik": (60.1, -45.2),
-}
+# A map of Greenland: degrees north and east, rounded; clockwise from the southern tip. Between places it is straight.
+COAST = (
+    (59.8, -43.9), (60.1, -43.1), (60.5, -43.0),  # Cape Farewell, Prins Christian Sund, Lindenow Fjord
+    (62.5, -42.1), (63.2, -41.4), (63.7, -40.5),  # Timmiarmiut, Skjoldungen, Kap Mosting
+    (65.5, -39.0), (65.6, -37.6), (66.6, -34.3),  # Isortoq, Tasiilaq, Kap Gustav Holm
+    (68.1, -31.8), (69.4, -24.1), (70.1, -22.1),  # Kangerlussuaq in the east, Kap Dalton, Kap Brewster
+    (70.5, -22.0), (71.5, -21.7), (72.5, -22.0),  # Ittoqqortoormiit, Liverpool Land, Traill Island
+    (73.5, -20.4), (74.3, -20.2), (75.2, -17.5),  # Kap Broer Ruys, Daneborg, Shannon
+    (76.8, -18.7), (77.7, -17.7), (81.4, -11.5),  # Danmarkshavn, Ile de France, Nordostrundingen
+    (81.6, -16.7), (83.4, -26.0), (83.6, -33.4),  # Station Nord, Kap Bridgman, Cape Morris Jesup
+    (83.4, -40.5), (82.3, -55.0), (81.2, -63.6),  # Lockwood Island, Cape Bryant, Kap Morton
+    (80.6, -66.9), (79.2, -65.5), (78.6, -72.7),  # Kap Constitution, Humboldt Glacier, Cape Inglefield
+    (78.2, -73.1), (76.5, -68.8), (75.9, -66.4),  # Cape Alexander, Pituffik, Cape York
+    (76.2, -62.0), (74.6, -57.2), (72.8, -56.1),  # Melville Bay, Kullorsuaq, Upernavik
+    (70.7, -54.6), (69.3, -53.5), (68.7, -52.9),  # Nuussuaq, Qeqertarsuaq, Aasiaat
+    (66.9, -53.7), (65.4, -52.9), (64.2, -51.7),  # Sisimiut, Maniitsoq, Nuuk
+    (62.0, -49.7), (61.2, -48.4), (60.1, -45.2),  # Paamiut, Arsuk, Nanortalik
+)  # fmt: skip
 EARTH_RADIUS_KM = EARTH_RADIUS_M / 1000
-CENTRAL_LONGITUDE_DEG = -42.0
-TRUE_LATITUDE_DEG = 70.0
-PARALLELS_DEG = (60, 65, 70, 75, 80)
-MERIDIANS_DEG = (-70, -60, -50, -40, -30, -20)
+CENTRAL_LONGITUDE_DEG, TRUE_LATITUDE_DEG = -42.0, 70.0
+PARALLELS_DEG, MERIDIANS_DEG = (60, 65, 70, 75, 80), (-70, -60, -50, -40, -30, -20)
 
 
 def project(latitude_deg, longitude_deg):
@@ -213,20 +246,14 @@ def project(latitude_deg, longitude_deg):
 
 def draw_coast(ax):
     """Greenland with its graticule on axes in km of `project`; no ticks, the graticule is labelled."""
-    coast = np.array([*COAST.values(), next(iter(COAST.values()))])
-    x, y = project(*coast.T)
-    ax.fill(x, y, color="#EDF2F5", edgecolor="0.45", linewidth=0.8, zorder=0)
-    fine = {"color": "0.75", "linewidth": 0.5, "zorder": 1}
+    ax.fill(*project(*np.array([*COAST, COAST[0]]).T), color=LAND, edgecolor="0.45", linewidth=0.8, zorder=0)
+    line = {"color": "0.75", "linewidth": 0.5, "zorder": 1}
+    text = {"fontsize": 7, "color": "0.35", "textcoords": "offset points"}
     for latitude in PARALLELS_DEG:
-        ax.plot(*project(latitude, np.linspace(-75, -10, 100)), **fine)
-        at = project(latitude, -10)
-        ax.annotate(
-            f"{latitude}°N", at, fontsize=7, color="0.35", xytext=(2, 0), textcoords="offset points", va="center"
-        )
+        ax.plot(*project(latitude, np.linspace(-75, -10, 100)), **line)
+        ax.annotate(f"{latitude}°N", project(latitude, -10), xytext=(2, 0), va="center", **text)
     for longitude in MERIDIANS_DEG:
-        ax.plot(*project(np.linspace(58.5, 83, 50), longitude), **fine)
-        at = project(58.5, longitude)
-        ax.annotate(f"{-longitude}°W", at, fontsize=7, color="0.35", xytext=(0, -2), textcoords="offset points",
-                    ha="center", va="top")  # fmt: skip
+        ax.plot(*project(np.linspace(58.5, 83, 50), longitude), **line)
+        ax.annotate(f"{-longitude}°W", project(58.5, longitude), xytext=(0, -2), ha="center", va="top", **text)
     ax.set_aspect("equal")
     ax.set_axis_off()

@@ -1,42 +1,116 @@
-"""Similarity of renders to observed scenes, and the scenes themselves."""
+"""Similarity of renders to observed scenes, what bounds it, where layers lie in renders, and their texture."""
 
 import numpy as np
 
-from lib.figures.style import COLOURS, NAMES
+from lib.figures import style
+from lib.figures.style import COLOURS, METHODS, name_of, new_figure, plot_echogram, plot_layers
 from snowsim.echogram import SURFACE_ROW
 
+N_SCENES_SHOWN = 3
+PART_COLOURS = (style.BLACK, style.BLUE, style.SKY, style.ORANGE, style.PINK)  # of the mean square error
+TEXTURES = {
+    "deviation": "deviation [grey levels]",
+    "autocorrelation_line": "autocorrelation, next range line",
+    "autocorrelation_bin": "autocorrelation, next range bin",
+    "spectrum_distance_db": "distance of spectra [dB]",
+}
 
-def plot_boxes(ax, images, metric):
-    """One similarity metric of every method as box plots (Fig. 11)."""
+
+def similarity_boxplots(images):
+    """The three metrics of every method as box plots."""
+    figure, axes = new_figure(1, 3, width=7)
     methods = sorted(images["method"].unique())
-    values = [images.loc[images["method"] == method, metric] for method in methods]
-    boxes = ax.boxplot([v[np.isfinite(v)] for v in values], tick_labels=[NAMES[m] for m in methods], widths=0.5,
-                       flierprops={"marker": ".", "markersize": 4})  # fmt: skip
-    for box, median, method in zip(boxes["boxes"], boxes["medians"], methods, strict=True):
-        box.set_color(COLOURS[method])
-        median.set(color=COLOURS[method], linewidth=2)
-    ax.set_ylabel(f"{NAMES[metric]}{' [grey levels]' if metric == 'rmse' else ''}")
+    for ax, metric in zip(axes.flat, ("ssim", "psnr", "rmse"), strict=True):
+        values = [images.loc[images["method"] == method, metric] for method in methods]
+        labels, fliers = [name_of(method) for method in methods], {"marker": ".", "markersize": 4}
+        boxes = ax.boxplot([v[np.isfinite(v)] for v in values], tick_labels=labels, widths=0.5, flierprops=fliers)
+        for box, median, method in zip(boxes["boxes"], boxes["medians"], methods, strict=True):
+            box.set_color(COLOURS[method])
+            median.set(color=COLOURS[method], linewidth=2)
+        ax.set_ylabel(f"{name_of(metric)}{' [grey levels]' if metric == 'rmse' else ''}")
+    return figure
+
+
+def ssim_depth(ssim_depth):
+    """SSIM against range bin, smoothed, the surface marked."""
+    figure, axes = new_figure()
+    ax = axes[0, 0]
+    for method, rows in ssim_depth.groupby("method"):
+        ax.plot(rows["range_bin"], rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
+        ax.plot(rows["range_bin"], rows["ssim_smooth"], color=COLOURS[method], label=name_of(method))
+    ax.axvline(SURFACE_ROW, color="0.5", linestyle=":", linewidth=1)
+    ax.annotate("snow surface", (SURFACE_ROW, 0.98), xycoords=("data", "axes fraction"), fontsize=7, va="top",
+                xytext=(4, 0), textcoords="offset points")  # fmt: skip
+    ax.set(xlabel="range bin", ylabel="SSIM")
+    ax.legend()
+    return figure
+
+
+def sample(observed, cgan, phy, images):
+    """Observed scene, its layers, and both renders of them, for scenes at the quartiles of cGAN's SSIM."""
+    names = choose_scenes(images)
+    figure, axes = new_figure(len(names), 4, width=8, height=2.6 * len(names))
+    columns = [(observed, "observed"), (observed, "layers"), (cgan, "cGAN"), (phy, "PHY")]
+    for column, (scenes, title) in zip(axes.T, columns, strict=True):
+        chosen = {scene.name: scene for scene in scenes if scene.name in names}
+        for ax, name in zip(column, names, strict=True):
+            if title == "layers":
+                plot_layers(ax, chosen[name].layer_bins, chosen[name].n_range_bins, f"{title} of {name}")
+            else:
+                plot_echogram(ax, chosen[name].image, title)
+    for ax in axes[:, 0]:
+        ax.set_ylabel("range bin")
+    return figure
+
+
+def choose_scenes(images):
+    """Names of the scenes at evenly spaced ranks of cGAN's SSIM: neither the best nor the worst."""
+    ranked = images[images["method"] == "cgan"].sort_values(["ssim", "scene"])["scene"].to_list()
+    return [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, N_SCENES_SHOWN + 2)[1:-1]]
+
+
+def render_positions(render_positions):
+    """Distance from layers to the peak near them, by their slope and by their curvature."""
+    figure, axes = new_figure(1, 2, width=8, height=3.2, sharey=True)
+    for ax, against in zip(axes[0], ("slope", "curvature"), strict=True):
+        plot_position_error(ax, render_positions, against)
+    axes[0, 0].set_ylabel("distance to the peak [range bins]")
+    axes[0, 0].legend(loc="lower left")
+    return figure
 
 
 def plot_position_error(ax, positions, against):
-    """Distance from layers to the peak near them, by classes of their slope or curvature: means over scenes, 95 %."""
+    """Distance by classes of slope or curvature: means over scenes with two standard errors."""
     chosen = positions[positions["against"] == against]
     for k, (method, rows) in enumerate(chosen.groupby("method")):
         groups = rows.groupby("shape_class")["mean_abs_error_bins"]
         error = 2 * groups.std() / np.sqrt(groups.count())
-        ax.errorbar(groups.mean().index + 0.08 * (k - 1), groups.mean(), error, fmt="o-", color=COLOURS[method],
-                    markersize=4, label=NAMES[method])  # fmt: skip
+        style = {"fmt": "o-", "color": COLOURS[method], "markersize": 4, "label": name_of(method)}
+        ax.errorbar(groups.mean().index + 0.08 * (k - 1), groups.mean(), error, **style)
     edges = chosen.drop_duplicates("shape_class").sort_values("shape_class")
-    labels = [f"below {high:.2g}" if low == 0 else f"above {low:.2g}" if np.isinf(high) else f"{low:.2g} to {high:.2g}"
-              for low, high in zip(edges["shape_low"], edges["shape_high"], strict=True)]  # fmt: skip
+    labels = [
+        f"below {high:.2g}" if low == 0 else f"above {low:.2g}" if np.isinf(high) else f"{low:.2g} to {high:.2g}"
+        for low, high in zip(edges["shape_low"], edges["shape_high"], strict=True)
+    ]
     ax.set_xticks(range(len(labels)), labels, fontsize=7)
     unit = "range bins per range line" + ("²" if against == "curvature" else "")
-    ax.set(xlabel=f"{against} [{unit}]", ylabel="distance to the peak [range bins]", ylim=(0, None))
+    ax.set(xlabel=f"{against} [{unit}]", ylim=(0, None))
 
 
-def plot_texture(ax, textures, column, label):
-    """One measure of texture above and below the surface: every scene a point, the mean a bar."""
-    regions, methods = ("above", "below"), [m for m in ("observed", "cgan", "phy") if m in set(textures["method"])]
+def render_texture(render_texture):
+    """Four measures of texture above and below the surface."""
+    figure, axes = new_figure(2, 2, width=8, height=5.5)
+    for ax, (column, label) in zip(axes.flat, TEXTURES.items(), strict=True):
+        plot_texture(ax, render_texture, column)
+        ax.set_ylabel(label)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    return figure
+
+
+def plot_texture(ax, textures, column):
+    """One measure of texture: every scene a point, the mean a bar."""
+    regions, methods = ("above", "below"), [m for m in ("observed", *METHODS) if m in set(textures["method"])]
     for i, region in enumerate(regions):
         for k, method in enumerate(methods):
             rows = textures[(textures["region"] == region) & (textures["method"] == method)]
@@ -44,36 +118,55 @@ def plot_texture(ax, textures, column, label):
             x = i + 0.26 * (k - (len(methods) - 1) / 2)
             spread = np.linspace(-0.08, 0.08, values.size) if values.size > 1 else np.zeros(values.size)
             ax.plot(x + spread, values, ".", color=COLOURS[method], markersize=2.5, alpha=0.5)
-            ax.hlines(values.mean(), x - 0.11, x + 0.11, color=COLOURS[method], linewidth=2,
-                      label=NAMES[method] if i == 0 else None)  # fmt: skip
+            label = name_of(method) if i == 0 else None
+            ax.hlines(values.mean(), x - 0.11, x + 0.11, color=COLOURS[method], linewidth=2, label=label)
     ax.set_xticks(range(len(regions)), [f"{region} the surface" for region in regions])
-    ax.set_ylabel(label)
 
 
-def plot_ssim_depth(ax, ssim_depth):
-    """SSIM against range bin, smoothed, the surface marked (Fig. 12)."""
-    for method, rows in ssim_depth.groupby("method"):
-        ax.plot(rows["range_bin"], rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
-        ax.plot(rows["range_bin"], rows["ssim_smooth"], color=COLOURS[method], label=NAMES[method])
-    ax.axvline(SURFACE_ROW, color="0.5", linestyle=":", linewidth=1)
-    ax.annotate("snow surface", (SURFACE_ROW, 0.98), xycoords=("data", "axes fraction"), fontsize=7, va="top",
-                xytext=(4, 0), textcoords="offset points")  # fmt: skip
-    ax.set(xlabel="range bin", ylabel="SSIM")
-    ax.legend()
+def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
+    """Bounds of similarity and what keeps renders from them, annotation, and texture in the air."""
+    bounds, air = similarity_bounds, air_texture[air_texture["quantity"] == "air_blotches"]
+    figure, axes = new_figure(2, 3, width=10, height=5.5)
+    for ax, metric in zip(axes[0], ("psnr", "ssim", "rmse"), strict=True):
+        plot_cases(ax, bounds[(bounds["scenes"] == "test") & (bounds["depth"] == "all")], metric)
+        if ax is not axes[0, 0]:
+            ax.set_yticklabels([])
+    axes[0, 0].legend(fontsize=6, loc="upper left")
+    plot_parts(axes[1, 0], similarity_parts)
+    # Train scenes set aside, rendered from picked layers and from all there are.
+    for method, group in bounds[bounds["scenes"] != "test"].groupby("method"):
+        axes[1, 1].plot(group["layers"], group["psnr"], "o-", color=COLOURS[method], label=name_of(method))
+    axes[1, 1].set(ylabel=name_of("psnr"), xlabel="layers rendered")
+    axes[1, 1].margins(x=0.3)
+    for row in air.itertuples():
+        colour = COLOURS[row.method]
+        axes[1, 2].plot([row.method] * 2, [row.min, row.max], color=colour)
+        axes[1, 2].plot(row.method, row.mean, "o", color=colour)
+    axes[1, 2].set_xticks(range(len(air)), [name_of(method) for method in air["method"]])
+    axes[1, 2].set_ylabel("blotches in the air [grey levels]")
+    return figure
 
 
-def plot_echogram(ax, image, title=None):
-    """8-bit echogram, range down, range lines across."""
-    # Uninterpolated: vector files then hold the image's own pixels.
-    ax.imshow(image, vmin=0, vmax=255, cmap="gray", aspect="auto", interpolation="none")
-    ax.set_xlabel("range line")
-    if title:
-        ax.set_title(title, fontsize=8)
+def plot_cases(ax, rows, metric):
+    """Similarity of both methods as rendered and without single faults, and its bounds."""
+    cases = list(dict.fromkeys(rows.loc[rows["method"] != "bound", "case"]))
+    for method in METHODS:
+        values = rows[rows["method"] == method].set_index("case")[metric].reindex(cases)
+        ax.plot(values, range(len(cases)), "o", color=COLOURS[method], label=name_of(method))
+    for dashes, bound in zip(("-", ":"), rows[rows["method"] == "bound"].itertuples(), strict=True):
+        ax.axvline(getattr(bound, metric), color="0.4", linestyle=dashes, linewidth=1, label=bound.case)
+    ax.set_yticks(range(len(cases)), cases)
+    ax.set_ylim(len(cases) - 0.5, -2)  # room for a legend
+    ax.set_xlabel(name_of(metric))
 
 
-def plot_layers(ax, layer_bins, n_range_bins, title=None):
-    """Layers as lines on the frame of their image."""
-    ax.plot(np.asarray(layer_bins).T, color="black", linewidth=0.6)
-    ax.set(xlim=(-0.5, np.shape(layer_bins)[1] - 0.5), ylim=(n_range_bins - 0.5, -0.5), xlabel="range line")
-    if title:
-        ax.set_title(title, fontsize=8)
+def plot_parts(ax, parts):
+    """Mean square error of both methods taken apart, stacked; what is in common is left out."""
+    wide = parts.pivot_table(index="method", columns="part", values="mean_square", sort=False)
+    methods, left = [name_of(method) for method in wide.index], np.zeros(len(wide))
+    for name, colour in zip([name for name in wide.columns if name != "speckle in common"], PART_COLOURS, strict=True):
+        ax.barh(methods, wide[name], left=left, color=colour, label=name, height=0.5)
+        left = left + wide[name].to_numpy()
+    ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
+    ax.set_xlabel("mean square error [grey levels squared]")
+    ax.legend(fontsize=6, loc="upper right")

@@ -1,29 +1,41 @@
-"""The one style of all figures: colours, names, sizes, and where the data come from.
+"""The one style of all figures: colours, names, sizes, scenes and picks, and where the data come from.
 
-Figures to files, with the same bytes for the same figure.
+Figures go to files with the same bytes for the same figure.
 """
 
 from pathlib import Path
 
 import matplotlib as mpl
-from matplotlib import pyplot as plt  # noqa: E402 - the backend comes first
+import numpy as np
+from matplotlib import pyplot as plt
 
 from snowsim.io.files import written_whole
 
-mpl.use("Agg")
-mpl.rcParams["svg.hashsalt"] = "snowsim"  # otherwise names of SVG elements differ from run to run
-
-
-# Okabe & Ito (2008): told apart by colour-blind readers too.
+# Okabe & Ito (2008), told apart by colour-blind readers too; a wine, and the grey of what serves as a foil.
+BLACK, BLUE, RED, GREEN, ORANGE = "#000000", "#0072B2", "#D55E00", "#009E73", "#E69F00"
+PINK, SKY, YELLOW, WINE, GREY, WHITE, LAND = "#CC79A7", "#56B4E9", "#F0E442", "#882255", "#999999", "#FFFFFF", "#EDF2F5"
+SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
+ZONE_COLOURS = (BLUE, GREEN, ORANGE, RED)
+TRAINING_SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
+METHODS = ("cgan", "phy")
+# Sources, training sets, estimators and label models; then ways to compute waveforms, speckle and scenes.
 COLOURS = {
-    "observed": "#000000",
-    "cgan": "#D55E00",
-    "phy": "#0072B2",
-    "rd": "#000000",
-    "rd_gd": "#D55E00",
-    "rd_pd": "#0072B2",
-    "rd_pd_gd": "#009E73",
+    **dict.fromkeys(("observed", "rd", "tabulated"), BLACK),
+    **dict.fromkeys(("looks", "literal", "convolved", "sampled", "transfer matrix"), BLACK),
+    **dict.fromkeys(("cgan", "rd_gd", "paper", "ar1"), RED),
+    **dict.fromkeys(("recursive float32", "recursive32", "cube_open", "scatterers", "Born"), RED),
+    **dict.fromkeys(("phy", "rd_pd", "deblended", "power_law"), BLUE),
+    **dict.fromkeys(("PHY", "table", "planned", "quantile", "convolution"), BLUE),
+    **dict.fromkeys(("rd_pd_gd", "matern"), GREEN),
+    **dict.fromkeys(("exact", "gamma", "closed form", "PHY exact", "single scattering"), GREEN),
+    **dict.fromkeys(("render", "gamma, moving", "nearest", "PHY, literal"), SKY),
+    **dict.fromkeys(("white", "looks, moving", "closed form in support", "wrapped", "nature run"), GREY),
+    **dict.fromkeys(("cube", "naive", "naive closed form", "cGAN", "SMRT"), PINK),
+    **dict.fromkeys(("recursive float64", "recursive64"), WINE),
+    "cut": ORANGE,
+    "table32": YELLOW,
 }
+# As figures write them; other names stand with spaces for underscores.
 NAMES = {
     "cgan": "cGAN",
     "phy": "PHY",
@@ -37,8 +49,12 @@ NAMES = {
     "ods": "ODS",
     "ois": "OIS",
     "ap": "AP",
-    "fuse": "fuse",
-    "observed": "observed",
+    "ar1": "AR(1)",
+    "matern": "Matérn",
+    "width_bins": "1/e width",
+    "noise_power": "noise",
+    "offset_bins": "offset",
+    "relative_thickness_mean": "thickness / slab 0",
 }
 STYLE = {
     "font.size": 9,
@@ -49,13 +65,23 @@ STYLE = {
     "legend.fontsize": 8,
     "lines.linewidth": 1.3,
     "axes.linewidth": 0.8,
-    "axes.prop_cycle": mpl.cycler(color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]),
+    "axes.prop_cycle": mpl.cycler(color=SERIES),
     "axes.spines.top": False,
     "axes.spines.right": False,
     "figure.constrained_layout.use": True,
     "legend.frameon": False,
+    "svg.hashsalt": "snowsim",  # otherwise names of SVG elements differ from run to run
 }
+mpl.use("Agg")
 mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
+DPI = 200
+METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
+PLANTED = "planted layers, no observed data"
+
+
+def name_of(key):
+    """What figures call a method, a training set, a metric, a quantity."""
+    return NAMES.get(key, key.replace("_", " "))
 
 
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
@@ -64,13 +90,37 @@ def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
 
 
 def note_source(figure, source):
-    """State what the data are in a corner of the figure: every figure of synthetic data says so."""
-    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
-    figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
+    """State what the data are in a corner of the figure, unless it says so already: every figure does."""
+    if not figure.texts:
+        figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
+        figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
 
 
-DPI = 200
-METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
+def name_columns(ax, keys):
+    """Names of what stands side by side, a column each."""
+    ax.set_xticks(range(len(keys)), [name_of(key) for key in keys], rotation=30, ha="right")
+
+
+def plot_echogram(ax, image, title=None):
+    """8-bit echogram, range down, range lines across."""
+    # Uninterpolated: vector files then hold the image's own pixels.
+    ax.imshow(image, vmin=0, vmax=255, cmap="gray", aspect="auto", interpolation="none")
+    ax.set_xlabel("range line")
+    if title:
+        ax.set_title(title, fontsize=8)
+
+
+def plot_layers(ax, layer_bins, n_range_bins, title=None):
+    """Layers as lines on the frame of their image."""
+    ax.plot(np.asarray(layer_bins).T, color=BLACK, linewidth=0.6)
+    ax.set(xlim=(-0.5, np.shape(layer_bins)[1] - 0.5), ylim=(n_range_bins - 0.5, -0.5), xlabel="range line")
+    if title:
+        ax.set_title(title, fontsize=8)
+
+
+def plot_picks(ax, layer_bins):
+    """Picks as thin lines over an echogram."""
+    ax.plot(np.asarray(layer_bins).T, color=ORANGE, linewidth=0.6)
 
 
 def write_figure(path, figure):
@@ -86,3 +136,4 @@ def write_figure(path, figure):
     for ending in (".png", ".svg") if suffix == ".svg" else (suffix,):
         with written_whole(Path(path).with_suffix(ending)) as aside:
             figure.savefig(aside, metadata=METADATA[ending], bbox_inches="tight", dpi=DPI)
+    plt.close(figure)

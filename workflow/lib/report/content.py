@@ -1,27 +1,75 @@
-"""Captions as written for figures: their title, and the figures of the paper they name.
-
-Tables II and III of a run beside the paper's.
-What a run cost, stage by stage, from the benchmark files of its jobs.
-The few numbers a reader sees first.
-"""
+"""What the page says: figures and tables, the paper's tables beside this run's, what the run cost, the summary."""
 
 import re
+from pathlib import Path
 
 import pandas as pd
+import yaml
 
+from lib.diagnostics.claims import judge_claims
 from lib.diagnostics.verdicts import CONFIRMED, CONTRADICTED, MISSING, OPEN
-from lib.report.format import duration, signed3
+from lib.figures.style import METHODS, NAMES, TRAINING_SETS
+from lib.machine import describe_machine, describe_versions
+from lib.report.format import config_lines, duration, signed3
+from lib.report.page import figure_uri, file_uri, read_benchmarks
+from snowsim.io.files import read_table
 
-FIGURES = re.compile(r"paper, Figs? (\d+)(?:(?:-| to )(\d+)|(?:, (\d+))? and (\d+))?")
+PAPER_FIGURES = re.compile(r"paper, Figs? (\d+)(?:(?:-| to )(\d+)|(?:, (\d+))? and (\d+))?")
 LONGEST_TITLE = 110
+PREVIEW_ROWS = 6
+DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
+SCORES = ("ods", "ois", "ap")
+GIBIBYTE_MB = 1024
 
 
-def paper_figures(caption):
-    """Numbers of the paper's figures that a caption names ("paper, Fig. 8", "Figs 6 and 7", "Figs 10-12"), sorted."""
-    numbers = set()
-    for first, last, *others in FIGURES.findall(caption.replace("Fig.", "Fig")):
-        numbers |= set(range(int(first), int(last or first) + 1)) | {int(number) for number in others if number}
-    return sorted(numbers)
+def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, stages, benchmarks):
+    """All that the page's template names, from the files of a run.
+
+    `captions` holds stage and caption of every figure by its path, `studies` the `files` that studies have left and the
+    `parts` that there are, `stages` the stage of every measured rule.
+    """
+    paper = yaml.safe_load(Path(paper).read_text(encoding="utf-8"))
+    figures = described_figures(figures, captions)
+    by_name = {Path(path).stem: read_table(path) for path in tables}
+    claims = judge_claims({**by_name, "similarity": images})
+    costs = stage_costs(read_benchmarks(benchmarks), stages)
+    synthetic = config["source"] == "reference"
+    study_tables = [path for path in studies["files"] if path.endswith(".csv")]
+    study_figures = [path for path in studies["files"] if path not in study_tables]
+    return {
+        "note": note,
+        "synthetic": synthetic,
+        "source_words": f"the {note}" if synthetic else note,
+        "paper": paper,
+        "table2": compare_table2(by_name["table2"], paper["table2"]),
+        "table3": compare_table3(by_name["table3_intervals"], paper["table3"]),
+        "training_sets": [NAMES[name] for name in TRAINING_SETS],
+        "n_replicas": int(by_name["table3_intervals"]["n_replicas"].iloc[0]),
+        "claims": claims,
+        "figures": figures,
+        "counterparts": counterparts(figures, paper["figures"]),
+        "studies": {**studies, "figures": described_figures(study_figures, captions)},
+        "study_tables": described_tables(study_tables),
+        "tables": described_tables(tables),
+        "gallery": gallery,
+        "costs": costs,
+        "total_wall_s": sum(stage["wall_s"] for stage in costs),
+        "tiles": summary_tiles(by_name, claims, costs),
+        "verdict_counts": count_verdicts(claims),
+        "machine": describe_machine(),
+        "versions": describe_versions(),
+        "seed": config["seed"],
+        "config": config_lines(config),
+    }
+
+
+def described_figures(paths, captions):
+    """Figures with their content, stage, caption, title and a name; `captions` holds stage and caption by path."""
+    return [
+        {"name": Path(path).stem, "stage": stage, "caption": caption, "title": title_of(caption),
+         "uri": figure_uri(path)}
+        for path in paths for stage, caption in [captions[path]]
+    ]  # fmt: skip
 
 
 def title_of(caption):
@@ -33,76 +81,63 @@ def title_of(caption):
     return title
 
 
+def paper_figures(caption):
+    """Numbers of the paper's figures that a caption names ("paper, Fig. 8", "Figs 6 and 7", "Figs 10-12"), sorted."""
+    numbers = set()
+    for first, last, *others in PAPER_FIGURES.findall(caption.replace("Fig.", "Fig")):
+        numbers |= set(range(int(first), int(last or first) + 1)) | {int(number) for number in others if number}
+    return sorted(numbers)
+
+
 def counterparts(figures, paper_numbers):
-    """Which figures of the report answer each of the paper's.
-
-    Parameters
-    ----------
-    figures : list of dict
-        With `name` and `caption`.
-    paper_numbers : iterable of int
-
-    Returns
-    -------
-    dict
-        Number -> list of the figures whose captions name it.
-    """
+    """Figures whose captions name a figure of the paper, lists by its number."""
     return {number: [f for f in figures if number in paper_figures(f["caption"])] for number in paper_numbers}
 
 
-TRAINING_SETS = {"rd": "RD", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD"}
-METRICS = {"ssim": ("SSIM", 2), "psnr": ("PSNR [dB]", 1), "rmse": ("RMSE", 1)}
-SCORES = ("ods", "ois", "ap")
-STATISTICS = ("min", "mean", "max")
+def described_tables(paths):
+    """Tables with their content for the download, their size and first rows; a study's are named after it, too."""
+    described = []
+    for path in map(Path, paths):
+        table = read_table(path)
+        described.append(
+            {
+                "name": "_".join(path.parts[path.parts.index("studies") + 1 :])
+                if "studies" in path.parts
+                else path.name,
+                "uri": file_uri(path),
+                "n_bytes": path.stat().st_size,
+                "n_rows": len(table),
+                "columns": list(table.columns),
+                "rows": table.head(PREVIEW_ROWS).astype(object).to_numpy().tolist(),
+            }
+        )
+    return described
 
 
 def compare_table2(table2, paper):
-    """Rows of Table II: metric, method, and ours and the paper's as "min / mean / max".
-
-    Parameters
-    ----------
-    table2 : pandas.DataFrame
-        Columns `metric`, `statistic`, `cgan`, `phy`.
-    paper : dict
-        metric -> method -> [min, mean, max].
-
-    Returns
-    -------
-    list of dict
-        `metric`, `method`, `ours`, `paper`, texts.
-    """
+    """Rows of Table II as texts: metric, method, and ours and the paper's as "min / mean / max"."""
     ours = table2.set_index(["metric", "statistic"])
-    rows = []
-    for metric, (name, digits) in METRICS.items():
-        for method, label in (("cgan", "cGAN"), ("phy", "PHY")):
-            values = [ours.loc[(metric, statistic), method] for statistic in STATISTICS]
-            rows.append(
-                {
-                    "metric": name,
-                    "method": label,
-                    "ours": " / ".join(f"{value:.{digits}f}" for value in values),
-                    "paper": " / ".join(f"{value:.{digits}f}" for value in paper[metric][method]),
-                }
-            )
-    return rows
+
+    def text(values, digits):
+        return " / ".join(f"{value:.{digits}f}" for value in values)
+
+    return [
+        {
+            "metric": NAMES[metric],
+            "method": NAMES[method],
+            "ours": text([ours.loc[(metric, statistic), method] for statistic in ("min", "mean", "max")], digits),
+            "paper": text(paper[metric][method], digits),
+        }
+        for metric, digits in DIGITS.items()
+        for method in METHODS
+    ]
 
 
 def compare_table3(intervals, paper):
-    """Rows of Table III: output and score, and for every training set ours, its difference to RD, and the paper's.
+    """Rows of Table III: output, score, and a cell a training set.
 
-    Parameters
-    ----------
-    intervals : pandas.DataFrame
-        Columns `output`, `training_set`, `metric`, `mean`, `low`, `high`, `difference`, `difference_low`,
-        `difference_high`.
-    paper : dict
-        output -> training set -> [ODS, OIS, AP].
-
-    Returns
-    -------
-    list of dict
-        `output`, `score`, and `cells`: per training set a dict of `mean`, `low`, `high`, `difference`, its ends,
-        `resolved` (the interval of the difference leaves out zero) and `paper`.
+    A cell is ours with its interval, its difference to RD with its own, whether that leaves out zero (`resolved`), and
+    the paper's.
     """
     ours = intervals.set_index(["output", "metric", "training_set"])
     rows = []
@@ -113,46 +148,29 @@ def compare_table3(intervals, paper):
                 row = ours.loc[(output, score, training_set)].to_dict()
                 resolved = row["difference_low"] > 0 or row["difference_high"] < 0
                 cells.append({**row, "resolved": resolved, "paper": published[training_set][k]})
-            name = output.replace("_", " ")
-            rows.append({"output": name, "score": score.upper(), "cells": cells})
+            rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
     return rows
 
 
-GIBIBYTE_MB = 1024
-
-
 def stage_costs(jobs, stages):
-    """Cost of every stage and of every rule in it.
+    """Cost of every stage, and under `rules` of every rule in it, in the order of `stages` (rule -> stage).
 
-    Parameters
-    ----------
-    jobs : pandas.DataFrame
-        A row per job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB].
-    stages : dict
-        Rule -> stage; rules that are not in it are left out, their files are of an older run.
-
-    Returns
-    -------
-    list of dict
-        `stage`, `n_jobs`, `wall_s`, `cpu_s`, `memory_gb` (largest of a job) and `rules`, the same per rule, in the
-        order of `stages`.
+    `jobs` has a row per job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]. Rules that are not in `stages`
+    are left out: their files are of an older run.
     """
     jobs = jobs[jobs["rule"].isin(list(stages))]
-    numbers = {name: pd.to_numeric(jobs[name], errors="coerce") for name in ("s", "cpu_time", "max_rss")}
-    jobs = jobs.assign(**numbers)
-    found = []
-    for stage in dict.fromkeys(stages.values()):
-        rules = [rule for rule, of in stages.items() if of == stage]
-        parts = [_cost(rule, jobs[jobs["rule"] == rule]) for rule in rules if (jobs["rule"] == rule).any()]
-        if parts:
-            whole = _cost(stage, jobs[jobs["rule"].isin(rules)])
-            found.append({"stage": stage, **{k: v for k, v in whole.items() if k != "rule"}, "rules": parts})
-    return found
+    jobs = jobs.assign(**{name: pd.to_numeric(jobs[name], errors="coerce") for name in ("s", "cpu_time", "max_rss")})
+    jobs = jobs.assign(stage=jobs["rule"].map(stages))
+    return [
+        {"stage": stage, **_cost(jobs[jobs["stage"] == stage]),
+         "rules": [{"rule": rule, **_cost(jobs[jobs["rule"] == rule])}
+                   for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()]}
+        for stage in dict.fromkeys(stages.values()) if (jobs["stage"] == stage).any()
+    ]  # fmt: skip
 
 
-def _cost(name, jobs):
+def _cost(jobs):
     return {
-        "rule": name,
         "n_jobs": len(jobs),
         "wall_s": float(jobs["s"].sum()),
         # Jobs that end between two looks of the clock have no CPU time on file.
@@ -169,39 +187,35 @@ def count_verdicts(claims):
 
 def summary_tiles(tables, claims, costs):
     """Names, values and notes of the summary: similarity, tracker, what augmentation gains, claims, time."""
-    table2 = tables["table2"].set_index(["metric", "statistic"])
+    means = tables["table2"].set_index(["metric", "statistic"]).xs("mean", level="statistic")
     fuse = tables["table3_intervals"]
     fuse = fuse[(fuse["output"] == "fuse") & (fuse["metric"] == "ods")].set_index("training_set")
-    added = fuse.drop(index="rd")
-    best = added["mean"].idxmax()
-    row = added.loc[best]
-    interval = f"[{signed3(row['difference_low'])}, {signed3(row['difference_high'])}]"
-    ssim, psnr = table2.loc[("ssim", "mean")], table2.loc[("psnr", "mean")]
-    counts = count_verdicts(claims)
-    return [
-        {
-            "name": "SSIM with observed scenes",
-            "value": f"cGAN {ssim['cgan']:.2f}, PHY {ssim['phy']:.2f}",
-            "note": f"PSNR cGAN {psnr['cgan']:.1f} dB, PHY {psnr['phy']:.1f} dB; means over test scenes",
-        },
-        {
-            "name": "Tracker on RD alone, fused ODS",
-            "value": f"{fuse.loc['rd', 'mean']:.3f}",
-            "note": f"95 % interval {fuse.loc['rd', 'low']:.3f} to {fuse.loc['rd', 'high']:.3f}",
-        },
-        {
-            "name": "Best augmented set, fused ODS",
-            "value": f"{TRAINING_SETS[best]} {signed3(row['difference'])}",
-            "note": f"over RD, 95 % interval {interval}",
-        },
-        {
-            "name": "The paper's claims",
-            "value": f"{counts.get(CONFIRMED, 0)} of {len(claims)} confirmed",
-            "note": ", ".join(f"{count} {name}" for name, count in counts.items() if name != CONFIRMED),
-        },
-        {
-            "name": "Time of all jobs",
-            "value": duration(sum(stage["wall_s"] for stage in costs)),
-            "note": f"{sum(stage['n_jobs'] for stage in costs)} jobs, CPU {duration(sum(s['cpu_s'] for s in costs))}",
-        },
-    ]
+    best = fuse["mean"].drop(index="rd").idxmax()
+    rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_verdicts(claims)
+
+    def methods(metric, digits, unit=""):
+        return ", ".join(f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS)
+
+    tiles = {
+        "SSIM with observed scenes": (
+            methods("ssim", 2),
+            f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes",
+        ),
+        "Tracker on RD alone, fused ODS": (
+            f"{rd['mean']:.3f}",
+            f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
+        ),
+        "Best augmented set, fused ODS": (
+            f"{NAMES[best]} {signed3(gain['difference'])}",
+            f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}]",
+        ),
+        "The paper's claims": (
+            f"{counts.get(CONFIRMED, 0)} of {len(claims)} confirmed",
+            ", ".join(f"{count} {name}" for name, count in counts.items() if name != CONFIRMED),
+        ),
+        "Time of all jobs": (
+            duration(sum(stage["wall_s"] for stage in costs)),
+            f"{sum(stage['n_jobs'] for stage in costs)} jobs, CPU {duration(sum(stage['cpu_s'] for stage in costs))}",
+        ),
+    }
+    return [{"name": name, "value": value, "note": note} for name, (value, note) in tiles.items()]

@@ -2,24 +2,16 @@
 
 import math
 
-# Stages by the name of their file of rules, in the order of the page; others follow, named by their file.
+# Headings of stages; others are called by their own names.
 STAGES = {
-    "flight": "Flight and benchmark",
-    "charts": "The flight and its statistics",
-    "statistics": "Flight statistics",
-    "realism": "Realism",
+    "flight": "The flight and its statistics",
     "labels": "Synthetic layer sets",
-    "phy": "PHY renders",
-    "cgan": "The conditional GAN",
+    "renders": "Renders by PHY and by the conditional GAN",
     "similarity": "Similarity of renders to observed scenes",
     "tracker": "Layer trackers",
-    "phy_charts": "Speed against accuracy of PHY",
-    "stability": "Stability atlas",
-    "closed_loop": "Closed loop",
+    "phy": "Speed against accuracy of PHY",
+    "atlas": "Stability atlases",
     "convolution": "How good is the convolution model?",
-    "evidence": "Where layers lie in renders, and texture",
-    "paper_figures": "Single scenes",
-    "report": "Report",
 }
 
 
@@ -27,6 +19,12 @@ def stage_name(stage):
     """A stage as a heading."""
     name = STAGES.get(stage, stage.removeprefix("study_").replace("_", " "))
     return name[:1].upper() + name[1:]
+
+
+def groupby_stage(figures):
+    """Figures of each stage, (stage, figures), in the order they come."""
+    stages = dict.fromkeys(figure["stage"] for figure in figures)
+    return [(stage, [figure for figure in figures if figure["stage"] == stage]) for stage in stages]
 
 
 def duration(seconds):
@@ -69,24 +67,4 @@ def config_lines(config, prefix=""):
     return lines
 
 
-def verdict_class(verdict):
-    """A verdict as the name of its style."""
-    return verdict.replace(" ", "-")
-
-
-def groupby_stage(figures):
-    """Figures of each stage, (stage, figures) in the order of `STAGES`, others last."""
-    present = dict.fromkeys(figure["stage"] for figure in figures)
-    stages = [*(stage for stage in STAGES if stage in present), *(stage for stage in present if stage not in STAGES)]
-    return [(stage, [figure for figure in figures if figure["stage"] == stage]) for stage in stages]
-
-
-FILTERS = {
-    "groupby_stage": groupby_stage,
-    "stage_name": stage_name,
-    "duration": duration,
-    "size": size,
-    "cell": cell,
-    "signed3": signed3,
-    "verdict_class": verdict_class,
-}
+FILTERS = {filter.__name__: filter for filter in (groupby_stage, stage_name, duration, size, cell, signed3)}

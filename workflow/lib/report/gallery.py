@@ -1,8 +1,36 @@
-"""Which scenes the gallery shows, and their layers as lines a page can draw."""
+"""The report's gallery: which test scenes it shows, their images compressed, their layers as lines a page can draw."""
 
 import numpy as np
 
+from lib.figures.style import METHODS
+from lib.report.page import image_uri
+
 LINE_STEP = 2  # every other range line of a layer is drawn
+METRICS = ("ssim", "psnr", "rmse")
+
+
+def gallery_of(scenes, images, n_scenes):
+    """Test scenes spread over their number of layers, as plain values.
+
+    `scenes` holds observed scenes and both renders by name, `images` the table of similarity.
+    """
+    scores = images.set_index(["scene", "method"])[list(METRICS)].to_dict("index")
+    chosen = choose_scenes([scene.layer_bins.shape[0] for scene in scenes["observed"]], n_scenes)
+    return [
+        {
+            "name": scene.name,
+            "n_range_bins": scene.n_range_bins,
+            "n_range_lines": scene.n_range_lines,
+            "n_layers": scene.layer_bins.shape[0] - 1,
+            "layers": layer_lines(scene.layer_bins),
+            "images": {name: image_uri(of[i].image) for name, of in scenes.items()},
+            "scores": {
+                method: {metric: round(float(score), 3) for metric, score in scores[scene.name, method].items()}
+                for method in METHODS
+            },
+        }
+        for i, scene in ((i, scenes["observed"][i]) for i in chosen)
+    ]
 
 
 def choose_scenes(n_layers, n_scenes):
@@ -13,19 +41,9 @@ def choose_scenes(n_layers, n_scenes):
 
 
 def layer_lines(layer_bins, step=LINE_STEP):
-    """Layers as lists of unbroken pieces.
+    """Layers as lists of unbroken pieces, each [range_line, range_bin, range_line, ...], bins to a tenth.
 
-    Parameters
-    ----------
-    layer_bins : array_like, (layer, range_line)
-        Fractional range bins, NaN where absent.
-    step : int
-        Every so many range lines a point; first and last are kept.
-
-    Returns
-    -------
-    list of list of list
-        layer -> piece -> [range_line, range_bin, range_line, range_bin, ...], bins to a tenth.
+    `layer_bins` is (layer, range_line), NaN where absent; a point every `step` range lines, first and last are kept.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     chosen = np.unique(np.r_[np.arange(0, layer_bins.shape[1], step), layer_bins.shape[1] - 1])
@@ -34,10 +52,6 @@ def layer_lines(layer_bins, step=LINE_STEP):
         present = np.isfinite(bins)
         starts = np.flatnonzero(present & ~np.r_[False, present[:-1]])
         stops = np.flatnonzero(present & ~np.r_[present[1:], False]) + 1
-        layers.append(
-            [
-                [float(x) for pair in zip(chosen[a:b], np.round(bins[a:b], 1), strict=True) for x in pair]
-                for a, b in zip(starts, stops, strict=True)
-            ]
-        )
+        points = np.column_stack([chosen, np.round(bins, 1)])
+        layers.append([points[a:b].ravel().tolist() for a, b in zip(starts, stops, strict=True)])
     return layers

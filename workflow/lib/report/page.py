@@ -1,7 +1,4 @@
-"""A page from templates, and the small text files that go into one.
-
-Files and images as data URIs, for pages that stand alone.
-"""
+"""A page from templates, and what goes into one that stands alone: small text files, files and images as data URIs."""
 
 import base64
 import io
@@ -11,10 +8,12 @@ from pathlib import Path
 import jinja2
 import numpy as np
 import pandas as pd
-import yaml
 from PIL import Image
 
 from snowsim.io.files import written_whole
+
+MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".csv": "text/csv"}
+MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
 
 
 def write_page(path, folder, template, context, filters):
@@ -32,25 +31,10 @@ def write_page(path, folder, template, context, filters):
         aside.write_text(page, encoding="utf-8")
 
 
-def read_text(path):
-    """A small text file."""
-    return Path(path).read_text(encoding="utf-8")
-
-
-def read_yaml(path):
-    """A YAML file of plain values."""
-    return yaml.safe_load(read_text(path))
-
-
 def write_json(path, value):
     """Write plain values as JSON, whole or not at all, with the same bytes for the same value."""
     with written_whole(path) as aside:
         aside.write_text(json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False), encoding="utf-8")
-
-
-def read_json(path):
-    """A JSON file."""
-    return json.loads(read_text(path))
 
 
 def read_benchmarks(folder):
@@ -66,11 +50,6 @@ def read_benchmarks(folder):
     if not tables:
         return pd.DataFrame({"rule": [], "s": [], "cpu_time": [], "max_rss": []})
     return pd.concat(tables, ignore_index=True)
-
-
-MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".csv": "text/csv"}
-MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
-WEBP = {"format": "WEBP", "method": 4}
 
 
 def data_uri(content, media_type):
@@ -111,5 +90,5 @@ def image_uri(image, quality=65):
 
 def _webp(image, quality):
     content = io.BytesIO()
-    image.save(content, quality=quality, **WEBP)
+    image.save(content, format="WEBP", method=4, quality=quality)
     return data_uri(content.getvalue(), "image/webp")

@@ -1,0 +1,49 @@
+"""Tables of the trackers: zones and depths divide what is scored, and nothing is lost."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
+from snowsim.metrics.pick_tables import SUMS
+from snowsim.metrics.tables import COUNTS, tracker_intervals
+from snowsim.seeding import random_stream
+
+SETS = ["rd", "rd_gd"]
+RUNS = [(name, replica) for name in SETS for replica in (0, 1)]
+
+
+@pytest.fixture
+def counts(rng):
+    """Counts of the fused output: two sets, two replicas, six images, three thresholds."""
+
+    def image():
+        n_matched = np.sort(rng.integers(1, 50, 3))[::-1]
+        return dict(zip(COUNTS, (n_matched, np.full(3, 60), n_matched, n_matched + 5), strict=True))
+
+    return {(name, "fuse"): [[image() for _ in range(6)] for _ in range(2)] for name in SETS}
+
+
+def test_scores_of_a_zone_are_those_of_its_images_alone(counts):
+    zones = [2, 0, 2, -1, 0, 2]
+    table = intervals_by_zone(counts, SETS, zones, n_bootstrap=20, seed=1)
+    assert list(dict.fromkeys(table["zone"])) == ["none", "shallow", "high"]
+    inside = {key: [[images[place] for place in (0, 2, 5)] for images in of_key] for key, of_key in counts.items()}
+    rng = random_stream(1, "tabulate_tracker_zones", 2)
+    alone = tracker_intervals(inside, SETS, outputs=["fuse"], n_bootstrap=20, rng=rng)
+    found = table[table["zone"] == "high"].drop(columns="zone").reset_index(drop=True)
+    pd.testing.assert_frame_equal(found, alone)
+
+
+def test_zones_and_depths_hold_every_layer_once(rng):
+    depths = np.array([-3.0, 0, 19.9, 20, 47])
+    sums = dict.fromkeys(SUMS, 1)
+    picks = [
+        pd.DataFrame({"depth_bins": depths, "first_thickness_bins": rng.choice([5.0, 25, 45, np.nan], 5), **sums})
+        for _ in RUNS
+    ]
+    rows = rows_of_picks(picks, RUNS, zone_edge_bins=[0, 10, 20, 30, 40], depth_step_bins=20)
+    assert rows["depth_from_bins"].tolist() == len(RUNS) * [0, 0, 0, 20, 40]
+    for table in (picks_by_zone(rows, 0.04), picks_by_depth(rows, 0.04)):
+        assert table.groupby(["training_set", "replica"])["n_layers"].sum().tolist() == [5, 5, 5, 5]
+    assert set(rows["zone"]) <= {"none", "shallow", "high", "very high"}

@@ -1,0 +1,92 @@
+"""Studies of the conditional GAN: its spread over seeds, its cost by width, and where its training collapses."""
+
+import dataclasses
+import time
+from functools import partial
+
+import pandas as pd
+
+from lib.timing import device_name, time_rounds
+from snowsim.cgan import Settings, Training, faults, measure_losses, measure_renders, render, train_steps, validate
+
+METRICS = ["ssim", "psnr", "rmse"]
+
+
+def seeds_table(default, others, seeds):
+    """Means of Table II by seed of the cGAN, their spread, and PHY's, from tables of similarity by image."""
+    runs = [default[default["method"] == "cgan"], *others]
+    means = pd.DataFrame([run[METRICS].mean() for run in runs], index=[f"cGAN, seed {seed}" for seed in seeds])
+    spread = {
+        "cGAN, mean": means.mean(),
+        "cGAN, standard deviation": means.std(ddof=1),
+        "PHY": default.loc[default["method"] == "phy", METRICS].mean(),
+    }
+    return pd.concat([means, pd.DataFrame(spread).T]).rename_axis("run").reset_index()
+
+
+def time_widths(scenes, widths, settings, render_phy, n_rounds, *, seed, stream):
+    """Seconds of processor time per training step and per render by width, and per render of PHY: a row a run."""
+
+    def render_all(render_one):
+        for scene in scenes:
+            render_one(scene)
+
+    def take_steps(steps):
+        for _ in scenes:
+            next(steps)
+
+    def by_cgan(generator, scene):
+        options = {"statistics": "scene", "precision": settings["precision"]}
+        render(generator, scene.mask(), **options, rng=stream(scene.name))
+
+    works = {}
+    for width in widths:
+        endless = dataclasses.replace(Settings(**settings), width=width, n_steps=10**9)
+        training = Training(endless, seed=seed)
+        works["cgan", width, "step"] = partial(take_steps, train_steps(training, scenes))
+        works["cgan", width, "render"] = partial(render_all, partial(by_cgan, training.generator))
+    works["phy", 0, "render"] = partial(render_all, render_phy)
+    rows = [
+        {"method": method, "width": width, "work": work, "repeat": repeat, "seconds": seconds / len(scenes)}
+        for (method, width, work), repeat, seconds in time_rounds(works, n_rounds, clock=time.process_time)
+    ]
+    return pd.DataFrame(rows).assign(device=device_name())
+
+
+def steps_in(seconds, speed, width):
+    """Steps that a training of this width takes in so much processor time, by a table of `time_widths`."""
+    of_width = speed[(speed["method"] == "cgan") & (speed["width"] == width) & (speed["work"] == "step")]
+    return max(1, round(seconds / of_width["seconds"].median()))
+
+
+def widths_table(speed, bounds, validations):
+    """Seconds per step and render, and similarity on train scenes set aside, by width of the cGAN, beside PHY.
+
+    `validations` maps (mode, width) to the validations of a training, of which the fittest counts; PHY's similarity is
+    that of `bounds`, on the same scenes.
+    """
+    seconds = speed.groupby(["method", "width", "work"])["seconds"].median()
+    rows = []
+    for (mode, width), validation in validations.items():
+        best = validation.loc[validation["fitness"].idxmax()]
+        row = {"method": "cgan", "mode": mode, "width": width, "n_steps": int(validation["step"].iloc[-1])}
+        row |= {f"seconds_per_{work}": seconds["cgan", width, work] for work in ("step", "render")}
+        rows.append(row | best[["psnr", "ssim", "rmse"]].to_dict() | {"n_faults": int(best["n_faults"])})
+    same_scenes = (bounds["scenes"] != "test") & (bounds["layers"] == "as picked") & (bounds["method"] == "phy")
+    phy = {"method": "phy", "mode": "none", "width": 0, "n_steps": 0, "n_faults": 0}
+    phy |= {"seconds_per_render": seconds["phy", 0, "render"]} | bounds.loc[same_scenes, METRICS].iloc[0].to_dict()
+    return pd.DataFrame([*rows, phy])
+
+
+def judge_training(settings, seed, train_scenes, held_scenes, statistics):
+    """Similarity, numbers of health and verdict of one training; a loss that is not finite ends it."""
+    training, losses = Training(settings, seed=seed), []
+    rendering = {"dropout": settings.dropout, "statistics": statistics, "precision": settings.precision}
+    try:
+        losses += [step_losses for _, step_losses in train_steps(training, train_scenes)]
+        scores, _ = validate(training.generator, held_scenes, **rendering, seed=seed)
+    except FloatingPointError as error:
+        return {"verdict": f"values that are not finite: {error}"}
+    numbers = measure_losses(losses, settings.adversarial)
+    numbers |= measure_renders(training.generator, held_scenes, **rendering, seed=seed)
+    return {**scores, **numbers, "verdict": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}

@@ -1,0 +1,116 @@
+"""Studies of the tracker: what the settings of its training do to its scores, what it costs, and where it fails."""
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from lib.timing import device_name, time_rounds
+from snowsim.echogram import SURFACE_ROW, layer_mask, scene_height, to_uint8
+from snowsim.metrics.comparison import compare
+from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.phy import draw_parameters, plan, render_plan
+from snowsim.tracker import OUTPUTS, Training, TrainingSet, track, train_steps
+
+LAYER_SPACING_BINS = 12
+N_LAST = 50  # steps whose loss is averaged: what a training has come to
+
+
+def ablation_table(counts, *, n_bootstrap, rng):
+    """Scores of every run against its base: defaults against RD's, other settings against the default.
+
+    `counts` maps (setting, training set) to the counts by image of every replica.
+    """
+    pairs = [
+        ((setting, training_set), ("default", "rd" if setting == "default" else training_set))
+        for setting, training_set in counts
+    ]
+    table = compare(counts, pairs, n_bootstrap=n_bootstrap, rng=rng)
+    runs = {
+        f"{part}{column}": [run[place] for run in table[name]]
+        for name, part in (("name", ""), ("base", "base_"))
+        for place, column in enumerate(("setting", "training_set"))
+    }
+    named = pd.DataFrame(runs, index=table.index).rename(columns={"base_setting": "base"})
+    return pd.concat([named, table.drop(columns=["name", "base"])], axis=1)
+
+
+def time_tracking(networks, images, n_rounds):
+    """Seconds per image of several trackers in turn; `networks` maps names to network, precision and what is known."""
+
+    def track_all(network, precision):
+        for image in images:
+            track(network, image, precision=precision)
+
+    works = {name: partial(track_all, network, precision) for name, (network, precision, _) in networks.items()}
+    n_pixels = sum(image.size for image in images) / len(images)
+    rows = [
+        {
+            "setting": name,
+            **networks[name][2],
+            "repeat": repeat,
+            "seconds": seconds / len(images),
+            "ns_per_pixel": 1e9 * seconds / len(images) / n_pixels,
+            "device": device_name(),
+        }
+        for name, repeat, seconds in time_rounds(works, n_rounds)
+    ]
+    return pd.DataFrame(rows)
+
+
+def stress_training(real, settings, learning_rates, n_seeds):
+    """What short trainings come to at several rates and seeds, and one on a scene without labels: rows of a table."""
+    for rate in learning_rates:
+        changed = dataclasses.replace(settings, learning_rate=rate)
+        for replica in range(n_seeds):
+            work = partial(short_training, real, changed, replica)
+            yield row("loss", rate, work, replica, failure=FloatingPointError, status="diverged")
+    empty = dataclasses.replace(real[0], layer_bins=np.full_like(real[0].layer_bins, np.nan))
+    yield row("empty labels", 0, partial(short_training, [empty], changed, 0))
+
+
+def short_training(real, settings, seed):
+    """Mean loss of the last steps of a short training."""
+    losses = [step["total"] for _, step in train_steps(Training(settings, seed=seed), TrainingSet(real, seed=seed))]
+    return float(np.mean(losses[-N_LAST:]))
+
+
+def stress_tracking(network, precision, scenes, stability, render_level):
+    """Fused ODS on changed (image, mask) pairs and on level layers of `render_level`: rows of a table."""
+
+    def ods(pairs):
+        edges = [suppress(track(network, image, precision=precision)[OUTPUTS.index("fuse")]) for image, _ in pairs]
+        counts = [match_counts(found, mask, THRESHOLDS) for found, (_, mask) in zip(edges, pairs, strict=True)]
+        return score(counts)["ods"]
+
+    yield row("flat image", 0, partial(ods, [(scenes[0][0] * 0, scenes[0][1])]))
+    for shift in stability["brightness_shifts"]:
+        shifted = [(np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8), mask) for image, mask in scenes]
+        yield row("brightness", shift, partial(ods, shifted))
+    for cut in stability["rows_cut"]:
+        # From the bottom, where no layer lies.
+        rows = [image.shape[0] // 16 * 16 - cut for image, _ in scenes]
+        lower = [(image[:n_rows], mask[:n_rows]) for (image, mask), n_rows in zip(scenes, rows, strict=True)]
+        yield row("rows cut", cut, partial(ods, lower))
+    for n_layers in stability["n_layers"]:
+        yield row("layers", n_layers, partial(ods, [render_level(n_layers)]))
+
+
+def row(panel, value, work, replica=0, *, failure=ValueError, status="refused"):
+    """Result of work, or NaN and a status where this kind of failure says that it cannot be done."""
+    about = {"panel": panel, "value": value, "replica": replica}
+    try:
+        return about | {"result": work(), "status": "ok"}
+    except failure:
+        return about | {"result": np.nan, "status": status}
+
+
+def level_scene(n_layers, statistics, phy, *, rng, n_range_lines=256):
+    """Image and mask of level layers, rendered by PHY."""
+    layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(n_range_lines)
+    parameters = draw_parameters(statistics, n_layers + 1, width=phy["width"], n_looks=phy["n_looks"], rng=rng)
+    options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
+    n_range_bins = scene_height(layer_bins)
+    power = render_plan(plan(layer_bins, parameters, n_range_bins, **options), rng=rng)
+    return to_uint8(power)[0], layer_mask(layer_bins, n_range_bins)

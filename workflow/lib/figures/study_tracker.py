@@ -1,0 +1,86 @@
+"""Studies of the tracker: ablation, what seeds resolve, cost against score, where it fails."""
+
+import numpy as np
+
+from lib.figures.style import BLACK, COLOURS, NAMES, RED, WHITE, name_columns, name_of, new_figure
+
+METRIC = "ods"
+# Panels of the stability study: what is shown, along what, and of what axis.
+PANELS = {
+    "loss": ("loss after a short training", "learning rate", "log"),
+    "brightness": ("ODS of fuse", "shift [grey levels]", "linear"),
+    "rows cut": ("ODS of fuse", "rows above a multiple of 16 less", "linear"),
+    "layers": ("ODS of fuse", "level layers below the surface", "linear"),
+}
+
+
+def tracker_ablation(ablation, chosen):
+    """Difference of every setting to the default of its training set; default and chosen setting on test scenes."""
+    figure, axes = new_figure(1, 2, width=9, height=4.5, width_ratios=(2, 1))
+    rows = ablation[(ablation["metric"] == METRIC) & (ablation["setting"] != "default")].iloc[::-1]
+    plot_intervals(
+        axes[0, 0], rows, [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
+    )
+    axes[0, 0].tick_params("y", labelsize=7)
+    axes[0, 0].set_xlabel(f"{NAMES[METRIC]} less that of the default")
+    ax, rows = axes[0, 1], chosen[chosen["metric"] == METRIC]
+    sets = list(dict.fromkeys(rows["training_set"]))
+    for row in rows.itertuples():
+        is_default = row.setting == "default"
+        x = sets.index(row.training_set) + (-0.12 if is_default else 0.12)
+        face = WHITE if is_default else COLOURS[row.training_set]
+        ax.plot(x, row.mean, "o", color=COLOURS[row.training_set], markerfacecolor=face)
+        if not is_default:
+            ax.annotate(name_of(row.setting), (x, row.mean), (4, 4), textcoords="offset points", fontsize=6)
+    name_columns(ax, sets)
+    ax.set_ylabel(f"{NAMES[METRIC]} on test scenes")
+    return figure
+
+
+def tracker_seeds(seeds):
+    """Difference of every pair of training sets with its 95 % interval; grey: what could have been told from none."""
+    figure, axes = new_figure(1, 2, width=9)
+    for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
+        rows = seeds[seeds["metric"] == metric].iloc[::-1]
+        for y, row in enumerate(rows.itertuples()):
+            ax.barh(y, 2 * row.detectable, left=-row.detectable, height=0.6, color="0.9")
+        plot_intervals(ax, rows, [f"{NAMES[row.training_set]} - {NAMES[row.base]}" for row in rows.itertuples()])
+        ax.set_xlabel(f"difference of {NAMES[metric]}")
+    return figure
+
+
+def plot_intervals(ax, rows, labels):
+    """Differences with their intervals, a row each, coloured by training set."""
+    for y, row in enumerate(rows.itertuples()):
+        ax.hlines(y, row.low, row.high, color=COLOURS[row.training_set])
+        ax.plot(row.difference, y, "o", color=COLOURS[row.training_set], markersize=4)
+    ax.axvline(0, color="0.5", linewidth=0.8)
+    ax.set_yticks(range(len(rows)), labels)
+
+
+def speed_accuracy_tracker(speed_accuracy_tracker):
+    """Fused ODS against the seconds per image of the fastest round, a point a network."""
+    figure, axes = new_figure(width=5)
+    for name, rows in speed_accuracy_tracker.groupby("setting", sort=False):
+        row = rows.loc[rows["seconds"].idxmin()]
+        light = row["network"] != "multi_scale"
+        axes[0, 0].plot(row["seconds"], row["ods"], "s" if light else "o", color=RED if light else BLACK)
+        label = f"width {row['width']}" + (f", {row['network']}" if light else "")
+        at, style = (row["seconds"], row["ods"]), {"textcoords": "offset points", "fontsize": 7, "gid": name}
+        axes[0, 0].annotate(label, at, (5, 3), **style)
+    axes[0, 0].set(xscale="log", xlabel="seconds per image", ylabel="ODS of fuse, validation scenes")
+    return figure
+
+
+def stability_tracker(stability):
+    """Where the tracker fails; crosses at the lower border: diverged or refused."""
+    figure, axes = new_figure(2, 2, width=8, height=5.5)
+    for ax, (panel, (ylabel, xlabel, xscale)) in zip(axes.flat, PANELS.items(), strict=True):
+        rows = stability[stability["panel"] == panel]
+        ok, failed = rows[rows["status"] == "ok"], rows[rows["status"] != "ok"]
+        for _, of_replica in ok.groupby("replica"):
+            ax.plot(of_replica["value"], of_replica["result"], "o-", color=BLACK, markersize=3, linewidth=0.8)
+        if len(failed):  # an empty line that is not clipped would upset the layout
+            ax.plot(failed["value"], np.zeros(len(failed)), "x", color=RED, clip_on=False)
+        ax.set(xlabel=xlabel, ylabel=ylabel, xscale=xscale, ylim=(0, 1.08 * ok["result"].max() if len(ok) else 1))
+    return figure

@@ -1,0 +1,102 @@
+"""What a source gives, read before any job is planned: a ValueError of one line says what is wrong with it.
+
+Readers are imported where they are used: every start of the workflow comes by here, and needs those of one source.
+"""
+
+from pathlib import Path
+
+ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
+
+
+def check_reference(reference, flight):
+    """Refuse settings of the reference flight that contradict each other, or more frames than its line holds."""
+    from snowsim.reference import checked_settings
+    from snowsim.reference.line import line_length_km
+
+    try:
+        checked_settings(reference)
+    except ValueError as error:
+        msg = f"config: reference.{str(error).removeprefix('reference.')}"
+        raise ValueError(msg) from None
+    n_frames, n_range_lines = flight["n_frames"], flight["n_range_lines"]
+    length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
+    if length_km > line_length_km():
+        msg = (
+            f"config: flight.n_frames: expected frames that fit on the line of {line_length_km():.0f} km, "
+            f"got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
+        )
+        raise ValueError(msg)
+
+
+def own_frames(path_to_table):
+    """Rows of the table of frames by role, each a dict."""
+    from snowsim.io.frame_table import read_frames
+
+    table = read_frames(path_to_table)
+    for role in ROLES:
+        if role not in set(table["role"]):
+            msg = f"{path_to_table}: role: expected at least one frame for {role}, found none"
+            raise ValueError(msg)
+    return {role: rows.to_dict("records") for role, rows in table.groupby("role")}
+
+
+def frame_files(row, source):
+    """Files of a row of the table: echogram, layers and, beside an echogram of NSIDC, its quality flags if any."""
+    from snowsim.io.nsidc import find_supplement
+
+    found = find_supplement(row["echogram"]) if source == "nsidc" else None
+    return [row["echogram"], row["layers"], *([] if found is None else [str(found)])]
+
+
+def own_pairs(folder, lists, data_scale):
+    """Scenes of each split by its list file (null: none), a `PairSet` each; no scene may be in two lists."""
+    from snowsim.io.png_pairs import PairSet
+
+    if folder is None:
+        msg = "config: import.pairs.folder: expected a folder of the published benchmark, got null"
+        raise ValueError(msg)
+    pairs = {split: PairSet(Path(folder) / name, data_scale=data_scale) for split, name in lists.items() if name}
+    seen = {}
+    for split, scenes in pairs.items():
+        for scene in scenes.names:
+            if scene in seen:
+                msg = (
+                    f"{folder}: {lists[split]}: expected scenes that are in no other list, "
+                    f"found {scene} in {lists[seen[scene]]} too"
+                )
+                raise ValueError(msg)
+            seen[scene] = split
+    return pairs
+
+
+def check_lists(lists, *, data_scale, contrast_db):
+    """Table of every scene of the lists, split by split; one ValueError tells of all that cannot be read.
+
+    All scenes must be of one width; without `contrast_db` train scenes must tell what their grey levels stand for.
+    """
+    import pandas as pd
+
+    from snowsim.io.png_pairs import PairSet
+
+    rows, failed = [], []
+    for split, path in lists.items():
+        try:
+            rows += [{"split": split, **row} for row in PairSet(path, data_scale=data_scale).check()]
+        except ValueError as error:
+            failed.append(f"{path}: {error}")
+    if failed:
+        raise ValueError("\n".join(failed))
+    table = pd.DataFrame(rows)
+    mute = table[(table["split"] == "train") & ~table["tells_db"]]
+    if contrast_db is None and len(mute):
+        msg = (
+            f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not tell what their grey levels stand "
+            "for: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
+        )
+        raise ValueError(msg)
+    widths = table.groupby("split")["n_range_lines"].first()
+    if widths.nunique() > 1:
+        found = ", ".join(f"{split} {width}" for split, width in widths.items())
+        msg = f"range lines of a scene: expected the same in all lists, found {found}"
+        raise ValueError(msg)
+    return table

@@ -1,0 +1,94 @@
+"""Which trainings the study of the tracker is made of: settings, and how each differs from the default.
+
+A setting is what changes: `training_sets`, and any of `labels`, `zones`, `n_layers`, `order`, `added_per_real`, `steps`
+(a factor), `phy` and `training`. `tracker` is the section of the configuration.
+"""
+
+from pathlib import Path
+
+import pandas as pd
+
+
+def ablation_of(study, training_sets):
+    """Settings of the ablation by name, the default first."""
+    return {"default": {"training_sets": list(training_sets)}} | {each["name"]: each for each in study["ablation"]}
+
+
+def networks_of(study):
+    """Networks of other cost by name, on real scenes alone."""
+    return {each["name"]: {"training_sets": ["rd"], **each} for each in study["networks"]}
+
+
+def check_names(study):
+    """Raise ValueError where two settings share a name."""
+    names = [each["name"] for each in study["ablation"] + study["networks"]]
+    for name in names:
+        if names.count(name) > 1:
+            msg = f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"
+            raise ValueError(msg)
+
+
+def data_of(changes, tracker):
+    """How scenes are put together in a setting."""
+    default = {"added_per_real": "added_per_real", "order": "order", "n_layers": "added_layers"}
+    kept = {"order", "labels", "zones", "n_layers", "added_per_real"}
+    return {name: tracker[key] for name, key in default.items()} | {k: v for k, v in changes.items() if k in kept}
+
+
+def training_of(changes, tracker):
+    """How the network is trained in a setting."""
+    training = tracker["training"]
+    n_steps = round(training["n_steps"] * changes.get("steps", 1))
+    return {**training, "n_steps": n_steps, **changes.get("training", {})}
+
+
+def epochs_of(changes, tracker):
+    """Epochs in a setting, where they and not steps are set."""
+    n_epochs = tracker["n_epochs"]
+    return None if n_epochs is None else max(1, round(n_epochs * changes.get("steps", 1)))
+
+
+def phy_of(changes, phy):
+    """Conventions of PHY in a setting, from those of the configuration; the estimator of the statistics is none."""
+    return {**phy, **{key: value for key, value in changes["phy"].items() if key != "estimator"}}
+
+
+def estimator_of(changes, config):
+    """Estimator of the statistics that PHY of a setting renders with."""
+    return changes["phy"].get("estimator", config["statistics"]["estimator"])
+
+
+def renders_of(setting, changes, files):
+    """Label sets as PHY of a setting renders them: of its own where it changes PHY, else `files`, the default's."""
+    if "phy" not in changes:
+        return files
+    return [f"results/studies/tracker/{setting}/phy/{Path(file).name}" for file in files]
+
+
+def network_file(setting, training_set, replica):
+    """Where the network of a setting lies; that of the default is Table III's."""
+    folder = "tracker" if setting == "default" else f"studies/tracker/{setting}"
+    return f"results/{folder}/{training_set}/{replica}.safetensors"
+
+
+def count_files(split, runs, replicas):
+    """Where the counts of the fused output of every replica of some runs lie."""
+    return [
+        f"results/studies/tracker/{setting}/{training_set}/{replica}_{split}.parquet"
+        for setting, training_set in runs
+        for replica in replicas
+    ]
+
+
+def best_runs(path_to_ablation, ablation):
+    """Default and best candidate of every training set, by the fused ODS of an ablation: (setting, training set).
+
+    Candidates leave labels, steps and PHY as they are: what a reader of the paper would take for the same experiment.
+    """
+    table = pd.read_csv(path_to_ablation)
+    candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "phy"} & set(changes)]
+    table = table[(table["metric"] == "ods") & table["setting"].isin(candidates)]
+    best = table.loc[table.groupby("training_set")["mean"].idxmax()]
+    default = [("default", training_set) for training_set in ablation["default"]["training_sets"]]
+    chosen = map(tuple, best[["setting", "training_set"]].to_numpy().tolist())
+    return default + [run for run in chosen if run not in default]

@@ -1,0 +1,72 @@
+"""Scores and picks of all trackers to tables: curves, tests, scores by accumulation zone, errors of picks."""
+
+import numpy as np
+import pandas as pd
+
+from snowsim.metrics.comparison import compare
+from snowsim.metrics.edges import precision_recall
+from snowsim.metrics.pick_tables import ZONES, pool_picks, zone_of
+from snowsim.metrics.tables import tracker_intervals
+from snowsim.seeding import random_stream
+
+RUN = ["training_set", "replica"]
+
+
+def fused_curves(counts, training_sets):
+    """Precision and recall of the fused output at every threshold, means over replicas; counts of `counts_of_runs`."""
+    frames = []
+    for training_set in training_sets:
+        curves = [precision_recall(images) for images in counts[training_set, "fuse"]]
+        mean = {name: np.mean([curve[name] for curve in curves], axis=0) for name in ("precision", "recall")}
+        frames.append(pd.DataFrame({"training_set": training_set, **mean}))
+    return pd.concat(frames)
+
+
+def paired_tests(counts, training_sets, *, n_bootstrap, rng):
+    """Fused scores of every training set against those of the first."""
+    fused = {training_set: counts[training_set, "fuse"] for training_set in training_sets}
+    pairs = [(training_set, training_sets[0]) for training_set in training_sets[1:]]
+    return compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(columns={"name": "training_set"})
+
+
+def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):
+    """`tracker_intervals` of the fused output for the images of every zone; `zones` in the order of the images."""
+    tables = []
+    for number, name in enumerate(ZONES, start=-1):
+        places = np.flatnonzero(np.asarray(zones) == number)
+        if not places.size:
+            continue
+        inside = {
+            (training_set, "fuse"): [[images[place] for place in places] for images in counts[training_set, "fuse"]]
+            for training_set in training_sets
+        }
+        rng = random_stream(seed, "tabulate_tracker_zones", number)
+        table = tracker_intervals(inside, training_sets, outputs=["fuse"], n_bootstrap=n_bootstrap, rng=rng)
+        table.insert(0, "zone", name)
+        tables.append(table)
+    return pd.concat(tables)
+
+
+def rows_of_picks(tables, runs, zone_edge_bins, depth_step_bins):
+    """Rows of all runs, with the zone of every scene and the range of depth of every layer."""
+    found = []
+    for (training_set, replica), table in zip(runs, tables, strict=True):
+        zone = zone_of(table["first_thickness_bins"], zone_edge_bins)
+        # A false layer above the surface counts with the shallowest.
+        depth = np.maximum(np.floor(table["depth_bins"] / depth_step_bins), 0).astype(int) * depth_step_bins
+        keys = {"training_set": training_set, "replica": replica}
+        found.append(table.assign(**keys, zone=[ZONES[number + 1] for number in zone], depth_from_bins=depth))
+    return pd.concat(found)
+
+
+def picks_by_zone(rows, bin_size_m):
+    """Errors of picks of every run by zone, zones from none to very high."""
+    table = pool_picks(rows, [*RUN, "zone"], bin_size_m=bin_size_m)
+    order = table["zone"].map(ZONES.index)
+    return table.assign(order=order).sort_values([*RUN, "order"]).drop(columns="order")
+
+
+def picks_by_depth(rows, bin_size_m):
+    """Errors of picks of every run by depth below the surface."""
+    table = pool_picks(rows, [*RUN, "depth_from_bins"], bin_size_m=bin_size_m)
+    return table.sort_values([*RUN, "depth_from_bins"])

@@ -1,0 +1,26 @@
+"""What a tracker is trained on in a setting of the configuration or of a study, and for how many steps."""
+
+import dataclasses
+
+from snowsim.tracker import Chosen, Completed, TrainingSet, Uppermost
+
+
+def compose(
+    real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None, n_layers=None
+):  # fmt: skip
+    """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
+    if labels == "complete":
+        real = Completed(real)
+    if zones is not None:
+        added = [
+            Chosen(scenes, [place for place, zone in enumerate(scenes.zones) if zone in zones]) for scenes in added
+        ]
+    if n_layers is not None:
+        added = [Uppermost(scenes, n_layers) for scenes in added]
+    scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
+    if n_epochs is not None:
+        settings = dataclasses.replace(settings, n_steps=n_epochs * scenes.n_per_epoch // settings.batch_size)
+    if order == "synthetic_first":
+        n_draws = settings.n_steps * settings.batch_size
+        scenes = TrainingSet(real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed)
+    return scenes, settings

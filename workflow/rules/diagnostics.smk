@@ -1,0 +1,424 @@
+# Nothing on the way from flight to Table III depends on this file, but for the model of compare_label_models where
+# labels.n_zones or labels.psd ask for another than the paper's.
+
+# Numbers of zones that criteria choose from; the schema allows no others.
+ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
+
+
+rule compare_label_models:
+    input:
+        summaries=SUMMARIES,
+        statistics="results/statistics.nc",
+        code=imported_by("compare_label_models.py"),
+    output:
+        model="results/label_model.nc",
+        criteria="results/tables/label_criteria.csv",
+        savings="results/tables/label_savings.csv",
+        spectra="results/tables/label_families.csv",
+        seconds="results/tables/speed_accuracy_labels.csv",
+    log:
+        "logs/compare_label_models.log",
+    benchmark:
+        "results/benchmarks/compare_label_models/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+        n_zones=config["labels"]["n_zones"],
+        psd=config["labels"]["psd"],
+        zone_counts=ZONE_COUNTS,
+        n_range_lines=config["labels"]["n_range_lines"],
+        n_scenes=min(300, config["labels"]["n_scenes"]),
+    message:
+        "label models with fewer parameters, and what they save"
+    script:
+        "../scripts/compare_label_models.py"
+
+
+rule compare_renders:
+    input:
+        observed=benchmark_files("test"),
+        cgan=rendered_files("cgan", "test"),
+        phy=rendered_files("phy", "test"),
+        train=benchmark_files("train"),
+        generator="results/cgan/generator.safetensors",
+        statistics="results/statistics.nc",
+        code=imported_by("compare_renders.py"),
+    output:
+        positions="results/tables/render_positions.csv",
+        textures="results/tables/render_texture.csv",
+        air="results/tables/air_texture.csv",
+        bounds="results/tables/similarity_bounds.csv",
+        parts="results/tables/similarity_parts.csv",
+    log:
+        "logs/compare_renders.log",
+    benchmark:
+        "results/benchmarks/compare_renders/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=2000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
+    params:
+        seed=config["seed"],
+        n_looks=config["benchmark"]["n_looks"],
+        normalisation=config["cgan"]["statistics"],
+        conventions=config["phy"],
+        n_held=config["cgan"]["validation"]["n_scenes"],
+        device=config["cgan"]["device"],
+    message:
+        "layers and texture in renders of test masks, what bounds their similarity"
+    script:
+        "../scripts/compare_renders.py"
+
+
+rule evidence:
+    input:
+        rules.compare_renders.output,
+        figure_files("similarity"),
+    localrule: True
+    message:
+        "evidence on what the paper claims of renders"
+
+
+# What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
+
+# One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
+LOOP_STRIDE = 6
+# The convention PHY uses goes through all label sets. All conventions are tried on the first scenes, in two jobs.
+LOOP_TRIED = min(200, N_SCENES["labels"])
+LOOP_SHARDS = [
+    shard for shard in shards("labels") if shard_range("labels", shard)[0] < LOOP_TRIED
+]
+LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
+    config["statistics"]["estimator"], **config["phy"]
+)
+LOOP_CONVENTIONS = list(
+    dict.fromkeys(
+        [
+            LOOP_DEFAULT,
+            "deblended_peak_peak_fitted",
+            "deblended_none_peak_fitted",
+            "deblended_peak_gaussian_fitted",
+            "deblended_peak_peak_paper",
+            "paper_none_gaussian_paper",  # as printed, estimates and all
+        ]
+    )
+)
+TRIED = "results/closed_loop/{name}_first.{ending}"
+LOOP_LOTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
+# The flight's statistics by every estimator.
+STATISTICS = {
+    estimator: f"results/closed_loop/flight_{estimator}.nc"
+    for estimator in ("deblended", "paper")
+} | {config["statistics"]["estimator"]: "results/statistics.nc"}
+
+
+wildcard_constraints:
+    estimator="|".join(STATISTICS),
+
+
+use rule fit_statistics as fit_other_statistics with:
+    output:
+        statistics="results/closed_loop/flight_{estimator}.nc",
+    log:
+        "logs/fit_other_statistics/{estimator}.log",
+    benchmark:
+        "results/benchmarks/fit_other_statistics/{estimator}.tsv"
+    params:
+        estimator="{estimator}",
+    message:
+        "flight statistics by the estimator {wildcards.estimator}"
+
+
+rule render_closed_loop:
+    input:
+        layers="results/labels/{shard}.nc",
+        statistics="results/statistics.nc",
+        code=imported_by("render_closed_loop.py"),
+    output:
+        summary=temp("results/closed_loop/parts/{shard}.nc"),
+    log:
+        "logs/render_closed_loop/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_closed_loop/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    params:
+        convention=LOOP_DEFAULT,
+        seed=config["seed"],
+        tolerance_db=config["phy"]["tolerance_db"],
+        first=lambda wildcards: shard_range("labels", wildcards.shard)[0],
+        stride=LOOP_STRIDE,
+    message:
+        "sums over renders, shard {wildcards.shard}"
+    script:
+        "../scripts/render_closed_loop.py"
+
+
+for lot, conventions in enumerate(LOOP_LOTS):
+
+    rule:
+        name:
+            f"try_conventions_{lot}"
+        input:
+            layers=[f"results/labels/{shard}.nc" for shard in LOOP_SHARDS],
+            statistics=[STATISTICS[name.split("_")[0]] for name in conventions],
+            code=imported_by("try_conventions.py"),
+        output:
+            recovered=expand(TRIED, name=conventions, ending="nc"),
+            tables=expand(TRIED, name=conventions, ending="csv"),
+        log:
+            f"logs/try_conventions/{lot}.log",
+        benchmark:
+            f"results/benchmarks/try_conventions/{lot}.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        params:
+            conventions=conventions,
+            seed=config["seed"],
+            tolerance_db=config["phy"]["tolerance_db"],
+            n_scenes=LOOP_TRIED,
+            stride=LOOP_STRIDE,
+        message:
+            "statistics of renders by {params.conventions}"
+        script:
+            "../scripts/try_conventions.py"
+
+
+rule tabulate_closed_loop:
+    input:
+        summaries=expand("results/closed_loop/parts/{shard}.nc", shard=shards("labels")),
+        statistics="results/statistics.nc",
+        tried_tables=expand(TRIED, name=LOOP_CONVENTIONS, ending="csv"),
+        tried_statistics=expand(TRIED, name=LOOP_CONVENTIONS, ending="nc"),
+        code=imported_by("tabulate_closed_loop.py"),
+    output:
+        recovered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
+        errors=f"results/closed_loop/{LOOP_DEFAULT}_all.csv",
+        table="results/tables/closed_loop.csv",
+        summary="results/tables/closed_loop_summary.csv",
+        conventions="results/tables/closed_loop_conventions.csv",
+    log:
+        "logs/tabulate_closed_loop.log",
+    benchmark:
+        "results/benchmarks/tabulate_closed_loop/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=2000,
+    params:
+        tried=LOOP_CONVENTIONS,
+    message:
+        "statistics of renders of all label sets, tables of the closed loop"
+    script:
+        "../scripts/tabulate_closed_loop.py"
+
+
+rule closed_loop:
+    input:
+        rules.tabulate_closed_loop.output.table,
+        rules.tabulate_closed_loop.output.summary,
+        rules.tabulate_closed_loop.output.conventions,
+        figure_files("closed_loop"),
+    localrule: True
+    message:
+        "statistics that went into PHY beside those its renders give back"
+
+
+rule tabulate_validation:
+    input:
+        summaries=SUMMARIES,
+        statistics="results/statistics.nc",
+        zones=LABEL_STATISTICS,
+        rendered=rules.tabulate_closed_loop.output.recovered,
+        label_layers="results/tables/label_layers.csv",
+        label_histograms="results/tables/label_histograms.csv",
+        code=imported_by("tabulate_validation.py"),
+    output:
+        thickness="results/tables/validation_thickness.csv",
+        tests="results/tables/validation_tests.csv",
+        distributions="results/tables/validation_distributions.csv",
+        superposition="results/tables/superposition.csv",
+        tracked_power="results/tables/tracked_power.csv",
+    log:
+        "logs/tabulate_validation.log",
+    benchmark:
+        "results/benchmarks/tabulate_validation/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+    message:
+        "distributions of the flight beside labels, renders and laws"
+    script:
+        "../scripts/tabulate_validation.py"
+
+
+rule validation:
+    input:
+        rules.tabulate_validation.output,
+        figure_files("closed_loop"),
+    localrule: True
+    message:
+        "the flight beside what was made of its statistics"
+
+
+rule tabulate_realism:
+    input:
+        echograms=flight_files("results/flight/{frame}.nc"),
+        layers=flight_files("results/flight/{frame}_layers.nc"),
+        statistics="results/statistics.nc",
+        train=benchmark_files("train"),
+        test=benchmark_files("test"),
+        other_band=other_band_images(),
+        code=imported_by("tabulate_realism.py"),
+    output:
+        table="results/tables/realism.csv",
+        curves="results/tables/realism_curves.csv",
+    log:
+        "logs/tabulate_realism.log",
+    benchmark:
+        "results/benchmarks/tabulate_realism/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    params:
+        reference=config["reference"],
+        source=NOTE,
+        seed=config["seed"],
+    message:
+        "flight and benchmark beside published values"
+    script:
+        "../scripts/tabulate_realism.py"
+
+
+rule realism:
+    input:
+        rules.tabulate_realism.output,
+        figure_files("realism"),
+    localrule: True
+    message:
+        "how real the flight and the benchmark look"
+
+
+rule measure_phy:
+    input:
+        rendered=rendered_files("phy", "labels"),
+        code=imported_by("measure_phy.py"),
+    output:
+        waveforms="results/tables/speed_accuracy_waveforms.csv",
+        speckle="results/tables/speed_accuracy_speckle.csv",
+        scenes="results/tables/speed_accuracy_scenes.csv",
+        growth="results/tables/speed_accuracy_growth.csv",
+        plans="results/phy_plans.parquet",
+        plan="results/tables/phy_plan.csv",
+    log:
+        "logs/measure_phy.log",
+    benchmark:
+        "results/benchmarks/measure_phy/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=2000,
+    params:
+        # Planted layers, the same for all charts.
+        n_layers=15,
+        n_range_lines=256,
+        n_range_bins=256,
+        n_rounds=9,
+        seed=config["seed"],
+        reference=config["reference"],
+        n_looks=config["benchmark"]["n_looks"],
+        cgan={
+            key: config["cgan"]["training"][key]
+            for key in ("width", "depth", "precision")
+        },
+    message:
+        "speed and accuracy of PHY's parts and of whole scenes, and what plans left out"
+    script:
+        "../scripts/measure_phy.py"
+
+
+# Where PHY's methods and the estimators of flight statistics fail, and that public functions do not.
+
+
+rule stress:
+    input:
+        code=imported_by("stress.py"),
+    output:
+        phy="results/tables/stability_phy.csv",
+        phy_regions="results/tables/stability_phy_regions.csv",
+        statistics="results/tables/stability_statistics.csv",
+    log:
+        "logs/stress.log",
+    benchmark:
+        "results/benchmarks/stress/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+        # Under half a minute; a flight of test size gets the ends of every sweep alone.
+        share=1.0 if config["flight"]["n_frames"] >= 10 else 0.2,
+    message:
+        "stability atlases of PHY and of the estimators"
+    script:
+        "../scripts/stress.py"
+
+
+rule stability:
+    input:
+        rules.stress.output,
+        figure_files("atlas"),
+    localrule: True
+    message:
+        "stability atlases of PHY and of the estimators, with their figures"
+
+
+rule charts_phy:
+    input:
+        rules.measure_phy.output,
+        rules.stability.input,
+        figure_files("phy"),
+    localrule: True
+    message:
+        "speed-accuracy charts and stability atlas of PHY"
+
+
+# How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.
+
+
+rule measure_convolution:
+    input:
+        code=imported_by("measure_convolution.py"),
+    output:
+        table="results/tables/convolution_accuracy.csv",
+    log:
+        "logs/measure_convolution.log",
+    benchmark:
+        "results/benchmarks/measure_convolution/all.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    params:
+        reference=config["reference"],
+        n_looks=config["benchmark"]["n_looks"],
+        seed=config["seed"],
+        source=NOTE,
+    message:
+        "errors and cost of the convolution model"
+    script:
+        "../scripts/measure_convolution.py"
+
+
+rule convolution:
+    input:
+        rules.measure_convolution.output,
+        figure_files("convolution"),
+    localrule: True
+    message:
+        "how good the convolution model is, and where it stops being good enough"

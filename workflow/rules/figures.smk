@@ -1,0 +1,75 @@
+# One job draws all figures of a stage, as workflow/figures.yaml lists them.
+
+from lib.registry import (
+    drawn_by,
+    inputs_of,
+    named_by,
+    plots,
+    settings_of,
+    write_captions,
+)
+
+# What the names in braces stand for in paths of the list.
+N_SHOWN = FIGURES["renders"]["synthetic.svg"]["settings"]["n_labels"]
+SHOWN = shards("labels")[: math.ceil(N_SHOWN / SHARD_SIZE["labels"])]
+FILES_OF = {
+    "frame": flight_files,
+    "middle": lambda path: middle_frame(path.replace("{middle}", "{frame}")),
+    "train": lambda path: expand(path, train=shards("train")),
+    "test": lambda path: expand(path, test=shards("test")),
+    "first": lambda path: expand(path, first=SHOWN),
+    "training_set": lambda path: expand(path, training_set=TRAINING_SETS),
+}
+# Snakemake's own report takes captions from files alone.
+CAPTIONS = Path(".snakemake/captions").absolute()
+if workflow.is_main_process:
+    write_captions(FIGURES, CAPTIONS)
+
+for (plot, stage), figures in plots(FIGURES, LEFT_OUT[SOURCE]).items():
+
+    rule:
+        name:
+            plot
+        input:
+            **inputs_of(figures, FILES_OF),
+            code=drawn_by(stage),
+        output:
+            figures=[
+                report(
+                    f"results/figures/{file}",
+                    caption=str(CAPTIONS / f"{file}.rst"),
+                    category=stage,
+                )
+                for file in figures
+            ],
+            tables=expand("results/tables/{table}", table=named_by(figures, "makes")),
+        log:
+            f"logs/{plot}.log",
+        benchmark:
+            f"results/benchmarks/{plot}/all.tsv"
+        conda:
+            "../../envs/cpu.yaml"
+        threads: 1
+        resources:
+            mem_mb=1000,
+        params:
+            stage=stage,
+            source=NOTE,
+            settings=settings_of(figures),
+            scenes=named_by(figures, "scenes"),
+            studies={
+                path: digest
+                for study in named_by(figures, "studies")
+                for path, digest in finished_study(f"results/{study}").items()
+            },
+        message:
+            f"figures of the stage {stage}"
+        script:
+            "../scripts/plot.py"
+
+
+rule charts:
+    input:
+        rules.plot_flight.output,
+    message:
+        "figures of the flight and of its statistics"

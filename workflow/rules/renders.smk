@@ -1,0 +1,100 @@
+# Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
+
+
+rule render_phy:
+    input:
+        layers=layers_of,
+        statistics="results/statistics.nc",
+        code=imported_by("render_phy.py"),
+    output:
+        scenes="results/phy/{scenes}/{shard}.nc",
+    log:
+        "logs/render_phy/{scenes}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
+    conda:
+        "../../envs/cpu.yaml"
+    params:
+        seed=config["seed"],
+        phy=config["phy"],
+    message:
+        "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
+    script:
+        "../scripts/render_phy.py"
+
+
+rule train_cgan:
+    input:
+        scenes=benchmark_files("train"),
+        code=imported_by("train_cgan.py"),
+    output:
+        generator="results/cgan/generator.safetensors",
+        losses="results/cgan/losses.csv",
+        scores="results/cgan/validation.csv",
+        samples="results/cgan/samples.nc",
+    log:
+        "logs/train_cgan.log",
+    benchmark:
+        "results/benchmarks/train_cgan/all.tsv"
+    priority: 100  # the longest chain of the workflow starts here
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
+    params:
+        seed=config["seed"],
+        device=config["cgan"]["device"],
+        settings=config["cgan"]["training"],
+        statistics=config["cgan"]["statistics"],
+        validation=config["cgan"]["validation"],
+        on_collapse=config["cgan"]["on_collapse"],
+        source=SYNTHETIC,
+        checkpoint="results/checkpoints/train_cgan.safetensors",
+        checkpoint_steps=config["checkpoints"]["every_steps"],
+        events="logs/tensorboard/train_cgan",
+    message:
+        "cGAN training"
+    script:
+        "../scripts/train_cgan.py"
+
+
+rule render_cgan:
+    input:
+        layers=layers_of,
+        generator="results/cgan/generator.safetensors",
+        code=imported_by("render_cgan.py"),
+    output:
+        scenes="results/cgan/{scenes}/{shard}.nc",
+    log:
+        "logs/render_cgan/{scenes}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_cgan/{scenes}/{shard}.tsv"
+    priority: 90
+    conda:
+        "../../envs/cpu.yaml"
+    resources:
+        mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
+    params:
+        seed=config["seed"],
+        device=config["cgan"]["device"],
+        statistics=config["cgan"]["statistics"],
+        source=SYNTHETIC,
+    message:
+        "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
+    script:
+        "../scripts/render_cgan.py"
+
+
+rule renders:
+    input:
+        [
+            rendered_files(method, scenes)
+            for method in METHODS
+            for scenes in ("labels", "test")
+        ],
+        figure_files("renders"),
+    localrule: True
+    message:
+        "label sets and test masks rendered by both methods"
