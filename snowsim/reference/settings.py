@@ -83,7 +83,7 @@ class FirnSettings:
     crust_sd: float = 0.45
     layering_sd_kg_m3: float = 50.0
     layering_length_m: float = 0.0225
-    layering_lateral_m: float = 0.8
+    layering_lateral_m: float = 3.0
     layering_fade_m: float = 24.0
     fade_least_m: float = 0.9
     fade_depth_m: float = 1.85
