@@ -81,10 +81,9 @@ def test_decay_and_smoothness_of_planted_100_m_means(rng):
     assert_allclose(found["Greenland, ratio of the two stages of decay"], 1, rtol=1e-9)
     assert np.isnan(found["Greenland, decay of bins 2000 to 4000"])
     numbers = realism.describe_means(layers)
-    assert_allclose(
-        numbers["Greenland, texture s.d."], np.sqrt(0.5), rtol=0.03
-    )  # 36 rows are 6 periods; a cubic is off
-    # A window of 12 rows is two periods; its ends, not shifted with it, pull the peak of the correlation by some per cent.
+    # 36 rows are 6 periods, of which a cubic takes a little.
+    assert_allclose(numbers["Greenland, texture s.d."], np.sqrt(0.5), rtol=0.03)
+    # A window of 12 rows is two periods; its ends, not shifted with it, pull the peak of the correlation by per cents.
     for lag in (5, 10):
         shift = BINS_PER_ROW * lag * 2 / 49
         assert_allclose(numbers[f"Greenland, shift of layers at {100 * lag} m"], shift, rtol=0.3)

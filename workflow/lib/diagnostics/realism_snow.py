@@ -98,4 +98,5 @@ def left_below(statistics, slabs):
     """What is left of a layer's peak one thickness below, by its fitted decay, in a slice of slabs, by zone."""
     thickness = statistics["thickness_mean_bins"].values
     decay = statistics["decay_rate"].values[1 : 1 + thickness.shape[1]]
-    return np.nanmean(np.exp(-decay * thickness[:, : decay.size])[:, slabs], axis=1)
+    left = np.exp(-decay * thickness[:, : decay.size])[:, slabs]
+    return [np.nanmean(of_zone) for of_zone in left if np.isfinite(of_zone).any()]

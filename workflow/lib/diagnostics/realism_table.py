@@ -18,11 +18,11 @@ COLUMNS = (
 def interval(units, statistic=np.nanmedian, *, rng):
     """A statistic of frames, places or scenes, and its 95 % interval by the bootstrap over them."""
     units = [unit for unit in units if not (isinstance(unit, float) and np.isnan(unit))]
-    if not units:
+    value = statistic(units) if units else np.nan
+    if np.isnan(value):
         return np.nan, np.nan, np.nan
     draws = rng.integers(len(units), size=(N_BOOTSTRAP, len(units)))
-    low, high = np.nanpercentile([statistic([units[i] for i in draw]) for draw in draws], [2.5, 97.5])
-    return statistic(units), low, high
+    return (value, *np.nanpercentile([statistic([units[i] for i in draw]) for draw in draws], [2.5, 97.5]))
 
 
 def realism_table(flight, real, known):
