@@ -130,17 +130,16 @@ def stability(results):
 
 
 def realism(results):
-    """The reference flight beside published figures."""
+    """The reference flight beside real Snow Radar and printed figures."""
     rows = []
-    for r in read(results, "realism").dropna(subset="observed_low").itertuples():
-        ours = digits(r.value, 4) if r.low == r.high else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
-        published = f"{r.observed_low:g}"
-        if pd.isna(r.observed_high):
-            published = f"over {published}"
-        elif r.observed_low != r.observed_high:
-            published += f" to {r.observed_high:g}"
-        rows.append([r.quantity, "" if r.unit == "1" else r.unit, ours, published, r.source])
-    return markdown(["quantity", "unit", "here: mean (range)", "published", "source"], rows)
+    for r in read(results, "realism").itertuples():
+        single = pd.isna(r.low) or r.low == r.high
+        ours = digits(r.value) if single else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
+        single = pd.isna(r.real_low) or r.real_low == r.real_high
+        real = digits(r.real_low) if single else f"{digits(r.real_low)} to {digits(r.real_high)}"
+        verdict = r.agrees if r.comparable else f"not judged: {r.reason}"
+        rows.append([r.quantity, "" if r.unit == "1" else r.unit, ours, real, verdict])
+    return markdown(["quantity", "unit", "here: value (95 % interval)", "real", "agrees"], rows)
 
 
 def cost(results):

@@ -17,12 +17,15 @@ from snowsim.reference.firn import (
 from snowsim.reference.radar import (
     SATURATION_LEVEL,
     SATURATION_NOISE,
+    draw_coherent_noise,
     draw_detected,
     draw_receiver_gain,
     draw_roll_gain,
     interface_waveform,
+    quantised,
     range_response,
     received_mean,
+    sidelobes,
 )
 
 FOOTPRINT_M = 14.5  # along track, Table I of Yari et al. (2021), IEEE JSTARS 14
@@ -54,7 +57,8 @@ class Echo:
 
     def draw(self, n_looks, *, rng):
         """Detected power of `n_looks` looks, float32 (range_bin, range_line)."""
-        return np.ascontiguousarray(draw_detected(self.sub_bin_power, self.radar, self.margin, n_looks, rng=rng).T)
+        power = draw_detected(self.sub_bin_power, self.radar, self.margin, n_looks, rng=rng)
+        return np.ascontiguousarray(quantised(power, self.radar.quantisation_db).T)
 
 
 def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
@@ -84,6 +88,8 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
     surface_db = radar.surface_sd_db * draw_along_track(1, n_lines, length_lines, rng=rng)[0]
     _add_surface(power, at_surface - surface.lead, surface.power / surface.peak, 10 ** (surface_db / 10))
 
+    power += _spread(power, sidelobes(radar), centred=True)
+
     noise_db = radar.surface_to_noise_db + radar.sensitivity_sd_db * rng.standard_normal()
     noise_power = 10 ** (-noise_db / 10)
     gain = draw_receiver_gain(n_lines, radar, rng=rng)
@@ -92,6 +98,7 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
     power *= (draw_roll_gain(n_lines, radar, rng=rng) * ~missing).astype(np.float32)[:, None]
     power[saturated] = np.minimum(power[saturated], np.float32(SATURATION_LEVEL))
     power += np.where(saturated, SATURATION_NOISE * noise_power, noise_power).astype(np.float32)[:, None]
+    power += np.float32(noise_power) * draw_coherent_noise(shape[1], radar, rng=rng)
     power *= gain.astype(np.float32)[:, None]
     return Echo(power, margin, float(noise_power), missing, radar)
 
@@ -131,20 +138,21 @@ def _layering(column, at_surface, shape, firn, radar, *, rng):
     below_bins = (np.arange(shape[1]) - at_surface.mean()) / radar.n_sub_bins
     depth_m = np.interp(below_bins, column.table_bins, column.table_depth_m)
     mean_density = np.interp(below_bins, column.table_bins, column.table_density_kg_m3)
-    factor = KOVACS_M3_KG / (2 * (1 + KOVACS_M3_KG * mean_density)) * np.exp(-depth_m / column.fade_depth_m) / kept
+    factor = KOVACS_M3_KG / (2 * (1 + KOVACS_M3_KG * mean_density)) * np.exp(-depth_m / firn.layering_fade_m) / kept
     jump *= factor.astype(np.float32)
     jump *= jump
     jump *= np.arange(shape[1], dtype=np.float32) > at_surface[:, None].astype(np.float32)
     return jump
 
 
-def _spread(power, waveform):
-    """Convolution of every range line with a causal waveform, cut at the window's end."""
+def _spread(power, waveform, *, centred=False):
+    """Convolution of every range line with a waveform that begins, or is centred, at zero delay; cut at both ends."""
     n_sub = power.shape[1]
     length = fft.next_fast_len(n_sub + waveform.size - 1, real=True)
     spectrum = fft.rfft(power, length, axis=1)
     spectrum *= fft.rfft(waveform, length)
-    spread = fft.irfft(spectrum, length, axis=1)[:, :n_sub]
+    first = waveform.size // 2 if centred else 0
+    spread = fft.irfft(spectrum, length, axis=1)[:, first : first + n_sub]
     # Rounding of the transform leaves some 1e-7 of the strongest echo, of either sign, where there is none.
     return np.maximum(spread, 0, dtype=np.float32)
 

@@ -10,6 +10,7 @@ from scipy.signal import lfilter, upfirdn
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 
 RESPONSE_WIDTH = 4  # half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB
+PEDESTAL_FALLS = 6  # sidelobes are followed over so many e-folds, to 26 dB below their level
 TAIL_END = 1e-4  # the off-nadir tail is cut where it falls below this share of its peak
 SATURATION_NOISE = 10.0  # an overloaded receiver's noise, relative to a sound one's
 SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
@@ -144,6 +145,44 @@ def _filtered(field, taps, n_sub_bins, margin):
     return upfirdn(taps, inside, down=n_sub_bins, axis=1)[:, start : start + n_bins]
 
 
+def sidelobes(radar):
+    """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred; to be added to the scatterers.
+
+    Deconvolution leaves a pedestal on both sides of every echo, that falls exponentially with delay; within the main
+    lobe, 2 / B to either side, there is none. `sidelobe_db` is its level at zero delay relative to the echo's peak.
+    """
+    step_s = radar.bin_size_s / radar.n_sub_bins
+    half = int(np.ceil(PEDESTAL_FALLS * radar.sidelobe_fall_s / step_s))
+    delay_s = np.abs(np.arange(-half, half + 1)) * step_s
+    level = 10 ** (radar.sidelobe_db / 10) * np.exp(-delay_s / radar.sidelobe_fall_s)
+    level[delay_s < 2 / radar.bandwidth_hz] = 0
+    # The range response that follows has a peak of 1 / its equivalent width, a Hann window's being 1.5 / B.
+    return (level * step_s * radar.bandwidth_hz / 1.5).astype(np.float32)
+
+
+def draw_coherent_noise(n_sub_bins, radar, *, rng):
+    """Power of horizontal bands of coherent noise over thermal noise, float32 (sub_bin,).
+
+    What the removal of coherent noise leaves: bands at fixed travel times, one every `band_spacing_s` on average, of
+    exponentially distributed power about `band_noise_db` and Gaussian shape.
+    """
+    step_s = radar.bin_size_s / radar.n_sub_bins
+    n_bands = rng.poisson(n_sub_bins * step_s / radar.band_spacing_s)
+    centre = rng.uniform(0, n_sub_bins, n_bands)
+    strength = 10 ** (radar.band_noise_db / 10) * rng.exponential(1, n_bands)
+    away = (np.arange(n_sub_bins) - centre[:, None]) * step_s / radar.band_width_s
+    return (strength[:, None] * np.exp(-(away**2) / 2)).sum(axis=0).astype(np.float32)
+
+
+def quantised(power, step_db):
+    """Power in whole steps of decibels, as a product stores it; 0 leaves it as it is. No power stays none."""
+    if step_db == 0:
+        return power
+    with np.errstate(divide="ignore"):
+        steps = np.rint(np.log10(power) * np.float32(10 / step_db))
+    return np.power(np.float32(10), steps * np.float32(step_db / 10))
+
+
 def draw_roll_gain(n_lines, radar, *, rng):
     """Power gain of roll fades, (range_line,): a two-state Markov chain that starts level."""
     uniform = rng.random(n_lines)
@@ -157,9 +196,9 @@ def draw_roll_gain(n_lines, radar, *, rng):
 
 
 def draw_receiver_gain(n_lines, radar, *, rng):
-    """Receiver gain with brightness jumps, (range_line,), linear power; lasting until the next jump."""
+    """Receiver gain, (range_line,), linear power: brightness jumps that last until the next one, and line to line."""
     jumps_db = np.where(rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
-    return 10 ** (np.cumsum(jumps_db) / 10)
+    return 10 ** ((np.cumsum(jumps_db) + radar.line_gain_sd_db * rng.standard_normal(n_lines)) / 10)
 
 
 def draw_surface_row(n_lines, surface_bin, radar, *, rng):

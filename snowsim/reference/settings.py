@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, fields
 
-from snowsim.constants import BANDWIDTH_HZ, ICE_DENSITY_KG_M3
+from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
 from snowsim.reference.line import line_length_km, place_at
@@ -83,7 +83,8 @@ class FirnSettings:
     crust_sd: float = 0.45
     layering_sd_kg_m3: float = 50.0
     layering_length_m: float = 0.0225
-    layering_lateral_m: float = 0.8
+    layering_lateral_m: float = 3.0
+    layering_fade_m: float = 24.0
     fade_least_m: float = 0.9
     fade_depth_m: float = 1.85
     fade_sd: float = 1.1
@@ -101,9 +102,8 @@ class FirnSettings:
         check_within(self, 0, ICE_DENSITY_KG_M3, "layering_sd_kg_m3")
         check_within(self, 0, 3, "horizon_year_sd", "horizon_local_sd", "crust_sd", "fade_sd")
         check_within(self, 0, 20, "crusts_per_year", "lenses_per_km_m")
-        check_positive(
-            self, "local_length_m", "layering_length_m", "layering_lateral_m", "fade_least_m", "lens_length_m"
-        )
+        check_positive(self, "local_length_m", "layering_length_m", "layering_lateral_m", "layering_fade_m")
+        check_positive(self, "fade_least_m", "lens_length_m")
         if not self.fade_least_m < self.fade_depth_m < float("inf"):
             msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, got {self.fade_depth_m}"
             raise ValueError(msg)
@@ -122,12 +122,12 @@ class RadarSettings:
     """The instrument, the aircraft and the product."""
 
     bin_size_s: float = 2.886e-10
-    line_spacing_m: float = 5.47
+    line_spacing_m: float = 5.2
     n_range_bins: int = 800
     surface_bin: int = 100
     n_sub_bins: int = 4
     n_looks: int = 5
-    bandwidth_hz: float = BANDWIDTH_HZ
+    bandwidth_hz: float = PROCESSED_BANDWIDTH_HZ
     height_m: float = 500.0
     beamwidth_deg: float = 40.0
     surface_slope: float = 0.022
@@ -143,6 +143,13 @@ class RadarSettings:
     roll_enter: float = 0.0005
     roll_leave: float = 0.005
     roll_gain: float = 0.7
+    sidelobe_db: float = -20.0
+    sidelobe_fall_s: float = 1.4e-9
+    band_spacing_s: float = 2.5e-8
+    band_noise_db: float = -8.0
+    band_width_s: float = 5e-10
+    line_gain_sd_db: float = 0.22
+    quantisation_db: float = 0.25
     jump_rate: float = 0.0003
     jump_sd_db: float = 1.0
     saturated_rate: float = 0.0002
@@ -150,6 +157,7 @@ class RadarSettings:
 
     def __post_init__(self):
         check_positive(self, "bin_size_s", "line_spacing_m", "bandwidth_hz", "height_m", "roll_gain")
+        check_positive(self, "sidelobe_fall_s", "band_spacing_s", "band_width_s")
         for name, least in (("n_range_bins", 200), ("surface_bin", 10), ("n_sub_bins", 1), ("n_looks", 1)):
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
@@ -174,6 +182,9 @@ class RadarSettings:
         check_within(self, 0, 10, "attenuation_db_m", "sensitivity_sd_db", "surface_sd_db", "jump_sd_db", "jitter_m")
         check_within(self, 0, 5, "tracking_sd_bins")
         check_within(self, 0, 80, "surface_to_noise_db")
+        check_within(self, -200, 0, "sidelobe_db")
+        check_within(self, -200, 20, "band_noise_db")
+        check_within(self, 0, 3, "line_gain_sd_db", "quantisation_db")
 
 
 @dataclass(frozen=True)

@@ -162,18 +162,6 @@ def tables(*names):
     return [f"results/tables/{name}.csv" for name in names]
 
 
-def other_band_images():
-    """Real echograms of another band, sorted: those of the configured folder; none by default."""
-    folder = config["realism"]["other_band_png"]
-    if folder is None:
-        return []
-    if not Path(folder).is_dir():
-        raise WorkflowError(
-            f"config: realism.other_band_png: expected a folder of PNG images, got {folder}"
-        )
-    return sorted(str(path) for path in Path(folder).glob("*_ORIGINAL.png"))
-
-
 def finished_study(path):
     """A study's table where it has been made, with a digest of it, and nothing where not.
 

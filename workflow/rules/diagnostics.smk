@@ -263,22 +263,25 @@ rule tabulate_realism:
         statistics="results/statistics.nc",
         train=benchmark_files("train"),
         test=benchmark_files("test"),
-        other_band=other_band_images(),
-        published=ROOT / "workflow/report/published.csv",
+        record=str(ROOT / "workflow/lib/diagnostics/real_snow_radar.csv"),
+        rows=str(ROOT / "workflow/lib/diagnostics/realism_rows.yaml"),
+        unread=REAL_FILES,
         code=imported_by("tabulate_realism.py"),
     output:
+        **({"crops": "results/realism_crops.nc"} if REAL else {}),
         table="results/tables/realism.csv",
-        curves="results/tables/realism_curves.csv",
+        real="results/tables/real_snow_radar.csv",
     log:
         "logs/tabulate_realism.log",
     benchmark:
         "results/benchmarks/tabulate_realism/all.tsv"
     params:
+        folder=REAL,
         reference=config["reference"],
         source=NOTE,
         seed=config["seed"],
     message:
-        "flight and benchmark beside published values"
+        "flight and benchmark beside real Snow Radar"
     script:
         "../scripts/tabulate_realism.py"
 

@@ -80,3 +80,13 @@ FRAME_LOTS = {
     f"{first // FRAMES_PER_JOB:04d}": FRAMES[first : first + FRAMES_PER_JOB]
     for first in range(0, len(FRAMES), FRAMES_PER_JOB)
 }
+
+# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
+REAL = config["realism"]["real_snow_radar"]
+REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
+if REAL and not REAL_FILES:
+    raise WorkflowError(
+        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
+    )
+if not REAL or SOURCE != "reference":
+    LEFT_OUT[SOURCE]["crops of real Snow Radar"] = "no folder of it is given"

@@ -1,34 +1,60 @@
-"""The flight and the benchmark beside what is published of real echograms, and the curves of its figure."""
+"""The flight beside real Snow Radar material, measured where its folder is given, else as it was recorded."""
 
-import pandas as pd
-from job import progress, run
+from pathlib import Path
 
-from lib.diagnostics import realism
-from snowsim.io.files import read_dataset, read_table, write_table
-from snowsim.io.images import read_image
+import yaml
+from job import logger, progress, run
+
+from lib.diagnostics import realism_sides as sides
+from lib.diagnostics.pictures import response_picture
+from lib.diagnostics.realism_table import realism_table, summary
+from lib.diagnostics.two_sample import compare, crops_dataset
+from snowsim.io.files import read_dataset, read_table, write_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.reference import checked_settings
+from snowsim.reference import checked_settings, draw_climate
 from snowsim.seeding import random_stream
 
 
 def tabulate_realism(
-    echograms, layers, statistics, train, test, other_band, published, table, curves, *, reference, source, seed
-):  # fmt: skip
-    pairs = progress(list(zip(echograms, layers, strict=True)), "realism")
-    frames = [realism.describe_frame(read_dataset(echogram), read_dataset(picks)) for echogram, picks in pairs]
-    others = [realism.describe_image(read_image(path)[0]) for path in other_band]
-    flight = read_dataset(statistics)
-    physics = realism.describe_physics(checked_settings(reference), rng=random_stream(seed, "tabulate_realism"))
+    echograms,
+    layers,
+    statistics,
+    train,
+    test,
+    record,
+    rows,
+    table,
+    real,
+    crops=None,
+    *,
+    folder,
+    reference,
+    source,
+    seed,
+):
+    settings = checked_settings(reference)
+    described = []
+    for frame, (echogram, picks) in enumerate(progress(list(zip(echograms, layers, strict=True)), "realism")):
+        noise = response_picture(settings.radar, rng=random_stream(seed, "tabulate_realism", frame))
+        described.append(sides.describe_frame(read_dataset(echogram), read_dataset(picks), noise))
+    numbers, of_flight = zip(*described, strict=True)
+    rng = random_stream(seed, "tabulate_realism")
+    climate = draw_climate(settings, rng=random_stream(seed, "climate"))
     with SceneSet(train) as train_scenes, SceneSet(test) as test_scenes:
-        benchmark = realism.describe_benchmark(train_scenes, test_scenes)
-    of_flight = realism.describe_flight(flight) | benchmark | physics
-    of_frames, of_others = ([numbers for numbers, _ in described] for described in (frames, others))
-    found = realism.realism_table(read_table(published), of_frames, of_flight, of_others)
+        scenes = list(train_scenes), list(test_scenes)
+    flight = sides.describe_flight(numbers, scenes, read_dataset(statistics), settings, climate, rng=rng)
+    if folder is None:
+        measured = read_table(record)
+    else:
+        measured, of_real = sides.describe_real(folder)
+        measured = sides.with_classifier(measured, compare(of_flight, of_real, rng=rng))
+        write_dataset(crops, crops_dataset(of_flight, of_real))
+    write_table(real, measured)
+    decided, measured = sides.without_flight(measured)
+    known = yaml.safe_load(Path(rows).read_text(encoding="utf-8"))
+    found = realism_table(flight | decided, measured, known)
+    logger.info(summary(found))
     write_table(table, found.assign(data=source))
-    drawn = [realism.curve_table([found for _, found in frames], realism.thickness_curves(flight)).assign(data=source)]
-    if others:
-        drawn.append(realism.curve_table([found for _, found in others]).assign(data=realism.OTHER_BAND))
-    write_table(curves, pd.concat(drawn))
 
 
 run(tabulate_realism)

@@ -1,250 +1,191 @@
-"""The flight and the benchmark as numbers and curves that can stand beside what is published of real echograms.
+"""What echograms measure, by one set of functions for frames of the flight and for pictures of real Snow Radar.
 
-Published values of another band are of accumulation-radar echograms, 5 to 30 m deep: a guide to the order of magnitude.
+Every function takes a `Picture`, or means over 100 m in decibels, and gives numbers by quantity.
 """
 
 import numpy as np
-import pandas as pd
+from scipy.signal import find_peaks
 
+from lib.diagnostics.pictures import BINS_PER_ROW, PRODUCT_ROW_S
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s, layer_bins_of, to_db
-from snowsim.metrics.texture import autocorrelation, equivalent_number_of_looks
-from snowsim.reference.echo import draw_layering
-from snowsim.reference.radar import hann_response
+from snowsim.echogram import to_db
 
-ACROSS, DOWN = "range_line", "range_bin"
-SNOW_ROWS = slice(10, 160)  # [range bins below the surface] 150 rows, as the observed images have
-PROFILE_ROWS = np.arange(-60, 400)
-AIR_MARGIN_BINS = 40  # above the surface, where nothing but noise is
-LINES = 256  # of a block
-LAGS = (1, 2, 3, 5, 10, 20, 50)
+TOP_BINS, STAGES_BINS, DEEP_BINS = (50, 650), ((50, 800), (800, 2000)), (2000, 4000)  # below the surface
+# The length of a bin of the Greenland frames is not known: from that of the products of 2016 to that of 2012 [m].
+BIN_AIR_M = (PRODUCT_ROW_S * SPEED_OF_LIGHT_M_S / 2, 2.886e-10 * SPEED_OF_LIGHT_M_S / 2)
+PROMINENCE_DB = 0.3  # least of a peak of the mean profile
+SHIFT_ROWS, MOST_SHIFT = 12, 4  # [rows of 16.3 bins] of a window whose shift is sought, and how far
+COLUMN_LAGS, ROW_LAGS = (1, 2, 3, 5, 10), (1, 2, 3)
+AIR_LAGS, SNOW_LAGS = (1, 2, 3, 5, 10), (1, 2, 3, 5, 10, 50)  # [range lines]
+DELAYS_NS = (0.1, 0.2, 0.3, 0.4, 0.5)
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
-HISTOGRAM_EDGES_DB = np.arange(-15, 45.5, 0.5)
-STANDARD_EDGES = np.arange(-4, 4.25, 0.25)
-TAIL_BINS = 100
-LOG_SPACING_M, LOG_SAMPLES, N_LOGS = 0.0025, 2000, 40  # of a density log of 5 m
-LOG_LAGS = 60
-SMOOTHED_WAVENUMBERS = 101
-DEPTH_STEP = 40  # [range bins] of the curve of visibility
-OTHER_BAND = "observed, other band"
+SLOW_LINES = 31  # what is slower is no change from range line to range line
+SIDELOBE_NS, SMOOTH_NS = (2, 4, 6), 1.0
+SNOW_NS, SNOW_WINDOW_NS, SNOW_OVER_NOISE_DB = (5, 30), 5, 6
+KNOWN_SHARE = 0.8  # least of a row's range lines
+LOOKED_LINES = 11  # a simulator's pixels are means of 55 looks, 11 range lines of 5
 
 
-def realism_table(published, frames, of_flight, others):
-    """Every published quantity as it is here, and its range over images of another band: a row a quantity.
+def named(name, keys, values):
+    """Values by a quantity's name, an asterisk in it replaced by the key of each."""
+    return {name.replace("*", str(key)): value for key, value in zip(keys, values, strict=True)}
 
-    `frames` and `others` hold numbers by quantity of every frame and image, `of_flight` value, lowest and highest.
+
+def correlation(deviation, lags, *, axis):
+    """Autocorrelation at lags [pixels] along an axis of a deviation from a mean, NaN left out, (lag,)."""
+    along = np.moveaxis(deviation, axis, 0)
+    pairs = [np.nanmean(along[: len(along) - lag] * along[lag:]) for lag in lags]
+    return np.array(pairs) / np.nanmean(along**2)
+
+
+def rows_between(means, bins):
+    """Rows of 100 m means between two limits below the surface [bins]."""
+    return means[slice(*(int(limit / BINS_PER_ROW) for limit in bins))]
+
+
+def describe_decay(means, bin_air_m):
+    """Decay of 100 m means with depth [dB per m of air] for bins of a length in air [m]; NaN beyond the data.
+
+    Limits of the two stages are depths, those of bins of the real frames if these are as short as in 2016.
     """
-    by_frame = pd.DataFrame(frames)
-    numbers = {name: (by_frame[name].median(), by_frame[name].min(), by_frame[name].max()) for name in by_frame}
-    numbers |= of_flight
-    here = pd.DataFrame.from_dict(numbers, orient="index", columns=["value", "low", "high"])
-    published = published[published["quantity"].isin(numbers)]
-    table = here.rename_axis("quantity").reset_index().merge(published, on="quantity", how="right")
-    by_image = pd.DataFrame(others, columns=[name for name in table["quantity"] if "lag" in name])
-    for column, values in (("other_band_low", by_image.min()), ("other_band_high", by_image.max())):
-        table[column] = table["quantity"].map(values)
-    return table
 
+    def decay(bins):
+        rows = rows_between(means, bins)
+        if len(rows) * BINS_PER_ROW < 0.9 * (bins[1] - bins[0]) or not np.isfinite(rows).all():
+            return np.nan
+        return np.polyfit(np.arange(len(rows)) * BINS_PER_ROW * bin_air_m, rows.mean(axis=1), 1)[0]
 
-def curve_table(*groups):
-    """Median, smallest and largest over frames or zones (dicts of curves) at every x; `visibility` by depth."""
-    parts = []
-    for name, group in [(name, held) for held in groups for name in held[0]]:
-        part = pd.concat([pd.DataFrame({"x": of[name][0], "value": of[name][1]}) for of in group if name in of])
-        if name == "visibility":
-            part["x"] = (part["x"] // DEPTH_STEP + 0.5) * DEPTH_STEP
-        by_x = part.groupby("x")["value"]
-        part = pd.DataFrame({"value": by_x.median(), "low": by_x.min(), "high": by_x.max()}).reset_index()
-        parts.append(part.assign(curve=name)[["curve", "x", "value", "low", "high"]])
-    return pd.concat(parts)
-
-
-def describe_frame(echogram, layers):
-    """Numbers of one frame by quantity, and its curves by name, as (x, value)."""
-    power = echogram["Data"].transpose("twtt", "slow_time").values.astype(float)
-    layer_bins = layer_bins_of(layers, echogram)
-    usable = (np.isfinite(power) & (power > 0)).all(axis=0) & np.isfinite(layer_bins[0])
-    power, layer_bins = power[:, usable], layer_bins[:, usable]
-    surface = int(np.rint(layer_bins[0].mean()))
-    air = power[: surface - AIR_MARGIN_BINS]
-    noise = air.mean()
-    over_noise = to_db(power / noise)
-    snow = over_noise[surface + SNOW_ROWS.start : surface + SNOW_ROWS.stop]
-    tracked = [power_at(power, bins) for bins in layer_bins[1:]]
-    means = [np.nanmean(values) for values in tracked if np.isfinite(values).any()]
-    correlation, curves = describe_texture(snow)
-    numbers = {
-        "range bin in air": 100 * bin_size_s(echogram) * SPEED_OF_LIGHT_M_S / 2,
-        "line spacing": float(np.median(np.diff(along_track_m(echogram)))),
-        "range bins of a frame": echogram.sizes["twtt"],
-        "range lines of a frame": echogram.sizes["slow_time"],
-        "brightest echo over noise": over_noise.max(),
-        "strong layers over noise": to_db(np.nanpercentile(np.concatenate(tracked), 95) / noise),
-        f"mean power {TAIL_BINS} bins below the surface": to_db(power[surface + TAIL_BINS].mean() / noise),
-        "surface over the strongest layer": to_db(power_at(power, layer_bins[0]).mean() / max(means, default=np.nan)),
-        "spread of a layer's power from layer to layer": layer_spread_db(means),
-        "looks of the noise": equivalent_number_of_looks(air),
-        "picked share of the flight": np.isfinite(layer_bins).mean(),
-        "accumulation": echogram.attrs.get("accumulation_m", np.nan),
-        **{f"power, percentile {p}": np.percentile(snow, p) for p in PERCENTILES},
-        **correlation,
-    }
-    rows = PROFILE_ROWS[surface + PROFILE_ROWS < len(power)]
-    curves["row profile"] = (rows, to_db(power[surface + rows].mean(axis=1) / noise))
-    curves["histogram"] = histogram(snow, HISTOGRAM_EDGES_DB)
-    curves["visibility"] = visibility(power, layer_bins)
-    return numbers, curves | standard_curves(snow)
-
-
-def describe_image(image):
-    """What can be said of an 8-bit echogram of unknown scale: texture by quantity, and standard curves."""
-    image = image.astype(float)
-    numbers, curves = describe_texture(image)
-    return numbers, standard_curves(image) | curves
-
-
-def describe_texture(image):
-    """Autocorrelation of an image less the mean of every row: what changes with depth alone is no texture.
-
-    About the overall mean real images give 0.89-0.97 at a lag of one trace, about the row's 0.59-0.74: only the latter
-    is near the 0.63-0.79 that is published of them.
-    """
-    numbers, curves = {}, {}
-    for along in (ACROSS, DOWN):
-        correlation = autocorrelation(image - image.mean(axis=1, keepdims=True), LAGS, along=along)
-        curves[f"autocorrelation along {along}"] = (LAGS, correlation)
-        numbers |= {f"autocorrelation along {along}, lag {lag}": v for lag, v in zip(LAGS, correlation, strict=True)}
-    return numbers, curves
-
-
-def standard_curves(image):
-    """Histogram and row profile in standard deviations from the mean: images of another band have no known scale."""
-    standard = (image - image.mean()) / image.std()
+    stages = [decay(np.array(bins) * BIN_AIR_M[0] / bin_air_m) for bins in STAGES_BINS]
     return {
-        "standard histogram": histogram(standard, STANDARD_EDGES),
-        "standard profile": (np.arange(len(image)), standard.mean(axis=1)),
+        "Greenland, decay of bins 50 to 650": decay(TOP_BINS),
+        "Greenland, decay of the second stage": stages[1],
+        "Greenland, ratio of the two stages of decay": stages[0] / stages[1],
+        "Greenland, decay of bins 2000 to 4000": decay(DEEP_BINS),
     }
 
 
-def histogram(values, edges):
-    """Middles of the bins, and the density of values in them."""
-    density, _ = np.histogram(values, edges, density=True)
-    return (edges[1:] + edges[:-1]) / 2, density
-
-
-def layer_spread_db(means):
-    """Standard deviation of mean powers from one layer to the next, without their fall with depth [dB]."""
-    levels = to_db(np.array(means))
-    # Second differences know no straight line; of independent levels they have six times the variance.
-    return float(np.sqrt(np.mean(np.diff(levels, 2) ** 2) / 6)) if levels.size > 4 else np.nan
-
-
-def power_at(power, bins):
-    """Power in the bins of one layer, (range_line,), NaN in gaps."""
-    held = np.flatnonzero(np.isfinite(bins))
-    values = np.full(bins.size, np.nan)
-    values[held] = power[np.rint(bins[held]).astype(int), held]
-    return values
-
-
-def visibility(power, layer_bins):
-    """Rise of layers over the snow above and below [dB], block by block: their depths and rises.
-
-    Snow is taken half way to either neighbour, and its decibels averaged: a steady fall with depth is no rise.
-    """
-    on = [power_at(power, bins) for bins in layer_bins]
-    off = [power_at(power, (above + below) / 2) for above, below in zip(layer_bins[:-1], layer_bins[1:], strict=True)]
-    depth, rise = [], []
-    for layer in range(1, len(layer_bins) - 1):
-        three = np.array([on[layer], off[layer - 1], off[layer]])
-        for first in range(0, three.shape[1] - LINES + 1, LINES):
-            part = three[:, first : first + LINES]
-            held = np.isfinite(part).all(axis=0)
-            if 2 * held.sum() >= LINES:
-                level = to_db(part[:, held].mean(axis=1))
-                below = layer_bins[layer] - layer_bins[0]
-                depth.append(below[first : first + LINES][held].mean())
-                rise.append(level[0] - (level[1] + level[2]) / 2)
-    return np.array(depth), np.array(rise)
-
-
-def describe_flight(statistics):
-    """Numbers that belong to the flight as a whole: value, lowest and highest."""
-    numbers = {"looks under the picks": spread_of(statistics.attrs["n_looks"])}
-    if "doppler_layer_mean" in statistics:
-        density = statistics["doppler_layer_mean"].values
-        n_smoothed = min(SMOOTHED_WAVENUMBERS, density.size)
-        smooth = np.convolve(density, np.full(n_smoothed, 1 / n_smoothed), mode="valid")
-        numbers["Doppler spectrum, highest over lowest"] = spread_of(to_db(smooth.max() / smooth.min()))
-    own = statistics["source"].values == 0
-    mean, variance = (statistics[f"thickness_{name}"].values for name in ("mean_bins", "variance_bins2"))
-    numbers["mean thickness of the first slab"] = spread_of(mean[:, 0])
-    if own.any():
-        numbers["thickness, deviation over mean"] = spread_of((np.sqrt(variance) / mean)[own])
-    correlations = (np.fft.irfft(psd) for psd in statistics["thickness_psd"].values[:, 0])
-    lengths = [falling_length(correlation / correlation[0]) for correlation in correlations]
-    numbers["thickness, correlation length along track"] = spread_of(lengths)
-    return numbers
-
-
-def thickness_curves(statistics):
-    """Spectrum of the thickness of the first slab, a curve for each zone."""
-    inner = slice(1, -1)  # the highest wavenumber of a one-sided spectrum stands for itself alone
-    wavenumber = statistics["wavenumber"].values[inner]
-    return [{"thickness PSD": (wavenumber, psd[inner])} for psd in statistics["thickness_psd"].values[:, 0]]
-
-
-def describe_benchmark(train, test):
-    """Picked share of train scenes, and how many layers test scenes have: value, lowest and highest."""
-    # The surface is no layer of the count.
-    n_layers = np.array([np.isfinite(scene.layer_bins).any(axis=1).sum() - 1 for scene in test])
-    counts = [
-        [np.isfinite(scene.layer_bins).sum(), np.isfinite(scene.complete_layer_bins).sum()]
-        for scene in train
-        if scene.complete_layer_bins is not None
-    ]
-    numbers = {
-        "test scenes of fewer than 6 layers": spread_of((n_layers < 6).mean()),
-        "most layers of a test scene": spread_of(n_layers.max()),
-    }
-    if counts:
-        picked, complete = np.array(counts).T
-        shares = picked / complete
-        share = picked.sum() / complete.sum()
-        numbers["picked share of train scenes"] = (share, shares.min(), shares.max())
-        numbers["missing share of labels in train scenes"] = (1 - share, 1 - shares.max(), 1 - shares.min())
-    return numbers
-
-
-def describe_physics(settings, *, rng):
-    """Density logs as the flight draws them, and its range response, there and back: value, lowest and highest."""
-    firn, bandwidth_hz = settings.firn, settings.radar.bandwidth_hz
-    layering = (firn.layering_sd_kg_m3, firn.layering_length_m)
-    logs = draw_layering(N_LOGS, LOG_SAMPLES, LOG_SPACING_M, *layering, rng=rng).astype(float)
-    lengths = []
-    for log in logs:
-        products = np.array([np.mean(log[: LOG_SAMPLES - lag] * log[lag:]) for lag in range(LOG_LAGS)])
-        lengths.append(100 * LOG_SPACING_M * falling_length(products / np.mean(log**2)))
-    x = np.arange(-8, 8, 1e-3) / bandwidth_hz
-    response = hann_response(x, bandwidth_hz) ** 2
-    side = response[x >= 0]
-    null = x[x >= 0][np.flatnonzero((side[1:-1] < side[:-2]) & (side[1:-1] <= side[2:]))[0] + 1]
+def describe_means(means):
+    """Texture of 100 m means less their cubic fall, peaks of their mean profile, and how smooth layers are."""
+    rows = rows_between(means, TOP_BINS)
+    depth_rows = np.arange(len(rows))
+    texture = rows - np.polyval(np.polyfit(depth_rows, rows.mean(axis=1), 3), depth_rows)[:, None]
+    prominence = find_peaks(texture.mean(axis=1), prominence=PROMINENCE_DB)[1]["prominences"]
+    along, down = (correlation(texture, lags, axis=axis) for lags, axis in ((COLUMN_LAGS, 1), (ROW_LAGS, 0)))
+    metres = [100 * lag for lag in COLUMN_LAGS]
     return {
-        "range response, null to null": spread_of(2 * null * SPEED_OF_LIGHT_M_S),
-        "range response, equivalent width": spread_of(response.sum() * (x[1] - x[0]) * SPEED_OF_LIGHT_M_S),
-        "density of snow at the surface": spread_of(firn.surface_density_kg_m3 / 1e3),
-        "density log, detrended deviation": spread_of(logs.std(axis=1) / 1e3),
-        "density log, vertical 1/e length": spread_of(lengths),
+        "Greenland, texture s.d.": texture.std(),
+        **named("Greenland, autocorrelation along track at * m", metres, along),
+        **named("Greenland, autocorrelation down at * rows", ROW_LAGS, down),
+        "Greenland, peaks": 1e3 * prominence.size / (TOP_BINS[1] - TOP_BINS[0]),
+        "Greenland, prominence of peaks, median": np.median(prominence) if prominence.size else 0,
+        "Greenland, prominence of peaks, largest": prominence.max(initial=0),
+        **named("Greenland, shift of layers at * m", metres, [shift_bins(texture, lag) for lag in COLUMN_LAGS]),
     }
 
 
-def falling_length(correlation):
-    """Lag at which an autocorrelation, 1 at lag 0, has fallen to 1/e, between lags on a straight line."""
-    fallen = int(np.argmax(correlation < np.exp(-1)))
-    above, below = correlation[fallen - 1 : fallen + 1]
-    return fallen - (np.exp(-1) - below) / (above - below)
+def shift_bins(texture, lag):
+    """Median shift between columns at a lag [bins], sizes alone: where windows of 12 rows are most alike."""
+    shifts = []
+    for window in (texture[i : i + SHIFT_ROWS] for i in range(0, len(texture) - SHIFT_ROWS + 1, SHIFT_ROWS)):
+        window = window - window.mean(axis=0)
+        for one, other in zip(window.T[:-lag], window.T[lag:], strict=True):
+            alike = np.correlate(one, other, "full")[SHIFT_ROWS - 1 - MOST_SHIFT : SHIFT_ROWS + MOST_SHIFT]
+            best = int(np.argmax(alike))
+            if 0 < best < 2 * MOST_SHIFT:  # no peak at an end of the reach
+                left, middle, right = alike[best - 1 : best + 2]
+                shifts.append(best - MOST_SHIFT + 0.5 * (left - right) / (left - 2 * middle + right))
+    return BINS_PER_ROW * np.median(np.abs(shifts)) if shifts else np.nan
 
 
-def spread_of(values):
-    """Median, lowest and highest; three times the same of a single one."""
-    return np.median(values), np.min(values), np.max(values)
+def describe_air(picture):
+    """Noise: its distribution in decibels, along track, and what range lines and rows differ by beyond speckle."""
+    air = picture.power_db[picture.air]
+    air = air[:, np.isfinite(air).mean(axis=0) > KNOWN_SHARE]
+    deviation = air - np.nanmean(air)
+    power = 10 ** (air / 10)
+    return {
+        "air, s.d.": np.nanstd(air),
+        "air, looks": np.nanmean(power) ** 2 / np.nanvar(power),
+        "air, gain from line to line": common_sd(air, axis=0, slow=SLOW_LINES),
+        "air, power from row to row": common_sd(air, axis=1),
+        **named("air, percentile *", PERCENTILES, np.nanpercentile(deviation, PERCENTILES)),
+        **named("air, autocorrelation along track at * lines", AIR_LAGS, correlation(deviation, AIR_LAGS, axis=1)),
+    }
+
+
+def common_sd(image, *, axis, slow=None):
+    """Standard deviation [dB] of what means of both halves along an axis share: speckle, independent, drops out.
+
+    What changes over more than `slow` pixels is taken out first.
+    """
+    means = [np.nanmean(half, axis=axis) for half in np.array_split(image, 2, axis=axis)]
+    if slow:
+        kernel = np.full(slow, 1 / slow)
+        means = [mean - np.convolve(np.pad(mean, slow // 2, mode="edge"), kernel, "valid") for mean in means]
+    one, other = (mean - mean.mean() for mean in means)
+    return np.sqrt(max(0, np.mean(one * other)))
+
+
+def describe_response(picture):
+    """Autocorrelation of noise down range at equal delays, between rows on a straight line."""
+    air = picture.power_db[picture.air]
+    n_lags = int(max(DELAYS_NS) * 1e-9 / picture.row_s) + 2
+    found = correlation(air - np.nanmean(air), range(n_lags), axis=0)
+    values = np.interp(DELAYS_NS, np.arange(n_lags) * picture.row_s * 1e9, found)
+    return named("air, autocorrelation down at * ns", DELAYS_NS, values)
+
+
+def describe_sidelobes(picture):
+    """Power before the surface relative to it, noise taken off [dB]; nothing where the surface is rough.
+
+    Ridges within the footprint come before the nadir point and are no sidelobes.
+    """
+    row_ns = picture.row_s * 1e9
+    if np.std(np.diff(picture.surface_row)) * row_ns > SMOOTH_NS:
+        return {}
+    first = -int(max(SIDELOBE_NS) / row_ns) - 1
+    power = np.nanmean(10 ** (picture.below_surface(first, 1) / 10), axis=1) - picture.noise()
+    values = np.interp(SIDELOBE_NS, -row_ns * np.arange(first, 1)[::-1], np.maximum(power / power[-1], 0)[::-1])
+    return named("sidelobes, level before the surface at * ns", SIDELOBE_NS, to_db(values))
+
+
+def homogeneous_snow(picture):
+    """The stretch of 5 ns whose mean profile is nearest to a straight line, well above noise, (row, range_line).
+
+    None where there is no such stretch.
+    """
+    first, end, length = (round(ns * 1e-9 / picture.row_s) for ns in (*SNOW_NS, SNOW_WINDOW_NS))
+    below = picture.below_surface(first, end)
+    # Not where picks are drawn over much of a row, or the picture ends for many range lines.
+    below = below[np.isfinite(below).mean(axis=1) > KNOWN_SHARE]
+    level = to_db(np.nanmean(10 ** (below / 10), axis=1))
+    best, least, rows = None, np.inf, np.arange(length)
+    for start in range(0, len(below) - length + 1, max(1, length // 5)):
+        profile = level[start : start + length]
+        uneven = np.std(profile - np.polyval(np.polyfit(rows, profile, 1), rows))
+        if uneven < least and profile.min() > to_db(picture.noise()) + SNOW_OVER_NOISE_DB:
+            best, least = below[start : start + length], uneven
+    return best
+
+
+def describe_snow(picture):
+    """Speckle and texture of homogeneous snow about the mean of every row; nothing where all of it is near noise."""
+    snow = homogeneous_snow(picture)
+    if snow is None:
+        return {}
+    deviation = snow - np.nanmean(snow, axis=1, keepdims=True)
+    along = correlation(deviation, SNOW_LAGS, axis=1)
+    return {
+        "snow, s.d.": np.nanstd(deviation),
+        **named("snow, autocorrelation along track at * lines", SNOW_LAGS, along),
+    }
+
+
+def layer_power_correlation(power, layer_bins):
+    """Correlation from one to the next of a layer's power averaged over 11 range lines [dB], all layers pooled."""
+    rows = np.rint(np.nan_to_num(layer_bins[1:])).astype(int)
+    tracked = np.where(np.isfinite(layer_bins[1:]), np.take_along_axis(power, rows, axis=0), np.nan)
+    n_means = tracked.shape[1] // LOOKED_LINES
+    means = to_db(tracked[:, : n_means * LOOKED_LINES].reshape(len(tracked), n_means, LOOKED_LINES).mean(axis=2))
+    known = means[np.isfinite(means).mean(axis=1) > 0.5]
+    return correlation(known - np.nanmean(known, axis=1, keepdims=True), (1,), axis=1)[0] if known.size else np.nan

@@ -1,72 +1,69 @@
-"""How real a flight looks: its profile, texture, histogram, visibility and thickness, with observed values."""
+"""How near the flight comes to real Snow Radar: all quantities, curves of autocorrelation, and crops side by side."""
 
-from lib.figures.style import BLACK, BLUE, GREY, RED, WHITE, new_figure
+import numpy as np
 
-OTHER_BAND = "observed, other band"  # what the table of curves calls real accumulation-radar echograms
-DIRECTIONS = {"range_line": ("along track", BLUE), "range_bin": ("down", RED)}
+from lib.figures.style import BLACK, BLUE, RED, new_figure
+
+CURVES = {
+    "Greenland, autocorrelation along track": ("distance [m]", "autocorrelation, 100 m means"),
+    "snow, autocorrelation along track": ("distance [range lines]", "autocorrelation, homogeneous snow"),
+    "air, autocorrelation down": ("delay [ns]", "autocorrelation, air"),
+    "Greenland, shift of layers": ("distance [m]", "median shift of layers [bins]"),
+}
+REACH = 4  # differences are shown up to so many times what is tolerated
 
 
-def realism(realism, realism_curves):
-    """Curves of the flight in its own units, then in standard deviations, and single figures by what is observed."""
-    curves = realism_curves
-    figure, axes = new_figure(2, 4, width=13, height=5.5)
-    profile, histogram, autocorrelation, visibility, standard_profile, standard_histogram, thickness, levels = axes.flat
-    plot_curve(profile, curves, "row profile", BLACK)
-    profile.axvline(0, color="0.5", linestyle=":", linewidth=1)
-    profile.set(xlabel="range bins below the surface", ylabel="mean power / noise [dB]")
-    plot_curve(histogram, curves, "histogram", BLACK)
-    histogram.set(xlabel="power / noise [dB]", ylabel="density [1/dB]", ylim=(0, None))
-    plot_autocorrelation(autocorrelation, curves, realism)
-    plot_curve(visibility, curves, "visibility", BLACK, marker="o")
-    visibility.axhline(0, color="0.5", linestyle=":", linewidth=1)
-    visibility.set(xlabel="range bins below the surface", ylabel="rise over the snow around [dB]")
-    plot_standard(standard_profile, curves, "standard profile")
-    standard_profile.set(xlabel="row of the snow", ylabel="mean of the row [s.d.]")
-    plot_standard(standard_histogram, curves, "standard histogram")
-    standard_histogram.set(xlabel="decibels less their mean [s.d.]", ylabel="density", ylim=(0, None))
-    plot_curve(thickness, curves, "thickness PSD", BLACK)
-    thickness.set(xscale="log", yscale="log", xlabel="wavenumber [cycles per range line]")
-    thickness.set_ylabel("thickness PSD [bins²]")
-    # Every quantity with an observed value, as a ratio to the middle of the observed range.
-    rows = realism[realism["observed_low"].notna() & ~realism["quantity"].str.contains(", lag |of a frame")].iloc[::-1]
-    top = rows["observed_high"].fillna(rows["observed_low"])
-    middle = (rows["observed_low"] + top) / 2
-    y = range(len(rows))
-    reach = [(rows["value"] - rows["low"]) / middle, (rows["high"] - rows["value"]) / middle]
-    levels.errorbar(rows["value"] / middle, y, xerr=reach, fmt="o", markersize=3, color=BLACK, linewidth=1)
-    levels.hlines(y, rows["observed_low"] / middle, top / middle, color=BLUE, linewidth=5, alpha=0.4)
-    levels.axvline(1, color="0.5", linestyle=":", linewidth=1)
-    levels.set_yticks(y, rows["quantity"], fontsize=5)
-    levels.set(xlabel="value / observed")
+def realism(realism, real_snow_radar):
+    """Differences of all comparable quantities, and the curves that some of them make."""
+    figure, axes = new_figure(2, 3, width=11, height=8, width_ratios=[1.3, 1, 1])
+    for ax in axes[:, 0]:
+        ax.remove()
+    plot_differences(figure.add_subplot(axes[0, 0].get_gridspec()[:, 0]), realism)
+    for ax, (name, (xlabel, ylabel)) in zip(axes[:, 1:].flat, CURVES.items(), strict=True):
+        plot_curve(ax, realism, real_snow_radar, name)
+        ax.set(xlabel=xlabel, ylabel=ylabel)
     return figure
 
 
-def plot_curve(ax, curves, name, colour, other=False, **keywords):
-    """Median and band of one curve, of the flight or of the real echograms of another band."""
-    rows = curves[(curves["curve"] == name) & ((curves["data"] == OTHER_BAND) == other)].sort_values("x")
-    ax.fill_between(rows["x"], rows["low"], rows["high"], color=colour, alpha=0.15, linewidth=0)
-    ax.plot(rows["x"], rows["value"], color=colour, linewidth=1.2, markersize=3, **keywords)
+def plot_differences(ax, table):
+    """A point a comparable quantity: flight less real, in units of the tolerated difference."""
+    rows = table[table["comparable"]].iloc[::-1]
+    y = np.arange(len(rows))
+    value = np.clip(rows["difference"] / rows["tolerated"], -REACH, REACH)
+    reach = np.abs(rows[["low", "high"]].sub(rows["value"], axis=0)).div(rows["tolerated"], axis=0)
+    colours = np.where(rows["agrees"] == "yes", BLACK, RED)
+    ax.hlines(y, value - reach["low"], value + reach["high"], color=colours, linewidth=0.8)
+    ax.scatter(value, y, s=8, c=colours)
+    for limit in (-1, 1):
+        ax.axvline(limit, color="0.5", linestyle=":", linewidth=1)
+    ax.set_yticks(y, rows["quantity"], fontsize=5)
+    ax.set(xlim=(-REACH - 0.3, REACH + 0.3), ylim=(-1, len(rows)), xlabel="flight - real, over what is tolerated")
 
 
-def plot_standard(ax, curves, name):
-    """A curve in standard deviations, the real echograms of another band beside it where given."""
-    plot_curve(ax, curves, name, BLACK, label="flight")
-    if (curves["data"] == OTHER_BAND).any():
-        plot_curve(ax, curves, name, GREY, other=True, label=OTHER_BAND, linestyle="--")
+def plot_curve(ax, table, real, name):
+    """Quantities of one name by the number in it: the flight as a line with bars, real frames as points."""
+    pattern = rf"{name} at ([\d.]+) "
+    flight, observed = (
+        rows.assign(x=rows["quantity"].str.extract(pattern)[0].astype(float)).dropna(subset="x")
+        for rows in (table, real)
+    )
+    for frame, points in observed.groupby("frame", sort=False):
+        ax.plot(points["x"], points["value"], "o--", color=BLUE, markersize=3, linewidth=0.7, label=f"real, {frame}")
+    reach = [flight["value"] - flight["low"], flight["high"] - flight["value"]]
+    ax.errorbar(
+        flight["x"], flight["value"], yerr=np.maximum(reach, 0), fmt="o-", color=BLACK, markersize=3, label="flight"
+    )
+    ax.axhline(0, color="0.5", linestyle=":", linewidth=1)
     ax.legend(fontsize=6)
 
 
-def plot_autocorrelation(ax, curves, table):
-    """Autocorrelation by lag along track and down, observed ranges as bars with a cap."""
-    for direction, (label, colour) in DIRECTIONS.items():
-        name = f"autocorrelation along {direction}"
-        plot_curve(ax, curves, name, colour, label=f"{label}, flight")
-        observed = table[table["quantity"].str.startswith(f"{name}, lag ")]
-        lag = observed["quantity"].str.rsplit(" ", n=1).str[-1].astype(float)
-        lag = lag * (1.04 if direction == "range_bin" else 0.96)  # both have a lag 1
-        middle = (observed["observed_low"] + observed["observed_high"]) / 2
-        reach = (observed["observed_high"] - observed["observed_low"]) / 2
-        style = {"fmt": "s", "markersize": 3.5, "capsize": 3, "markerfacecolor": WHITE, "linewidth": 1}
-        ax.errorbar(lag, middle, yerr=reach, color=colour, label=f"{label}, observed (other band)", **style)
-    ax.set(xscale="log", xlabel="lag [pixels]", ylabel="autocorrelation", ylim=(0, 1))
-    ax.legend(fontsize=6, loc="lower left")
+def realism_crops(crops):
+    """Crops of either side, a row a side and kind; only where real pictures are given."""
+    names = sorted(crops.data_vars, key=lambda name: name.split(", ")[::-1])
+    figure, axes = new_figure(len(names), crops.sizes["crop"], width=8, height=1.2 * len(names))
+    for row, name in zip(axes, names, strict=True):
+        for ax, crop in zip(row, crops[name].values, strict=True):
+            ax.imshow(crop - crop.mean(), cmap="gray", vmin=-5, vmax=5, aspect="auto", interpolation="none")
+            ax.set(xticks=[], yticks=[])
+        row[0].set_ylabel(name.replace(", ", "\n"), fontsize=7)
+    return figure

@@ -1,0 +1,131 @@
+"""Echograms in decibels, of the flight and of real Snow Radar alike, and real cores: what realism is measured on.
+
+The real ones are numbers recovered from published pictures; what that does to them is said where each is read.
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from snowsim.echogram import bin_size_s, layer_bins_of, to_db
+from snowsim.reference.radar import draw_detected, quantised, range_response
+
+AIR_MARGIN_BINS = 40  # above the flight's surface, where nothing but noise is
+PRODUCT_ROW_S = 8.67e-11  # two-way, of the products of 2016 as their readers print it
+MEAN_M, SAMPLED_BINS, SAMPLES_PER_ROW = 100, 5, 3.26  # as the picture of the Greenland frames was made
+BINS_PER_ROW = SAMPLED_BINS * SAMPLES_PER_ROW
+GREENLAND = {"2012-05-08 058": "maris_2012.npy", "2011-03-29 049-050": "maris_2011.npy"}
+# Pixels per row of the product; rows of air and columns whose air no ridge reaches. The third picture, of 2017, is of
+# another band (2-18 GHz) and left out.
+SEA_ICE = {
+    "2016-04-19 010": ("OIB_20160419_04_010.npz", 0.535, slice(10, 300), 1020),
+    "2016-04-20 090": ("OIB_20160420_02_090.npz", 0.89, slice(10, 240), 800),
+}
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An echogram: `power_db` (row, range_line), NaN where unknown; length of a row [s]; rows of surface and of air."""
+
+    power_db: np.ndarray
+    row_s: float
+    surface_row: np.ndarray
+    air: slice
+
+    def below_surface(self, first, end):
+        """Rows `first` to `end` from the surface on, which is row 0, (row, range_line); NaN beyond the picture."""
+        rows = self.surface_row + np.arange(first, end)[:, None]
+        inside = (rows >= 0) & (rows < len(self.power_db))
+        values = np.take_along_axis(self.power_db, np.clip(rows, 0, len(self.power_db) - 1), axis=0)
+        return np.where(inside, values, np.nan)
+
+    def noise(self):
+        """Mean power of the air."""
+        return np.nanmean(10 ** (self.power_db[self.air] / 10))
+
+
+def flight_picture(echogram, layers):
+    """A frame of the flight, without the range lines that are missing."""
+    power = echogram["Data"].transpose("twtt", "slow_time").values.astype(float)
+    surface = layer_bins_of(layers, echogram)[0]
+    usable = (np.isfinite(power) & (power > 0)).all(axis=0) & np.isfinite(surface)
+    surface_row = np.rint(surface[usable]).astype(int)
+    air = slice(0, surface_row.min() - AIR_MARGIN_BINS)
+    return Picture(to_db(power[:, usable]), bin_size_s(echogram), surface_row, air)
+
+
+def response_picture(radar, *, rng, n_rows=256, n_lines=256):
+    """Noise through the flight's range response, at the rows of the products of 2016: the flight's own are coarser."""
+    finer = replace(radar, bin_size_s=PRODUCT_ROW_S, n_sub_bins=2)
+    margin = range_response(finer).size
+    white = np.ones((n_lines, n_rows * finer.n_sub_bins + 2 * margin), dtype=np.float32)
+    power = quantised(draw_detected(white, finer, margin, finer.n_looks, rng=rng), finer.quantisation_db)
+    return Picture(to_db(power.T.astype(float)), PRODUCT_ROW_S, np.zeros(n_lines, dtype=int), slice(0, n_rows))
+
+
+def means_100m(picture, line_spacing_m):
+    """A frame as the Greenland frames were published, (row, column): decibels, not power, averaged over 100 m columns.
+
+    Every fifth bin from the surface on was plotted and about 3.26 of them melted into a row of the picture.
+    """
+    n_rows = int((len(picture.power_db) - picture.surface_row.max()) / BINS_PER_ROW)
+    samples = picture.below_surface(0, int(n_rows * BINS_PER_ROW))[::SAMPLED_BINS]
+    n_lines = round(MEAN_M / line_spacing_m)
+    n_columns = samples.shape[1] // n_lines
+    columns = samples[:, : n_columns * n_lines].reshape(len(samples), n_columns, n_lines).mean(axis=2)
+    first = (np.arange(n_rows) * SAMPLES_PER_ROW).astype(int)
+    return np.stack([columns[i : i + 3].mean(axis=0) for i in first])
+
+
+def read_greenland(folder):
+    """The two Greenland frames by name, (row, column) [dB], rows of 16.3 bins from the picked surface down.
+
+    Traps: the length of a bin is not stated; decibels were averaged; 2011 was interpolated to the time axis of 2012.
+    """
+    return {name: np.load(Path(folder) / "greenland_2011_2012" / file) for name, file in GREENLAND.items()}
+
+
+def read_sea_ice(folder):
+    """The two sea-ice frames of 2-8 GHz as `Picture` by name, one column a range line.
+
+    Traps: rows and columns were resampled to the nearest: along track some range lines stand twice and are dropped,
+    rows are left as they are; picks drawn over are unknown; the surface is the brightest pixel of a range line.
+    """
+    pictures = {}
+    for name, (file, row_px, air, n_columns) in SEA_ICE.items():
+        with np.load(Path(folder) / "sea_ice_2016_2017" / file) as held:
+            grey = held["gray"].astype(float)
+            power_db = held["dB_at_gray0"] + grey * float(held["dB_per_gray"])
+            drawn_over = np.unpackbits(held["overlay_mask"])[: grey.size].reshape(grey.shape).astype(bool)
+        power_db[drawn_over] = np.nan
+        # A colour map may move a repeated column by one grey level.
+        repeated = (np.abs(np.diff(grey[air], axis=1)) <= 1).mean(axis=0) > 0.8
+        power_db = power_db[:, :n_columns][:, ~np.pad(repeated, (1, 0))[:n_columns]]
+        pictures[name] = Picture(power_db, PRODUCT_ROW_S / row_px, np.nanargmax(power_db, axis=0), air)
+    return pictures
+
+
+def read_cores(folder):
+    """Annual series of real cores by name, youngest year first: accumulation, or thickness of annual layers.
+
+    GreenTRACS cores (west Greenland) lie along a line and cover the years 2016 to 1955, NaN where a core has none.
+    """
+    cores = Path(folder) / "cores"
+    table = np.genfromtxt(cores / "greentracs/Accumulation.txt")[:, :-1]
+    ages = np.genfromtxt(cores / "greentracs/Core15_age_scale.txt", skip_header=1)
+    depth_m = np.loadtxt(cores / "summit/gisp2_depth_of_year_1989_1930.txt").ravel()
+    return {
+        **{f"GreenTRACS {i + 1}": series for i, series in enumerate(table.T)},
+        "GreenTRACS 15, thickness": np.diff(ages[:, 0]),
+        "Summit": np.loadtxt(cores / "summit/gisp2_accum_1939_1743_kgm2.txt").ravel(),
+        "Summit, thickness": np.diff(depth_m),
+    }
+
+
+def read_densities(folder):
+    """Depth [m] and density [kg m-3] of the two cores sampled every 0.1 m or so, by name."""
+    cores = Path(folder) / "cores"
+    core15 = np.genfromtxt(cores / "greentracs/Core15_depth_density.txt", delimiter=",", skip_header=1)
+    summit = np.genfromtxt(cores / "summit/summit_density_top10m.csv", delimiter=",", skip_header=1)
+    return {"GreenTRACS 15": core15 * [1, 1e3], "Summit": summit}
