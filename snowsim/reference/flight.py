@@ -15,7 +15,7 @@ SYNTHETIC = "synthetic reference flight, not observed data"
 TAKE_OFF = np.datetime64("2012-04-29T12:00:00", "ns")
 FLIGHT_TRACK = "flight"
 WINDOW_LINES = 64  # over which the rise of a layer is averaged
-SEGMENT_LINES = 914  # 5 km, as in Fig. 8 of the paper
+SEGMENT_M = 5000.0  # as in Fig. 8 of the paper
 SEGMENT_ROWS = 600
 SEGMENT_CANDIDATES = np.linspace(0.1, 0.9, 161)  # of the line
 GOOD, AUTOMATIC = 1, 2  # quality and type in CReSIS layer files
@@ -80,13 +80,14 @@ def draw_complex_segment(*, climate, settings, rng):
     by construction, here as in the paper's claim, and proves nothing.
     """
     radar = settings.radar
-    length_km = SEGMENT_LINES * radar.line_spacing_m / 1e3
+    n_lines = round(SEGMENT_M / radar.line_spacing_m)
+    length_km = n_lines * radar.line_spacing_m / 1e3
     factor = settings.climate.accumulation_factor
     places = [place_at(km, factor) for km in SEGMENT_CANDIDATES * line_length_km()]
     n_years_seen = [climate.fade_depth_m(FLIGHT_TRACK, place) / place.accumulation_m for place in places]
     start_km = places[int(np.argmax(n_years_seen))].position_km - length_km / 2
-    position_km = start_km + np.arange(SEGMENT_LINES) * radar.line_spacing_m / 1e3
-    surface_row = draw_surface_row(SEGMENT_LINES, radar.surface_bin, radar, rng=rng)
+    position_km = start_km + np.arange(n_lines) * radar.line_spacing_m / 1e3
+    surface_row = draw_surface_row(n_lines, radar.surface_bin, radar, rng=rng)
     column = draw_column(climate, FLIGHT_TRACK, position_km, SEGMENT_ROWS - radar.surface_bin, rng=rng)
     echo = draw_echo(column, surface_row, SEGMENT_ROWS, settings.firn, radar, rng=rng)
     amplitude = np.sqrt(echo.sub_bin_power / 2)
@@ -96,7 +97,7 @@ def draw_complex_segment(*, climate, settings, rng):
     layer_bins = column.layer_bins(surface_row)
     layer_bins = layer_bins[layer_bins.max(axis=1) < SEGMENT_ROWS - 1]
     spacing_m = radar.line_spacing_m / radar.n_looks
-    repeat_km = position_km[0] + np.arange(SEGMENT_LINES * radar.n_looks) * spacing_m / 1e3
+    repeat_km = position_km[0] + np.arange(n_lines * radar.n_looks) * spacing_m / 1e3
     repeated_row = np.repeat(surface_row, radar.n_looks)
     twtt_s, along_track = _along_track(repeat_km, repeated_row, radar, SEGMENT_ROWS)
     layer_twtt = twtt_s[0] + np.repeat(layer_bins, radar.n_looks, axis=1) * radar.bin_size_s

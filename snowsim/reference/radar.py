@@ -71,8 +71,9 @@ class Waveform:
 def range_response(radar):
     """Range response on the sub-bin grid, float32 (tap,), centred; its squares sum to 1."""
     step_s = radar.bin_size_s / radar.n_sub_bins
-    half = int(np.ceil(RESPONSE_WIDTH / radar.bandwidth_hz / step_s))
-    taps = hann_response(np.arange(-half, half + 1) * step_s, radar.bandwidth_hz)
+    reached_hz = radar.bandwidth_hz / radar.response_widening
+    half = int(np.ceil(RESPONSE_WIDTH / reached_hz / step_s))
+    taps = hann_response(np.arange(-half, half + 1) * step_s, reached_hz)
     return (taps / np.sqrt((taps**2).sum())).astype(np.float32)
 
 

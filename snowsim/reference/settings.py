@@ -47,16 +47,16 @@ def _number(settings, name):
 class ClimateSettings:
     """Accumulation along the line; spreads are standard deviations of its logarithm."""
 
-    accumulation_factor: float = 1.0
-    anomaly_sd: float = 0.2
-    undulation_sd: float = 0.12
-    undulation_min_km: float = 1.5
+    accumulation_factor: float = 0.85
+    anomaly_sd: float = 0.18
+    undulation_sd: float = 0.08
+    undulation_min_km: float = 3.0
     undulation_max_km: float = 20.0
-    drift_sd: float = 0.06
-    drift_length_m: float = 350.0
+    drift_sd: float = 0.1
+    drift_length_m: float = 2500.0
     relief_sd: float = 0.03
     relief_length_m: float = 45.0
-    open_year: float = 0.7
+    open_year: float = 0.8
 
     def __post_init__(self):
         # Below half, more years lie in a window than a climate has; above three, a year is thicker than anywhere there.
@@ -74,20 +74,20 @@ class FirnSettings:
     """Density contrasts in the firn; spreads are standard deviations of their logarithm."""
 
     surface_density_kg_m3: float = 340.0
-    horizon_jump_kg_m3: float = 170.0
-    horizon_year_sd: float = 0.2
-    horizon_local_sd: float = 0.35
-    local_length_m: float = 350.0
+    horizon_jump_kg_m3: float = 160.0
+    horizon_year_sd: float = 0.35
+    horizon_local_sd: float = 0.3
+    local_length_m: float = 900.0
     crusts_per_year: float = 1.2
-    crust_jump_kg_m3: float = 50.0
+    crust_jump_kg_m3: float = 40.0
     crust_sd: float = 0.45
     layering_sd_kg_m3: float = 50.0
     layering_length_m: float = 0.0225
-    layering_lateral_m: float = 3.0
-    layering_fade_m: float = 24.0
+    layering_lateral_m: float = 1.6
+    layering_fade_m: float = 60.0
     fade_least_m: float = 0.9
-    fade_depth_m: float = 1.85
-    fade_sd: float = 1.1
+    fade_depth_m: float = 2.4
+    fade_sd: float = 1.2
     percolation_elevation_m: float = 1800.0
     percolation_width_m: float = 60.0
     percolation_gap_share: float = 0.5
@@ -128,6 +128,7 @@ class RadarSettings:
     n_sub_bins: int = 4
     n_looks: int = 5
     bandwidth_hz: float = PROCESSED_BANDWIDTH_HZ
+    response_widening: float = 1.15
     height_m: float = 500.0
     beamwidth_deg: float = 40.0
     surface_slope: float = 0.022
@@ -143,14 +144,14 @@ class RadarSettings:
     roll_enter: float = 0.0005
     roll_leave: float = 0.005
     roll_gain: float = 0.7
-    sidelobe_db: float = -20.0
-    sidelobe_fall_s: float = 1.4e-9
+    sidelobe_db: float = -34.0
+    sidelobe_fall_s: float = 1.8e-09
     band_spacing_s: float = 2.5e-8
-    band_noise_db: float = -8.0
+    band_noise_db: float = -7.0
     band_width_s: float = 5e-10
-    line_gain_sd_db: float = 0.22
+    line_gain_sd_db: float = 0.4
     quantisation_db: float = 0.25
-    jump_rate: float = 0.0003
+    jump_rate: float = 0.0001
     jump_sd_db: float = 1.0
     saturated_rate: float = 0.0002
     missing_rate: float = 0.0002
@@ -173,6 +174,7 @@ class RadarSettings:
                 f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
             )
             raise ValueError(msg)
+        check_within(self, 1, 3, "response_widening")
         check_within(self, 1, 180, "beamwidth_deg")
         check_within(self, 0.005, 1, "surface_slope", "horizon_slope")
         check_within(
@@ -193,7 +195,7 @@ class PickSettings:
 
     visible_db: float = 1.0
     gap_db: float = 0.2
-    picker_db: float = 1.6
+    picker_db: float = 1.3
     picker_lines: int = 9
     shortest_run: int = 16
 

@@ -39,8 +39,9 @@ def test_percolation_is_at_the_low_end_and_rare(climate):
 def test_every_frame_has_the_same_years(climate, rng):
     far = [climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng) for km in (500, 504)]
     yearly = [np.log(water_m).mean(axis=1) for water_m in far]
-    # Drift (0.06, some six independent lengths in 2 km) beside anomalies of 0.2 leaves a correlation of 0.985.
-    assert np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] > 0.95
+    # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18 leaves a correlation
+    # of 0.8; of 29 years it is known to 0.07.
+    assert 0.6 < np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] < 0.95
 
 
 def test_undulations_stay_in_place_on_a_track_and_differ_between_tracks(climate, rng):
@@ -97,7 +98,7 @@ def test_series_along_track_are_stationary_with_the_correlation_asked_for(rng):
         ({"climate": {"anomaly_sd": -0.1}}, "climate.anomaly_sd must lie in"),
         ({"climate": {"undulation_max_km": 1.0}}, "climate.undulation_max_km must exceed"),
         ({"radar": {"n_looks": 0}}, "radar.n_looks must be an integer of at least 1"),
-        ({"radar": {"n_sub_bins": 1}}, "radar.n_sub_bins must be at least 1.73"),
+        ({"radar": {"n_sub_bins": 1}}, "radar.n_sub_bins must be at least 1.49"),
         ({"radar": {"bin_size_s": float("nan")}}, "radar.bin_size_s must be positive"),
         ({"radar": {"surface_bin": 790}}, "radar.surface_bin must leave 100"),
         ({"radar": {"bandwidth_hz": "6e9"}}, "radar.bandwidth_hz must be a number, got '6e9'"),

@@ -40,7 +40,7 @@ def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(bare):
     layer_bins, echo = bare
     for line, rows in enumerate(layer_bins[:8].T):
         # The tails of the layers above pull a peak upwards, by least where it rises most.
-        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.1
+        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.12
 
 
 def profile_of(column, climate):
@@ -91,7 +91,7 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
 
 
 def test_missing_lines_are_noise_and_positive(rng):
-    faults = {"missing_rate": 1.0, "saturated_rate": 0.0, "jump_rate": 0.0}
+    faults = BARE["radar"] | {"missing_rate": 1.0, "jump_rate": 0.0}
     _, echo = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)
     assert echo.without_echo.all()
     assert_allclose(echo.mean(), echo.noise_power, rtol=1e-5)
@@ -99,9 +99,10 @@ def test_missing_lines_are_noise_and_positive(rng):
 
 
 def test_saturated_lines_are_noisy_and_clipped(rng):
-    faults = {"missing_rate": 0.0, "saturated_rate": 1.0, "jump_rate": 0.0}
+    faults = BARE["radar"] | {"saturated_rate": 1.0, "jump_rate": 0.0}
     mean = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)[1].mean()
-    assert_allclose(mean[:30], mean[0, 0], rtol=1e-4)
+    # The transform rounds to 1e-7 of an echo of 0.01; this noise is 1e-5.
+    assert_allclose(mean[:30], mean[0, 0], rtol=5e-4)
     assert mean.max() < 0.32 + mean[0, 0]
 
 
@@ -124,7 +125,7 @@ def test_frame_follows_the_data_model(frame):
         assert dataset.attrs["synthetic"] == "synthetic reference flight, not observed data"
         assert dataset.attrs["n_looks"] == 5
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
-    assert_allclose(np.diff(along_track_m(echogram)), 5.47, rtol=1e-4)
+    assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
 
 
 def test_surface_of_a_frame_is_its_first_layer(climate, frame):
@@ -156,7 +157,7 @@ def test_segment_is_5_km_of_complex_looks_with_a_flat_spectrum_and_fifteen_layer
     settings = climate.settings
     segment = draw_complex_segment(climate=climate, settings=settings, rng=random_stream(1, "segment"))
     assert segment.attrs["synthetic"].startswith("synthetic")
-    assert segment.sizes["slow_time"] == 914 * 5
+    assert segment.sizes["slow_time"] == 962 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)
     assert segment.sizes["layer"] > 15
     rows = (segment["layer_twtt"].values - segment["twtt"].values[0]) / settings.radar.bin_size_s

@@ -18,7 +18,7 @@ def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     return power, layer_bins
 
 
-def speckled_picks(power, layer_bins, rng, settings=PickSettings()):  # noqa: B008, frozen
+def speckled_picks(power, layer_bins, rng, settings=PickSettings(picker_db=1.6)):  # noqa: B008, frozen
     """Picks of an echogram of 16 looks."""
     return pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
 

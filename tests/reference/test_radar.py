@@ -72,7 +72,7 @@ def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
     # Field correlation is the normalised transform of the squared window; power correlation its square.
     f = np.linspace(-0.5, 0.5, 20_001)
     squared = (0.5 + 0.5 * np.cos(2 * np.pi * f)) ** 2
-    lag = RADAR.bin_size_s * RADAR.bandwidth_hz
+    lag = RADAR.bin_size_s * RADAR.bandwidth_hz / RADAR.response_widening
     field = np.trapezoid(squared * np.cos(2 * np.pi * f * lag), f) / np.trapezoid(squared, f)
     measured = np.corrcoef(power[:, :-1].ravel(), power[:, 1:].ravel())[0, 1]
     # 3e5 pairs; the exponential's fourth moment triples the error of a correlation.
@@ -123,9 +123,9 @@ def test_rolled_share_of_the_flight_is_that_of_the_chain(rng):
 
 
 def test_receiver_gain_jumps_as_often_as_asked(rng):
-    gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01), rng=rng)
+    gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng)
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
-    assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0), rng=rng) == 1).all()
+    assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1).all()
 
 
 def test_compensation_leaves_fractions_of_a_bin(rng):

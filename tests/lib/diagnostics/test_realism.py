@@ -5,7 +5,7 @@ import yaml
 from numpy.testing import assert_allclose
 
 from lib.diagnostics import realism, realism_sides, realism_snow, two_sample
-from lib.diagnostics.pictures import BINS_PER_ROW, Picture, means_100m, response_picture
+from lib.diagnostics.pictures import BINS_PER_ROW, PRODUCT_ROW_S, Picture, means_100m, response_picture
 from lib.diagnostics.realism_table import interval, realism_table, summary
 from lib.imports import ROOT
 from snowsim.reference import checked_settings
@@ -90,7 +90,7 @@ def test_decay_and_smoothness_of_planted_100_m_means(rng):
 def test_means_over_100_m_are_taken_of_decibels_from_the_surface_on():
     surface_row = np.array([100, 103] * 50)
     power_db = -(np.arange(400)[:, None] - surface_row) * 0.1 + np.zeros(100)
-    means = means_100m(Picture(power_db, ROW_S, surface_row, slice(0, 50)), 5.0)
+    means = means_100m(Picture(power_db, PRODUCT_ROW_S, surface_row, slice(0, 50)), 5.0)
     assert means.shape == (18, 5)
     # Three samples, five bins apart, from the surface on.
     assert_allclose(means[0], -0.1 * 5, rtol=1e-12)
@@ -104,7 +104,7 @@ def test_the_response_has_the_autocorrelation_of_its_window(rng):
     frequency = (np.arange(4000) + 0.5) / 4000
     density = np.sin(np.pi * frequency) ** 4
     for t in (0.1, 0.3):
-        phase = 2 * np.pi * (frequency - 0.5) * t * radar.bandwidth_hz * 1e-9
+        phase = 2 * np.pi * (frequency - 0.5) * t * radar.bandwidth_hz / radar.response_widening * 1e-9
         expected = (np.sum(density * np.cos(phase)) / density.sum()) ** 2
         # Decibels instead of power, and straight lines between rows, cost up to 0.03.
         assert_allclose(numbers[f"air, autocorrelation down at {t} ns"], expected, atol=0.03)

@@ -67,10 +67,14 @@ def response_picture(radar, *, rng, n_rows=256, n_lines=256):
 def means_100m(picture, line_spacing_m):
     """A frame as the Greenland frames were published, (row, column): decibels, not power, averaged over 100 m columns.
 
-    Every fifth bin from the surface on was plotted and about 3.26 of them melted into a row of the picture.
+    Every fifth bin from the surface on was plotted and about 3.26 of them melted into a row of the picture. Their bins
+    are taken to be those of the products of 2016, so that rows of both sides are equally long: 56 of them hold a year
+    of .184 m w.e. (13,916 annotated frames of 2012), which makes 1.1 cm of air, and not the 4.33 cm of other products.
     """
-    n_rows = int((len(picture.power_db) - picture.surface_row.max()) / BINS_PER_ROW)
-    samples = picture.below_surface(0, int(n_rows * BINS_PER_ROW))[::SAMPLED_BINS]
+    step = SAMPLED_BINS * PRODUCT_ROW_S / picture.row_s  # from sample to sample, in rows of the frame
+    n_rows = int((len(picture.power_db) - picture.surface_row.max()) / step / SAMPLES_PER_ROW)
+    sampled = np.rint(np.arange(int(n_rows * SAMPLES_PER_ROW)) * step).astype(int)
+    samples = picture.below_surface(0, sampled[-1] + 1)[sampled]
     n_lines = round(MEAN_M / line_spacing_m)
     n_columns = samples.shape[1] // n_lines
     columns = samples[:, : n_columns * n_lines].reshape(len(samples), n_columns, n_lines).mean(axis=2)

@@ -5,8 +5,7 @@ import pandas as pd
 
 from lib.diagnostics import pictures, realism, realism_snow, two_sample
 from lib.diagnostics.realism_table import interval
-from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s, layer_bins_of, to_db
+from snowsim.echogram import along_track_m, layer_bins_of, to_db
 
 FLIGHT_ROW_S = 2.886e-10  # what crops of real pictures are brought to: a range bin of the flight
 SMOOTHED_WAVENUMBERS = 101
@@ -31,7 +30,7 @@ def describe_frame(echogram, layers, response):
         "line spacing": spacing_m,
         "layers, correlation of power along track, 55 looks": along,
         **realism.describe_means(means),
-        **realism.describe_decay(means, bin_size_s(echogram) * SPEED_OF_LIGHT_M_S / 2),
+        **realism.describe_decay(means, realism.BIN_AIR_M[0]),
         **describe_picture(picture),
         **realism.describe_response(response),
     }
@@ -56,10 +55,10 @@ def describe_flight(frames, scenes, statistics, settings, climate, *, rng):
         "deeper layers, left of a peak one thickness below": realism_snow.left_below(statistics, slice(3, None)),
     }
     found = {name: interval(list(values), rng=rng) for name, values in samples.items()}
-    inside = realism_snow.thickness_of(train, realism_snow.INTERIOR_MOST_M)
-    for what, of in (("spacing", realism_snow.spacing_variation), ("mean of five", realism_snow.mean_variation)):
-        found[f"layers, {what}, deviation over mean"] = interval(inside, of, rng=rng)
     slabs = realism_snow.thickness_of(train)
+    inside = realism_snow.thickness_of(train, realism_snow.INTERIOR_MOST_M)
+    found["layers, spacing, deviation over mean"] = interval(inside, realism_snow.spacing_variation, rng=rng)
+    found["layers, mean of five, deviation over mean"] = interval(slabs, realism_snow.mean_variation, rng=rng)
     for first, end in realism_snow.FIRST_PX:
         name = f"layers, thickness over a first one of {first} to {end} px"
         found[name] = interval(slabs, lambda drawn, px=(first, end): realism_snow.thickness_ratio(drawn, px), rng=rng)
