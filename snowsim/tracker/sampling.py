@@ -104,3 +104,13 @@ class TrainingSet:
     def __getitem__(self, position):
         number, scene = self.source(position)
         return self._held(scene) if number == 0 else self._sets[number][scene]
+
+
+def copy_shown(position, n_per_epoch, n_copies, seed):
+    """What a training on copies shows at `position`: the draw of a `TrainingSet`, and which of its `n_copies`.
+
+    An epoch shows all copies of the `n_per_epoch` scenes that the set draws in it, each once, in random order.
+    """
+    slot = draw_index(n_copies * n_per_epoch, position, seed, "training set", "copies")
+    copy, within = divmod(slot, n_per_epoch)
+    return position // (n_copies * n_per_epoch) * n_per_epoch + within, copy
