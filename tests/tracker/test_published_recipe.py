@@ -2,19 +2,23 @@
 
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import published_code
 import pytest
 import torch
+import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 from toy_scenes import toy_scene, toy_scenes
 
+from lib.tracker_training import compose
 from snowsim.patches import whole_copy
-from snowsim.tracker import OUTPUTS, Training, TrainingSet, published, train_steps
+from snowsim.tracker import OUTPUTS, Settings, Training, TrainingSet, published, train_steps
 from snowsim.tracker.network import PublishedNetwork
 from snowsim.tracker.sampling import copy_shown
 
+CONFIG = Path(__file__).parents[2] / "config"
 SCALES = (1.0, 0.75, 0.5, 0.25, 0.6, 0.35)
 # Rates and decay that let 60 gradients of a network of width 4 move every weight far beyond rounding.
 RECIPE = published(60, width=4, n_accumulated=10, n_steps_per_tenth=2, scales=SCALES, learning_rate=1e-5, weight_decay=20)
@@ -117,6 +121,20 @@ def test_only_copies_let_a_scene_without_layers_pass():
     drawn = published(10, width=2, augmentation="drawn")
     with pytest.raises(ValueError, match="mask without layers"):
         next(train_steps(Training(drawn, seed=1), TrainingSet(scenes, seed=1)))
+
+
+def test_the_paper_s_configuration_is_the_published_recipe():
+    settings, n_gradients = {}, {}
+    for name in ("config", "paper"):
+        tracker = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())["tracker"]
+        settings |= tracker["training"]
+    assert Settings(**settings) == published(settings["n_steps"])
+    for n_sets in (0, 1, 2):
+        sets = [range(1500)] * n_sets
+        _, chosen = compose(range(2360), sets, Settings(**settings), tracker["n_epochs"], 1, 1500 / 2360, tracker["order"])
+        n_gradients[n_sets] = chosen.n_steps
+    # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.
+    assert n_gradients == {0: 177_000, 1: 289_500, 2: 402_000}
 
 
 def test_copies_refuse_crops_and_epochs_too_short_for_an_update():
