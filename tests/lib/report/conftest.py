@@ -62,7 +62,7 @@ def planted_page(planted_tables, tmp_path_factory):
         figures=[wave],
         captions={wave: ("flight", "A wave (paper, Fig. 6): planted."), fall: ("study_seeds", "A fall: from a study.")},
         paper=REPORT / "paper.yaml",
-        config={"seed": 7, "source": "reference", "phy": {"align": "peak"}},
+        config={"seed": 7, "source": "reference", "phy": {"n_looks": 16}, "benchmark": {"n_looks": 16}},
         note="synthetic reference flight",
         studies={"files": {spread: "digest", fall: "digest"}, "parts": ["seeds"]},
         stages={"draw": "labels"},
