@@ -92,7 +92,9 @@ def whole_copy(scene, scale, mirrored):
     if scale != 1:
         size = [int(n * scale) for n in both.shape[1:]]
         values = functional.interpolate(torch.from_numpy(both)[None].double(), size=size, mode="bilinear")[0]
-        both = torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()  # half a level goes up, however it was rounded
+        both = (
+            torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
+        )  # half a level goes up, however it was rounded
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
 

@@ -91,7 +91,12 @@ class Settings:
             if getattr(self, name) not in choices:
                 msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 raise ValueError(msg)
-        whole = (self.batch_size, self.n_range_bins, self.n_range_lines, self.mask_unannotated) == (1, None, None, False)
+        whole = (self.batch_size, self.n_range_bins, self.n_range_lines, self.mask_unannotated) == (
+            1,
+            None,
+            None,
+            False,
+        )
         if self.augmentation == "copies" and not whole:
             msg = "augmentation copies: expected whole images, one a gradient, and no pixel masked: batch_size 1, "
             msg += "n_range_bins and n_range_lines null, mask_unannotated false"

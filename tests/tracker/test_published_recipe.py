@@ -21,7 +21,9 @@ from snowsim.tracker.sampling import copy_shown
 CONFIG = Path(__file__).parents[2] / "config"
 SCALES = (1.0, 0.75, 0.5, 0.25, 0.6, 0.35)
 # Rates and decay that let 60 gradients of a network of width 4 move every weight far beyond rounding.
-RECIPE = published(60, width=4, n_accumulated=10, n_steps_per_tenth=2, scales=SCALES, learning_rate=1e-5, weight_decay=20)
+RECIPE = published(
+    60, width=4, n_accumulated=10, n_steps_per_tenth=2, scales=SCALES, learning_rate=1e-5, weight_decay=20
+)
 
 
 def unlike_scenes():
@@ -131,7 +133,9 @@ def test_the_paper_s_configuration_is_the_published_recipe():
     assert Settings(**settings) == published(settings["n_steps"])
     for n_sets in (0, 1, 2):
         sets = [range(1500)] * n_sets
-        _, chosen = compose(range(2360), sets, Settings(**settings), tracker["n_epochs"], 1, 1500 / 2360, tracker["order"])
+        _, chosen = compose(
+            range(2360), sets, Settings(**settings), tracker["n_epochs"], 1, 1500 / 2360, tracker["order"]
+        )
         n_gradients[n_sets] = chosen.n_steps
     # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.
     assert n_gradients == {0: 177_000, 1: 289_500, 2: 402_000}

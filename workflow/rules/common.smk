@@ -1,5 +1,6 @@
 # What all rules share: the check of the configuration, names of files, code as input, the list of targets, guards.
 
+import copy
 import hashlib
 import math
 import os
@@ -9,6 +10,7 @@ from pathlib import Path
 import jsonschema
 import yaml
 from snakemake.exceptions import WorkflowError
+from snakemake.utils import update_config
 
 # Where this workflow lies, also where another uses it as a module.
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
@@ -170,6 +172,14 @@ def finished_study(path):
     if not Path(path).is_file():
         return {}
     return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
+
+
+# Where trainings keep what is no output of theirs.
+CHECKPOINTS, EVENTS = (config["checkpoints"][name] for name in ("folder", "events"))
+# What the run as printed leaves for the report.
+PRINTED_TABLES = [
+    f"results/as_printed/tables/{name}.csv" for name in ("table2", "table3_intervals")
+]
 
 
 def imported_by(script):
