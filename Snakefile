@@ -5,6 +5,7 @@ configfile: f"{workflow.current_basedir.get_path_or_uri(secret_free=False)}/conf
 
 
 include: "workflow/rules/main.smk"
+include: "workflow/rules/flight.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/diagnostics.smk"
 include: "workflow/rules/export.smk"

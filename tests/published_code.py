@@ -58,7 +58,7 @@ def parameter_groups(net, lr, decay):
 
 
 def rescaled(picture, rate):
-    """OpenCV's bilinear resize of 8-bit values to a truncated size: a position between pixels of their edges, no more."""
+    """OpenCV's bilinear resize of 8-bit values to a truncated size; beyond centres of edge pixels nothing changes."""
     if rate == 1:
         return picture
     size = [int(n * rate) for n in picture.shape]

@@ -85,7 +85,7 @@ def paired_difference(differences, image_error, n_images):
 
 
 def holm(p_values):
-    """p values of several tests, corrected for their number: Holm (1979), Scand. J. Stat. 6, 65-70.
+    """P values of several tests, corrected for their number: Holm (1979), Scand. J. Stat. 6, 65-70.
 
     The k-th smallest of m, counted from 0, times m - k, at most 1, and never less than a smaller one's.
     """

@@ -121,8 +121,8 @@ def draw_parameters(
     A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
     look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
     bounds of the measured 1/e width passed on as printed, or `width_bounds`; only the latter uses `rng`. `n_looks` is
-    the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed; statistics that
-    were made before it was measured give none.
+    the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed;
+    statistics that were made before it was measured give none.
     """
     if width not in WIDTHS:
         msg = f"width must be one of {', '.join(WIDTHS)}, got {width!r}"

@@ -8,7 +8,7 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the width, convolutions: VGG16
-# Mean grey level that the published code takes off: of its means of red, green and blue, weighted as OpenCV weighs them.
+# Mean grey level that the published code takes off: its means of red, green and blue, weighted as for luminance.
 MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 

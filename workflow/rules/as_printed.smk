@@ -2,9 +2,7 @@
 # results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
 
 PRINTED = copy.deepcopy(config)
-update_config(
-    PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text())
-)
+update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
 PRINTED["checkpoints"] |= {
     "folder": "results/as_printed/checkpoints",
     "events": "logs/as_printed/tensorboard",
@@ -30,7 +28,7 @@ module printed:
         }
 
 
-use rule fit_statistics, draw_labels, render_phy, train_cgan, render_cgan, score_similarity, tabulate_similarity, train_tracker, score_tracker, tabulate_trackers from printed as printed_*
+use rule * from printed exclude labels, renders, similarity, trackers as printed_*
 
 
 rule as_printed:

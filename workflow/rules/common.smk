@@ -243,7 +243,7 @@ SMALL_FILES_BYTES = 20e6
 
 def bytes_of(job):
     """About what one job writes."""
-    name = job.rule.name
+    name = job.rule.name.removeprefix("printed_")
     if name in BYTES_PER_SCENE:
         scenes = job.wildcards.get("scenes", job.wildcards.get("split", "labels"))
         first, end = shard_range(scenes, job.wildcards.shard)

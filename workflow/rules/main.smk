@@ -1,8 +1,7 @@
-# From the flight to Tables II and III: what a run cannot do without, and what may be run beside itself as a module.
+# From sums over the flight to Tables II and III: what a run may do beside itself, with other settings, as a module.
 
 
 include: "common.smk"
-include: "flight.smk"
 include: "labels.smk"
 include: "renders.smk"
 include: "similarity.smk"

@@ -53,7 +53,15 @@ def test_a_title_is_the_first_clause_without_the_paper_s_figure():
 def test_table2_stands_beside_the_paper_s():
     paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
     rows = compare_table2(table2([1, 2, 3], [2, 4, 6]), paper)
-    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": "2.00 / 4.00 / 6.00", "paper": "4.00 / 5.00 / 6.00"}
+    ours, published = "2.00 / 4.00 / 6.00", "4.00 / 5.00 / 6.00"
+    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": ours, "printed": "", "paper": published}
+
+
+def test_the_run_as_printed_stands_beside_the_run(planted_page):
+    text = planted_page.read_text()
+    assert text.count("<em>0.123</em>") == 6 * 4 * 3  # every cell of Table III
+    assert '<td class="num">0.20 / 0.20 / 0.20</td>' in text
+    assert "indicative only" in text
 
 
 def test_table3_marks_what_is_resolved():

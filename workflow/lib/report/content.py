@@ -22,11 +22,15 @@ GIBIBYTE_MB = 1024
 BUILT = "true by construction"
 
 
-def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, stages, benchmarks):
-    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are."""
+def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, printed, stages, benchmarks):
+    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are.
+
+    `printed` are the tables of the run as printed, by path, all or none.
+    """
     paper = yaml.safe_load(Path(paper).read_text(encoding="utf-8"))
     figures = described_figures(figures, captions)
     by_name = {Path(path).stem: read_table(path) for path in tables}
+    printed = {Path(path).stem: read_table(path) for path in printed}
     study_tables = [path for path in studies["files"] if path.endswith(".csv")]
     intervals = with_study(by_name["table3_intervals"], study_tables)
     evidence = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
@@ -39,8 +43,9 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "synthetic": synthetic,
         "source_words": f"the {note}" if synthetic else note,
         "paper": paper,
-        "table2": compare_table2(by_name["table2"], paper["table2"]),
-        "table3": compare_table3(intervals, paper["table3"]),
+        "table2": compare_table2(by_name["table2"], paper["table2"], printed.get("table2")),
+        "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
+        "as_printed": bool(printed),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
         "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
         "enough_trainings": ENOUGH_TRAININGS,
@@ -130,9 +135,13 @@ def described_tables(paths):
     ]
 
 
-def compare_table2(table2, paper):
-    """Rows of Table II as texts: metric, method, and ours and the paper's as "min / mean / max"."""
-    ours = table2.set_index(["metric", "statistic"])
+def compare_table2(table2, paper, printed=None):
+    """Rows of Table II as texts: metric, method, and ours, as printed and the paper's as "min / mean / max"."""
+
+    def of(table, metric, method):
+        if table is None:
+            return []
+        return table.set_index(["metric", "statistic"]).loc[metric, method].loc[["min", "mean", "max"]]
 
     def text(values, digits):
         return " / ".join(f"{value:.{digits}f}" for value in values)
@@ -141,7 +150,8 @@ def compare_table2(table2, paper):
         {
             "metric": NAMES[metric],
             "method": NAMES[method],
-            "ours": text([ours.loc[(metric, statistic), method] for statistic in ("min", "mean", "max")], digits),
+            "ours": text(of(table2, metric, method), digits),
+            "printed": text(of(printed, metric, method), digits),
             "paper": text(paper[metric][method], digits),
         }
         for metric, digits in DIGITS.items()
@@ -149,9 +159,11 @@ def compare_table2(table2, paper):
     ]
 
 
-def compare_table3(intervals, paper):
+def compare_table3(intervals, paper, printed=None):
     """Rows of Table III: output, score, a cell a training set; `resolved`: its difference to RD is not zero."""
-    ours = intervals.set_index(["output", "metric", "training_set"])
+    keys = ["output", "metric", "training_set"]
+    ours = intervals.set_index(keys)
+    as_printed = None if printed is None else printed.set_index(keys)["mean"]
     rows = []
     for output, published in paper.items():
         for k, score in enumerate(("ods", "ois", "ap")):
@@ -159,7 +171,9 @@ def compare_table3(intervals, paper):
             for training_set in TRAINING_SETS:
                 row = ours.loc[(output, score, training_set)].to_dict()
                 resolved = row["difference_low"] > 0 or row["difference_high"] < 0
-                cells.append({**row, "resolved": resolved, "paper": published[training_set][k]})
+                printed_mean = None if printed is None else as_printed[output, score, training_set]
+                beside = {"printed": printed_mean, "paper": published[training_set][k]}
+                cells.append({**row, "resolved": resolved, **beside})
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
     return rows
 
@@ -190,7 +204,7 @@ def _cost(jobs):
 
 
 def count_verdicts(claims):
-    """How many claims got each verdict, without verdicts that none got; those true by construction are counted apart."""
+    """How many claims got each verdict, without verdicts that none got; what is true by construction apart."""
     judged = [BUILT if claim.by_construction else claim.verdict for claim in claims]
     counts = {name: judged.count(name) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)}
     return {name: count for name, count in counts.items() if count}
