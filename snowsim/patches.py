@@ -11,10 +11,7 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """Raise ValueError, naming the `Scene`, unless its image has contrast and fits its layers, and a layer is seen.
-
-    `empty` lets scenes without a layer pass.
-    """
+    """ValueError, naming the `Scene`, unless its image has contrast, fits its layers and, not `empty`, shows one."""
     shape = (scene.n_range_bins, scene.n_range_lines)
     if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
         got = "no image" if scene.image is None else f"{scene.image.dtype} of shape {scene.image.shape}"

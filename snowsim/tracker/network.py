@@ -76,11 +76,7 @@ class MultiScaleNetwork(nn.Module):
 
 
 class PublishedNetwork(MultiScaleNetwork):
-    """The multi-scale network as the published code has it: other input, first weights and place of side maps.
-
-    github.com/BinaLab/MultiScale. Side maps are enlarged with aligned corners, so pixel k of n falls on row
-    ``k (f n - 1) / (n - 1)`` of f n, and what is too large is cut from both sides.
-    """
+    """The multi-scale network as the published code has it: other input, first weights and place of side maps."""
 
     @staticmethod
     def to_input(images):

@@ -107,10 +107,7 @@ class TrainingSet:
 
 
 def copy_shown(position, n_per_epoch, n_copies, seed):
-    """What a training on copies shows at `position`: the draw of a `TrainingSet`, and which of its `n_copies`.
-
-    An epoch shows all copies of the `n_per_epoch` scenes that the set draws in it, each once, in random order.
-    """
+    """What a training on copies shows at `position`: a draw of its `TrainingSet`, and which copy, in random order."""
     slot = draw_index(n_copies * n_per_epoch, position, seed, "training set", "copies")
     copy, within = divmod(slot, n_per_epoch)
     return position // (n_copies * n_per_epoch) * n_per_epoch + within, copy

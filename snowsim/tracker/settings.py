@@ -62,6 +62,7 @@ class Settings:
     n_range_lines: int | None = 128
     scales: tuple = (1.0,)
     flip: bool = True
+    augmentation: str = "drawn"
     optimiser: str = "adamw"
     learning_rate: float = 2e-3
     weight_decay: float = 1e-2
@@ -69,11 +70,10 @@ class Settings:
     n_steps_per_tenth: int = 10_000
     published_multipliers: bool = False
     reduction: str = "mean"
+    loss: str = "logits"
     precision: str = "bfloat16"
     mask_unannotated: bool = False
     network: str = "multi_scale"
-    augmentation: str = "drawn"
-    loss: str = "logits"
 
     def __post_init__(self):
         object.__setattr__(self, "scales", tuple(self.scales))
@@ -91,16 +91,6 @@ class Settings:
             if getattr(self, name) not in choices:
                 msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 raise ValueError(msg)
-        whole = (self.batch_size, self.n_range_bins, self.n_range_lines, self.mask_unannotated) == (
-            1,
-            None,
-            None,
-            False,
-        )
-        if self.augmentation == "copies" and not whole:
-            msg = "augmentation copies: expected whole images, one a gradient, and no pixel masked: batch_size 1, "
-            msg += "n_range_bins and n_range_lines null, mask_unannotated false"
-            raise ValueError(msg)
 
     @property
     def n_copies(self):
@@ -109,10 +99,7 @@ class Settings:
 
 
 def published(n_steps, width=64, **other):
-    """Settings of the published tracker code: SGD 1e-6, 10 gradients an update, five copies of an image an epoch.
-
-    github.com/BinaLab/MultiScale, of Rahnemoonfar et al. (2021); its epochs are 15.
-    """
+    """Settings of the published tracker code, github.com/BinaLab/MultiScale; its epochs are 15."""
     recipe = {
         "n_accumulated": 10,
         "n_range_bins": None,

@@ -117,13 +117,12 @@ def train_steps(training, scenes):
         is not finite.
     """
     settings = training.settings
-    n_per_epoch = settings.n_copies * scenes.n_per_epoch if settings.augmentation == "copies" else settings.n_steps
-    if n_per_epoch < settings.n_accumulated and settings.augmentation == "copies":
-        msg = f"an epoch of {n_per_epoch} gradients never fills an update of n_accumulated = {settings.n_accumulated}"
-        raise ValueError(msg)
+    copies = settings.augmentation == "copies"
+    if copies:
+        _check_copies(settings, scenes.n_per_epoch)
+    n_per_epoch = settings.n_copies * scenes.n_per_epoch if copies else settings.n_steps
     while training.step < settings.n_steps:
-        shown = _copy if settings.augmentation == "copies" else _patches
-        images, *maps = shown(training, scenes)
+        images, *maps = (_copy if copies else _patches)(training, scenes)
         maps = (torch.from_numpy(array).to(training.device) for array in maps)
         images = training.network.to_input(images).to(training.device)
         losses = _step(training, images, *maps, n_per_epoch=n_per_epoch)
@@ -132,6 +131,16 @@ def train_steps(training, scenes):
             msg = f"training diverged at step {training.step}: loss {losses['total']}"
             raise FloatingPointError(msg)
         yield training.step, losses
+
+
+def _check_copies(settings, n_scenes):
+    """Refuse what copies cannot be: cut, several a gradient, masked, or too few in an epoch for an update."""
+    if settings.batch_size > 1 or settings.n_range_bins or settings.n_range_lines or settings.mask_unannotated:
+        msg = "augmentation copies: expected batch_size 1, no crop and mask_unannotated false"
+        raise ValueError(msg)
+    if settings.n_copies * n_scenes < settings.n_accumulated:
+        msg = f"an epoch of {settings.n_copies * n_scenes} gradients never fills an update of {settings.n_accumulated}"
+        raise ValueError(msg)
 
 
 def _patches(training, scenes):
