@@ -4,16 +4,13 @@
 configfile: f"{workflow.current_basedir.get_path_or_uri(secret_free=False)}/config/config.yaml"
 
 
-include: "workflow/rules/common.smk"
+include: "workflow/rules/main.smk"
 include: "workflow/rules/flight.smk"
-include: "workflow/rules/labels.smk"
-include: "workflow/rules/renders.smk"
-include: "workflow/rules/similarity.smk"
-include: "workflow/rules/tracker.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/diagnostics.smk"
 include: "workflow/rules/export.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/as_printed.smk"
 
 
 rule all:

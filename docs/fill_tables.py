@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pandas as pd
 from study_tables import STUDY_BLOCKS
-from table_parts import METRICS, SETS, amount, digits, error, markdown, read, share
+from table_parts import METRICS, SETS, amount, difference, digits, error, markdown, read, share
 
 ROOT = Path(__file__).resolve().parents[1]
+ENOUGH_TRAININGS = 5  # of each set, for intervals to be more than indicative
 PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md")
 
 
@@ -41,18 +42,22 @@ def trackers(results):
 
 
 def intervals(results):
-    """Differences of the fuse to training on real scenes alone."""
-    table = read(results, "table3_intervals").set_index(["output", "training_set", "metric"])
+    """Differences of the fuse to training on real scenes alone: by the study, where it has more trainings."""
+    table = read(results, "table3_intervals").query("output == 'fuse'")
+    n = table["n_replicas"].iloc[0]
+    few = f" {n} trainings a set are too few for more than an indication" if n < ENOUGH_TRAININGS else ""
+    title = f"95 % intervals of the paired bootstrap over images and trainings (`table3_intervals.csv`).{few}"
+    table = table.drop(columns=["low", "high"]).rename(columns={"difference_low": "low", "difference_high": "high"})
+    if (results / "studies/tracker/seeds.csv").is_file():
+        study = read(results, "seeds", "studies/tracker").query("base == 'rd'")
+        if study["n_replicas"].iloc[0] > n:
+            n, table = study["n_replicas"].iloc[0], study
+            title = "95 % intervals of Student's t over trainings and images (`studies/tracker/seeds.csv`)"
+    table = table.set_index(["training_set", "metric"])
     added = {key: name for key, name in SETS.items() if key != "rd"}
-    rows = []
-    for metric in ("ods", "ois", "ap"):
-        of_sets = [table.loc[("fuse", key, metric)] for key in added]
-        cells = [f"{r.difference:+.3f} [{r.difference_low:+.3f}, {r.difference_high:+.3f}]" for r in of_sets]
-        rows.append([metric.upper(), *cells])
-    title = (
-        "Difference of the fused output to RD, with 95 % intervals of the paired bootstrap over images and trainings\n"
-        "(`table3_intervals.csv`):"
-    )
+    metrics = ("ods", "ois", "ap")
+    rows = [[metric.upper(), *(difference(table.loc[(key, metric)]) for key in added)] for metric in metrics]
+    title = f"Difference of the fused output to RD, {n} trainings a set,\n{title}:"
     return title + "\n\n" + markdown(["", *added.values()], rows)
 
 

@@ -10,8 +10,8 @@ from snowsim.echogram import layer_mask
 from snowsim.seeding import random_stream
 
 
-def check_trainable(scene):
-    """Raise ValueError, naming the `Scene`, unless its image has contrast and fits its layers, and a layer is seen."""
+def check_trainable(scene, *, empty=False):
+    """ValueError, naming the `Scene`, unless its image has contrast, fits its layers and, not `empty`, shows one."""
     shape = (scene.n_range_bins, scene.n_range_lines)
     if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
         got = "no image" if scene.image is None else f"{scene.image.dtype} of shape {scene.image.shape}"
@@ -20,7 +20,7 @@ def check_trainable(scene):
     if scene.image.min() == scene.image.max():
         msg = f"scene {scene.name}: image without contrast, every pixel is {scene.image.min()}"
         raise ValueError(msg)
-    if not scene.mask().any():
+    if not empty and not scene.mask().any():
         msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel inside the window"
         raise ValueError(msg)
 
@@ -75,6 +75,25 @@ def scaled(image, layer_bins, scale):
     weight = line - left
     at_line = (1 - weight) * layer_bins[:, left] + weight * layer_bins[:, right]
     return smaller[0, 0].numpy(), (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
+
+
+def whole_copy(scene, scale, mirrored):
+    """Image (uint8) and mask (bool) of a whole scene, (range_bin, range_line), resized alike or turned left to right.
+
+    As the published tracker code does it with OpenCV: sizes are truncated, values interpolated between the nearest two
+    by two pixels without averaging (within a grey level of OpenCV's integers), masks too, and on where above zero.
+    ValueError unless `check_trainable` passes the scene, with or without layers.
+    """
+    check_trainable(scene, empty=True)
+    both = np.stack([scene.image, np.uint8(255) * scene.mask()])
+    if scale != 1:
+        size = [int(n * scale) for n in both.shape[1:]]
+        values = functional.interpolate(torch.from_numpy(both)[None].double(), size=size, mode="bilinear")[0]
+        both = (
+            torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
+        )  # half a level goes up, however it was rounded
+    image, mask = both[:, :, ::-1] if mirrored else both
+    return image, mask > 0
 
 
 def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng):

@@ -84,6 +84,18 @@ def paired_difference(differences, image_error, n_images):
     }
 
 
+def holm(p_values):
+    """P values of several tests, corrected for their number: Holm (1979), Scand. J. Stat. 6, 65-70.
+
+    The k-th smallest of m, counted from 0, times m - k, at most 1, and never less than a smaller one's.
+    """
+    p_values = np.asarray(p_values, dtype=float)
+    order = np.argsort(p_values)
+    corrected = np.empty_like(p_values)
+    corrected[order] = np.minimum(np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1)), 1)
+    return corrected
+
+
 def _reach(probabilities, spread, n, image_error, n_images):
     """Half width of an interval: quantiles at these probabilities, added up, times errors of seeds and of images."""
 

@@ -113,14 +113,16 @@ def _per_layer(name, value, n_layers):
     return array
 
 
-def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, speckle_correlation="measured", rng):
+def draw_parameters(
+    statistics, n_layers, *, width="fitted", width_bounds=None, n_looks=None, speckle_correlation="measured", rng
+):
     """Parameters of `render` for one scene of `n_layers` layers, surface included, from the statistics of a flight.
 
     A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
     look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
-    bounds of the measured 1/e width passed on as printed; only the latter uses `rng`. `n_looks` is the flight's by
-    default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed; statistics that
-    were made before it was measured give none.
+    bounds of the measured 1/e width passed on as printed, or `width_bounds`; only the latter uses `rng`. `n_looks` is
+    the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed;
+    statistics that were made before it was measured give none.
     """
     if width not in WIDTHS:
         msg = f"width must be one of {', '.join(WIDTHS)}, got {width!r}"
@@ -133,9 +135,12 @@ def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, speck
         msg = f"n_layers must be at least 1, got {n_layers}"
         raise ValueError(msg)
     if width == "paper":
-        low, high = (float(bound) for bound in statistics["width_bound_bins"].values)
+        name, bounds = "width_bounds", width_bounds
+        if bounds is None:
+            name, bounds = "width_bound_bins", statistics["width_bound_bins"].values
+        low, high = (float(bound) for bound in bounds)
         if not 0 < low <= high < np.inf:
-            msg = f"width_bound_bins must be positive and increase, got {low:g}, {high:g}"
+            msg = f"{name} must be positive and increase, got {low:g}, {high:g}"
             raise ValueError(msg)
         variance_bins2 = rng.uniform(low, high, n_layers)
     else:

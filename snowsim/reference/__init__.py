@@ -1,4 +1,4 @@
-"""The synthetic reference flight: firn physics and a radar that share no equation with the renderers it judges."""
+"""The synthetic reference flight: firn physics and a radar, no code of the renderers it judges."""
 
 from snowsim.reference.settings import Settings, checked_settings
 

@@ -1,7 +1,7 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import LightNetwork, MultiScaleNetwork
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork
 from snowsim.tracker.sampling import Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.track import track, trained_network
@@ -12,6 +12,7 @@ __all__ = [
     "Completed",
     "LightNetwork",
     "MultiScaleNetwork",
+    "PublishedNetwork",
     "Settings",
     "Training",
     "TrainingSet",

@@ -5,7 +5,11 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from snowsim.patches import to_signed
+
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the width, convolutions: VGG16
+# Mean grey level that the published code takes off: its means of red, green and blue, weighted as for luminance.
+MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 
 class MultiScaleNetwork(nn.Module):
@@ -34,8 +38,7 @@ class MultiScaleNetwork(nn.Module):
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
 
     def forward(self, image):
-        """Logits of `OUTPUTS`, (output, patch, 1, range_bin, range_line), of images (patch, 1, ...) in [-1, 1]."""
-        n_range_bins, n_range_lines = image.shape[2:]
+        """Logits of `OUTPUTS`, (output, patch, 1, range_bin, range_line), of images (patch, 1, ...) as `to_input`."""
         x = image
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
@@ -43,12 +46,62 @@ class MultiScaleNetwork(nn.Module):
                 x = functional.max_pool2d(x, 2, stride=2, ceil_mode=True)
             for convolution in stage:
                 x = functional.relu(convolution(x))
-            logit = side(x).float()
-            if number:
-                logit = functional.interpolate(logit, scale_factor=2.0**number, mode="bilinear", align_corners=False)
-            logits.append(logit[:, :, :n_range_bins, :n_range_lines])
+            logits.append(self.enlarged(side(x).float(), 2**number, image.shape[2:]))
         logits.append(self.fuse(torch.cat(logits, dim=1)).float())
         return torch.stack(logits)
+
+    @staticmethod
+    def to_input(images):
+        """Float32 (patch, 1, range_bin, range_line) of a stack of images of uint8."""
+        return to_signed(images)
+
+    @staticmethod
+    def enlarged(logit, factor, size):
+        """A side map as many times as large, about pixel centres, and cut to `size` on the right and below."""
+        return _enlarged(logit, factor)[:, :, : size[0], : size[1]]
+
+    def initialise(self, *, rng):
+        """Draw the weights: He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse."""
+        with torch.no_grad():
+            for name, parameter in self.named_parameters():
+                if name.endswith("bias"):
+                    parameter.zero_()
+                elif name.startswith("fuse"):
+                    parameter.fill_(1 / len(STAGES))
+                else:
+                    n_inputs = parameter[0].numel()
+                    spread = np.sqrt(2 / n_inputs) if name.startswith("stages") else 0.01
+                    drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
+                    parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
+
+
+class PublishedNetwork(MultiScaleNetwork):
+    """The multi-scale network as the published code has it: other input, first weights and place of side maps."""
+
+    @staticmethod
+    def to_input(images):
+        """Grey level less `MEAN_GREY`, float32 (patch, 1, range_bin, range_line)."""
+        return torch.from_numpy(np.asarray(images).astype(np.float32) - np.float32(MEAN_GREY))[:, None]
+
+    @staticmethod
+    def enlarged(logit, factor, size):
+        """A side map as many times as large, corners on corners, and the middle of it."""
+        logit = _enlarged(logit, factor, align_corners=True)
+        # Half a pixel goes to the even one, as Python rounds.
+        top, left = (round((whole - cut) / 2) for whole, cut in zip(logit.shape[2:], size, strict=True))
+        return logit[:, :, top : top + size[0], left : left + size[1]]
+
+    def initialise(self, *, rng):
+        """Draw the weights as PyTorch does, uniform within +-1 / sqrt(number of inputs), biases too; a mean fuses."""
+        n_inputs = 1
+        with torch.no_grad():
+            for name, parameter in self.named_parameters():
+                if name.startswith("fuse"):
+                    parameter.fill_(0 if name.endswith("bias") else 1 / len(STAGES))
+                    continue
+                n_inputs = n_inputs if name.endswith("bias") else parameter[0].numel()  # weights come first
+                drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
+                parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
 
 
 class LightNetwork(nn.Module):
@@ -71,9 +124,11 @@ class LightNetwork(nn.Module):
         self.sides = nn.ModuleList(nn.Conv2d(n, 1, 1) for n in sizes)
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
 
+    to_input = staticmethod(MultiScaleNetwork.to_input)
+    initialise = MultiScaleNetwork.initialise
+
     def forward(self, image):
         """Logits of `OUTPUTS`, as `MultiScaleNetwork.forward`."""
-        n_range_bins, n_range_lines = image.shape[2:]
         x, down = image, []
         for number, convolution in enumerate(self.stages):
             if number:
@@ -84,33 +139,18 @@ class LightNetwork(nn.Module):
         for number in reversed(range(len(STAGES))):
             skip = down[number]
             if number + 1 < len(STAGES):
-                skip = skip + _doubled(self.stages_across[number](x))[:, :, : skip.shape[2], : skip.shape[3]]
+                across = self.stages_across[number](x)
+                skip = skip + MultiScaleNetwork.enlarged(across, 2, skip.shape[2:])
             x = functional.relu(self.stages_up[number](skip))
-            logit = self.sides[number](x).float()
-            if number:
-                logit = functional.interpolate(logit, scale_factor=2.0**number, mode="bilinear", align_corners=False)
-            logits.insert(0, logit[:, :, :n_range_bins, :n_range_lines])
+            logits.insert(0, MultiScaleNetwork.enlarged(self.sides[number](x).float(), 2**number, image.shape[2:]))
         logits.append(self.fuse(torch.cat(logits, dim=1)).float())
         return torch.stack(logits)
 
 
-def _doubled(x):
-    return functional.interpolate(x, scale_factor=2.0, mode="bilinear", align_corners=False)
+def _enlarged(x, factor, *, align_corners=False):
+    if factor == 1:
+        return x
+    return functional.interpolate(x, scale_factor=float(factor), mode="bilinear", align_corners=align_corners)
 
 
-NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork}
-
-
-def initialise(network, *, rng):
-    """Draw the weights: He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse."""
-    with torch.no_grad():
-        for name, parameter in network.named_parameters():
-            if name.endswith("bias"):
-                parameter.zero_()
-            elif name.startswith("fuse"):
-                parameter.fill_(1 / len(STAGES))
-            else:
-                n_inputs = parameter[0].numel()
-                spread = np.sqrt(2 / n_inputs) if name.startswith("stages") else 0.01
-                drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
-                parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
+NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork, "published": PublishedNetwork}

@@ -104,3 +104,10 @@ class TrainingSet:
     def __getitem__(self, position):
         number, scene = self.source(position)
         return self._held(scene) if number == 0 else self._sets[number][scene]
+
+
+def copy_shown(position, n_per_epoch, n_copies, seed):
+    """What a training on copies shows at `position`: a draw of its `TrainingSet`, and which copy, in random order."""
+    slot = draw_index(n_copies * n_per_epoch, position, seed, "training set", "copies")
+    copy, within = divmod(slot, n_per_epoch)
+    return position // (n_copies * n_per_epoch) * n_per_epoch + within, copy

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 CHOICES = {
     "optimiser": ("adamw", "sgd"),
-    "schedule": ("one_cycle", "steps"),
+    "schedule": ("one_cycle", "steps", "updates"),
     "reduction": ("mean", "sum"),
     "precision": ("float32", "bfloat16"),
-    "network": ("multi_scale", "unet"),
+    "network": ("multi_scale", "unet", "published"),
+    "augmentation": ("drawn", "copies"),
+    "loss": ("logits", "sigmoids"),
 }
 
 
@@ -24,23 +26,32 @@ class Settings:
     n_range_bins, n_range_lines : int or None
         Size of the random crops, cut after scaling; None takes whole images.
     scales : tuple of float
-        Sizes an image is shown at; one is drawn per batch.
+        Sizes an image is shown at.
     flip : bool
-        Mirror left to right half of the time.
+        Show images mirrored left to right, too.
+    augmentation : str
+        `drawn`: a scale per batch, and half of the images mirrored. `copies`, as published: an epoch shows every image,
+        whole, once at each scale, mask and image resized alike, and once mirrored, in random order; one without layers
+        costs nothing; gradients that fill no update by the end of an epoch join the first of the next.
     optimiser : str
         `adamw` or `sgd` (momentum 0.9), with `learning_rate` and `weight_decay`.
     schedule : str
-        `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every `n_steps_per_tenth`.
+        `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every `n_steps_per_tenth`
+        gradients; `updates`: every as many updates of the weights, as published.
     published_multipliers : bool
-        Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without decay.
+        Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without decay, but for those
+        of the last stage (a misspelt key).
     reduction : str
         Loss per image: `sum` over its pixels as published, or `mean`.
+    loss : str
+        Cross-entropy of `logits`, or as published of `sigmoids`, logarithms cut at -100: beyond float32, no gradient.
     precision : str
         Arithmetic, `float32` or `bfloat16`.
     mask_unannotated : bool
         Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background, as published.
     network : str
-        `multi_scale` as published, or `unet`: see `snowsim.tracker.network`.
+        `multi_scale`, `published` (the same with the input, first weights and up-sampling of the published code), or
+        `unet`: see `snowsim.tracker.network`.
     """
 
     width: int = 8
@@ -51,6 +62,7 @@ class Settings:
     n_range_lines: int | None = 128
     scales: tuple = (1.0,)
     flip: bool = True
+    augmentation: str = "drawn"
     optimiser: str = "adamw"
     learning_rate: float = 2e-3
     weight_decay: float = 1e-2
@@ -58,6 +70,7 @@ class Settings:
     n_steps_per_tenth: int = 10_000
     published_multipliers: bool = False
     reduction: str = "mean"
+    loss: str = "logits"
     precision: str = "bfloat16"
     mask_unannotated: bool = False
     network: str = "multi_scale"
@@ -79,9 +92,14 @@ class Settings:
                 msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
                 raise ValueError(msg)
 
+    @property
+    def n_copies(self):
+        """Times an epoch shows an image."""
+        return len(self.scales) + self.flip if self.augmentation == "copies" else 1
+
 
 def published(n_steps, width=64, **other):
-    """Settings of the tracker paper: SGD 1e-6, 10 gradients an update, whole images at four scales."""
+    """Settings of the published tracker code, github.com/BinaLab/MultiScale; its epochs are 15."""
     recipe = {
         "n_accumulated": 10,
         "n_range_bins": None,
@@ -90,9 +108,12 @@ def published(n_steps, width=64, **other):
         "optimiser": "sgd",
         "learning_rate": 1e-6,
         "weight_decay": 2e-4,
-        "schedule": "steps",
+        "schedule": "updates",
         "published_multipliers": True,
         "reduction": "sum",
         "precision": "float32",
+        "network": "published",
+        "augmentation": "copies",
+        "loss": "sigmoids",
     }
     return Settings(n_steps=n_steps, width=width, **(recipe | other))

@@ -3,7 +3,6 @@
 import numpy as np
 import torch
 
-from snowsim.patches import to_signed
 from snowsim.tracker.network import NETWORKS
 from snowsim.training import arithmetic, load_weights
 
@@ -13,7 +12,7 @@ def track(network, image, *, precision="float32"):
 
     Parameters
     ----------
-    network : MultiScaleNetwork or LightNetwork
+    network : MultiScaleNetwork, PublishedNetwork or LightNetwork
     image : ndarray of uint8, (range_bin, range_line)
         Any size; ValueError unless it has contrast.
     precision : str
@@ -33,7 +32,7 @@ def track(network, image, *, precision="float32"):
         raise ValueError(msg)
     device = next(network.parameters()).device
     with torch.inference_mode(), arithmetic(device, precision):
-        logits = network(to_signed(image[None]).to(device))
+        logits = network(network.to_input(image[None]).to(device))
         return torch.sigmoid(logits[:, 0, 0].float()).cpu().numpy()
 
 

@@ -7,15 +7,18 @@ import torch
 from torch.nn import functional
 
 from snowsim.constants import OUTPUTS
-from snowsim.patches import draw_patches, to_signed
+from snowsim.patches import draw_patches, whole_copy
 from snowsim.seeding import random_stream
-from snowsim.tracker.network import NETWORKS, initialise
+from snowsim.tracker.network import NETWORKS
+from snowsim.tracker.sampling import copy_shown
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 REACH_BINS = 8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper
 WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
-# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate.
+# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate, and
+# no decay, but for those of the last stage, where its key is misspelt.
 PUBLISHED_MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
+DECAYING_BIASES = "stages.4"
 
 
 def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
@@ -60,7 +63,7 @@ class Training:
 
     Attributes
     ----------
-    network : MultiScaleNetwork or LightNetwork
+    network : MultiScaleNetwork, PublishedNetwork or LightNetwork
     step : int
         Gradients taken.
     """
@@ -69,7 +72,7 @@ class Training:
         self.settings, self.seed, self.device = settings, seed, device
         self.step = 0
         self.network = NETWORKS[settings.network](settings.width)
-        initialise(self.network, rng=random_stream(seed, "tracker", "network"))
+        self.network.initialise(rng=random_stream(seed, "tracker", "network"))
         self.network.to(device=device, memory_format=torch.channels_last)
         self._optimiser = _optimiser(self.network, settings)
 
@@ -102,8 +105,8 @@ def train_steps(training, scenes):
     training : Training
         Changed in place; between two steps its `state` may be saved.
     scenes : TrainingSet
-        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end; ValueError if it has
-        no image, no contrast or no layer.
+        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end, and, for copies,
+        `n_per_epoch`; ValueError if a scene has no image, no contrast or, but for copies, no layer.
 
     Yields
     ------
@@ -114,17 +117,15 @@ def train_steps(training, scenes):
         is not finite.
     """
     settings = training.settings
+    copies = settings.augmentation == "copies"
+    if copies:
+        _check_copies(settings, scenes.n_per_epoch)
+    n_per_epoch = settings.n_copies * scenes.n_per_epoch if copies else settings.n_steps
     while training.step < settings.n_steps:
-        drawn = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
-        batch = [scenes[position] for position in drawn]
-        rng = random_stream(training.seed, "tracker", "step", training.step)
-        scale = settings.scales[rng.integers(len(settings.scales))]
-        known = annotated_pixels if settings.mask_unannotated else None
-        images, *maps = draw_patches(
-            batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, known=known, rng=rng
-        )
+        images, *maps = (_copy if copies else _patches)(training, scenes)
         maps = (torch.from_numpy(array).to(training.device) for array in maps)
-        losses = _step(training, to_signed(images).to(training.device), *maps)
+        images = training.network.to_input(images).to(training.device)
+        losses = _step(training, images, *maps, n_per_epoch=n_per_epoch)
         training.step += 1
         if not math.isfinite(losses["total"]):
             msg = f"training diverged at step {training.step}: loss {losses['total']}"
@@ -132,42 +133,84 @@ def train_steps(training, scenes):
         yield training.step, losses
 
 
-def balanced_cross_entropy(logits, masks, known=None):
+def _check_copies(settings, n_scenes):
+    """Refuse what copies cannot be: cut, several a gradient, masked, or too few in an epoch for an update."""
+    if settings.batch_size > 1 or settings.n_range_bins or settings.n_range_lines or settings.mask_unannotated:
+        msg = "augmentation copies: expected batch_size 1, no crop and mask_unannotated false"
+        raise ValueError(msg)
+    if settings.n_copies * n_scenes < settings.n_accumulated:
+        msg = f"an epoch of {settings.n_copies * n_scenes} gradients never fills an update of {settings.n_accumulated}"
+        raise ValueError(msg)
+
+
+def _patches(training, scenes):
+    """Crops of the next scenes, of one drawn scale, with their masks and, where wanted, what is known of them."""
+    settings = training.settings
+    drawn = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
+    batch = [scenes[position] for position in drawn]
+    rng = random_stream(training.seed, "tracker", "step", training.step)
+    scale = settings.scales[rng.integers(len(settings.scales))]
+    known = annotated_pixels if settings.mask_unannotated else None
+    return draw_patches(
+        batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, known=known, rng=rng
+    )
+
+
+def _copy(training, scenes):
+    """The next scene of an epoch of copies, whole, and its mask, as stacks of one."""
+    settings = training.settings
+    draw, copy = copy_shown(training.step, scenes.n_per_epoch, settings.n_copies, training.seed)
+    mirrored = copy == len(settings.scales)
+    return [array[None] for array in whole_copy(scenes[draw], 1 if mirrored else settings.scales[copy], mirrored)]
+
+
+def balanced_cross_entropy(logits, masks, known=None, *, loss="logits"):
     """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
 
     `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool (patch, range_bin,
     range_line): pixels that count. Layers weigh by the share of background, background by that of layers: Xie & Tu
-    (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1.
+    (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1; with
+    `loss` of `sigmoids`, as the published code, s(z) is rounded to float32 first and logarithms are cut at -100.
     """
     layer = masks[:, None].float()
     counts = torch.ones_like(layer) if known is None else known[:, None].float()
     n_pixels = counts.sum(dim=(1, 2, 3), keepdim=True)
     layer_share = (layer * counts).sum(dim=(1, 2, 3), keepdim=True) / n_pixels
     weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
-    loss = weight * functional.softplus((1 - 2 * layer) * logits.float())
-    return loss.sum(dim=(1, 2, 3, 4)) / masks.shape[0]
+    if loss == "sigmoids":
+        probability = torch.sigmoid(logits.float())
+        cost = functional.binary_cross_entropy(probability, layer.expand_as(probability), reduction="none")
+    else:
+        cost = functional.softplus((1 - 2 * layer) * logits.float())
+    return (weight * cost).sum(dim=(1, 2, 3, 4)) / masks.shape[0]
 
 
 def rate_factor(settings, step):
-    """Learning rate of the step after `step` others, in units of the highest."""
-    if settings.schedule == "steps":
+    """Learning rate of the step after `step` others (updates, where the schedule counts those), of the highest."""
+    if settings.schedule != "one_cycle":
         return 0.1 ** (step // settings.n_steps_per_tenth)
     done = (step + 1) / settings.n_steps
     return done / WARM_UP if done < WARM_UP else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
 
 
-def _step(training, images, masks, known=None):
-    """Add one gradient and, when enough are there, change the weights; the losses before."""
+def _step(training, images, masks, known=None, *, n_per_epoch):
+    """Add one gradient and, when enough are there, change the weights; the losses before.
+
+    Gradients are counted anew after every `n_per_epoch`; those that filled no update stay in the sum.
+    """
     settings, optimiser = training.settings, training._optimiser
     with arithmetic(training.device, settings.precision):
         logits = training.network(images)
-    per_output = balanced_cross_entropy(logits, masks, known)
+    per_output = balanced_cross_entropy(logits, masks, known, loss=settings.loss)
     n_pixels = masks[0].numel()
     share = settings.n_accumulated * (n_pixels if settings.reduction == "mean" else 1)
     (per_output.sum() / share).backward()
-    if (training.step + 1) % settings.n_accumulated == 0:
+    epoch, within = divmod(training.step, n_per_epoch)
+    if (within + 1) % settings.n_accumulated == 0:
+        n_updates = epoch * (n_per_epoch // settings.n_accumulated) + within // settings.n_accumulated
+        factor = rate_factor(settings, n_updates if settings.schedule == "updates" else training.step)
         for group in optimiser.param_groups:
-            group["lr"] = group["highest"] * rate_factor(settings, training.step)
+            group["lr"] = group["highest"] * factor
         optimiser.step()
         optimiser.zero_grad(set_to_none=True)
     per_pixel = (per_output.detach() / n_pixels).tolist()
@@ -182,7 +225,7 @@ def _optimiser(network, settings):
         if settings.published_multipliers:
             rate *= next((factor for part, factor in PUBLISHED_MULTIPLIERS.items() if name.startswith(part)), 1.0)
             if name.endswith("bias"):
-                rate, decay = 2 * rate, 0.0
+                rate, decay = 2 * rate, decay if name.startswith(DECAYING_BIASES) else 0.0
         group = {"params": [], "lr": rate, "highest": rate, "weight_decay": decay}
         groups.setdefault((rate, decay), group)["params"].append(parameter)
     groups = list(groups.values())

@@ -76,6 +76,12 @@ def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_vali
     )
 
 
+def test_the_last_weights_are_kept_where_that_is_asked(tmp_path):
+    validation = {**VALIDATION, "by": "last", "every_steps": 20}
+    train(**arguments(tmp_path, settings=SHORT, validation=validation, on_collapse="go_on"))
+    assert read_model(tmp_path / "generator.safetensors")[1]["step"] == SHORT["n_steps"]
+
+
 @pytest.fixture
 def collapse(tmp_path, monkeypatch):
     """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""

@@ -64,8 +64,31 @@ def test_filling_twice_changes_nothing_more(results):
     text = "<!-- intervals -->\n<!-- /intervals -->\n<!-- cost -->\n<!-- /cost -->\n"
     once, _ = fill_tables.fill(text, results)
     assert fill_tables.fill(once, results)[0] == once
-    assert "| ODS | -0.250 [-0.500, +0.000] |" in once
+    assert "| ODS | -0.2500 [-0.5000, +0.0000] |" in once
+    assert "2 trainings a set are too few" in once
     assert "| `train` | 2 | 90 | 100 % | 60 |" in once
+
+
+def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
+    rows = [(name, "rd", metric, 0.125, 0.0625, 0.1875) for name in SETS[1:] for metric in ("ods", "ois", "ap")]
+    seeds = pd.DataFrame(rows, columns=["training_set", "base", "metric", "difference", "low", "high"])
+    (results / "studies/tracker").mkdir(parents=True)
+    for n_replicas, shown in ((5, True), (2, False)):
+        seeds.assign(n_replicas=n_replicas).to_csv(results / "studies/tracker/seeds.csv", index=False)
+        filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results)
+        assert ("| ODS | +0.1250 [+0.0625, +0.1875] |" in filled) == shown
+        assert ("5 trainings a set" in filled) == shown
+
+
+def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
+    readme, accuracy = (page.read_text() for page in fill_tables.PAGES)
+    study = re.search(r"<!-- seeds -->(.*)<!-- /seeds -->", accuracy, re.DOTALL)[1]
+    of_study = dict(re.findall(r"\| (RD\S+ less RD \| \w+) \|[^|]*\| ([^|]*) \|", study))
+    shown = re.search(r"<!-- tables -->.*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL)[1]
+    for metric in ("ODS", "OIS", "AP"):
+        cells = re.search(rf"\| {metric} \| (.*) \|", shown)[1].split(" | ")
+        assert cells == [of_study[f"{name} less RD | {metric}"] for name in ("RD+GD", "RD+PD", "RD+PD+GD")]
+    assert re.search(r"(\d+) trainings a set", shown)[1] == re.search(r"(\d+) trainings a set", study)[1]
 
 
 def test_a_block_without_its_table_is_left_and_named(results):

@@ -5,7 +5,7 @@ from numpy.testing import assert_allclose
 from scipy.stats import norm
 from scipy.stats import t as student
 
-from snowsim.metrics.comparison import compare, paired_difference
+from snowsim.metrics.comparison import compare, holm, paired_difference
 
 
 def test_one_replica_leaves_the_images_error_alone():
@@ -78,3 +78,18 @@ def test_counts_that_do_not_pair_are_refused(rng):
         compare({"a": one, "b": two}, [("b", "a")], n_bootstrap=2, rng=rng)
     with pytest.raises(ValueError, match="c and a: expected counts"):
         compare({"a": one}, [("c", "a")], n_bootstrap=2, rng=rng)
+
+
+def test_holm_s_correction_is_the_step_down_procedure(rng):
+    p_values = rng.uniform(0, 0.06, 12)
+    corrected = holm(p_values)
+    for level in rng.uniform(0, 1, 200):
+        # Reject in order while p_(k) <= level / (m - k), and stop at the first that is not.
+        rejected = np.zeros(12, dtype=bool)
+        for k, test in enumerate(np.argsort(p_values)):
+            if p_values[test] > level / (12 - k):
+                break
+            rejected[test] = True
+        np.testing.assert_array_equal(corrected <= level, rejected)
+    assert holm([0.03, 0.6])[1] == 0.6
+    assert holm([0.7, 0.8]).tolist() == [1, 1]

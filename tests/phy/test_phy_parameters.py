@@ -40,8 +40,12 @@ def test_speckle_is_correlated_as_measured_unless_none_is_asked_for_or_known(sta
     assert "speckle_correlation" not in draw_parameters(statistics, 2, speckle_correlation="none", rng=rng)
 
 
-def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
-    variance = draw_parameters(statistics, 100_000, width="paper", rng=rng)["variance_bins2"]
+@pytest.mark.parametrize("width_bounds", [None, [10, 15]])
+def test_paper_width_is_uniform_between_the_flight_s_or_given_bounds(statistics, width_bounds, rng):
+    if width_bounds is not None:
+        statistics["width_bound_bins"] = "bound", [1.0, 2.0]
+    drawn = draw_parameters(statistics, 100_000, width="paper", width_bounds=width_bounds, rng=rng)
+    variance = drawn["variance_bins2"]
     assert 10 <= variance.min() < variance.max() <= 15
     # Standard errors of mean and deviation of U(10, 15), 1.44 / sqrt(n): allow four.
     assert_allclose([variance.mean(), variance.std()], [12.5, 5 / np.sqrt(12)], atol=4 * 1.44 / np.sqrt(100_000))
@@ -54,6 +58,7 @@ def test_paper_width_is_uniform_between_the_bounds_as_printed(statistics, rng):
         ("decay_rate", ("layer", [-0.1, 1, 1]), {}, "decay_rate .* at layer 0, got"),
         ("noise_power", 0.0, {}, "noise_power of the statistics must be positive and finite, got 0"),
         ("width_bound_bins", ("bound", [15.0, 10.0]), {"width": "paper"}, "width_bound_bins must .* got 15, 10"),
+        ("noise_power", 1e-3, {"width": "paper", "width_bounds": [3, 2]}, "width_bounds must .* got 3, 2"),
         ("noise_power", 1e-3, {"width": "narrow"}, "width must be one of paper, fitted, got 'narrow'"),
         ("noise_power", 1e-3, {"speckle_correlation": "some"}, "speckle_correlation must be one of measured, none"),
         ("noise_power", 1e-3, {"n_layers": 0}, "n_layers must be at least 1, got 0"),

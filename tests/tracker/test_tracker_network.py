@@ -4,7 +4,7 @@ import torch
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, initialise
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])
@@ -13,7 +13,7 @@ def test_parameter_counts_are_the_published_ones(width, n_parameters):
 
 
 def drawn(network, rng):
-    initialise(network, rng=rng)
+    network.initialise(rng=rng)
     return network.eval()
 
 
@@ -34,7 +34,7 @@ def _without_gradients():
         yield
 
 
-@pytest.mark.parametrize("kind", [MultiScaleNetwork, LightNetwork])
+@pytest.mark.parametrize("kind", [MultiScaleNetwork, LightNetwork, PublishedNetwork])
 @pytest.mark.parametrize("size", [(64, 64), (300, 17), (33, 47), (1, 1), (15, 16)])
 def test_every_output_has_the_size_of_the_image(kind, size):
     logits = kind(2)(torch.zeros(2, 1, *size))

@@ -51,6 +51,7 @@ def test_the_loss_is_the_textbook_sum(rng):
 def test_accumulated_gradients_equal_one_batch_of_as_many():
     # Whole images of one scene, unflipped: both gradients are of the same image. The sums differ in order only.
     recipe = {"width": 2, "scales": (1.0,), "flip": False, "learning_rate": 1e-3, "published_multipliers": False}
+    recipe["augmentation"] = "drawn"
     apart = published(n_steps=2, n_accumulated=2, **recipe)
     together = published(n_steps=1, n_accumulated=1, batch_size=2, **recipe)
     (two, _), (one, _) = (trained(settings, n_scenes=1) for settings in (apart, together))
@@ -68,13 +69,15 @@ def test_published_rates_are_multiplied_as_in_the_published_code():
     assert rates["stages.0.0.weight"] == (1e-6, 2e-4)
     assert rates["stages.0.0.bias"] == (2e-6, 0)
     assert rates["stages.4.2.weight"][0] == pytest.approx(1e-4)
+    assert rates["stages.4.2.bias"] == pytest.approx((2e-4, 2e-4))  # its key is misspelt there
     assert rates["sides.3.weight"][0] == pytest.approx(1e-8)
     assert rates["fuse.bias"][0] == pytest.approx(2e-9)
 
 
 def test_schedules_are_the_stated_ones():
-    steps = published(n_steps=30_000)
-    assert [rate_factor(steps, step) for step in (0, 9_999, 10_000, 20_000)] == pytest.approx([1, 1, 0.1, 0.01])
+    for schedule in ("steps", "updates"):
+        steps = published(n_steps=300_000, schedule=schedule)
+        assert [rate_factor(steps, step) for step in (0, 9_999, 10_000, 20_000)] == pytest.approx([1, 1, 0.1, 0.01])
     cycle = [rate_factor(replace(TINY, n_steps=1000), step) for step in range(1000)]
     assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
     assert (np.diff(cycle[99:]) < 0).all()

@@ -7,10 +7,12 @@ from functools import reduce
 from operator import or_
 
 import pytest
+import yaml
 from configuration import resolved
 from jsonschema import Draft202012Validator
-from runs import CONFIG, SCHEMA, lines_with, run_snakemake, settings
+from runs import CONFIG, SCHEMA, lines_with, run_snakemake, settings, text_of
 
+from lib.imports import ROOT
 from snowsim import cgan, tracker
 from snowsim.reference.settings import GROUPS
 
@@ -132,6 +134,29 @@ def test_a_bad_key_is_named_in_one_line_and_nothing_is_written(tmp_path, text, e
     assert not (tmp_path / "run/results").exists()
 
 
-@pytest.mark.parametrize("configs", [("config.yaml", "paper.yaml"), ("paper.yaml",)])
+@pytest.mark.parametrize(
+    "configs",
+    [("config.yaml", "paper.yaml"), ("paper.yaml",), ("config.yaml", "as_printed.yaml", "paper.yaml")],
+)
 def test_the_dag_of_the_paper_s_scale_builds(tmp_path, configs):
     run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
+
+
+def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
+    done = run_snakemake(tmp_path, "--dry-run", "--", "as_printed")
+    missing = re.findall(r"Missing output files: ([^;\n]*)", text_of(done))
+    files = {file for line in missing for file in line.split(", ")}
+    shared = {file.split("/")[1] for file in files if not file.startswith("results/as_printed/")}
+    assert shared == {"flight", "benchmark", "statistics"}  # of the last the sums over frames
+    assert "results/as_printed/statistics.nc" in files
+    assert "results/as_printed/tables/table3_intervals.csv" in files
+
+
+def test_what_is_printed_otherwise_stands_among_the_departures():
+    printed = yaml.safe_load((ROOT / "config/as_printed.yaml").read_text())
+    text = (ROOT / "docs/stages/choices.md").read_text()
+    departures = text.split("## What the default changes")[1].split("\n## ")[0]
+    for section, changes in printed.items():
+        for key, value in changes.items():
+            if value != CONFIG[section][key]:
+                assert re.search(rf"\b{key}\b", departures), f"{section}.{key}"

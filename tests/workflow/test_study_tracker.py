@@ -21,6 +21,7 @@ def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
     assert scores.groupby(["training_set", "metric"])["n_images"].sum().eq(3).all()
     tests = pd.read_csv(tiny_run / "results/tables/table3_tests.csv")
     assert set(tests["training_set"]) == set(SETS[1:])
+    assert (tests["p_holm"] >= tests["p_value"]).all()
 
 
 @pytest.mark.study

@@ -39,13 +39,14 @@ class Judge:
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
         told = {**scores, **numbers, "n_faults": len(found)}
+        fitness = training.step if self.metric == "last" else scores[self.metric]
         if self.goes_on:
-            return {**told, "fitness": scores[self.metric]}
+            return {**told, "fitness": fitness}
         # Once may pass; twice in a row, or at the end, it has collapsed.
         if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
             msg = f"step {training.step}: {'; '.join(found)}"
             raise Collapsed(msg)
-        return {**told, "fitness": -float("inf") if found else scores[self.metric]}
+        return {**told, "fitness": -float("inf") if found else fitness}
 
     def weights(self):
         """What is kept of the best."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from snowsim.metrics.comparison import compare
+from snowsim.metrics.comparison import compare, holm
 from snowsim.metrics.edges import precision_recall
 from snowsim.metrics.pick_tables import ZONES, pool_picks, zone_of
 from snowsim.metrics.tables import tracker_intervals
@@ -23,9 +23,11 @@ def fused_curves(counts, training_sets):
 
 
 def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Fused scores of training sets against others, by pairs."""
+    """Fused scores of training sets against others, by pairs; `p_holm`: corrected for the number of rows."""
     fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
-    return compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(columns={"name": "training_set"})
+    table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(columns={"name": "training_set"})
+    table.insert(table.columns.get_loc("p_value") + 1, "p_holm", holm(table["p_value"]))
+    return table
 
 
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):

@@ -21,8 +21,9 @@ def compose(
         added = [Uppermost(scenes, n_layers) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
-        settings = dataclasses.replace(settings, n_steps=n_epochs * scenes.n_per_epoch // settings.batch_size)
+        n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies
+        settings = dataclasses.replace(settings, n_steps=n_shown // settings.batch_size)
     if order == "synthetic_first":
-        n_draws = settings.n_steps * settings.batch_size
+        n_draws = settings.n_steps * settings.batch_size // settings.n_copies
         scenes = TrainingSet(real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed)
     return scenes, settings

@@ -1,5 +1,6 @@
 # What all rules share: the check of the configuration, names of files, code as input, the list of targets, guards.
 
+import copy
 import hashlib
 import math
 import os
@@ -9,6 +10,7 @@ from pathlib import Path
 import jsonschema
 import yaml
 from snakemake.exceptions import WorkflowError
+from snakemake.utils import update_config
 
 # Where this workflow lies, also where another uses it as a module.
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
@@ -172,6 +174,14 @@ def finished_study(path):
     return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest()}
 
 
+# Where trainings keep what is no output of theirs.
+CHECKPOINTS, EVENTS = (config["checkpoints"][name] for name in ("folder", "events"))
+# What the run as printed leaves for the report.
+PRINTED_TABLES = [
+    f"results/as_printed/tables/{name}.csv" for name in ("table2", "table3_intervals")
+]
+
+
 def imported_by(script):
     """Input function: files that a script imports, and that those import; asked for jobs that are planned alone."""
     return lambda wildcards: [
@@ -233,7 +243,7 @@ SMALL_FILES_BYTES = 20e6
 
 def bytes_of(job):
     """About what one job writes."""
-    name = job.rule.name
+    name = job.rule.name.removeprefix("printed_")
     if name in BYTES_PER_SCENE:
         scenes = job.wildcards.get("scenes", job.wildcards.get("split", "labels"))
         first, end = shard_range(scenes, job.wildcards.shard)

@@ -1,4 +1,4 @@
-# The sample flight, its statistics, and the benchmark (train, validation and test scenes).
+# The sample flight, sums over its frames, and the benchmark (train, validation and test scenes).
 
 
 if SOURCE == "reference":
@@ -213,12 +213,6 @@ else:
             "../scripts/import_blocks.py"
 
 
-# Sums over a lot of frames or, where there are only images, over a file of train scenes.
-SUMMARIES = [
-    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
-]
-
-
 if FRAME_LOTS:
 
     rule summarise_frames:
@@ -240,27 +234,6 @@ if FRAME_LOTS:
             "sums over frames, lot {wildcards.lot}"
         script:
             "../scripts/summarise_frames.py"
-
-
-rule fit_statistics:
-    input:
-        summaries=SUMMARIES,
-        segment=SEGMENT,
-        code=imported_by("fit_statistics.py"),
-    output:
-        statistics="results/statistics.nc",
-    log:
-        "logs/fit_statistics.log",
-    benchmark:
-        "results/benchmarks/fit_statistics/all.tsv"
-    resources:
-        mem_mb=1500,
-    params:
-        estimator=config["statistics"]["estimator"],
-    message:
-        "flight statistics"
-    script:
-        "../scripts/fit_statistics.py"
 
 
 rule flight:

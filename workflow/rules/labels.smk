@@ -1,4 +1,31 @@
-# Flight statistics -> synthetic layer sets.
+# Sums over the flight -> flight statistics -> synthetic layer sets.
+
+# Sums over a lot of frames or, where there are only images, over a file of train scenes.
+SUMMARIES = [
+    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
+]
+
+
+rule fit_statistics:
+    input:
+        summaries=SUMMARIES,
+        segment=SEGMENT,
+        code=imported_by("fit_statistics.py"),
+    output:
+        statistics="results/statistics.nc",
+    log:
+        "logs/fit_statistics.log",
+    benchmark:
+        "results/benchmarks/fit_statistics/all.tsv"
+    resources:
+        mem_mb=1500,
+    params:
+        estimator=config["statistics"]["estimator"],
+    message:
+        "flight statistics"
+    script:
+        "../scripts/fit_statistics.py"
+
 
 # What labels are drawn from: the flight statistics as they are, or a model with other zones or spectra.
 LABEL_STATISTICS = (

@@ -46,9 +46,9 @@ rule train_cgan:
         validation=config["cgan"]["validation"],
         on_collapse=config["cgan"]["on_collapse"],
         source=SYNTHETIC,
-        checkpoint="results/checkpoints/train_cgan.safetensors",
+        checkpoint=CHECKPOINTS + "/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
-        events="logs/tensorboard/train_cgan",
+        events=EVENTS + "/train_cgan",
     message:
         "cGAN training"
     script:

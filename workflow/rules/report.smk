@@ -57,6 +57,12 @@ rule write_report:
                 item.name.removeprefix("study_") for item in targets("study_")
             ),
         },
+        printed={
+            path: digest
+            for file in PRINTED_TABLES
+            for path, digest in finished_study(file).items()
+            if all(Path(each).is_file() for each in PRINTED_TABLES)
+        },
         # Stage of every rule whose jobs are measured, by the folder of its measurements.
         stages={
             Path(str(item.benchmark)).parts[2]: Path(item.snakefile).stem

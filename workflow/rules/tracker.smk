@@ -29,9 +29,9 @@ rule train_tracker:
             "n_layers": config["tracker"]["added_layers"],
         },
         settings=config["tracker"]["training"],
-        checkpoint="results/checkpoints/train_tracker_{training_set}_{replica}.safetensors",
+        checkpoint=CHECKPOINTS + "/train_tracker_{training_set}_{replica}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
-        events="logs/tensorboard/train_tracker/{training_set}/{replica}",
+        events=EVENTS + "/train_tracker/{training_set}/{replica}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:

@@ -14,7 +14,7 @@ from snowsim.seeding import random_stream
 def render_scene(scene, statistics, phy, rng):
     """The scene of some layers as PHY renders it, with what its plan left out."""
     n_layers = scene.layer_bins.shape[0]
-    drawn = {key: phy[key] for key in ("width", "n_looks", "speckle_correlation")}
+    drawn = {key: phy[key] for key in ("width", "width_bounds", "n_looks", "speckle_correlation")}
     parameters = draw_parameters(statistics, n_layers, **drawn, rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
     scene_plan = plan(scene.layer_bins, parameters, scene.n_range_bins, **options)

@@ -37,7 +37,7 @@ def train(
             training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events
         ) as taken:
             taken.take(train_steps(training, scenes), settings.n_steps, "tracker")
-            epochs = training.step * settings.batch_size / scenes.n_per_epoch
+            epochs = training.step * settings.batch_size / (settings.n_copies * scenes.n_per_epoch)
             metadata = {"kind": "tracker", **made_of, "step": training.step, "epochs": epochs}
             write_table(losses, taken.losses())
             write_model(network, training.state()["network"], metadata)

@@ -1,5 +1,6 @@
 """Verdicts follow from tables by the stated rules."""
 
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -159,6 +160,27 @@ def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds
     found = expensive(pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "seconds", "error_db"]))
     assert found.verdict == verdict
     assert f"{seconds / 1e-3:,.0f} times" in found.evidence
+
+
+def test_what_the_flight_was_built_to_have_is_no_confirmation():
+    doppler_table = pd.DataFrame({"quantity": ["Doppler spectrum, highest over lowest"], "value": [0.7]})
+    config = {"source": "reference", "phy": {"n_looks": 16}, "benchmark": {"n_looks": 16}}
+    tables = {"realism": doppler_table, "config": config}
+
+    def built(tables, **options):
+        return {claim.tables[0] for claim in judge_claims(tables, **options) if claim.by_construction}
+
+    assert built(tables) == {"realism", "config"}
+    assert built(tables, synthetic=False) == set()
+    # What came out otherwise all the same is told with the rest.
+    assert built({"realism": doppler_table.assign(value=9.0), "config": config | {"phy": {"n_looks": 100}}}) == set()
+
+
+@pytest.mark.parametrize(("n_replicas", "few"), [(2, True), (5, False)])
+def test_differences_of_few_trainings_are_indicative(n_replicas, few):
+    table = intervals().assign(n_replicas=n_replicas)
+    for judge in (partial(claims.augmentation, metric="ods"), claims.best_fuse, claims.best_sides, claims.fifth_side):
+        assert ("indicative" in judge(table).caveat) == few
 
 
 def test_a_claim_without_its_table_says_which_is_missing():

@@ -51,6 +51,9 @@ def planted_page(planted_tables, tmp_path_factory):
     write_figure(wave, figure)
     write_figure(fall, figure)
     write_table(spread, pd.DataFrame({"seed": [1, 2], "ods": [0.8, 0.81]}))
+    printed = [str(folder / "as_printed" / name) for name in ("table2.csv", "table3_intervals.csv")]
+    for path, table in zip(printed, (table2([0.1] * 3, [0.2] * 3), table3_intervals().assign(mean=0.123)), strict=True):
+        write_table(path, table)
     scenes = [planted_scene(number, rng) for number in range(4)]
     images = pd.DataFrame(product([scene.name for scene in scenes], METHODS), columns=["scene", "method"])
     images = images.assign(psnr=20.0 + images.index, rmse=20.0, ssim=0.4)
@@ -62,8 +65,9 @@ def planted_page(planted_tables, tmp_path_factory):
         figures=[wave],
         captions={wave: ("flight", "A wave (paper, Fig. 6): planted."), fall: ("study_seeds", "A fall: from a study.")},
         paper=REPORT / "paper.yaml",
-        config={"seed": 7, "source": "reference", "phy": {"align": "peak"}},
+        config={"seed": 7, "source": "reference", "phy": {"n_looks": 16}, "benchmark": {"n_looks": 16}},
         note="synthetic reference flight",
+        printed=printed,
         studies={"files": {spread: "digest", fall: "digest"}, "parts": ["seeds"]},
         stages={"draw": "labels"},
         benchmarks=folder / "benchmarks",

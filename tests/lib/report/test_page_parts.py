@@ -6,12 +6,21 @@ import re
 
 import jinja2
 import numpy as np
+import pandas as pd
 import pytest
 from PIL import Image
 from result_tables import SETS, table2, table3_intervals
 
 from lib.figures.style import evenly_spaced
-from lib.report.content import compare_table2, compare_table3, counterparts, paper_figures, stage_costs, title_of
+from lib.report.content import (
+    compare_table2,
+    compare_table3,
+    counterparts,
+    paper_figures,
+    stage_costs,
+    title_of,
+    with_study,
+)
 from lib.report.format import config_lines, duration, groupby_stage, size
 from lib.report.gallery import layer_lines
 from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
@@ -44,7 +53,15 @@ def test_a_title_is_the_first_clause_without_the_paper_s_figure():
 def test_table2_stands_beside_the_paper_s():
     paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
     rows = compare_table2(table2([1, 2, 3], [2, 4, 6]), paper)
-    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": "2.00 / 4.00 / 6.00", "paper": "4.00 / 5.00 / 6.00"}
+    ours, published = "2.00 / 4.00 / 6.00", "4.00 / 5.00 / 6.00"
+    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": ours, "printed": "", "paper": published}
+
+
+def test_the_run_as_printed_stands_beside_the_run(planted_page):
+    text = planted_page.read_text()
+    assert text.count("<em>0.123</em>") == 6 * 4 * 3  # every cell of Table III
+    assert '<td class="num">0.20 / 0.20 / 0.20</td>' in text
+    assert "indicative only" in text
 
 
 def test_table3_marks_what_is_resolved():
@@ -53,6 +70,26 @@ def test_table3_marks_what_is_resolved():
     assert [row["score"] for row in compared] == ["ODS", "OIS", "AP"]
     assert [cell["resolved"] for cell in compared[0]["cells"]] == [False, True, False, True]
     assert [row["cells"][0]["paper"] for row in compared] == [0.1, 0.2, 0.3]
+
+
+@pytest.mark.parametrize("n_replicas", [2, 5])
+def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
+    names = ["training_set", "base", "metric", "mean", "base_mean", "difference", "low", "high"]
+    rows = [(name, "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3) for name in SETS[1:] for metric in ("ods", "ois", "ap")]
+    path = tmp_path / "studies/tracker/seeds.csv"
+    path.parent.mkdir(parents=True)
+    pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
+    intervals = table3_intervals()
+    shown = with_study(intervals, [str(path)])[intervals.columns]
+    fuse = shown["output"] == "fuse"
+    pd.testing.assert_frame_equal(shown[~fuse], intervals[~fuse])
+    if n_replicas == 2:
+        pd.testing.assert_frame_equal(shown, intervals)
+        return
+    added = shown[fuse & (shown["training_set"] != "rd")]
+    assert (added[["mean", "difference", "difference_low", "difference_high"]] == [0.9, 0.2, 0.1, 0.3]).all(axis=None)
+    assert (shown.loc[fuse, "n_replicas"] == 5).all()
+    assert (shown.loc[fuse & (shown["training_set"] == "rd"), "mean"] == 0.7).all()
 
 
 def test_stages_cost_what_their_rules_cost(tmp_path):

@@ -18,6 +18,7 @@ class Verdict:
     caveat: str = ""  # what makes the evidence weaker than it looks
     claim: str = ""
     tables: tuple = ()  # names of those it was computed from
+    by_construction: bool = False  # it could hardly have come out otherwise: no confirmation
 
 
 def side_of_zero(low, high):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from lib.diagnostics.claims import judge_claims
+from lib.diagnostics.claims import ENOUGH_TRAININGS, judge_claims, trainings
 from lib.diagnostics.verdicts import CONFIRMED, CONTRADICTED, MISSING, OPEN
 from lib.figures.style import METHODS, NAMES, TRAINING_SETS
 from lib.machine import describe_machine, describe_versions
@@ -19,27 +19,36 @@ LONGEST_TITLE = 110
 PREVIEW_ROWS = 6
 DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
 GIBIBYTE_MB = 1024
+BUILT = "true by construction"
 
 
-def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, stages, benchmarks):
-    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are."""
+def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, printed, stages, benchmarks):
+    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are.
+
+    `printed` are the tables of the run as printed, by path, all or none.
+    """
     paper = yaml.safe_load(Path(paper).read_text(encoding="utf-8"))
     figures = described_figures(figures, captions)
     by_name = {Path(path).stem: read_table(path) for path in tables}
-    claims = judge_claims({**by_name, "similarity": images})
+    printed = {Path(path).stem: read_table(path) for path in printed}
+    study_tables = [path for path in studies["files"] if path.endswith(".csv")]
+    intervals = with_study(by_name["table3_intervals"], study_tables)
+    evidence = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
+    claims = judge_claims(evidence, synthetic=config["source"] == "reference")
     costs = stage_costs(read_benchmarks(benchmarks), stages)
     synthetic = config["source"] == "reference"
-    study_tables = [path for path in studies["files"] if path.endswith(".csv")]
     study_figures = [path for path in studies["files"] if path not in study_tables]
     return {
         "note": note,
         "synthetic": synthetic,
         "source_words": f"the {note}" if synthetic else note,
         "paper": paper,
-        "table2": compare_table2(by_name["table2"], paper["table2"]),
-        "table3": compare_table3(by_name["table3_intervals"], paper["table3"]),
+        "table2": compare_table2(by_name["table2"], paper["table2"], printed.get("table2")),
+        "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
+        "as_printed": bool(printed),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
-        "n_replicas": int(by_name["table3_intervals"]["n_replicas"].iloc[0]),
+        "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
+        "enough_trainings": ENOUGH_TRAININGS,
         "claims": claims,
         "figures": figures,
         "counterparts": counterparts(figures, paper["figures"]),
@@ -49,13 +58,34 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "gallery": gallery,
         "costs": costs,
         "total_wall_s": sum(stage["wall_s"] for stage in costs),
-        "tiles": summary_tiles(by_name, claims, costs),
+        "tiles": summary_tiles(by_name["table2"], intervals, claims, costs),
         "verdict_counts": count_verdicts(claims),
         "machine": describe_machine(),
         "versions": describe_versions(),
         "seed": config["seed"],
         "config": config_lines(config),
     }
+
+
+def with_study(intervals, study_tables):
+    """Table III's intervals, the fused output's means and differences to RD from the study, if it has more trainings.
+
+    `study_tables` are paths of what studies left; the interval of a mean stays that of the default run.
+    """
+    path = next((path for path in study_tables if Path(path).match("tracker/seeds.csv")), None)
+    if path is None:
+        return intervals
+    seeds = read_table(path).query("base == 'rd'")
+    if seeds.empty or seeds["n_replicas"].max() <= intervals["n_replicas"].max():
+        return intervals
+    keys = ["output", "training_set", "metric"]
+    renamed = seeds.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(output="fuse")
+    of_base = renamed.drop_duplicates("metric").assign(training_set="rd", mean=lambda rows: rows["base_mean"])
+    columns = ["mean", "difference", "difference_low", "difference_high", "n_replicas"]
+    updated = intervals.set_index(keys)
+    updated.update(renamed.set_index(keys)[columns])
+    updated.update(of_base.set_index(keys)[["mean", "n_replicas"]])
+    return updated.reset_index()
 
 
 def described_figures(paths, captions):
@@ -105,9 +135,13 @@ def described_tables(paths):
     ]
 
 
-def compare_table2(table2, paper):
-    """Rows of Table II as texts: metric, method, and ours and the paper's as "min / mean / max"."""
-    ours = table2.set_index(["metric", "statistic"])
+def compare_table2(table2, paper, printed=None):
+    """Rows of Table II as texts: metric, method, and ours, as printed and the paper's as "min / mean / max"."""
+
+    def of(table, metric, method):
+        if table is None:
+            return []
+        return table.set_index(["metric", "statistic"]).loc[metric, method].loc[["min", "mean", "max"]]
 
     def text(values, digits):
         return " / ".join(f"{value:.{digits}f}" for value in values)
@@ -116,7 +150,8 @@ def compare_table2(table2, paper):
         {
             "metric": NAMES[metric],
             "method": NAMES[method],
-            "ours": text([ours.loc[(metric, statistic), method] for statistic in ("min", "mean", "max")], digits),
+            "ours": text(of(table2, metric, method), digits),
+            "printed": text(of(printed, metric, method), digits),
             "paper": text(paper[metric][method], digits),
         }
         for metric, digits in DIGITS.items()
@@ -124,9 +159,11 @@ def compare_table2(table2, paper):
     ]
 
 
-def compare_table3(intervals, paper):
+def compare_table3(intervals, paper, printed=None):
     """Rows of Table III: output, score, a cell a training set; `resolved`: its difference to RD is not zero."""
-    ours = intervals.set_index(["output", "metric", "training_set"])
+    keys = ["output", "metric", "training_set"]
+    ours = intervals.set_index(keys)
+    as_printed = None if printed is None else printed.set_index(keys)["mean"]
     rows = []
     for output, published in paper.items():
         for k, score in enumerate(("ods", "ois", "ap")):
@@ -134,7 +171,9 @@ def compare_table3(intervals, paper):
             for training_set in TRAINING_SETS:
                 row = ours.loc[(output, score, training_set)].to_dict()
                 resolved = row["difference_low"] > 0 or row["difference_high"] < 0
-                cells.append({**row, "resolved": resolved, "paper": published[training_set][k]})
+                printed_mean = None if printed is None else as_printed[output, score, training_set]
+                beside = {"printed": printed_mean, "paper": published[training_set][k]}
+                cells.append({**row, "resolved": resolved, **beside})
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
     return rows
 
@@ -165,16 +204,16 @@ def _cost(jobs):
 
 
 def count_verdicts(claims):
-    """How many claims got each verdict, without verdicts that none got."""
-    counts = {name: sum(claim.verdict == name for claim in claims) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING)}
+    """How many claims got each verdict, without verdicts that none got; what is true by construction apart."""
+    judged = [BUILT if claim.by_construction else claim.verdict for claim in claims]
+    counts = {name: judged.count(name) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)}
     return {name: count for name, count in counts.items() if count}
 
 
-def summary_tiles(tables, claims, costs):
+def summary_tiles(table2, intervals, claims, costs):
     """Names, values and notes of the summary: similarity, tracker, what augmentation gains, claims, time."""
-    means = tables["table2"].set_index(["metric", "statistic"]).xs("mean", level="statistic")
-    fuse = tables["table3_intervals"]
-    fuse = fuse[(fuse["output"] == "fuse") & (fuse["metric"] == "ods")].set_index("training_set")
+    means = table2.set_index(["metric", "statistic"]).xs("mean", level="statistic")
+    fuse = intervals[(intervals["output"] == "fuse") & (intervals["metric"] == "ods")].set_index("training_set")
     best = fuse["mean"].drop(index="rd").idxmax()
     rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_verdicts(claims)
 
@@ -192,10 +231,11 @@ def summary_tiles(tables, claims, costs):
         ),
         "Best augmented set, fused ODS": (
             f"{NAMES[best]} {signed3(gain['difference'])}",
-            f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}]",
+            f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}], "
+            f"{trainings(gain)}",
         ),
         "The paper's claims": (
-            f"{counts.get(CONFIRMED, 0)} of {len(claims)} confirmed",
+            f"{counts.get(CONFIRMED, 0)} of {len(claims) - counts.get(BUILT, 0)} confirmed",
             ", ".join(f"{count} {name}" for name, count in counts.items() if name != CONFIRMED),
         ),
         "Time of all jobs": (

@@ -1,0 +1,130 @@
+"""The published recipe equals the published code, written again in `published_code`."""
+
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import published_code
+import pytest
+import torch
+import yaml
+from numpy.testing import assert_allclose
+from toy_scenes import toy_scene, toy_scenes
+
+from lib.tracker_training import compose
+from snowsim.tracker import OUTPUTS, Settings, Training, TrainingSet, published, train_steps
+from snowsim.tracker.sampling import copy_shown
+
+CONFIG = Path(__file__).parents[2] / "config"
+SCALES = (1.0, 0.75, 0.5, 0.25, 0.6, 0.35)
+# Rates and decay that let 60 gradients of a network of width 4 move every weight far beyond rounding.
+RECIPE = published(
+    60, width=4, n_accumulated=10, n_steps_per_tenth=2, scales=SCALES, learning_rate=1e-5, weight_decay=20
+)
+
+
+def unlike_scenes():
+    """Two scenes of sizes that 16 does not divide, the second without a layer."""
+    first, second = toy_scene(1, 101, 71), toy_scene(2, 83, 57)
+    return [first, replace(second, layer_bins=np.full_like(second.layer_bins, np.nan))]
+
+
+def _ours(network):
+    return [p for part in (network.stages, network.sides, network.fuse) for p in part.parameters()]
+
+
+def _theirs(net):
+    return [p for part in (net.down, net.up, net.fuse) for p in part.parameters()]
+
+
+def items_of_epochs(scenes, draws, seed):
+    """What `RECIPE` shows, epoch by epoch, made by the other code."""
+    transforms, items = [*SCALES, "fliplr"], []
+    for position in range(RECIPE.n_steps):
+        draw, copy = copy_shown(position, len(scenes), len(transforms), seed)
+        scene = scenes[draws.source(draw)[1]]
+        items.append(published_code.copy_of(scene.image, np.uint8(255) * scene.mask(), transforms[copy]))
+    return [items[first : first + 14] for first in range(0, RECIPE.n_steps, 14)]
+
+
+def test_losses_and_weights_equal_those_of_the_published_code():
+    scenes, seed = unlike_scenes(), 5
+    draws, training, net = TrainingSet(scenes, seed=seed), Training(RECIPE, seed=seed), published_code.Net(4)
+    with torch.no_grad():
+        for ours, theirs in zip(_ours(training.network), _theirs(net), strict=True):
+            theirs.copy_(ours)
+    before = [p.clone() for p in _theirs(net)]
+    found = [losses for _, losses in train_steps(training, draws)]
+    epochs = items_of_epochs(scenes, draws, seed)
+    assert [len(items) for items in epochs] == [14, 14, 14, 14, 4]
+    expected = published_code.train(
+        net, epochs, lr=RECIPE.learning_rate, decay=RECIPE.weight_decay, momentum=0.9, itersize=10, stepsize=2
+    )
+    n_pixels = np.array([image.numel() for items in epochs for image, _ in items])
+    got = np.array([[losses[name] for name in OUTPUTS] for losses in found]) * n_pixels[:, None]
+    # Float32 sums over up to 7e3 pixels in another order: 10 times their 6e-8.
+    assert_allclose(got, expected, rtol=6e-7)
+    assert (np.array(expected) == 0).any()
+    names = [name for name, _ in training.network.named_parameters()]
+    for name, ours, theirs, start in zip(names, _ours(training.network), _theirs(net), before, strict=True):
+        # Every weight has moved by several times its own rounding, most by 1e4 times; it agrees to a bit or two.
+        moved = (theirs - start).abs().max().item()
+        atol = 2 * torch.finfo().eps * start.abs().max().item() + 1e-5 * moved
+        assert moved > 5 * atol, name
+        assert_allclose(ours.detach(), theirs.detach(), rtol=0, atol=atol, err_msg=name)
+
+
+def test_an_epoch_shows_every_copy_of_its_scenes_once():
+    n, n_copies = 6, published(1).n_copies
+    assert n_copies == 5
+    shown = [copy_shown(position, n, n_copies, seed=1) for position in range(2 * n * n_copies)]
+    for epoch in (0, 1):
+        of_epoch = shown[epoch * n * n_copies : (epoch + 1) * n * n_copies]
+        assert Counter(of_epoch) == {(epoch * n + draw, copy): 1 for draw in range(n) for copy in range(n_copies)}
+    assert shown[: n * n_copies] != sorted(shown[: n * n_copies])
+
+
+def test_first_weights_follow_the_law_of_pytorch_s():
+    networks = Training(published(1, width=32), seed=1).network, published_code.Net(32)
+    for ours, theirs in zip(_ours(networks[0]), _theirs(networks[1]), strict=True):
+        n = ours.numel()
+        if n > 1000:
+            # Uniform: the sd of n values' sd about its mean is sqrt(.2 / n) of it; allow five of each of two samples.
+            assert_allclose(ours.detach().std(), theirs.detach().std(), rtol=10 * np.sqrt(0.2 / n))
+            assert_allclose(ours.detach().abs().max(), theirs.detach().abs().max(), rtol=20 / n)
+
+
+def test_only_copies_let_a_scene_without_layers_pass():
+    scenes = [replace(scene, layer_bins=np.full_like(scene.layer_bins, np.nan)) for scene in toy_scenes(2)]
+    _, losses = next(train_steps(Training(published(10, width=2), seed=1), TrainingSet(scenes, seed=1)))
+    assert set(losses.values()) == {0}
+    drawn = published(10, width=2, augmentation="drawn")
+    with pytest.raises(ValueError, match="mask without layers"):
+        next(train_steps(Training(drawn, seed=1), TrainingSet(scenes, seed=1)))
+
+
+def test_the_paper_s_configuration_is_the_published_recipe():
+    settings, n_gradients = {}, {}
+    for name in ("config", "paper"):
+        tracker = yaml.safe_load((CONFIG / f"{name}.yaml").read_text())["tracker"]
+        settings |= tracker["training"]
+    assert Settings(**settings) == published(settings["n_steps"])
+    for n_sets in (0, 1, 2):
+        sets = [range(1500)] * n_sets
+        _, chosen = compose(
+            range(2360), sets, Settings(**settings), tracker["n_epochs"], 1, 1500 / 2360, tracker["order"]
+        )
+        n_gradients[n_sets] = chosen.n_steps
+    # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.
+    assert n_gradients == {0: 177_000, 1: 289_500, 2: 402_000}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [({"n_range_bins": 64}, "copies: expected batch_size 1, no crop"), ({}, "epoch of 5 gradients never fills .* 10")],
+)
+def test_copies_refuse_crops_and_epochs_too_short_for_an_update(changes, words):
+    training = Training(published(10, width=2, **changes), seed=1)
+    with pytest.raises(ValueError, match=words):
+        next(train_steps(training, TrainingSet(toy_scenes(1), seed=1)))

@@ -1,0 +1,39 @@
+# The paper as printed beside the run: the same flight and benchmark, other choices from statistics to Table III, in
+# results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
+
+PRINTED = copy.deepcopy(config)
+update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
+PRINTED["checkpoints"] |= {
+    "folder": "results/as_printed/checkpoints",
+    "events": "logs/as_printed/tensorboard",
+}
+
+
+module printed:
+    snakefile:
+        str(ROOT / "workflow/rules/main.smk")
+    config:
+        PRINTED
+    # What is not named is shared: frames, their sums, and the benchmark.
+    replace_prefix:
+        {
+            "logs/": "logs/as_printed/",
+            **{
+                f"results/{name}": f"results/as_printed/{name}"
+                for name in (
+                    *("statistics.nc", "label_model.nc", "labels/", "phy/", "cgan/"),
+                    *("similarity", "tracker/", "tables/", "benchmarks/"),
+                )
+            },
+        }
+
+
+use rule * from printed exclude labels, renders, similarity, trackers as printed_*
+
+
+rule as_printed:
+    input:
+        PRINTED_TABLES,
+    localrule: True
+    message:
+        "Tables II and III of the paper as printed; the report made next shows them"
