@@ -1,7 +1,8 @@
 """Which trainings the study of the tracker is made of: settings, and how each differs from the default.
 
 A setting is what changes: `training_sets`, and any of `labels`, `zones`, `n_layers`, `order`, `added_per_real`, `steps`
-(a factor), `phy` and `training`. `tracker` is the section of the configuration.
+(a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting, training set). `tracker` is the
+section of the configuration.
 """
 
 from pathlib import Path
@@ -20,12 +21,31 @@ def networks_of(study):
 
 
 def check_names(study):
-    """Raise ValueError where two settings share a name."""
+    """Raise ValueError where two settings share a name, or a worth is asked for of a setting that there is not."""
     names = [each["name"] for each in study["ablation"] + study["networks"]]
     for name in names:
         if names.count(name) > 1:
             msg = f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"
             raise ValueError(msg)
+    known = ["default", *names]
+    for pair in worth_of(study):
+        for setting, _ in pair:
+            if setting not in known:
+                msg = f"config: studies.tracker.worth: expected a setting, one of {', '.join(known)}, got {setting}"
+                raise ValueError(msg)
+
+
+def worth_of(study):
+    """Pairs of runs whose difference is the worth of the first."""
+    return [
+        ((each.get("setting", "default"), each["set"]), (each.get("less_setting", "default"), each["less"]))
+        for each in study["worth"]
+    ]
+
+
+def pairs_of(runs):
+    """Every run and its base: of a default that of RD, of another setting the default of the same training set."""
+    return [(run, ("default", "rd" if run[0] == "default" else run[1])) for run in runs]
 
 
 def data_of(changes, tracker):
@@ -86,7 +106,7 @@ def best_runs(path_to_ablation, ablation):
     Candidates leave labels, steps and PHY as they are: what a reader of the paper would take for the same experiment.
     """
     table = pd.read_csv(path_to_ablation)
-    candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "phy"} & set(changes)]
+    candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "skip", "phy"} & set(changes)]
     table = table[(table["metric"] == "ods") & table["setting"].isin(candidates)]
     best = table.loc[table.groupby("training_set")["mean"].idxmax()]
     default = [("default", training_set) for training_set in ablation["default"]["training_sets"]]

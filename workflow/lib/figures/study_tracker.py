@@ -36,16 +36,23 @@ def tracker_ablation(ablation, chosen):
     return figure
 
 
-def tracker_seeds(seeds):
-    """Difference of every pair of training sets with its 95 % interval; grey: what could have been told from none."""
-    figure, axes = new_figure(1, 2, width=9)
+def tracker_worth(worth):
+    """Score of a training set less that of another with 95 % interval; grey: what could have been told from none."""
+    figure, axes = new_figure(1, 2, width=9, height=4, sharey=True)
     for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
-        rows = seeds[seeds["metric"] == metric].iloc[::-1]
+        rows = worth[worth["metric"] == metric].iloc[::-1]
         for y, row in enumerate(rows.itertuples()):
             ax.barh(y, 2 * row.detectable, left=-row.detectable, height=0.6, color="0.9")
-        plot_intervals(ax, rows, [f"{NAMES[row.training_set]} - {NAMES[row.base]}" for row in rows.itertuples()])
+        plot_intervals(ax, rows, [worth_label(row) for row in rows.itertuples()])
+        ax.tick_params("y", labelsize=7)
         ax.set_xlabel(f"difference of {NAMES[metric]}")
     return figure
+
+
+def worth_label(row):
+    """Names of both training sets, and of their settings where these are not the default."""
+    runs = (row.training_set, row.setting), (row.base_training_set, row.base)
+    return " less ".join(NAMES[s] + ("" if how == "default" else f", {name_of(how)}") for s, how in runs)
 
 
 def plot_intervals(ax, rows, labels):
