@@ -56,6 +56,18 @@ def intervals(results):
     return title + "\n\n" + markdown(["", *added.values()], rows)
 
 
+def two_sample(results):
+    """How often classifiers tell observed scenes from others."""
+    table = read(results, "two_sample")
+    rows = []
+    for (name, first_row), cells in table.groupby(["scenes", "first_row"], sort=False):
+        cells = cells.set_index("classifier").loc[["network", "texture"]]
+        told = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
+        scenes = {"observed": "observed, other half", "phy": "PHY", "cgan": "cGAN"}[name]
+        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *told])
+    return markdown(["observed and", "patches", "network", "texture"], rows)
+
+
 def tables(results):
     """What README shows of results."""
     return "\n\n".join(block(results) for block in (similarity, trackers, intervals))
@@ -160,7 +172,7 @@ def cost(results):
 
 
 BLOCKS = (
-    *(tables, similarity, trackers, intervals, closed_loop, conventions),
+    *(tables, similarity, trackers, intervals, two_sample, closed_loop, conventions),
     *(waveforms, speckle, scenes, plans, stability, realism, cost),
     *STUDY_BLOCKS,
 )

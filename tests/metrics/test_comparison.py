@@ -78,3 +78,18 @@ def test_counts_that_do_not_pair_are_refused(rng):
         compare({"a": one, "b": two}, [("b", "a")], n_bootstrap=2, rng=rng)
     with pytest.raises(ValueError, match="c and a: expected counts"):
         compare({"a": one}, [("c", "a")], n_bootstrap=2, rng=rng)
+
+
+def test_the_bootstrap_takes_in_trainings_and_images(rng):
+    images, better = (image_counts(share, 40, rng=rng) for share in (0.6, 0.7))
+    counts = {"a": [images, images], "b": [images, better]}
+    table = compare(counts, [("b", "a")], n_bootstrap=400, rng=rng).set_index("metric")
+    row = table.loc["ods"]
+    # Replica 0 is the same in both: a quarter of the resamples draws it twice and finds nothing.
+    assert row["bootstrap_low"] <= 0 <= row["bootstrap_high"]
+    assert row["bootstrap_low"] <= row["difference"] <= row["bootstrap_high"]
+    alone = (
+        compare({"a": [images], "b": [better]}, [("b", "a")], n_bootstrap=400, rng=rng).set_index("metric").loc["ods"]
+    )
+    # One replica leaves the images' error, Gaussian or not, to a tenth; 3.92 of it wide.
+    assert_allclose(alone["bootstrap_high"] - alone["bootstrap_low"], 3.92 * alone["image_error"], rtol=0.3)

@@ -71,9 +71,7 @@ rule compare_renders:
 
 
 DRAWN = config["drawn_scenes"]
-DRAWN_SHARDS = shards("labels")[
-    : math.ceil(DRAWN["n_scenes"] / SHARD_SIZE["labels"])
-]
+DRAWN_SHARDS = shards("labels")[: math.ceil(DRAWN["n_scenes"] / SHARD_SIZE["labels"])]
 
 
 rule compare_scenes:
@@ -92,8 +90,8 @@ rule compare_scenes:
     resources:
         mem_mb=2000,
     params:
-        seed=config["seed"],
         **DRAWN,
+        seed=config["seed"],
     message:
         "drawn scenes beside observed ones: can they be told apart, and by what"
     script:

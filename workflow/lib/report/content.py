@@ -38,6 +38,7 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "paper": paper,
         "table2": compare_table2(by_name["table2"], paper["table2"]),
         "table3": compare_table3(by_name["table3_intervals"], paper["table3"]),
+        "two_sample": told_apart(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
         "n_replicas": int(by_name["table3_intervals"]["n_replicas"].iloc[0]),
         "claims": claims,
@@ -136,6 +137,16 @@ def compare_table3(intervals, paper):
                 resolved = row["difference_low"] > 0 or row["difference_high"] < 0
                 cells.append({**row, "resolved": resolved, "paper": published[training_set][k]})
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
+    return rows
+
+
+def told_apart(two_sample):
+    """How often observed scenes are told from others by each classifier, texts, a row a kind of scenes."""
+    whole = two_sample[two_sample["first_row"] < 0]
+    rows = []
+    for name, of_name in whole.groupby("scenes", sort=False):
+        texts = {row.classifier: f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]" for row in of_name.itertuples()}
+        rows.append({"scenes": "the other half of the observed" if name == "observed" else NAMES[name], **texts})
     return rows
 
 
