@@ -1,7 +1,7 @@
 """Tables of the accuracy page that studies fill."""
 
 import pandas as pd
-from table_parts import METRICS, RUNS, difference, markdown, read, share, similarities
+from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share, similarities
 
 NAMES = [name for name, _ in METRICS.values()]
 
@@ -51,27 +51,17 @@ def worth(results):
 
 
 def ablation(results):
-    """Fused ODS of every setting of the ablation on the validation scenes."""
-    return compared(results, "ablation", "validation")
-
-
-def chosen(results):
-    """Fused ODS of the best settings on the test scenes."""
-    return compared(results, "chosen", "test")
-
-
-def compared(results, name, scenes):
-    """Settings, each less the setting and set it is compared with."""
-    table = read(results, name, "studies/tracker").query("metric == 'ods'")
+    """Fused ODS of every setting, each less the setting and set it is compared with, on the validation scenes."""
+    table = read(results, "ablation", "studies/tracker").query("metric == 'ods'")
     rows = []
     for r in table.itertuples():
-        rows.append([r.setting.replace("_", " "), RUNS[r.training_set], share(r.mean)])
+        rows.append([r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)])
         if (r.setting, r.training_set) == (r.base, r.base_training_set):
             rows[-1] += ["", "", ""]
         else:
-            rows[-1] += [f"{r.base.replace('_', ' ')}, {RUNS[r.base_training_set]}", difference(r), r.verdict]
+            rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.verdict]
     header = ["setting", "set", "ODS", "compared with", "difference", "verdict"]
-    return counted(table, name, "each", scenes) + markdown(header, rows)
+    return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 
 
 def counted(table, name, of_what, scenes):
@@ -106,4 +96,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_stability, worth, ablation, chosen, networks, tracker_stability)
+STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_stability, worth, ablation, networks, tracker_stability)

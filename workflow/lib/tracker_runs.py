@@ -7,8 +7,6 @@ section of the configuration.
 
 from pathlib import Path
 
-import pandas as pd
-
 
 def ablation_of(study, training_sets):
     """Settings of the ablation by name, the default first."""
@@ -36,11 +34,8 @@ def check_names(study):
 
 
 def worth_of(study):
-    """Pairs of runs whose difference is the worth of the first."""
-    return [
-        ((each.get("setting", "default"), each["set"]), (each.get("less_setting", "default"), each["less"]))
-        for each in study["worth"]
-    ]
+    """Pairs of runs, (setting, training set), whose difference is the worth of the first."""
+    return [tuple(tuple(f"default/{name}".split("/")[-2:]) for name in pair) for pair in study["worth"]]
 
 
 def pairs_of(runs):
@@ -98,17 +93,3 @@ def count_files(split, runs, replicas):
         for setting, training_set in runs
         for replica in replicas
     ]
-
-
-def best_runs(path_to_ablation, ablation):
-    """Default and best candidate of every training set, by the fused ODS of an ablation: (setting, training set).
-
-    Candidates leave labels, steps and PHY as they are: what a reader of the paper would take for the same experiment.
-    """
-    table = pd.read_csv(path_to_ablation)
-    candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "skip", "phy"} & set(changes)]
-    table = table[(table["metric"] == "ods") & table["setting"].isin(candidates)]
-    best = table.loc[table.groupby("training_set")["mean"].idxmax()]
-    default = [("default", training_set) for training_set in ablation["default"]["training_sets"]]
-    chosen = map(tuple, best[["setting", "training_set"]].to_numpy().tolist())
-    return default + [run for run in chosen if run not in default]

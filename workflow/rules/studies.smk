@@ -3,9 +3,8 @@
 
 from lib import tracker_runs
 
-# What makes synthetic data help or hurt the tracker. Settings are compared on the held-out validation scenes; of those
-# that leave labels, steps and PHY as they are, the best is scored on the test scenes, once. So are the training sets
-# whose worth is asked for, whatever the validation scenes say of them.
+# What makes synthetic data help or hurt the tracker. Settings are compared, and chosen, on the held-out validation
+# scenes. Training sets whose worth is asked for are scored on the test scenes, whatever the others say of them.
 STUDY, TRACKER = config["studies"]["tracker"], config["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
 WORTH_SEEDS = list(range(STUDY["n_seeds"]))
@@ -93,7 +92,7 @@ use rule score_tracker as score_study_tracker with:
         "fused edge scores of {wildcards.training_set}, {wildcards.any_setting}, replica {wildcards.replica}"
 
 
-checkpoint tabulate_ablation:
+rule tabulate_ablation:
     input:
         counts=tracker_runs.count_files("validation", ABLATION_RUNS, ABLATION_SEEDS),
         code=imported_by("tabulate_ablation.py"),
@@ -113,31 +112,6 @@ checkpoint tabulate_ablation:
         "ablation of the training sets, on the validation scenes"
     script:
         "../scripts/tabulate_ablation.py"
-
-
-use rule tabulate_ablation as tabulate_chosen with:
-    input:
-        counts=lambda wildcards: tracker_runs.count_files(
-            "test",
-            tracker_runs.best_runs(
-                checkpoints.tabulate_ablation.get().output.table, ABLATION
-            ),
-            ABLATION_SEEDS,
-        ),
-        code=imported_by("tabulate_ablation.py"),
-    output:
-        table="results/studies/tracker/chosen.csv",
-    log:
-        "logs/tabulate_chosen.log",
-    benchmark:
-        "results/benchmarks/tabulate_chosen/all.tsv"
-    params:
-        runs=lambda wildcards: tracker_runs.best_runs(
-            checkpoints.tabulate_ablation.get().output.table, ABLATION
-        ),
-        pairs=lambda wildcards, params: tracker_runs.pairs_of(params.runs),
-    message:
-        "the best settings on the test scenes"
 
 
 use rule tabulate_ablation as tabulate_worth with:
@@ -216,7 +190,6 @@ rule stress_tracker:
 rule study_tracker:
     input:
         "results/studies/tracker/ablation.csv",
-        rules.tabulate_chosen.output,
         rules.tabulate_worth.output,
         rules.time_trackers.output,
         rules.stress_tracker.output,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lib.figures.style import BLACK, COLOURS, NAMES, RED, WHITE, name_columns, name_of, new_figure
+from lib.figures.style import BLACK, COLOURS, NAMES, RED, name_of, new_figure
 
 METRIC = "ods"
 # Panels of the stability study: what is shown, along what, and of what axis.
@@ -14,25 +14,15 @@ PANELS = {
 }
 
 
-def tracker_ablation(ablation, chosen):
-    """Difference of every setting to the default of its training set; default and chosen setting on test scenes."""
-    figure, axes = new_figure(1, 2, width=9, height=4.5, width_ratios=(2, 1))
+def tracker_ablation(ablation):
+    """Difference of every setting to the default of its training set."""
+    figure, axes = new_figure(width=6, height=4)
     rows = ablation[(ablation["metric"] == METRIC) & (ablation["setting"] != "default")].iloc[::-1]
-    labels = [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
-    plot_intervals(axes[0, 0], rows, labels)
+    plot_intervals(
+        axes[0, 0], rows, [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
+    )
     axes[0, 0].tick_params("y", labelsize=7)
     axes[0, 0].set_xlabel(f"{NAMES[METRIC]} less that of the default")
-    ax, rows = axes[0, 1], chosen[chosen["metric"] == METRIC]
-    sets = list(dict.fromkeys(rows["training_set"]))
-    for row in rows.itertuples():
-        is_default = row.setting == "default"
-        x = sets.index(row.training_set) + (-0.12 if is_default else 0.12)
-        face = WHITE if is_default else COLOURS[row.training_set]
-        ax.plot(x, row.mean, "o", color=COLOURS[row.training_set], markerfacecolor=face)
-        if not is_default:
-            ax.annotate(name_of(row.setting), (x, row.mean), (4, 4), textcoords="offset points", fontsize=6)
-    name_columns(ax, sets)
-    ax.set_ylabel(f"{NAMES[METRIC]} on test scenes")
     return figure
 
 

@@ -12,16 +12,6 @@ PICK_ERRORS = {
     "n_false_layers": "false layers",
 }
 
-# Numbers of scenes: along what, what, and of what axes; those that differ between PHY and cGAN.
-SCENE_NUMBERS = {
-    "contrast of layers": ("layer below the surface", "contrast of labelled layers [dB]", ("linear", "linear")),
-    "autocorrelation, range_line": ("lag [range lines]", "autocorrelation along track", ("log", "linear")),
-    "autocorrelation, range_bin": ("lag [range bins]", "autocorrelation down range", ("log", "linear")),
-    "structure function, slabs": ("lag [range lines]", "structure function of slabs [bins²]", ("log", "log")),
-    "structure function, layers": ("lag [range lines]", "structure function of layers [bins²]", ("log", "log")),
-}
-BOTH_RENDERS = list(SCENE_NUMBERS)[:3]
-
 
 def precision_recall(precision_recall):
     """Precision against recall of the fused output, a line a training set, mean over replicas."""
@@ -44,44 +34,6 @@ def table3(table3_intervals):
             ax.plot(x, row.mean, "o", color=COLOURS[row.training_set])
         name_columns(ax, list(rows["training_set"]))
         ax.set_ylabel(f"{NAMES[metric]} of fuse")
-    return figure
-
-
-def worth(two_sample, drawn_scenes, table3_intervals):
-    """Whether drawn scenes are told from observed ones, what they do for Table III, and by what they differ."""
-    figure, axes = new_figure(2, 4, width=12, height=5.5)
-    whole = two_sample[two_sample["first_row"] < 0]
-    sets = list(dict.fromkeys(whole["scenes"]))
-    for shift, marker, (classifier, rows) in zip((-0.12, 0.12), "os", whole.groupby("classifier"), strict=True):
-        for x, row in enumerate(rows.itertuples()):
-            axes[0, 0].vlines(x + shift, row.low, row.high, color=COLOURS[row.scenes])
-            axes[0, 0].plot(x + shift, row.accuracy, marker, color=COLOURS[row.scenes], label=None if x else classifier)
-    name_columns(axes[0, 0], ["one half" if name == "observed" else name for name in sets])
-    axes[0, 0].legend(fontsize=7)
-    by_depth = two_sample[(two_sample["first_row"] >= 0) & (two_sample["classifier"] == "network")]
-    for name, rows in by_depth.groupby("scenes", sort=False):
-        axes[0, 1].plot(rows["first_row"], rows["accuracy"], "o-", markersize=4, color=COLOURS[name])
-    axes[0, 1].set_xlabel("first range bin of the patch")
-    for ax in axes[0, :2]:
-        ax.axhline(0.5, color="0.5", linewidth=0.8)
-        ax.set(ylim=(0.4, 1.02), ylabel="share of right decisions")
-    gains = table3_intervals[(table3_intervals["output"] == "fuse") & (table3_intervals["training_set"] != "rd")]
-    for shift, face, metric in ((-0.12, None, "ods"), (0.12, "white", "ap")):
-        for x, row in enumerate(gains[gains["metric"] == metric].itertuples()):
-            colour, label = COLOURS[row.training_set], None if x else NAMES[metric]
-            axes[0, 2].vlines(x + shift, row.difference_low, row.difference_high, color=colour)
-            axes[0, 2].plot(x + shift, row.difference, "o", color=colour, markerfacecolor=face or colour, label=label)
-    name_columns(axes[0, 2], list(dict.fromkeys(gains["training_set"])))
-    axes[0, 2].axhline(0, color="0.5", linewidth=0.8)
-    axes[0, 2].set_ylabel("of fuse, less that of RD")
-    axes[0, 2].legend(fontsize=7, loc="upper left")
-    for ax, (quantity, (at, label, scale)) in zip(axes.flat[3:], SCENE_NUMBERS.items(), strict=True):
-        for name, rows in drawn_scenes[drawn_scenes["quantity"] == quantity].groupby("scenes", sort=False):
-            shown = NAMES.get(name, name) if quantity in BOTH_RENDERS else "drawn" if name != "observed" else name
-            ax.fill_between(rows["at"], rows["low"], rows["high"], color=COLOURS[name], alpha=0.2, linewidth=0)
-            ax.plot(rows["at"], rows["mean"], ".-", color=COLOURS[name], label=shown)
-        ax.set(xlabel=at, ylabel=label, xscale=scale[0], yscale=scale[1])
-        ax.legend(fontsize=7)
     return figure
 
 
