@@ -148,4 +148,5 @@ def test_the_page_shows_figures_and_what_studies_made_with_their_study_s_name(pl
     assert re.findall(r'id="figure-(\w+)"', text) == ["wave", "fall"]
     assert '<h3 id="stage-flight">The flight and its statistics</h3>' in text
     assert "<h3>Seeds</h3>" in text
+    assert text.count("0.80 [0.70, 0.90]") == 6
     assert 'download="seeds_spread.csv"' in text
