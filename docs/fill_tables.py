@@ -48,17 +48,30 @@ def intervals(results):
     few = f" {n} trainings a set are too few for more than an indication" if n < ENOUGH_TRAININGS else ""
     title = f"95 % intervals of the paired bootstrap over images and trainings (`table3_intervals.csv`).{few}"
     table = table.drop(columns=["low", "high"]).rename(columns={"difference_low": "low", "difference_high": "high"})
-    if (results / "studies/tracker/seeds.csv").is_file():
-        study = read(results, "seeds", "studies/tracker").query("base == 'rd'")
-        if study["n_replicas"].iloc[0] > n:
+    if (results / "studies/tracker/worth.csv").is_file():
+        of_defaults = "setting == 'default' and base == 'default' and base_training_set == 'rd'"
+        study = read(results, "worth", "studies/tracker").query(of_defaults)
+        if len(study) and study["n_replicas"].iloc[0] > n:
             n, table = study["n_replicas"].iloc[0], study
-            title = "95 % intervals of Student's t over trainings and images (`studies/tracker/seeds.csv`)"
+            title = "95 % intervals of Student's t over trainings and images (`studies/tracker/worth.csv`)"
     table = table.set_index(["training_set", "metric"])
     added = {key: name for key, name in SETS.items() if key != "rd"}
     metrics = ("ods", "ois", "ap")
     rows = [[metric.upper(), *(difference(table.loc[(key, metric)]) for key in added)] for metric in metrics]
     title = f"Difference of the fused output to RD, {n} trainings a set,\n{title}:"
     return title + "\n\n" + markdown(["", *added.values()], rows)
+
+
+def two_sample(results):
+    """How often classifiers tell observed scenes from others."""
+    table = read(results, "two_sample")
+    rows = []
+    for (name, first_row), cells in table.groupby(["scenes", "first_row"], sort=False):
+        cells = cells.set_index("classifier").loc[["network", "texture"]]
+        told = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
+        scenes = {"observed": "observed, other half", "phy": "PHY", "cgan": "cGAN"}[name]
+        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *told])
+    return markdown(["observed and", "patches", "network", "texture"], rows)
 
 
 def tables(results):
@@ -165,7 +178,7 @@ def cost(results):
 
 
 BLOCKS = (
-    *(tables, similarity, trackers, intervals, closed_loop, conventions),
+    *(tables, similarity, trackers, intervals, two_sample, closed_loop, conventions),
     *(waveforms, speckle, scenes, plans, stability, realism, cost),
     *STUDY_BLOCKS,
 )

@@ -1,7 +1,7 @@
 """Tables of the accuracy page that studies fill."""
 
 import pandas as pd
-from table_parts import METRICS, SETS, difference, markdown, read, share, similarities
+from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share, similarities
 
 NAMES = [name for name, _ in METRICS.values()]
 
@@ -36,30 +36,23 @@ def cgan_stability(results):
     return markdown(["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"], rows)
 
 
-def seeds(results):
-    """Differences of the fuse between training sets, with many trainings."""
-    table = read(results, "seeds", "studies/tracker")
+def worth(results):
+    """Fused scores of training sets less those of others."""
+    table = read(results, "worth", "studies/tracker")
     rows = []
-    for r in table.itertuples():
-        sets, means = f"{SETS[r.training_set]} less {SETS[r.base]}", f"{share(r.mean)} - {share(r.base_mean)}"
-        rows.append([sets, r.metric.upper(), means, difference(r), r.verdict, f"{r.detectable:.4f}"])
-    header = ["sets", "score", "means", "difference", "verdict", "smallest that this could tell"]
-    return counted(table, "seeds", "a set", "test") + markdown(header, rows)
+    for r in table[table["metric"] != "ois"].itertuples():
+        runs = (r.training_set, r.setting), (r.base_training_set, r.base)
+        names = [RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs]
+        resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
+        means = f"{share(r.mean)} - {share(r.base_mean)}"
+        rows.append([" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.verdict])
+    header = ["sets", "score", "means", "difference", "bootstrap", "verdict"]
+    return counted(table, "worth", "a set", "test") + markdown(header, rows)
 
 
 def ablation(results):
-    """Fused ODS of every setting of the ablation on the validation scenes."""
-    return compared(results, "ablation", "validation")
-
-
-def chosen(results):
-    """Fused ODS of the best settings on the test scenes."""
-    return compared(results, "chosen", "test")
-
-
-def compared(results, name, scenes):
-    """Settings, each less the setting and set it is compared with."""
-    table = read(results, name, "studies/tracker").query("metric == 'ods'")
+    """Fused ODS of every setting, each less the setting and set it is compared with, on the validation scenes."""
+    table = read(results, "ablation", "studies/tracker").query("metric == 'ods'")
     rows = []
     for r in table.itertuples():
         rows.append([r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)])
@@ -68,7 +61,7 @@ def compared(results, name, scenes):
         else:
             rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.verdict]
     header = ["setting", "set", "ODS", "compared with", "difference", "verdict"]
-    return counted(table, name, "each", scenes) + markdown(header, rows)
+    return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 
 
 def counted(table, name, of_what, scenes):
@@ -103,4 +96,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_stability, seeds, ablation, chosen, networks, tracker_stability)
+STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_stability, worth, ablation, networks, tracker_stability)

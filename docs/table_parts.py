@@ -3,6 +3,7 @@
 import pandas as pd
 
 SETS = {"rd": "RD", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD"}
+RUNS = {**SETS, "gd": "GD", "pd": "PD"}  # and drawn scenes alone
 METRICS = {"ssim": ("SSIM", 2), "psnr": ("PSNR [dB]", 1), "rmse": ("RMSE", 1)}
 
 

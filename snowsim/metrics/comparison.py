@@ -17,8 +17,9 @@ def compare(counts, pairs, *, n_bootstrap, rng):
 
     `counts` maps a name to a list over replicas of lists over images of count dicts, in one order: replica r of every
     name began from the same weights. `n_bootstrap` resamples of the images, the same for every name, give the images'
-    error. Columns `name, base, metric, mean, base_mean` and those of `paired_difference`. Names without counts, or with
-    unlike numbers of replicas or images, are refused.
+    error. Columns `name, base, metric, mean, base_mean`, those of `paired_difference`, and `bootstrap_low,
+    bootstrap_high`, percentiles of resamples of images and replicas at once, narrow where replicas are few.
+    Names without counts, or with unlike numbers of replicas or images, are refused.
     """
     stacked = {name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()}
     for name, base in pairs:
@@ -31,19 +32,24 @@ def compare(counts, pairs, *, n_bootstrap, rng):
             raise ValueError(msg)
     n_images = next(iter(stacked.values()))[0]["n_truth"].shape[0]
     draws = rng.integers(n_images, size=(n_bootstrap, n_images))
+    places = rng.random((n_bootstrap, max(map(len, stacked.values()))))
     points = {name: replica_scores(replicas) for name, replicas in stacked.items()}
     resampled = {
-        name: np.array([replica_scores(replicas, images).mean(axis=0) for images in draws])
-        for name, replicas in stacked.items()
+        name: np.array([replica_scores(replicas, images) for images in draws]) for name, replicas in stacked.items()
     }
     rows = []
     for name, base in pairs:
         for index, metric in enumerate(METRICS):
             here, there = points[name][:, index], points[base][:, index]
-            image_error = float(np.std(resampled[name][:, index] - resampled[base][:, index], ddof=1))
+            differences = resampled[name][..., index] - resampled[base][..., index]
+            image_error = float(np.std(differences.mean(axis=1), ddof=1))
+            replicas = (places[:, : here.size] * here.size).astype(int)
+            both = np.take_along_axis(differences, replicas, axis=1).mean(axis=1)
+            low, high = np.percentile(both, [50 * LEVEL, 100 - 50 * LEVEL])
             rows.append(
                 {"name": name, "base": base, "metric": metric, "mean": here.mean(), "base_mean": there.mean()}
                 | paired_difference(here - there, image_error, n_images)
+                | {"bootstrap_low": low, "bootstrap_high": high}
             )
     return pd.DataFrame(rows)
 

@@ -70,11 +70,16 @@ def test_filling_twice_changes_nothing_more(results):
 
 
 def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
-    rows = [(name, "rd", metric, 0.125, 0.0625, 0.1875) for name in SETS[1:] for metric in ("ods", "ois", "ap")]
-    seeds = pd.DataFrame(rows, columns=["training_set", "base", "metric", "difference", "low", "high"])
+    rows = [
+        ("default", name, "default", "rd", metric, 0.125, 0.0625, 0.1875)
+        for name in SETS[1:]
+        for metric in ("ods", "ois", "ap")
+    ]
+    names = ["setting", "training_set", "base", "base_training_set", "metric", "difference", "low", "high"]
+    worth = pd.DataFrame(rows, columns=names)
     (results / "studies/tracker").mkdir(parents=True)
     for n_replicas, shown in ((5, True), (2, False)):
-        seeds.assign(n_replicas=n_replicas).to_csv(results / "studies/tracker/seeds.csv", index=False)
+        worth.assign(n_replicas=n_replicas).to_csv(results / "studies/tracker/worth.csv", index=False)
         filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results)
         assert ("| ODS | +0.1250 [+0.0625, +0.1875] |" in filled) == shown
         assert ("5 trainings a set" in filled) == shown
@@ -82,7 +87,7 @@ def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
 
 def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
     readme, accuracy = (page.read_text() for page in fill_tables.PAGES)
-    study = re.search(r"<!-- seeds -->(.*)<!-- /seeds -->", accuracy, re.DOTALL)[1]
+    study = re.search(r"<!-- worth -->(.*)<!-- /worth -->", accuracy, re.DOTALL)[1]
     of_study = dict(re.findall(r"\| (RD\S+ less RD \| \w+) \|[^|]*\| ([^|]*) \|", study))
     shown = re.search(r"<!-- tables -->.*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL)[1]
     for metric in ("ODS", "OIS", "AP"):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from lib.tracker_runs import ablation_of, best_runs, check_names, data_of, training_of
+from lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.metrics.pick_tables import SUMS
 from snowsim.metrics.tables import COUNTS, tracker_intervals
@@ -22,6 +22,7 @@ STUDY = {
         {"name": "longer", "training_sets": ["rd"], "steps": 2},
     ],
     "networks": [{"name": "width_4"}],
+    "worth": [["pd", "rd"], ["longer/rd", "masked/rd"]],
 }
 
 
@@ -33,19 +34,26 @@ def test_a_setting_changes_what_it_names_and_nothing_else():
     assert data_of({"n_layers": 3, "zones": [0]}, TRACKER)["n_layers"] == 3
 
 
-def test_the_best_of_the_candidates_is_chosen_beside_the_defaults(tmp_path):
-    rows = [("default", "rd", 0.5), ("masked", "rd", 0.6), ("longer", "rd", 0.9), ("default", "rd_pd", 0.7)]
-    table = pd.DataFrame(rows, columns=["setting", "training_set", "mean"]).assign(metric="ods")
-    table.to_csv(tmp_path / "ablation.csv", index=False)
-    # More steps are another experiment, however well they do.
-    runs = best_runs(tmp_path / "ablation.csv", ablation_of(STUDY, ["rd", "rd_pd"]))
-    assert runs == [("default", "rd"), ("default", "rd_pd"), ("masked", "rd")]
-
-
 def test_a_name_given_twice_is_refused():
     twice = {**STUDY, "networks": [{"name": "masked"}]}
     with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
         check_names(twice)
+
+
+def test_runs_are_compared_with_what_is_named_or_with_their_default():
+    assert worth_of(STUDY) == [
+        (("default", "pd"), ("default", "rd")),
+        (("longer", "rd"), ("masked", "rd")),
+    ]
+    assert pairs_of([("default", "rd_pd"), ("masked", "rd_pd")]) == [
+        (("default", "rd_pd"), ("default", "rd")),
+        (("masked", "rd_pd"), ("default", "rd_pd")),
+    ]
+    check_names(STUDY)
+    with pytest.raises(
+        ValueError, match="worth: expected a setting, one of default, masked, longer, width_4, got mask"
+    ):
+        check_names({**STUDY, "worth": [["mask/rd", "rd"]]})
 
 
 SETS = ["rd", "rd_gd"]

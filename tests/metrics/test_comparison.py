@@ -93,3 +93,18 @@ def test_holm_s_correction_is_the_step_down_procedure(rng):
         np.testing.assert_array_equal(corrected <= level, rejected)
     assert holm([0.03, 0.6])[1] == 0.6
     assert holm([0.7, 0.8]).tolist() == [1, 1]
+
+
+def test_the_bootstrap_takes_in_trainings_and_images(rng):
+    images, better = (image_counts(share, 40, rng=rng) for share in (0.6, 0.7))
+    counts = {"a": [images, images], "b": [images, better]}
+    table = compare(counts, [("b", "a")], n_bootstrap=400, rng=rng).set_index("metric")
+    row = table.loc["ods"]
+    # Replica 0 is the same in both: a quarter of the resamples draws it twice and finds nothing.
+    assert row["bootstrap_low"] <= 0 <= row["bootstrap_high"]
+    assert row["bootstrap_low"] <= row["difference"] <= row["bootstrap_high"]
+    alone = (
+        compare({"a": [images], "b": [better]}, [("b", "a")], n_bootstrap=400, rng=rng).set_index("metric").loc["ods"]
+    )
+    # One replica leaves the images' error, Gaussian or not, to a tenth; 3.92 of it wide.
+    assert_allclose(alone["bootstrap_high"] - alone["bootstrap_low"], 3.92 * alone["image_error"], rtol=0.3)

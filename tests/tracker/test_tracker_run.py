@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
 from train_tracker import train
 from trainings import check_killed_training
 
 from lib.tracker_training import compose
+from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import Settings
 
@@ -35,6 +37,7 @@ def arguments(folder, scene_files):
         "device": "cpu",
         "n_epochs": None,
         "data": {"added_per_real": 0.6},
+        "skip": 0,
         "settings": {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48},
         "checkpoint": str(folder / "unfinished.safetensors"),
         "checkpoint_steps": 10,
@@ -45,6 +48,17 @@ def arguments(folder, scene_files):
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):
     train(**arguments(tmp_path / "whole", scene_files))
     check_killed_training("train_tracker", arguments(tmp_path / "killed", scene_files), tmp_path / "whole")
+
+
+def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
+    given = arguments(tmp_path, scene_files)
+    # Drawn scenes alone: they stand where real ones did.
+    given |= {"real": [], "skip": 0.4, "settings": {**given["settings"], "n_steps": 10}}
+    train(**given)
+    assert pd.read_csv(given["losses"])["step"].tolist() == [5, 6, 7, 8, 9, 10]
+    _, metadata = read_model(given["network"], {"kind": "tracker"})
+    # 6 of 10 gradients, over 8 scenes.
+    assert metadata["epochs"] == 6 / 8
 
 
 def composed(scene_files, n_epochs=None, n_steps=40, **data):

@@ -32,22 +32,16 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     ablation = pd.read_csv(folder / "ablation.csv")
     assert {"default", "masked", "full_labels", "uppermost", "phy_as_printed"} <= set(ablation["setting"])
     assert np.isfinite(ablation["mean"]).all()
-    # One setting a training set at most, beside the four defaults, and none that changes labels, steps or PHY.
-    chosen = pd.read_csv(folder / "chosen.csv")
-    chosen = chosen[chosen["metric"] == "ods"].groupby("training_set")["setting"].agg(list)
-    assert set(chosen.index) == set(SETS)
-    for settings in chosen:
-        assert "default" in settings
-        assert len(settings) <= 2
-        assert not {"full_labels", "steps_double", "phy_as_printed"} & set(settings)
-    seeds = pd.read_csv(folder / "seeds.csv")
-    row = seeds[(seeds["training_set"] == "rd_pd") & (seeds["base"] == "rd") & (seeds["metric"] == "ods")]
+    worth = pd.read_csv(folder / "worth.csv")
+    row = worth[(worth["training_set"] == "pd") & (worth["base_training_set"] == "rd") & (worth["metric"] == "ods")]
     assert len(row) == 1
-    assert (row["low"] <= row["difference"]).all()
-    assert (row["detectable"] > 0).all()
+    assert (worth["low"] <= worth["difference"]).all()
+    assert (worth["bootstrap_low"] <= worth["bootstrap_high"]).all()
+    assert (row["n_images"] == 3).all()
+    assert set(worth["base"]) == {"default", "last_part"}
     stability = pd.read_csv(folder / "stability.csv")
     assert set(stability.loc[stability["status"] == "refused", "panel"]) == {"empty labels", "flat image"}
     speed = pd.read_csv(tmp_path / "run/results/tables/speed_accuracy_tracker.csv")
     assert set(speed["setting"]) == {"default", "width_4", "unet_2"}
-    for name in ("tracker_ablation", "tracker_seeds", "speed_accuracy_tracker", "stability_tracker"):
+    for name in ("tracker_ablation", "tracker_worth", "speed_accuracy_tracker", "stability_tracker"):
         assert (tmp_path / f"run/results/figures/{name}.svg").stat().st_size > 1000

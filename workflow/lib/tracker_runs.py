@@ -1,12 +1,11 @@
 """Which trainings the study of the tracker is made of: settings, and how each differs from the default.
 
 A setting is what changes: `training_sets`, and any of `labels`, `zones`, `n_layers`, `order`, `added_per_real`, `steps`
-(a factor), `phy` and `training`. `tracker` is the section of the configuration.
+(a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting, training set). `tracker` is the
+section of the configuration.
 """
 
 from pathlib import Path
-
-import pandas as pd
 
 
 def ablation_of(study, training_sets):
@@ -20,12 +19,28 @@ def networks_of(study):
 
 
 def check_names(study):
-    """Raise ValueError where two settings share a name."""
+    """Raise ValueError where two settings share a name, or a worth is asked for of a setting that there is not."""
     names = [each["name"] for each in study["ablation"] + study["networks"]]
     for name in names:
         if names.count(name) > 1:
             msg = f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"
             raise ValueError(msg)
+    known = ["default", *names]
+    for pair in worth_of(study):
+        for setting, _ in pair:
+            if setting not in known:
+                msg = f"config: studies.tracker.worth: expected a setting, one of {', '.join(known)}, got {setting}"
+                raise ValueError(msg)
+
+
+def worth_of(study):
+    """Pairs of runs, (setting, training set), whose difference is the worth of the first."""
+    return [tuple(tuple(f"default/{name}".split("/")[-2:]) for name in pair) for pair in study["worth"]]
+
+
+def pairs_of(runs):
+    """Every run and its base: of a default that of RD, of another setting the default of the same training set."""
+    return [(run, ("default", "rd" if run[0] == "default" else run[1])) for run in runs]
 
 
 def data_of(changes, tracker):
@@ -78,17 +93,3 @@ def count_files(split, runs, replicas):
         for setting, training_set in runs
         for replica in replicas
     ]
-
-
-def best_runs(path_to_ablation, ablation):
-    """Default and best candidate of every training set, by the fused ODS of an ablation: (setting, training set).
-
-    Candidates leave labels, steps and PHY as they are: what a reader of the paper would take for the same experiment.
-    """
-    table = pd.read_csv(path_to_ablation)
-    candidates = [name for name, changes in ablation.items() if not {"labels", "steps", "phy"} & set(changes)]
-    table = table[(table["metric"] == "ods") & table["setting"].isin(candidates)]
-    best = table.loc[table.groupby("training_set")["mean"].idxmax()]
-    default = [("default", training_set) for training_set in ablation["default"]["training_sets"]]
-    chosen = map(tuple, best[["setting", "training_set"]].to_numpy().tolist())
-    return default + [run for run in chosen if run not in default]

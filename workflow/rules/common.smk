@@ -75,12 +75,14 @@ SPLITS = ("train", "validation", "test")
 include: "sources.smk"
 
 
+# What is added to the train scenes in Table III's training sets; then what is trained on alone, without them.
 TRAINING_SETS = {
     "rd": [],
     "rd_gd": ["cgan"],
     "rd_pd": ["phy"],
     "rd_pd_gd": ["phy", "cgan"],
 }
+ALONE = {"gd": ["cgan"], "pd": ["phy"]}
 METHODS = ("cgan", "phy")
 N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
 SHARD_SIZE = {
@@ -97,7 +99,7 @@ wildcard_constraints:
     replica=r"\d+",
     split="|".join(SPLITS),
     scenes="labels|test",
-    training_set="|".join(TRAINING_SETS),
+    training_set="|".join(TRAINING_SETS | ALONE),
 
 
 def shards(scenes):
@@ -149,11 +151,16 @@ def layers_of(wildcards):
     return f"results/{folder}/{wildcards.shard}.nc"
 
 
+def real_scenes(wildcards):
+    """The train scenes if a training set has them."""
+    return benchmark_files("train") if wildcards.training_set in TRAINING_SETS else []
+
+
 def added_scenes(method):
     """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
 
     def files(wildcards):
-        joins = method in TRAINING_SETS[wildcards.training_set]
+        joins = method in (TRAINING_SETS | ALONE)[wildcards.training_set]
         return rendered_files(method, "labels") if joins else []
 
     return files

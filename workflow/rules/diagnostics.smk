@@ -70,9 +70,38 @@ rule compare_renders:
         "../scripts/compare_renders.py"
 
 
+DRAWN = config["drawn_scenes"]
+DRAWN_SHARDS = shards("labels")[: math.ceil(DRAWN["n_scenes"] / SHARD_SIZE["labels"])]
+
+
+rule compare_scenes:
+    input:
+        observed=benchmark_files("train"),
+        phy=expand("results/phy/labels/{shard}.nc", shard=DRAWN_SHARDS),
+        cgan=expand("results/cgan/labels/{shard}.nc", shard=DRAWN_SHARDS),
+        code=imported_by("compare_scenes.py"),
+    output:
+        two_sample="results/tables/two_sample.csv",
+        numbers="results/tables/drawn_scenes.csv",
+    log:
+        "logs/compare_scenes.log",
+    benchmark:
+        "results/benchmarks/compare_scenes/all.tsv"
+    resources:
+        mem_mb=2000,
+    params:
+        **DRAWN,
+        seed=config["seed"],
+    message:
+        "drawn scenes beside observed ones: can they be told apart, and by what"
+    script:
+        "../scripts/compare_scenes.py"
+
+
 rule evidence:
     input:
         rules.compare_renders.output,
+        rules.compare_scenes.output,
         figure_files("similarity"),
     localrule: True
     message:

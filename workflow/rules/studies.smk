@@ -3,13 +3,11 @@
 
 from lib import tracker_runs
 
-# What makes synthetic data help or hurt the tracker, and what the default number of trainings can resolve. Settings are
-# compared on the held-out validation scenes; of those that leave labels, steps and PHY as they are, the best is scored
-# on the test scenes, once.
+# What makes synthetic data help or hurt the tracker. Settings are compared, and chosen, on the held-out validation
+# scenes. Training sets whose worth is asked for are scored on the test scenes, whatever the others say of them.
 STUDY, TRACKER = config["studies"]["tracker"], config["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
-# Replicas of the default training sets beyond those of the default run.
-MORE_SEEDS = list(range(TRACKER["n_seeds"], STUDY["n_seeds"]))
+WORTH_SEEDS = list(range(STUDY["n_seeds"]))
 ABLATION = tracker_runs.ablation_of(STUDY, TRAINING_SETS)
 ABLATION_RUNS = [
     (setting, training_set)
@@ -18,10 +16,9 @@ ABLATION_RUNS = [
 ]
 NETWORKS = tracker_runs.networks_of(STUDY)
 STUDIED = {**ABLATION, **NETWORKS}
-try:
-    tracker_runs.check_names(STUDY)
-except ValueError as error:
-    raise WorkflowError(str(error))
+or_refused(tracker_runs.check_names, STUDY)
+WORTH = tracker_runs.worth_of(STUDY)
+WORTH_RUNS = list(dict.fromkeys(run for pair in WORTH for run in pair))
 
 
 wildcard_constraints:
@@ -50,7 +47,7 @@ use rule render_phy as render_study_phy with:
 
 use rule train_tracker as train_study_tracker with:
     input:
-        real=benchmark_files("train"),
+        real=real_scenes,
         phy=lambda w: tracker_runs.renders_of(
             w.setting, STUDIED[w.setting], added_scenes("phy")(w)
         ),
@@ -67,6 +64,7 @@ use rule train_tracker as train_study_tracker with:
         n_epochs=lambda w: tracker_runs.epochs_of(STUDIED[w.setting], TRACKER),
         data=lambda w: tracker_runs.data_of(STUDIED[w.setting], TRACKER),
         settings=lambda w: tracker_runs.training_of(STUDIED[w.setting], TRACKER),
+        skip=lambda w: STUDIED[w.setting].get("skip", 0),
         checkpoint="results/checkpoints/train_study_tracker_{setting}_{training_set}_{replica}.safetensors",
         events=None,
     message:
@@ -94,30 +92,7 @@ use rule score_tracker as score_study_tracker with:
         "fused edge scores of {wildcards.training_set}, {wildcards.any_setting}, replica {wildcards.replica}"
 
 
-if MORE_SEEDS:
-
-    use rule score_tracker as score_more_trackers with:
-        input:
-            scenes=benchmark_files("test"),
-            networks=expand(
-                "results/tracker/{{training_set}}/{replica}.safetensors",
-                replica=MORE_SEEDS,
-            ),
-            code=imported_by("score_tracker.py"),
-        output:
-            counts=expand(
-                "results/tracker/{{training_set}}/{replica}_counts.parquet",
-                replica=MORE_SEEDS,
-            ),
-        log:
-            "logs/score_more_trackers/{training_set}.log",
-        benchmark:
-            "results/benchmarks/score_more_trackers/{training_set}.tsv"
-        message:
-            "edge scores of {wildcards.training_set}, replicas of the study alone"
-
-
-checkpoint tabulate_ablation:
+rule tabulate_ablation:
     input:
         counts=tracker_runs.count_files("validation", ABLATION_RUNS, ABLATION_SEEDS),
         code=imported_by("tabulate_ablation.py"),
@@ -131,6 +106,7 @@ checkpoint tabulate_ablation:
         seed=config["seed"],
         n_bootstrap=TRACKER["n_bootstrap"],
         runs=ABLATION_RUNS,
+        pairs=tracker_runs.pairs_of(ABLATION_RUNS),
         replicas=ABLATION_SEEDS,
     message:
         "ablation of the training sets, on the validation scenes"
@@ -138,53 +114,22 @@ checkpoint tabulate_ablation:
         "../scripts/tabulate_ablation.py"
 
 
-use rule tabulate_ablation as tabulate_chosen with:
+use rule tabulate_ablation as tabulate_worth with:
     input:
-        counts=lambda wildcards: tracker_runs.count_files(
-            "test",
-            tracker_runs.best_runs(
-                checkpoints.tabulate_ablation.get().output.table, ABLATION
-            ),
-            ABLATION_SEEDS,
-        ),
+        counts=tracker_runs.count_files("test", WORTH_RUNS, WORTH_SEEDS),
         code=imported_by("tabulate_ablation.py"),
     output:
-        table="results/studies/tracker/chosen.csv",
+        table="results/studies/tracker/worth.csv",
     log:
-        "logs/tabulate_chosen.log",
+        "logs/tabulate_worth.log",
     benchmark:
-        "results/benchmarks/tabulate_chosen/all.tsv"
+        "results/benchmarks/tabulate_worth/all.tsv"
     params:
-        runs=lambda wildcards: tracker_runs.best_runs(
-            checkpoints.tabulate_ablation.get().output.table, ABLATION
-        ),
+        runs=WORTH_RUNS,
+        pairs=WORTH,
+        replicas=WORTH_SEEDS,
     message:
-        "the best settings on the test scenes"
-
-
-rule tabulate_seeds:
-    input:
-        counts=expand(
-            "results/tracker/{training_set}/{replica}_counts.parquet",
-            training_set=TRAINING_SETS,
-            replica=range(STUDY["n_seeds"]),
-        ),
-        code=imported_by("tabulate_seeds.py"),
-    output:
-        table="results/studies/tracker/seeds.csv",
-    log:
-        "logs/tabulate_seeds.log",
-    benchmark:
-        "results/benchmarks/tabulate_seeds/all.tsv"
-    params:
-        seed=config["seed"],
-        n_bootstrap=TRACKER["n_bootstrap"],
-        training_sets=list(TRAINING_SETS),
-        n_replicas=STUDY["n_seeds"],
-    message:
-        "what {params.n_replicas} trainings of each set can resolve"
-    script:
-        "../scripts/tabulate_seeds.py"
+        "what training sets are worth, on the test scenes"
 
 
 rule time_trackers:
@@ -245,8 +190,7 @@ rule stress_tracker:
 rule study_tracker:
     input:
         "results/studies/tracker/ablation.csv",
-        rules.tabulate_chosen.output,
-        rules.tabulate_seeds.output,
+        rules.tabulate_worth.output,
         rules.time_trackers.output,
         rules.stress_tracker.output,
         figure_files("study_tracker"),

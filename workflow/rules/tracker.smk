@@ -3,7 +3,7 @@
 
 rule train_tracker:
     input:
-        real=benchmark_files("train"),
+        real=real_scenes,
         phy=added_scenes("phy"),
         cgan=added_scenes("cgan"),
         code=imported_by("train_tracker.py"),
@@ -29,6 +29,7 @@ rule train_tracker:
             "n_layers": config["tracker"]["added_layers"],
         },
         settings=config["tracker"]["training"],
+        skip=0,
         checkpoint=CHECKPOINTS + "/train_tracker_{training_set}_{replica}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=EVENTS + "/train_tracker/{training_set}/{replica}",

@@ -16,7 +16,7 @@ from snowsim.tracker import Settings, Training, train_steps
 
 def train(
     real, phy, cgan, network, losses,
-    *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
+    *, seed, replica, device, n_epochs, data, settings, skip, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
     # Of the replica alone: with every training set it starts from the same weights.
     seed = int(random_stream(seed, "train_tracker", replica).integers(2**31))
@@ -29,15 +29,18 @@ def train(
             "settings": dataclasses.asdict(settings),
             "seed": seed,
             "scenes": data,
+            "skip": skip,
             "data": fingerprint([*real, *phy, *cgan]),
         }
         training = Training(settings, seed=seed, device=device)
+        # A share of the schedule passes without a gradient: a control for what other trainings begin with.
+        first = training.step = round(skip * settings.n_steps)
         unfinished = {"kind": "unfinished tracker training", **made_of}
         with TrainingRun(
             training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events
         ) as taken:
             taken.take(train_steps(training, scenes), settings.n_steps, "tracker")
-            epochs = training.step * settings.batch_size / (settings.n_copies * scenes.n_per_epoch)
+            epochs = (training.step - first) * settings.batch_size / (settings.n_copies * scenes.n_per_epoch)
             metadata = {"kind": "tracker", **made_of, "step": training.step, "epochs": epochs}
             write_table(losses, taken.losses())
             write_model(network, training.state()["network"], metadata)

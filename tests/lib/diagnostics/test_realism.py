@@ -131,12 +131,12 @@ def test_a_classifier_is_at_chance_between_equals_and_right_where_texture_differ
     def frames(deviation):
         return [[deviation * rng.standard_normal((32, 32)) for _ in range(100)] for _ in range(4)]
 
-    same, low, high = two_sample.accuracy(frames(1), frames(1), rng=rng)
+    same, low, high = two_sample.accuracy_of_crops(frames(1), frames(1), rng=rng)
     # 800 decisions: 4 standard errors are 0.07.
     assert abs(same - 0.5) < 0.07
     assert low < same < high
-    assert two_sample.accuracy(frames(1), frames(1.5), rng=rng)[0] > 0.98
-    assert np.isnan(two_sample.accuracy([frames(1)[0]], frames(1), rng=rng)[0])
+    assert two_sample.accuracy_of_crops(frames(1), frames(1.5), rng=rng)[0] > 0.98
+    assert np.isnan(two_sample.accuracy_of_crops([frames(1)[0]], frames(1), rng=rng)[0])
 
 
 def test_rows_agree_by_what_real_frames_differ_or_the_interval(rng):

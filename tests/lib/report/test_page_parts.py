@@ -74,9 +74,24 @@ def test_table3_marks_what_is_resolved():
 
 @pytest.mark.parametrize("n_replicas", [2, 5])
 def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
-    names = ["training_set", "base", "metric", "mean", "base_mean", "difference", "low", "high"]
-    rows = [(name, "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3) for name in SETS[1:] for metric in ("ods", "ois", "ap")]
-    path = tmp_path / "studies/tracker/seeds.csv"
+    names = [
+        "setting",
+        "training_set",
+        "base",
+        "base_training_set",
+        "metric",
+        "mean",
+        "base_mean",
+        "difference",
+        "low",
+        "high",
+    ]
+    rows = [
+        ("default", name, "default", "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3)
+        for name in SETS[1:]
+        for metric in ("ods", "ois", "ap")
+    ]
+    path = tmp_path / "studies/tracker/worth.csv"
     path.parent.mkdir(parents=True)
     pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
     intervals = table3_intervals()
@@ -185,4 +200,5 @@ def test_the_page_shows_figures_and_what_studies_made_with_their_study_s_name(pl
     assert re.findall(r'id="figure-(\w+)"', text) == ["wave", "fall"]
     assert '<h3 id="stage-flight">The flight and its statistics</h3>' in text
     assert "<h3>Seeds</h3>" in text
+    assert text.count("0.80 [0.70, 0.90]") == 6
     assert 'download="seeds_spread.csv"' in text

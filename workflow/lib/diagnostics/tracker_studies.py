@@ -16,15 +16,8 @@ LAYER_SPACING_BINS = 12
 N_LAST = 50  # steps whose loss is averaged: what a training has come to
 
 
-def ablation_table(counts, *, n_bootstrap, rng):
-    """Scores of every run against its base: defaults against RD's, other settings against the default.
-
-    `counts` maps (setting, training set) to the counts by image of every replica.
-    """
-    pairs = [
-        ((setting, training_set), ("default", "rd" if setting == "default" else training_set))
-        for setting, training_set in counts
-    ]
+def runs_table(counts, pairs, *, n_bootstrap, rng):
+    """Scores of runs against others, by pairs; `counts` maps (setting, training set) to counts by image and replica."""
     table = compare(counts, pairs, n_bootstrap=n_bootstrap, rng=rng)
     named = pd.DataFrame(table.pop("name").tolist(), columns=["setting", "training_set"])
     named[["base", "base_training_set"]] = table.pop("base").tolist()

@@ -1,6 +1,6 @@
-"""How often a classifier tells crops of the flight from crops of real pictures, by their texture alone.
+"""How often a classifier tells crops of the flight from crops of real pictures, or observed scenes from drawn ones.
 
-Half of the decisions are right by chance. No crop decides about another of its own frame.
+Half of the decisions are right by chance. No crop decides about another of its own frame, or scene.
 """
 
 import numpy as np
@@ -57,6 +57,11 @@ def texture(crop):
     ]
 
 
+def textures(frames):
+    """Statistics of the crops of every frame, (crop, statistic)."""
+    return [np.array([texture(crop) for crop in frame]) for frame in frames]
+
+
 def fitted(features, truth):
     """Logistic regression with a ridge, both classes of equal weight; gives a function from features to decisions."""
     mean, spread = features.mean(axis=0), features.std(axis=0) + 1e-12
@@ -74,23 +79,42 @@ def fitted(features, truth):
     return lambda of: terms(of) @ found > 0
 
 
-def accuracy(one, other, *, rng):
-    """Mean share of right decisions in two classes, and its 95 % interval by the bootstrap over crops.
+def decisions(one, other, *, n_splits, fit=fitted):
+    """Whether crops of two classes are told rightly, two lists of bool (crop,) by frame; None where that is impossible.
 
-    Classes are lists of frames, each a list of crops. Frames are dealt out to two halves; each half is decided by a
-    classifier that saw the other. NaN where a class has crops in one half alone.
+    Classes are lists of frames, each an array (crop, ...) of what `fit` takes, with truth of bool (crop,), to give a
+    function to decisions. Frames are dealt out to splits; those of each are decided by what saw the others alone.
     """
-    halves = [[[texture(crop) for crop in sum(frames[half::2], [])] for half in (0, 1)] for frames in (one, other)]
-    if not all(part for of_class in halves for part in of_class):
-        return np.nan, np.nan, np.nan
+    filled = [sum(map(len, frames[split::n_splits])) for frames in (one, other) for split in range(n_splits)]
+    if not all(filled):
+        return None
     right = [[], []]
-    for half in (0, 1):
-        seen = [np.array(of_class[1 - half]) for of_class in halves]
-        decide = fitted(np.concatenate(seen), np.repeat([False, True], [len(part) for part in seen]))
-        for side in (0, 1):
-            right[side].extend(decide(np.array(halves[side][half])) == bool(side))
+    for split in range(n_splits):
+        seen = [
+            np.concatenate([frame for place, frame in enumerate(frames) if place % n_splits != split and len(frame)])
+            for frames in (one, other)
+        ]
+        decide = fit(np.concatenate(seen), np.repeat([False, True], [len(part) for part in seen]))
+        for side, frames in enumerate((one, other)):
+            right[side] += [decide(frame) == bool(side) for frame in frames[split::n_splits] if len(frame)]
+    return right
+
+
+def accuracy(right, *, rng):
+    """Mean share of right decisions over two classes, and its 95 % interval by the bootstrap over what each lists.
+
+    `right` are two lists of shares, or of decisions, of what is drawn as a whole; NaN where there is None.
+    """
+    if right is None:
+        return np.nan, np.nan, np.nan
     drawn = [rng.choice(part, (N_BOOTSTRAP, len(part))).mean(axis=1) for part in right]
     return (np.mean([np.mean(part) for part in right]), *np.percentile(np.mean(drawn, axis=0), [2.5, 97.5]))
+
+
+def accuracy_of_crops(one, other, *, rng):
+    """Accuracy by texture of lists of frames' crops, in halves; few frames leave only their crops to be drawn from."""
+    right = decisions(textures(one), textures(other), n_splits=2)
+    return accuracy(right and [np.concatenate(part) for part in right], rng=rng)
 
 
 def compare(flight, real, *, rng):
@@ -102,7 +126,10 @@ def compare(flight, real, *, rng):
     for kind in KINDS:
         of_flight, of_real = ([frame[kind] for frame in frames if kind in frame] for frames in (flight, real))
         one, other = ([part[: len(part) // 2], part[len(part) // 2 :]] for part in (of_real[0], of_real[-1]))
-        found[kind] = (*accuracy(of_flight, of_real, rng=rng), accuracy(one, other, rng=rng)[0])
+        found[kind] = (
+            *accuracy_of_crops(of_flight, of_real, rng=rng),
+            accuracy_of_crops(one, other, rng=rng)[0],
+        )
     return found
 
 

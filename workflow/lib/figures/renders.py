@@ -1,4 +1,4 @@
-"""The cGAN's training, and single scenes: what a picker annotates, synthetic layers and both renders of them."""
+"""The cGAN's training, and single scenes: what a picker annotates, observed scenes beside drawn ones."""
 
 from itertools import islice
 
@@ -6,9 +6,10 @@ import numpy as np
 
 from lib.figures import style
 from lib.figures.style import evenly_spaced, name_of, new_figure, note_source, plot_echogram, plot_layers, plot_picks
+from snowsim.echogram import MINIMUM_ROWS
 
 N_STEPS_SHOWN = 4
-N_SCENES_SHOWN = 3
+N_SCENES_SHOWN = 4
 RICH_LAYERS = 6  # interfaces: scenes of few layers have little to annotate
 
 
@@ -74,14 +75,32 @@ def annotated_share(scene):
     return np.isfinite(scene.layer_bins[1:]).sum() / whole if whole else 1.0
 
 
-def synthetic(labels, phy, cgan, n_labels, source):
-    """Layers of few, some and many of the first label sets, and both renders of them."""
-    chosen = evenly_spaced([scene.layer_bins.shape[0] for scene in islice(labels, n_labels)], N_SCENES_SHOWN)
-    figure, axes = new_figure(chosen.size, 3, width=6.5, height=2.5 * chosen.size)
-    for row, i in zip(axes, chosen, strict=True):
-        scene = labels[int(i)]
-        plot_layers(row[0], scene, f"{scene.layer_bins.shape[0] - 1} layers drawn")
-        plot_echogram(row[1], phy[int(i)].image, "PHY")
-        plot_echogram(row[2], cgan[int(i)].image, "cGAN")
-        row[0].set_ylabel("range bin")
+def synthetic(test, phy, cgan, n_labels, source):
+    """Observed scenes of few, some and many layers above drawn ones of as many, with their layers and both renders."""
+    n_observed, n_drawn = (
+        [count_layers(scene) for scene in islice(of, n)] for of, n in ((test, None), (phy, n_labels))
+    )
+    with_layers = np.flatnonzero(n_observed) if any(n_observed) else np.arange(len(n_observed))
+    chosen = with_layers[evenly_spaced(np.array(n_observed)[with_layers], N_SCENES_SHOWN)]
+    left = np.array(n_drawn, dtype=float)  # NaN once shown
+    figure, axes = new_figure(5, chosen.size, width=2.3 * chosen.size, height=8.5, sharex=True, sharey=True)
+    for column, i in zip(axes.T, chosen, strict=True):
+        alike = int(np.nanargmin(np.abs(left - n_observed[i]))) if np.isfinite(left).any() else 0
+        left[alike] = np.nan
+        observed, drawn = test[int(i)], phy[alike]
+        plot_echogram(column[0], observed.image[:MINIMUM_ROWS], "observed")
+        plot_layers(column[1], observed, f"its layers, {n_observed[i]} below the surface")
+        plot_layers(column[2], drawn, f"drawn, {n_drawn[alike]} below the surface")
+        plot_echogram(column[3], drawn.image[:MINIMUM_ROWS], "drawn, PHY")
+        plot_echogram(column[4], cgan[alike].image[:MINIMUM_ROWS], "drawn, cGAN")
+        column[0].set_ylim(MINIMUM_ROWS - 0.5, -0.5)
+        for ax in column[:-1]:
+            ax.set_xlabel("")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("range bin")
     return note_source(figure, f"synthetic layers from the statistics of: {source}")
+
+
+def count_layers(scene):
+    """How many layers below the surface are labelled somewhere."""
+    return int(np.isfinite(scene.layer_bins[1:]).any(axis=1).sum())

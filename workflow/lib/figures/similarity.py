@@ -1,7 +1,5 @@
 """Similarity of renders to observed scenes, what bounds it, where layers lie in renders, and their texture."""
 
-from itertools import product
-
 import numpy as np
 
 from lib.figures import style
@@ -10,11 +8,13 @@ from snowsim.echogram import SURFACE_ROW
 
 N_SCENES_SHOWN = 3
 PART_COLOURS = (style.BLACK, style.BLUE, style.SKY, style.ORANGE, style.PINK)  # of the mean square error
-TEXTURES = {
-    "deviation": "deviation [grey levels]",
-    "autocorrelation_line": "autocorrelation, next range line",
-    "autocorrelation_bin": "autocorrelation, next range bin",
-    "spectrum_distance_db": "distance of spectra [dB]",
+# Numbers of drawn and observed scenes: along what, what, and of what axes.
+SCENE_NUMBERS = {
+    "contrast of layers": ("layer below the surface", "contrast of labelled layers [dB]", ("linear", "linear")),
+    "structure function, slabs": ("lag [range lines]", "structure function of slabs [bins²]", ("log", "log")),
+    "structure function, layers": ("lag [range lines]", "structure function of layers [bins²]", ("log", "log")),
+    "autocorrelation, range_line": ("lag [range lines]", "autocorrelation along track", ("log", "linear")),
+    "autocorrelation, range_bin": ("lag [range bins]", "autocorrelation down range", ("log", "linear")),
 }
 
 
@@ -86,27 +86,6 @@ def render_positions(render_positions):
     return figure
 
 
-def render_texture(render_texture):
-    """Four measures of texture above and below the surface: every scene a point, the mean a bar."""
-    regions = ("above", "below")
-    methods = [method for method in ("observed", *METHODS) if method in set(render_texture["method"])]
-    figure, axes = new_figure(2, 2, width=8, height=5.5)
-    for ax, (column, label) in zip(axes.flat, TEXTURES.items(), strict=True):
-        for (i, region), (k, method) in product(enumerate(regions), enumerate(methods)):
-            rows = render_texture[(render_texture["region"] == region) & (render_texture["method"] == method)]
-            values = rows.sort_values("scene")[column].dropna()
-            x = i + 0.26 * (k - (len(methods) - 1) / 2)
-            spread = np.linspace(-0.08, 0.08, values.size) if values.size > 1 else np.zeros(values.size)
-            ax.plot(x + spread, values, ".", color=COLOURS[method], markersize=2.5, alpha=0.5)
-            name = name_of(method) if i == 0 else None
-            ax.hlines(values.mean(), x - 0.11, x + 0.11, color=COLOURS[method], linewidth=2, label=name)
-        ax.set_xticks(range(len(regions)), [f"{region} the surface" for region in regions])
-        ax.set_ylabel(label)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
-    return figure
-
-
 def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
     """Bounds of similarity and what keeps renders from them, annotation, and texture in the air."""
     bounds, air = similarity_bounds, air_texture[air_texture["quantity"] == "air_blotches"]
@@ -151,3 +130,30 @@ def plot_cases(ax, rows, metric):
     ax.set_yticks(range(len(cases)), cases)
     ax.set_ylim(len(cases) - 0.5, -2)  # room for a legend
     ax.set_xlabel(name_of(metric))
+
+
+def worth(two_sample, drawn_scenes):
+    """How often drawn scenes are told from observed ones, by depth, and by what they differ."""
+    figure, axes = new_figure(2, 3, width=10, height=5.5)
+    for (name, classifier), rows in two_sample.groupby(["scenes", "classifier"], sort=False):
+        whole, by_depth = rows.iloc[0], rows.iloc[1:]
+        label = f"{'other half' if name == 'observed' else name_of(name)}, {classifier}: {whole['accuracy']:.2f}"
+        dashes = "o-" if classifier == "network" else "o:"
+        axes[0, 0].plot(
+            by_depth["first_row"], by_depth["accuracy"], dashes, color=COLOURS[name], markersize=3, label=label
+        )
+    axes[0, 0].axhline(0.5, color="0.5", linewidth=0.8)
+    axes[0, 0].set(
+        ylim=(0.4, 1.4),
+        yticks=np.arange(4, 11, 2) / 10,
+        xlabel="first range bin of the patch",
+        ylabel="share of right decisions",
+    )
+    axes[0, 0].legend(fontsize=6, loc="upper left")
+    for ax, (quantity, (at, label, scales)) in zip(axes.flat[1:], SCENE_NUMBERS.items(), strict=True):
+        for name, rows in drawn_scenes[drawn_scenes["quantity"] == quantity].groupby("scenes", sort=False):
+            ax.fill_between(rows["at"], rows["low"], rows["high"], color=COLOURS[name], alpha=0.2, linewidth=0)
+            ax.plot(rows["at"], rows["mean"], ".-", color=COLOURS[name], label=name_of(name))
+        ax.set(xlabel=at, ylabel=label, xscale=scales[0], yscale=scales[1])
+    axes[0, 1].legend(fontsize=7)
+    return figure

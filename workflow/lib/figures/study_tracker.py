@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lib.figures.style import BLACK, COLOURS, NAMES, RED, WHITE, name_columns, name_of, new_figure
+from lib.figures.style import BLACK, COLOURS, NAMES, RED, name_of, new_figure
 
 METRIC = "ods"
 # Panels of the stability study: what is shown, along what, and of what axis.
@@ -14,38 +14,35 @@ PANELS = {
 }
 
 
-def tracker_ablation(ablation, chosen):
-    """Difference of every setting to the default of its training set; default and chosen setting on test scenes."""
-    figure, axes = new_figure(1, 2, width=9, height=4.5, width_ratios=(2, 1))
+def tracker_ablation(ablation):
+    """Difference of every setting to the default of its training set."""
+    figure, axes = new_figure(width=6, height=4)
     rows = ablation[(ablation["metric"] == METRIC) & (ablation["setting"] != "default")].iloc[::-1]
-    labels = [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
-    plot_intervals(axes[0, 0], rows, labels)
+    plot_intervals(
+        axes[0, 0], rows, [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
+    )
     axes[0, 0].tick_params("y", labelsize=7)
     axes[0, 0].set_xlabel(f"{NAMES[METRIC]} less that of the default")
-    ax, rows = axes[0, 1], chosen[chosen["metric"] == METRIC]
-    sets = list(dict.fromkeys(rows["training_set"]))
-    for row in rows.itertuples():
-        is_default = row.setting == "default"
-        x = sets.index(row.training_set) + (-0.12 if is_default else 0.12)
-        face = WHITE if is_default else COLOURS[row.training_set]
-        ax.plot(x, row.mean, "o", color=COLOURS[row.training_set], markerfacecolor=face)
-        if not is_default:
-            ax.annotate(name_of(row.setting), (x, row.mean), (4, 4), textcoords="offset points", fontsize=6)
-    name_columns(ax, sets)
-    ax.set_ylabel(f"{NAMES[METRIC]} on test scenes")
     return figure
 
 
-def tracker_seeds(seeds):
-    """Difference of every pair of training sets with its 95 % interval; grey: what could have been told from none."""
-    figure, axes = new_figure(1, 2, width=9)
+def tracker_worth(worth):
+    """Score of a training set less that of another with 95 % interval; grey: what could have been told from none."""
+    figure, axes = new_figure(1, 2, width=9, height=4, sharey=True)
     for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
-        rows = seeds[seeds["metric"] == metric].iloc[::-1]
+        rows = worth[worth["metric"] == metric].iloc[::-1]
         for y, row in enumerate(rows.itertuples()):
             ax.barh(y, 2 * row.detectable, left=-row.detectable, height=0.6, color="0.9")
-        plot_intervals(ax, rows, [f"{NAMES[row.training_set]} - {NAMES[row.base]}" for row in rows.itertuples()])
+        plot_intervals(ax, rows, [worth_label(row) for row in rows.itertuples()])
+        ax.tick_params("y", labelsize=7)
         ax.set_xlabel(f"difference of {NAMES[metric]}")
     return figure
+
+
+def worth_label(row):
+    """Names of both training sets, and of their settings where these are not the default."""
+    runs = (row.training_set, row.setting), (row.base_training_set, row.base)
+    return " less ".join(NAMES[s] + ("" if how == "default" else f", {name_of(how)}") for s, how in runs)
 
 
 def plot_intervals(ax, rows, labels):

@@ -46,6 +46,7 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "table2": compare_table2(by_name["table2"], paper["table2"], printed.get("table2")),
         "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
         "as_printed": bool(printed),
+        "two_sample": told_apart(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
         "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
         "enough_trainings": ENOUGH_TRAININGS,
@@ -72,14 +73,14 @@ def with_study(intervals, study_tables):
 
     `study_tables` are paths of what studies left; the interval of a mean stays that of the default run.
     """
-    path = next((path for path in study_tables if Path(path).match("tracker/seeds.csv")), None)
+    path = next((path for path in study_tables if Path(path).match("tracker/worth.csv")), None)
     if path is None:
         return intervals
-    seeds = read_table(path).query("base == 'rd'")
-    if seeds.empty or seeds["n_replicas"].max() <= intervals["n_replicas"].max():
+    worth = read_table(path).query("setting == 'default' and base == 'default' and base_training_set == 'rd'")
+    if worth.empty or worth["n_replicas"].max() <= intervals["n_replicas"].max():
         return intervals
     keys = ["output", "training_set", "metric"]
-    renamed = seeds.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(output="fuse")
+    renamed = worth.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(output="fuse")
     of_base = renamed.drop_duplicates("metric").assign(training_set="rd", mean=lambda rows: rows["base_mean"])
     columns = ["mean", "difference", "difference_low", "difference_high", "n_replicas"]
     updated = intervals.set_index(keys)
@@ -175,6 +176,16 @@ def compare_table3(intervals, paper, printed=None):
                 beside = {"printed": printed_mean, "paper": published[training_set][k]}
                 cells.append({**row, "resolved": resolved, **beside})
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
+    return rows
+
+
+def told_apart(two_sample):
+    """How often observed scenes are told from others by each classifier, texts, a row a kind of scenes."""
+    whole = two_sample[two_sample["first_row"] < 0]
+    rows = []
+    for name, of_name in whole.groupby("scenes", sort=False):
+        texts = {row.classifier: f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]" for row in of_name.itertuples()}
+        rows.append({"scenes": "the other half of the observed" if name == "observed" else NAMES[name], **texts})
     return rows
 
 
