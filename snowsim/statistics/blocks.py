@@ -17,7 +17,7 @@ LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
 STRETCHES = (1, 2, 4, 8, 16)  # a block: spectra are those of the longest of which enough have no gap
 ENOUGH_SHARE = 0.1  # of the number of blocks
 NOISE_WAVENUMBER = 0.375  # [cycles per line] above it no picked geometry is known to undulate: what is there is noise
-SURE = 2.0  # standard errors
+SURE = 3.0  # standard errors from which on noise of picks is believed: few blocks make two by chance
 # A spectrum ends where, over 7 wavenumbers, it is less than 1.5 times the noise of picks: of 4 stretches, whose tapered
 # ordinates pair up, that mean of noise alone scatters by a quarter.
 NOISE_SMOOTHING, CLEARANCE = 7, 1.5
@@ -154,7 +154,7 @@ def pick_noise(series, served, minimum):
     From stretches (stretch, slab, range_line) of which some are `served` (stretch, slab). Noise of a layer's pick makes
     the slab above thicker and the one below thinner: its density is minus the real part of their cross-spectrum, read
     above `NOISE_WAVENUMBER`. Picks of neighbouring lines are taken as independent. The first and last layer, and those
-    that fewer than `minimum` stretches tell, have the mean of all; below two standard errors there is none.
+    that fewer than `minimum` stretches tell, have the mean of all; below `SURE` standard errors there is none.
     """
     n_layers = served.shape[1] + 1
     spectrum = fourier(np.where(served[..., None], series, 0), True)

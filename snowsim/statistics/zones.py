@@ -221,7 +221,7 @@ def zone_models(summary, n_layers, counts, *, tapered=True):
     Each holds what `snowsim.labels.prepare` needs, of the `n_layers` layers that `estimate` reports; `block_psd (zone,
     slab, wavenumber)`, mean periodogram of the zone's own blocks, 0 where it has none; and attributes
     `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block means relative to
-    slab 0, and `dispersion`.
+    slab 0, `dispersion`, and `independent_share` of a spectrum's wavenumbers.
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
     blocks for values of their own add nothing. `means_aic_penalty` is that of Hurvich & Tsai (1989), Biometrika 76,
@@ -249,7 +249,9 @@ def _zone_model(thickness, n_zones, tapered):
         },
     )
     likelihood = _means_likelihood(mean / level[:, None], zone, values)
-    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values))
+    # Squares of Hann's ordinates correlate by (2/3)^2 and (1/6)^2 with their neighbours on either side.
+    share = 1 / (1 + 2 * (4 / 9 + 1 / 36)) if tapered else 1.0
+    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values), independent_share=share)
 
 
 def _own_density(thickness, zone, n_zones, tapered):
