@@ -147,46 +147,38 @@ def prepare(
     if n_range_lines < 2:
         msg = f"a scene needs at least 2 range lines, got {n_range_lines}"
         raise ValueError(msg)
-    # Statistics of version 0.1 hold none of these.
-    held = "n_blocks_by_layers" in statistics
-    n_layers = n_layers or ("measured" if held else N_LAYERS)
-    first_slab = first_slab or ("measured" if held else "uniform")
+    released = "n_blocks_by_layers" not in statistics  # by version 0.1
+    n_layers = n_layers or (N_LAYERS if released else "measured")
+    first_slab = first_slab or ("uniform" if released else "measured")
     surface = surface or ("measured" if "surface_psd" in statistics else "flat")
     if n_layers != "measured" and (isinstance(n_layers, str) or not 1 <= n_layers[0] <= n_layers[1]):
         msg = f"n_layers must be measured or two counts in order, from 1, got {n_layers}"
         raise ValueError(msg)
-    choices = {
-        "correlation": (correlation, "none"),
-        "first_slab": (first_slab, "uniform"),
-        "surface": (surface, "flat"),
-    }
-    for name, (value, other) in choices.items():
+    choices = ("correlation", correlation, "none"), ("first_slab", first_slab, "uniform"), ("surface", surface, "flat")
+    for name, value, other in choices:
         if value not in ("measured", other):
             msg = f"{name} must be one of measured, {other}, got {value!r}"
             raise ValueError(msg)
+    # The paper's slabs have nothing in common but slab 0.
+    held = {"by_separation": np.array([1.0, 0.0]), "by_band": np.array([[1.0, 0.0]]), "edges": np.array([0, 0.5])}
+    held |= {"trends": held["by_separation"]}
+    trends = "thickness_trend_variance_bins2" in statistics
     if correlation == "measured":
-        by_band = _values(statistics, "thickness_correlation", ("band", "separation"))
-        by_separation = _values(statistics, "relative_thickness_correlation", ("separation",))
-        band_edges = _values(statistics, "band_edge_wavenumber", ("band_edge",))
-    else:
-        by_separation, by_band, band_edges = np.array([1.0, 0.0]), np.array([[1.0, 0.0]]), np.array([0, 0.5])
-    optional = {}
-    if n_layers == "measured":
-        optional["blocks_by_layers"] = _values(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
-        if not optional["blocks_by_layers"][:, 1:].any():
-            msg = "flight statistics: n_blocks_by_layers must hold a block with a layer below the surface"
-            raise ValueError(msg)
-    if first_slab == "measured":
-        optional["first_quantile_bins"] = _values(statistics, "first_thickness_quantile_bins", ("quantile",))
-    if surface == "measured":
-        dims = {"surface_psd": ("wavenumber",), "surface_movement_psd": ("wavenumber",)}
-        names = (*dims, "surface_trend_variance_bins2", "surface_fraction")
-        optional["surface"] = {name: _values(statistics, name, dims.get(name, ())) for name in names}
-    if "thickness_trend_variance_bins2" in statistics:
-        optional["trend_variance"] = _values(statistics, "thickness_trend_variance_bins2", ("zone", "slab"))
-        measured = correlation == "measured"
-        by_trend = _values(statistics, "trend_correlation", ("separation",)) if measured else np.array([1.0, 0.0])
-        optional["trend_correlation"] = by_trend
+        held["by_band"] = _values(statistics, "thickness_correlation", ("band", "separation"))
+        held["by_separation"] = _values(statistics, "relative_thickness_correlation", ("separation",))
+        held["edges"] = _values(statistics, "band_edge_wavenumber", ("band_edge",))
+        held["trends"] = _values(statistics, "trend_correlation", ("separation",)) if trends else None
+
+    def measured(choice, name, *dims):
+        return _values(statistics, name, dims) if choice else None
+
+    by_layers = measured(n_layers == "measured", "n_blocks_by_layers", "zone", "n_layers")
+    if by_layers is not None and not by_layers[:, 1:].any():
+        msg = "flight statistics: n_blocks_by_layers must hold a block with a layer below the surface"
+        raise ValueError(msg)
+    rough = surface == "measured"
+    spectra = {name: measured(rough, name, "wavenumber") for name in ("surface_psd", "surface_movement_psd")}
+    spectra |= {name: measured(rough, name) for name in ("surface_trend_variance_bins2", "surface_fraction")}
     return LabelModel(
         n_range_lines=n_range_lines,
         n_layers=None if n_layers == "measured" else tuple(n_layers),
@@ -194,11 +186,15 @@ def prepare(
         relative_mean=_values(statistics, "relative_thickness_mean", ("zone", "slab")),
         relative_deviation=np.sqrt(_values(statistics, "relative_thickness_variance", ("zone", "slab"))),
         psd=_values(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
-        relative_correlation=by_separation,
-        band_correlation=by_band,
-        band_edge_wavenumber=band_edges,
+        relative_correlation=held["by_separation"],
+        band_correlation=held["by_band"],
+        band_edge_wavenumber=held["edges"],
+        blocks_by_layers=by_layers,
+        first_quantile_bins=measured(first_slab == "measured", "first_thickness_quantile_bins", "quantile"),
+        trend_variance=measured(trends, "thickness_trend_variance_bins2", "zone", "slab"),
+        trend_correlation=held["trends"],
+        surface=spectra if rough else None,
         beyond=beyond or Beyond(),
-        **optional,
     )
 
 

@@ -89,31 +89,24 @@ def stretches(thickness, minimum):
 
 
 @lru_cache(maxsize=8)
-def _taper(n_lines):
+def taper_of(n_lines):
     """Hann taper, and by wavenumber what the periodogram of a white series of unit variance has after it, over 2."""
     taper = hann(n_lines + 2)[1:-1]
     response = np.fft.rfft(detrend(np.eye(n_lines), axis=0) * taper[:, None], axis=0)
     return taper, (np.abs(response) ** 2).sum(axis=1) / n_lines
 
 
-def taper_overlap(n_lines):
-    """Share of a covariance at lags 0 ... n - 1 that the tapered periodogram of `n_lines` holds, 1 at 0."""
-    taper = hann(n_lines + 2)[1:-1]
-    return np.correlate(taper, taper, "full")[n_lines - 1 :] / (taper @ taper)
-
-
 def fourier(series, tapered):
     """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` tells.
 
     About the mean; `tapered`, about the least-squares line under a Hann taper, each wavenumber scaled so that a white
-    series keeps its density. Lines that do not end where they began leak into a plain transform as k^-2, into the
-    tapered one as k^-6 times a ten-thousandth or less: processes as steep as k^-6 come back within .4 dB from two
-    cycles on. Of the lowest cycle the line takes more from steep spectra than from white ones, up to .7 dB.
+    series keeps its density. A plain transform leaks as k^-2; of the tapered, densities as steep as k^-6 are expected
+    within .4 dB from two cycles on. From the lowest cycle the line takes up to .7 dB more where spectra are steep.
     """
     n = series.shape[-1]
     if not tapered:
         return np.fft.rfft(series - series.mean(axis=-1, keepdims=True)) * np.sqrt(2 / n)
-    taper, white = _taper(n)
+    taper, white = taper_of(n)
     return np.fft.rfft(detrend(series) * taper) * np.sqrt(2 / n / np.where(white > 0, white, np.inf))
 
 
@@ -151,10 +144,9 @@ def rises(series):
 def pick_noise(series, served, minimum):
     """Variance of the noise of each layer's picks and its standard error, two (layer,) [bins^2].
 
-    From stretches (stretch, slab, range_line) of which some are `served` (stretch, slab). Noise of a layer's pick makes
-    the slab above thicker and the one below thinner: its density is minus the real part of their cross-spectrum, read
-    above `NOISE_WAVENUMBER`. Picks of neighbouring lines are taken as independent. The first and last layer, and those
-    that fewer than `minimum` stretches tell, have the mean of all; below `SURE` standard errors there is none.
+    Of stretches (stretch, slab, range_line), some `served`. Noise of a layer's pick makes the slab above thicker, the one
+    below thinner: its density is minus the real part of their cross-spectrum, read above `NOISE_WAVENUMBER`, taken as
+    white. The first and last layer, and those of fewer than `minimum` stretches, have the mean of all.
     """
     n_layers = served.shape[1] + 1
     spectrum = fourier(np.where(served[..., None], series, 0), True)
@@ -184,27 +176,21 @@ def _mean_where(held, values, axis):
     return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)
 
 
-def undulation_correlation(series, served, density, noise, *, tapered):
+def undulation_correlation(series, served, density, *, tapered):
     """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
 
     Of the stretches (stretch, slab, range_line) that are `served` (stretch, slab). The expected `density` (stretch,
-    slab, wavenumber), free of the noise of picks, makes wavenumbers weigh the same; `noise` (layer,) [bins^2] is taken
-    off squares and off products of neighbours.
+    slab, wavenumber), 0 where it is not known, makes wavenumbers weigh the same, but those 30 dB below their band's.
     """
-    weight = np.sqrt(1 / np.where(density > 0, density, np.inf))
-    bands = []
+    spectrum = fourier(np.where(served[..., None], series, 0), tapered)
+    rows = []
     for low, high in zip(BAND_EDGES[:-1], BAND_EDGES[1:], strict=True):
         first = max(low * series.shape[-1] // BLOCK_LINES, 1)
-        bands.append(slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1)))
-        within = density[..., bands[-1]]
-        weight[..., bands[-1]][within < FAINT * within.max(axis=-1, keepdims=True)] = 0
-    spectrum = fourier(np.where(served[..., None], series, 0), tapered) * weight
-    of_slab, between = 2 * (noise[:-1] + noise[1:])[:, None], 2 * noise[1:-1, None]
-    # What noise adds to squares, and takes from products with the slab below.
-    squares = np.where(served[..., None], weight**2 * of_slab, 0)
-    products = np.where((served[:, :-1] & served[:, 1:])[..., None], weight[:, :-1] * weight[:, 1:] * between, 0)
-    noises = [(squares[..., band].sum(axis=2), products[..., band].sum(axis=2)) for band in bands]
-    return np.array([correlation_by_separation(spectrum[..., band], n) for band, n in zip(bands, noises, strict=True)])
+        band = slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1))
+        within = density[..., band]
+        told = within > FAINT * within.max(axis=-1, keepdims=True)
+        rows.append(correlation_by_separation(spectrum[..., band] / np.sqrt(np.where(told, within, np.inf))))
+    return np.array(rows)
 
 
 def mean_correlation(relative, zone, minimum):
@@ -223,25 +209,21 @@ def mean_correlation(relative, zone, minimum):
     return np.append(correlation, correlation[-1:] if correlation.size else 1.0)
 
 
-def correlation_by_separation(values, noise=None):
+def correlation_by_separation(values):
     """Mean correlation of (block, slab, sample) at separations in slabs, (separation,); absent samples are 0.
 
     A separation seen in fewer than `MINIMUM_PAIRS` blocks and slabs takes the value of the one before, at first 0.
-    `noise` is what noise adds to the sums of squares (block, slab) and takes from those of products with the slab below
-    (block, slab - 1).
     """
     n_slabs = values.shape[1]
     correlation = np.ones(n_slabs)
     squares = (np.abs(values) ** 2).sum(axis=2)
-    added, taken = noise or (np.zeros(squares.shape), np.zeros(squares[:, 1:].shape))
     for separation in range(1, n_slabs):
         upper, lower = values[:, : n_slabs - separation], values[:, separation:]
-        both = (squares[:, : n_slabs - separation] > 0) & (squares[:, separation:] > 0)
-        correlation[separation] = correlation[separation - 1] if separation > 1 else 0
-        above = (squares - added)[:, : n_slabs - separation][both].sum()
-        below = (squares - added)[:, separation:][both].sum()
-        if both.sum() >= MINIMUM_PAIRS and above > 0 and below > 0:
+        above, below = squares[:, : n_slabs - separation], squares[:, separation:]
+        both = (above > 0) & (below > 0)
+        if both.sum() >= MINIMUM_PAIRS:
             product = (upper * lower.conj()).real.sum(axis=2)[both].sum()
-            product += taken[both].sum() if separation == 1 else 0
-            correlation[separation] = np.clip(product / np.sqrt(above * below), -1, 1)
+            correlation[separation] = product / np.sqrt(above[both].sum() * below[both].sum())
+        else:
+            correlation[separation] = correlation[separation - 1] if separation > 1 else 0
     return correlation

@@ -3,8 +3,9 @@
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.statistics.blocks import on_wavenumbers, periodogram, rises, stretches, taper_overlap, without_noise
+from snowsim.statistics.blocks import on_wavenumbers, periodogram, rises, stretches, taper_of, without_noise
 
+ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so
 HARMONICS = np.arange(1, 9)[:, None]  # of the fraction; the next adds less than 1 / 300 of its variance
 
 
@@ -12,17 +13,14 @@ def surface_statistics(summary, minimum):
     """Statistics of the surface's row, name to (dimensions, values), each with a standard error.
 
     A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow error comes on top.
-    Where lines move by less than half a bin from one increment to the next, increments of m are those of the row less
-    whole bins: `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin
-    steps over that which rounding such a movement makes, 1 where a product does so, 0 where it does not.
-    `surface_psd (wavenumber)` is the spectrum of the slow error about its trend, the fraction's taken off where there
-    is one, and `surface_trend_variance_bins2` the variance of its rise over a block. From stretches without gaps.
+    As increments of m change by less than half a bin a line, they are those of the row less whole bins:
+    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin steps over that
+    which rounding such a movement makes, 1 where a product does so, else 0. `surface_psd (wavenumber)` is the spectrum
+    of the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` that trend's. Of stretches
+    without gaps.
     """
-    blocks = []
-    for frame in summary:
-        n_blocks = frame.surface_bins.size // BLOCK_LINES
-        blocks.append(frame.surface_bins[: n_blocks * BLOCK_LINES].astype(float).reshape(n_blocks, 1, BLOCK_LINES))
-    rows = stretches(np.concatenate(blocks), minimum)[:, 0]
+    whole = [frame.surface_bins[: frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES] for frame in summary]
+    rows = stretches(np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES), minimum)[:, 0]
     rows = rows[np.isfinite(rows).all(axis=1)]
     step = np.diff(rows, axis=1)
     bend = np.diff(step, axis=1)
@@ -46,15 +44,10 @@ def surface_statistics(summary, minimum):
     for name, (dims, part) in values.items():
         result[name] = dims, part.mean(axis=0)
         result[f"{name}_standard_error"] = dims, part.std(axis=0) / np.sqrt(max(len(part) - 1, 1))
-    if has_fraction(result["surface_fraction"][1]):
+    if result["surface_fraction"][1] > ROUNDED_SHARE:
         left = without_noise(result["surface_psd"][1], fraction_density(movement))
         result["surface_psd"] = ("wavenumber",), left
     return result
-
-
-def has_fraction(share):
-    """Whether a `surface_fraction` is that of a product which levels in whole bins."""
-    return float(share) > 0.5
 
 
 def fraction_density(movement):
@@ -67,7 +60,9 @@ def fraction_density(movement):
     n_lines = row.shape[1]
     structure = np.array([0, *(((row[:, lag:] - row[:, :-lag]) ** 2).mean() for lag in range(1, n_lines))])
     rate = 2 * np.pi**2 * HARMONICS**2
-    covariance = (np.exp(-rate * structure) / rate).sum(axis=0) * taper_overlap(n_lines)
+    taper, _ = taper_of(n_lines)
+    overlap = np.correlate(taper, taper, "full")[n_lines - 1 :] / (taper @ taper)
+    covariance = (np.exp(-rate * structure) / rate).sum(axis=0) * overlap
     turns = np.cos(2 * np.pi * np.outer(np.arange(n_lines // 2 + 1) / n_lines, np.arange(1, n_lines)))
     density = 2 * (covariance[0] + 2 * turns @ covariance[1:])
     density[0], density[-1] = 0, density[-1] / 2

@@ -45,10 +45,9 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
     `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
     each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
     `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)`;
-    for labels `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1, and `n_blocks_by_layers (zone, n_layers)`
-    by number of layers below the surface, from 0; and `n_blocks`, `n_blocks_placed_by_other_slabs`,
-    `n_blocks_not_placed`, `n_blocks_without_layers`, `n_spectral_lines`. ValueError if slab 0 is picked in half of the
-    lines of no block.
+    `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1, `n_blocks_by_layers (zone, n_layers)` by layers
+    below the surface, from 0; `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`,
+    `n_blocks_without_layers`, `n_spectral_lines`. ValueError if slab 0 is picked in half of the lines of no block.
 
     A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have;
     where hardly a block is without gaps, spectra are those of shorter stretches, `n_spectral_lines` long (`stretches`).
@@ -180,30 +179,25 @@ def _spectra_by_zone(series, served, level, zone, typical, tapered):
             error[z, slab] = scatter / np.sqrt(len(part))
     (density, trend), (error, trend_error) = ((part[..., :-1], part[..., -1]) for part in (density, error))
     result = {"n_psd_samples": n, "psd_source": source}
-    noise = np.zeros(n_slabs + 1)
+    noise_density = 0.0
     if tapered:
         noise, noise_error = pick_noise(series, served, MINIMUM_BLOCKS)
-        white = np.append(np.append(0, np.full(BLOCK_LINES // 2 - 1, 2)), 1)
-        density = without_noise(density, (noise[:-1] + noise[1:])[:, None] * white)
+        noise_density = (noise[:-1] + noise[1:])[:, None] * [0, *[2] * (BLOCK_LINES // 2 - 1), 1]
+        density = without_noise(density, noise_density)
         rise = np.where(served, rises(np.where(served[..., None], series, 0)), 0)
         unit = np.sqrt(BLOCK_LINES / n_lines / np.where(trend > 0, trend, np.inf))[zone]
-        result |= {
-            "thickness_trend_variance_bins2": trend,
-            "thickness_trend_variance_bins2_standard_error": trend_error,
-        }
-        result |= {"trend_correlation": correlation_by_separation((rise * unit)[..., None])}
-        result |= {"pick_noise_bins2": noise, "pick_noise_bins2_standard_error": noise_error}
+        result["trend_correlation"] = correlation_by_separation((rise * unit)[..., None])
+        for name, *values in (("thickness_trend_variance", trend, trend_error), ("pick_noise", noise, noise_error)):
+            result[f"{name}_bins2"], result[f"{name}_bins2_standard_error"] = values
     at = np.rint(np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines).astype(int)
-    correlation = undulation_correlation(series, served, density[zone][..., at], noise, tapered=tapered)
-    result |= {"thickness_psd": density, "thickness_psd_standard_error": error}
-    return result | {"thickness_correlation": correlation}
+    # Where noise of picks is a tenth and more of a density, it bends what slabs have in common.
+    told = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
+    result["thickness_correlation"] = undulation_correlation(series, served, told, tapered=tapered)
+    return result | {"thickness_psd": density, "thickness_psd_standard_error": error}
 
 
 def _squares(series, tapered):
-    """Periodograms at a block's wavenumbers and squared rise over a block, (series, wavenumber and one).
-
-    The rise of shorter stretches grows as a random walk's, with the root of the length.
-    """
+    """Periodograms at a block's wavenumbers, and squared rise, as a random walk's over a block, (series, both)."""
     density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
     return np.column_stack([density, rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])])
 
@@ -240,9 +234,9 @@ def zone_models(summary, n_layers, counts, *, tapered=True):
 def _zone_model(thickness, n_zones, tapered):
     values = zone_statistics(thickness, n_zones=n_zones, tapered=tapered)
     mean, level, zone = place_blocks(thickness, values["zone_edge_bins"])
+    own = _own_density(thickness, zone, n_zones, tapered)
     dataset = xr.Dataset(
-        as_variables(values)
-        | {"block_psd": (DIMENSIONS["thickness_psd"], _own_density(thickness, zone, n_zones, tapered))},
+        as_variables(values) | {"block_psd": (DIMENSIONS["thickness_psd"], own)},
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),

@@ -5,7 +5,7 @@ from numpy.testing import assert_allclose
 from planted import peak_of, width_of
 
 from snowsim import statistics
-from snowsim.statistics.blocks import block_levels
+from snowsim.statistics.blocks import block_levels, periodogram
 from snowsim.statistics.zones import zone_statistics
 
 BOUNDS = {"peak_power": 0.03, "decay_rate": 0.05, "variance_bins2": 0.2, "noise_power": 0.01}
