@@ -144,7 +144,7 @@ def rises(series):
 def pick_noise(series, served, minimum):
     """Variance of the noise of each layer's picks and its standard error, two (layer,) [bins^2].
 
-    Of stretches (stretch, slab, range_line), some `served`. Noise of a layer's pick makes the slab above thicker, the one
+    Of stretches (stretch, slab, range_line), some `served`. Noise of a layer's pick makes the slab above thicker, that
     below thinner: its density is minus the real part of their cross-spectrum, read above `NOISE_WAVENUMBER`, taken as
     white. The first and last layer, and those of fewer than `minimum` stretches, have the mean of all.
     """

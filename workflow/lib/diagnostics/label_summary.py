@@ -32,7 +32,8 @@ def summarise_labels(scenes, statistics, summary=()):
         held, zone = len(thickness), scene.zone
         mean = thickness.mean(axis=1)
         for of, rows in (("slab", thickness), ("layer", scene.layer_bins[: n_slabs + 1])):
-            structure[of][:, zone, : len(rows)] += np.stack([mean_square_differences(rows), np.ones((len(rows), 1))])
+            structure[of][0, zone, : len(rows)] += mean_square_differences(rows)
+            structure[of][1, zone, : len(rows)] += 1
         spectrum = fourier(thickness, tapered)
         density = np.abs(spectrum) ** 2
         density[:, 0], density[:, -1] = 0, density[:, -1] / 2
