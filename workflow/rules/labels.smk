@@ -23,8 +23,14 @@ rule draw_labels:
         span=lambda wildcards: shard_range("labels", wildcards.shard),
         n_range_lines=config["labels"]["n_range_lines"],
         n_layers=config["labels"]["n_layers"],
-        n_layers_range=[config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]],
-        drawn={name: config["labels"][name] for name in ("correlation", "first_slab", "surface")},
+        n_layers_range=[
+            config["labels"]["n_layers_min"],
+            config["labels"]["n_layers_max"],
+        ],
+        drawn={
+            name: config["labels"][name]
+            for name in ("correlation", "first_slab", "surface")
+        },
         beyond=config["labels"]["beyond"],
     message:
         "label sets, shard {wildcards.shard}"
