@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
+FAINTEST = 1e-8  # of the largest density: below it lie no undulations that a scene shows, but rounding and leakage
 LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: beyond a block it is not told from none
 
 
@@ -57,16 +58,18 @@ def fit_family(name, psd):
     value at 1/2, as periodograms are, and 0 throughout where `psd` is. An unknown family is refused.
 
     Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P of n periodograms.
-    The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out. What
-    is fitted is the expected periodogram of blocks, leakage and all, as the tabulated density is.
+    The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out, and
+    those 80 dB below the largest density. What is fitted is the expected periodogram of blocks, as the tabulated
+    density is; where that is plain, leakage and all.
     """
     if name not in FAMILIES:
         msg = f"psd must be one of {', '.join(FAMILIES)}, got {name!r}"
         raise ValueError(msg)
     family = FAMILIES[name]
     wavenumber = np.arange(psd.size) / (2 * (psd.size - 1))
-    inside = slice(1, -1)
-    if not (psd[inside] > 0).any():
+    inside = psd > FAINTEST * psd.max()
+    inside[[0, -1]] = False
+    if not inside.any():
         return np.zeros(psd.size), np.zeros(family.n_parameters)
 
     def unlikelihood(shape):

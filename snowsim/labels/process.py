@@ -5,6 +5,10 @@ from functools import lru_cache
 import numpy as np
 
 ITERATIONS = 20  # of Richardson-Lucy
+# What a wave of unit variance and half a cycle a block shows of itself in the first two cycles of a tapered spectrum,
+# its trend taken off: densities over the lines of the block.
+HALF_CYCLE_SHOWS = np.array([0.0722, 0.0084])
+SETTLED = 20  # rounds, of which each leaves a third of what the one before left
 
 
 @lru_cache(maxsize=4)
@@ -49,6 +53,29 @@ def line_variances(psd, n_long):
         ratio = np.divide(target, leaked, out=np.zeros_like(target), where=leaked > 0)
         variances = variances * (ratio @ matrix) / weight
     return variances
+
+
+def plain_variances(psd, trend_variance, n_long):
+    """The same of spectra (..., wavenumber) that do not leak, and the variance (...) of the trend they are about.
+
+    Density is straight in logarithms between wavenumbers. The trend is the part of slower waves that a block holds:
+    half a cycle a block stands for them all, with the variance at which least-squares lines through cut blocks rise,
+    from first line to last, by `trend_variance`, faster waves' own share counted once. What it adds to the first two
+    cycles is taken off there, at most to a tenth: lines do not take up all of it.
+    """
+    n_lines = 2 * (psd.shape[-1] - 1)
+    at = np.arange(2, n_long // 2 + 1) * (n_lines / n_long) - 1
+    line = np.arange(n_lines) - (n_lines - 1) / 2
+    turn = np.exp(2j * np.pi * np.outer(np.arange(1, n_long // 2 + 1) / n_long, line))
+    rise = np.abs(turn @ line / (line @ line) * (n_lines - 1)) ** 2
+    slowest = np.zeros(psd.shape[:-1])
+    for _ in range(SETTLED):
+        density = np.maximum(psd[..., 1:], np.finfo(float).tiny)
+        shown = np.minimum(slowest[..., None] * n_lines * HALF_CYCLE_SHOWS, 0.9 * density[..., :2])
+        density[..., :2] -= shown
+        faster = np.exp(_interpolated(np.log(density), at)) / n_long
+        slowest = np.maximum(trend_variance - faster @ rise[1:], 0) / rise[0]
+    return np.concatenate([slowest[..., None], faster], axis=-1)
 
 
 def lengthened(variances, n_long):

@@ -1,6 +1,11 @@
-"""Thickness in blocks of 256 range lines: block means, spectra, and their correlation from slab to slab."""
+"""Thickness in blocks of 256 range lines: means, trends, spectra, noise of picks, and correlation from slab to slab."""
+
+from functools import lru_cache
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import detrend
+from scipy.signal.windows import hann
 
 from snowsim.constants import BLOCK_LINES
 
@@ -9,8 +14,14 @@ BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4  # blocks and slabs that tell the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
-SPECTRAL_SHARES = (1.0, 0.9, 0.5)  # of lines picked, that a block needs for a spectrum: the first with enough blocks
+STRETCHES = (1, 2, 4, 8, 16)  # a block: spectra are those of the longest of which enough have no gap
 ENOUGH_SHARE = 0.1  # of the number of blocks
+NOISE_WAVENUMBER = 0.375  # [cycles per line] above it no picked geometry is known to undulate: what is there is noise
+SURE = 3.0  # standard errors from which on noise of picks is believed: few blocks make two by chance
+# A spectrum ends where, over 7 wavenumbers, it is less than 1.5 times the noise of picks: of 4 stretches, whose tapered
+# ordinates pair up, that mean of noise alone scatters by a quarter.
+NOISE_SMOOTHING, CLEARANCE = 7, 1.5
+FAINT = 1e-3  # of a band's largest density, below which wavenumbers do not tell its correlation
 
 
 def thickness_blocks(summary, n_layers):
@@ -57,40 +68,106 @@ def block_levels(mean):
     return np.exp(level), own
 
 
-def spectral_blocks(thickness, minimum):
-    """Thickness (block, slab, range_line) with NaN where no spectrum can be taken, and the number of series closed.
+def stretches(thickness, minimum):
+    """Thickness (block, slab, range_line) cut along track into stretches that are often without gaps, blocks if any.
 
-    Blocks without gaps serve if there are `minimum` of them, over all slabs, and a tenth of the number of blocks. In
-    short images of layers that come and go there are not: then blocks with nine lines in ten, or else with half of
-    them, gaps closed by straight lines between the picks beside them, at the ends by the last pick. Closing takes from
-    scales shorter than a gap at most the share of lines closed; long gaps at the ends put some of it, measured to 18 %,
-    into the first two wavenumbers.
+    Whole blocks if `minimum` of their series, over all slabs, and a tenth of the number of blocks have no gap; in short
+    images of layers that come and go halves, quarters ... of blocks, down to a sixteenth. ValueError if none is whole.
     """
-    share = np.isfinite(thickness).mean(axis=2)
-    enough = max(minimum, ENOUGH_SHARE * len(share))
-    needed = next((part for part in SPECTRAL_SHARES if (share >= part).sum() >= enough), SPECTRAL_SHARES[-1])
-    served = share >= needed
-    closed = np.where(served[..., None], thickness, np.nan)
-    line = np.arange(thickness.shape[2])
-    for block, slab in np.argwhere(served & (share < 1)):
-        known = np.isfinite(thickness[block, slab])
-        closed[block, slab] = np.interp(line, line[known], thickness[block, slab, known])
-    return closed, int((served & (share < 1)).sum())
+    n_blocks, n_slabs, n_lines = thickness.shape
+    enough = max(minimum, ENOUGH_SHARE * n_blocks)
+    for parts in STRETCHES:
+        cut = thickness.reshape(n_blocks, n_slabs, parts, n_lines // parts).swapaxes(1, 2)
+        cut = cut.reshape(n_blocks * parts, n_slabs, n_lines // parts)
+        n_whole = np.isfinite(cut).all(axis=2).sum()
+        if n_whole >= enough:
+            return cut
+    if n_whole == 0:
+        msg = f"spectra of thickness need {n_lines // STRETCHES[-1]} lines of a slab picked without gaps, got none"
+        raise ValueError(msg)
+    return cut
 
 
-def periodogram(series):
+@lru_cache(maxsize=8)
+def taper_of(n_lines):
+    """Hann taper, and by wavenumber what the periodogram of a white series of unit variance has after it, over 2."""
+    taper = hann(n_lines + 2)[1:-1]
+    response = np.fft.rfft(detrend(np.eye(n_lines), axis=0) * taper[:, None], axis=0)
+    return taper, (np.abs(response) ** 2).sum(axis=1) / n_lines
+
+
+def fourier(series, tapered):
+    """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` tells.
+
+    About the mean; `tapered`, about the least-squares line under a Hann taper, each wavenumber scaled so that a white
+    series keeps its density. A plain transform leaks as k^-2; of the tapered, densities as steep as k^-6 are expected
+    within .4 dB from two cycles on. From the lowest cycle the line takes up to .7 dB more where spectra are steep.
+    """
+    n = series.shape[-1]
+    if not tapered:
+        return np.fft.rfft(series - series.mean(axis=-1, keepdims=True)) * np.sqrt(2 / n)
+    taper, white = taper_of(n)
+    return np.fft.rfft(detrend(series) * taper) * np.sqrt(2 / n / np.where(white > 0, white, np.inf))
+
+
+def periodogram(series, *, tapered=False):
     """One-sided power spectral density along the last axis, about the mean, per cycle per line.
 
     ``P_k = 2 |X_k|^2 / N`` (without the 2 at the Nyquist wavenumber), so that ``sum_k P_k / N`` is the variance; no
-    window. NaN in, NaN out.
+    window, NaN in, NaN out. `tapered`: see `fourier`.
     """
-    n = series.shape[-1]
-    spectrum = np.fft.rfft(series - series.mean(axis=-1, keepdims=True))
-    density = 2 * np.abs(spectrum) ** 2 / n
+    density = np.abs(fourier(series, tapered)) ** 2
     density[..., 0] = 0
-    if n % 2 == 0:
+    if series.shape[-1] % 2 == 0:
         density[..., -1] /= 2
     return density
+
+
+def on_wavenumbers(density, n_lines):
+    """Density of shorter stretches at the wavenumbers of `n_lines`, straight between, level below the lowest."""
+    n = 2 * (density.shape[-1] - 1)
+    if n == n_lines:
+        return density
+    density[..., -1] *= 2
+    at, held = np.arange(n_lines // 2 + 1) / n_lines, np.arange(1, n // 2 + 1) / n
+    finer = np.apply_along_axis(lambda row: np.interp(at, held, row[1:]), -1, density)
+    finer[..., 0], finer[..., -1] = 0, finer[..., -1] / 2
+    return finer
+
+
+def rises(series):
+    """Change from the first line to the last of the least-squares line, (...); series without gaps."""
+    line = np.arange(series.shape[-1]) - (series.shape[-1] - 1) / 2
+    return series @ line / (line @ line) * (series.shape[-1] - 1)
+
+
+def pick_noise(series, served, minimum):
+    """Variance of the noise of each layer's picks and its standard error, two (layer,) [bins^2].
+
+    Of stretches (stretch, slab, range_line), some `served`. Noise of a layer's pick makes the slab above thicker, that
+    below thinner: its density is minus the real part of their cross-spectrum, read above `NOISE_WAVENUMBER`, taken as
+    white. The first and last layer, and those of fewer than `minimum` stretches, have the mean of all.
+    """
+    n_layers = served.shape[1] + 1
+    spectrum = fourier(np.where(served[..., None], series, 0), True)
+    high = int(np.ceil(NOISE_WAVENUMBER * series.shape[-1]))
+    # One-sided: white noise of variance s^2 has the density 2 s^2.
+    products = -(spectrum[:, :-1, high:-1] * spectrum[:, 1:, high:-1].conj()).real.mean(axis=2) / 2
+    both = served[:, :-1] & served[:, 1:]
+    noise, error = np.zeros(n_layers), np.zeros(n_layers)
+    for layer in range(n_layers):
+        own = 0 < layer < n_layers - 1 and both[:, layer - 1].sum() >= minimum
+        values = products[both[:, layer - 1], layer - 1] if own else products[both]
+        if values.size >= minimum:
+            noise[layer], error[layer] = values.mean(), values.std(ddof=1) / np.sqrt(values.size)
+    return np.where(noise > SURE * error, noise, 0.0), error
+
+
+def without_noise(density, noise):
+    """Density (..., wavenumber) less a noise density; zero from the wavenumber where noise makes two thirds of it."""
+    smooth = uniform_filter1d(density, NOISE_SMOOTHING, axis=-1, mode="nearest")
+    lost = (smooth < CLEARANCE * noise) & (np.arange(density.shape[-1]) > 0)
+    return np.where(np.logical_or.accumulate(lost, axis=-1), 0.0, np.maximum(density - noise, 0.0))
 
 
 def _mean_where(held, values, axis):
@@ -99,16 +176,21 @@ def _mean_where(held, values, axis):
     return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)
 
 
-def undulation_correlation(thickness, served, density):
-    """Correlation between slabs of thickness about its block mean, (band, separation), by band of wavenumber.
+def undulation_correlation(series, served, density, *, tapered):
+    """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
 
-    Of the blocks (block, slab, range_line) that are `served` (block, slab), those without a gap; the expected `density`
-    (block, slab, wavenumber) makes wavenumbers weigh the same.
+    Of the stretches (stretch, slab, range_line) that are `served` (stretch, slab). The expected `density` (stretch,
+    slab, wavenumber), 0 where it is not known, makes wavenumbers weigh the same, but those 30 dB below their band's.
     """
-    deviation = np.where(served[..., None], thickness - thickness.mean(axis=2, keepdims=True), 0)
-    spectrum = np.fft.rfft(deviation) / np.sqrt(np.where(density > 0, density, np.inf))
-    bands = zip(BAND_EDGES[:-1], BAND_EDGES[1:], strict=True)
-    return np.array([correlation_by_separation(spectrum[..., low:high]) for low, high in bands])
+    spectrum = fourier(np.where(served[..., None], series, 0), tapered)
+    rows = []
+    for low, high in zip(BAND_EDGES[:-1], BAND_EDGES[1:], strict=True):
+        first = max(low * series.shape[-1] // BLOCK_LINES, 1)
+        band = slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1))
+        within = density[..., band]
+        told = within > FAINT * within.max(axis=-1, keepdims=True)
+        rows.append(correlation_by_separation(spectrum[..., band] / np.sqrt(np.where(told, within, np.inf))))
+    return np.array(rows)
 
 
 def mean_correlation(relative, zone, minimum):

@@ -9,7 +9,8 @@ from snowsim.statistics.deblend import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra, range_correlation
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
-from snowsim.statistics.zones import as_variables, zone_statistics
+from snowsim.statistics.surface import surface_statistics
+from snowsim.statistics.zones import MINIMUM_BLOCKS, as_variables, zone_statistics
 
 ESTIMATORS = ("deblended", "paper")
 MINIMUM_GROUPS = 5  # averaged lines a layer must be in to be reported
@@ -69,11 +70,13 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     layer_values = paper_values(measured) if estimator == "paper" else deblended_values(measured, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
     correlation, correlation_error, correlation_source = range_correlation(summary)
-    zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins)
+    tapered = estimator != "paper"
+    zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins, tapered=tapered)
     dataset = xr.Dataset(
         {"noise_power": ((), noise_power), "noise_power_standard_error": ((), noise_error)}
         | {name: (("layer", "lag")[: np.ndim(value)], value) for name, value in layer_values.items()}
         | as_variables(zones)
+        | surface_statistics(summary, MINIMUM_BLOCKS)
         | _widths(width)
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {"tracked_power_quantile": ("probability", looks[3]), "gamma_quantile": ("probability", looks[4])}

@@ -17,12 +17,13 @@ ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
 BY_LINE = ("depth_bins", "tracked_power")
+BY_TRACK = ("surface_bins",)
 BY_GROUP = (
     *("power", "position", "spread", "n_picks"),
     *("air_sum", "air_square", "air_count", "air_products", "air_pairs"),
 )
 DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag"}  # the second; else layer
-CONTENT = "snowsim flight summary 2"
+CONTENT = "snowsim flight summary 3"
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class FrameSummary:
     # (layer, range_line), float32, NaN in gaps:
     depth_bins: np.ndarray  # picks below the surface, which is bridged linearly in its gaps but not in its own row
     tracked_power: np.ndarray  # linear power in the bin of each pick
+    surface_bins: np.ndarray  # (range_line,), float32, row of the surface, NaN where it is not picked
     # (group, row), float32, NaN outside the record:
     power: np.ndarray  # averaged lines from `FIRST_ROW` below the surface
     # (group, layer, part), float32, by quarters of the picks in order of depth; NaN with fewer than `PARTS` picks:
@@ -96,6 +98,7 @@ def summarise(echogram, layers, where="frame"):
         line_spacing_m=float(np.nanmedian(spacing)),
         depth_bins=(layer_bins - surface).astype(np.float32),
         tracked_power=_tracked(power, layer_bins),
+        surface_bins=layer_bins[0].astype(np.float32),
         power=averaged,
         position=position,
         spread=spread,
@@ -222,6 +225,8 @@ def summary_to_dataset(summary):
     for name in BY_LINE:
         parts = [_widened(getattr(frame, name).T, n_layers) for frame in summary]
         variables[name] = (("range_line", "layer"), np.concatenate(parts))
+    for name in BY_TRACK:
+        variables[name] = ("range_line", np.concatenate([getattr(frame, name) for frame in summary]))
     for name in BY_GROUP:
         parts = [getattr(frame, name) for frame in summary]
         if parts[0].ndim == 1:
@@ -246,6 +251,7 @@ def summary_from_dataset(dataset):
         widths = {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i]), "air_lag": AIR_LAGS}
         parts = {name: variables[name][i].item() for name in BY_FRAME}
         parts |= {name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T) for name in BY_LINE}
+        parts |= {name: variables[name][lines] for name in BY_TRACK}
         for name in BY_GROUP:
             part = variables[name][groups]
             parts[name] = part if part.ndim == 1 else part[:, : widths[DIMENSIONS.get(name, "layer")]]

@@ -8,68 +8,88 @@ from snowsim.statistics.blocks import (
     BLOCK_LINES,
     block_levels,
     block_means,
+    correlation_by_separation,
     mean_correlation,
+    on_wavenumbers,
     periodogram,
-    spectral_blocks,
+    pick_noise,
+    rises,
+    stretches,
     thickness_blocks,
     undulation_correlation,
+    without_noise,
 )
 
 N_ZONES = 4
 MINIMUM_BLOCKS = 4  # with fewer a variance has a standard error of its own size: the zone is pooled with the others
+N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
 OWN_ZONE, ALL_ZONES, OTHER_SLABS = 0, 1, 2  # where values of a zone and slab come from
 DIMENSIONS = {
     "zone_edge_bins": ("edge",),
     "thickness_psd": ("zone", "slab", "wavenumber"),
     "thickness_correlation": ("band", "separation"),
     "relative_thickness_correlation": ("separation",),
+    "trend_correlation": ("separation",),
     "n_gap_blocks": ("slab",),
+    "pick_noise_bins2": ("layer",),
+    "n_blocks_by_layers": ("zone", "n_layers"),
+    "first_thickness_quantile_bins": ("quantile",),
 }  # of the others zone and slab
 
 
-def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES):
+def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
     """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone: dict of arrays.
 
     Zones hold equally many blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021), or lie between
     `zone_edge_bins (edge,)`. Returned are `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
     `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
     each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
-    `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)` and
-    `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`, `n_closed_blocks`. ValueError if slab 0 is
-    picked in half of the lines of no block.
+    `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)`;
+    `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1, `n_blocks_by_layers (zone, n_layers)` by layers
+    below the surface, from 0; `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`,
+    `n_blocks_without_layers`, `n_spectral_lines`. ValueError if slab 0 is picked in half of the lines of no block.
 
-    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have, or
-    fewer where hardly a block is without gaps (`spectral_blocks`). A block in which slab 0 is not picked is placed by
-    its other slabs (`block_levels`). A zone with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as
-    a share of the first (source 1); a slab with too few everywhere takes the one above, the first all slabs together
-    (source 2). Standard errors take blocks as independent, those of variances take thickness as Gaussian.
+    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have;
+    where hardly a block is without gaps, spectra are those of shorter stretches, `n_spectral_lines` long (`stretches`).
+    `tapered` spectra are about the block's trend, which has its own `thickness_trend_variance_bins2 (zone, slab)` of
+    the rise from first line to last and `trend_correlation (separation)`; the noise of picks, `pick_noise_bins2
+    (layer)`, is taken off. Else they are plain periodograms, noise and trend in them. A block in which slab 0 is not
+    picked is placed by its other slabs (`block_levels`); its layers are those down to the deepest slab known. A zone
+    with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as a share of the first (source 1); a slab
+    with too few everywhere takes the one above, the first all slabs together (source 2). Standard errors take blocks as
+    independent, those of variances take thickness as Gaussian.
     """
     mean = block_means(thickness)
     level, own = block_levels(mean) if mean.shape[1] else (np.zeros(len(mean)), np.zeros(len(mean), dtype=bool))
     if not own.any():
         msg = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines, of {len(mean)} blocks none is so"
         raise ValueError(msg)
-    closed, n_closed = spectral_blocks(thickness, MINIMUM_BLOCKS)
-    served = np.isfinite(closed).all(axis=2)
     placed = np.isfinite(level)
+    deepest = np.where(np.isfinite(mean), np.arange(1, mean.shape[1] + 1), 0).max(axis=1)
+    series = stretches(thickness, MINIMUM_BLOCKS)
+    n_parts = len(series) // len(thickness)
     counts = {
         "n_gap_blocks": (~np.isfinite(thickness).all(axis=2)).sum(axis=0),
         "n_blocks": len(mean),
         "n_blocks_placed_by_other_slabs": int((placed & ~own).sum()),
         "n_blocks_not_placed": int((~placed).sum()),
-        "n_closed_blocks": n_closed,
+        "n_blocks_without_layers": int((deepest == 0).sum()),
+        "n_spectral_lines": series.shape[2],
     }
-    closed, mean, served, level = closed[placed], mean[placed], served[placed], level[placed]
+    series, mean, level, deepest = series[np.repeat(placed, n_parts)], mean[placed], level[placed], deepest[placed]
+    served = np.isfinite(series).all(axis=2)
     edges, edges_error = _edges(level, zone_edge_bins, n_zones)
     zone = zone_of(level, edges)
     held = [level[zone == z] for z in range(edges.size - 1)]
     typical = np.array([part.mean() if part.size else edges[z : z + 2].mean() for z, part in enumerate(held)])
     result = _moments_by_zone(mean, level, zone, typical)
-    result |= _spectra_by_zone(closed, served, level, zone, typical)
+    result |= _spectra_by_zone(series, served, np.repeat(level, n_parts), np.repeat(zone, n_parts), typical, tapered)
     result |= {"zone_edge_bins": edges, "zone_edge_bins_standard_error": edges_error}
-    result["thickness_correlation"] = undulation_correlation(closed, served, result["thickness_psd"][zone])
     result["relative_thickness_correlation"] = mean_correlation(mean / level[:, None], zone, MINIMUM_BLOCKS)
-    return result | counts
+    result["first_thickness_quantile_bins"] = np.quantile(level, np.linspace(0, 1, N_QUANTILES))
+    by_layers = np.zeros((edges.size - 1, mean.shape[1] + 1), dtype=int)
+    np.add.at(by_layers, (zone, deepest), 1)
+    return result | {"n_blocks_by_layers": by_layers} | counts
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
@@ -136,31 +156,50 @@ def _moments_by_zone(mean, level, zone, typical):
     return result | {"n_samples": n, "source": source}
 
 
-def _spectra_by_zone(thickness, served, level, zone, typical):
-    """Spectra of thickness about the block mean, (zone, slab, wavenumber)."""
-    n, source = _sources(served, zone, len(typical))
-    density = np.zeros((*n.shape, thickness.shape[2] // 2 + 1))
+def _spectra_by_zone(series, served, level, zone, typical, tapered):
+    """Spectra of thickness, (zone, slab, wavenumber), of its trend and the noise of picks, and their correlations."""
+    n_zones, n_slabs, n_lines = len(typical), series.shape[1], series.shape[2]
+    n, source = _sources(served, zone, n_zones)
+    density = np.zeros((n_zones, n_slabs, BLOCK_LINES // 2 + 2))  # and the variance of trends
     error = np.zeros(density.shape)
-    for slab in range(thickness.shape[1]):
-        spectra = periodogram(thickness[served[:, slab], slab])
-        where, first = zone[served[:, slab]], level[served[:, slab]]
-        for z in range(len(typical)):
+    for slab in range(n_slabs):
+        for z in range(n_zones):
             if source[z, slab] == OTHER_SLABS and slab > 0:
                 density[z, slab], error[z, slab] = density[z, slab - 1], error[z, slab - 1]
                 continue
+            held = served & (np.arange(n_slabs) == slab)
             if source[z, slab] == OWN_ZONE:
-                part = spectra[where == z]
-            elif source[z, slab] == ALL_ZONES:
-                part = spectra * (typical[z] / first[:, None]) ** 2
+                part = _squares(series[held & (zone == z)[:, None]], tapered)
             else:
-                of_series = np.repeat(level, served.sum(axis=1))
-                part = periodogram(thickness[served]) * (typical[z] / of_series[:, None]) ** 2
+                held = held if source[z, slab] == ALL_ZONES else served
+                part = _squares(series[held], tapered) * (typical[z] / level[held.nonzero()[0], None]) ** 2
             density[z, slab] = part.mean(axis=0)
             # A periodogram scatters as its mean: with too few blocks to see that, it is taken as known.
             scatter = part.std(axis=0, ddof=1) if len(part) >= MINIMUM_BLOCKS else density[z, slab]
             error[z, slab] = scatter / np.sqrt(len(part))
-    result = {"thickness_psd": density, "thickness_psd_standard_error": error}
-    return result | {"n_psd_samples": n, "psd_source": source}
+    (density, trend), (error, trend_error) = ((part[..., :-1], part[..., -1]) for part in (density, error))
+    result = {"n_psd_samples": n, "psd_source": source}
+    noise_density = 0.0
+    if tapered:
+        noise, noise_error = pick_noise(series, served, MINIMUM_BLOCKS)
+        noise_density = (noise[:-1] + noise[1:])[:, None] * [0, *[2] * (BLOCK_LINES // 2 - 1), 1]
+        density = without_noise(density, noise_density)
+        rise = np.where(served, rises(np.where(served[..., None], series, 0)), 0)
+        unit = np.sqrt(BLOCK_LINES / n_lines / np.where(trend > 0, trend, np.inf))[zone]
+        result["trend_correlation"] = correlation_by_separation((rise * unit)[..., None])
+        for name, *values in (("thickness_trend_variance", trend, trend_error), ("pick_noise", noise, noise_error)):
+            result[f"{name}_bins2"], result[f"{name}_bins2_standard_error"] = values
+    at = np.rint(np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines).astype(int)
+    # Where noise of picks is a tenth and more of a density, it bends what slabs have in common.
+    told = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
+    result["thickness_correlation"] = undulation_correlation(series, served, told, tapered=tapered)
+    return result | {"thickness_psd": density, "thickness_psd_standard_error": error}
+
+
+def _squares(series, tapered):
+    """Periodograms at a block's wavenumbers, and squared rise, as a random walk's over a block, (series, both)."""
+    density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
+    return np.column_stack([density, rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])])
 
 
 def _moments(values):
@@ -170,13 +209,13 @@ def _moments(values):
     return values.mean(), np.sqrt(variance / n), variance, variance * np.sqrt(2 / max(n - 1, 1))
 
 
-def zone_models(summary, n_layers, counts):
+def zone_models(summary, n_layers, counts, *, tapered=True):
     """Thickness statistics of a flight divided into other numbers of zones: a dataset for each of `counts`, from 1.
 
     Each holds what `snowsim.labels.prepare` needs, of the `n_layers` layers that `estimate` reports; `block_psd (zone,
     slab, wavenumber)`, mean periodogram of the zone's own blocks, 0 where it has none; and attributes
     `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block means relative to
-    slab 0, and `dispersion`.
+    slab 0, `dispersion`, and `independent_share` of a spectrum's wavenumbers.
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
     blocks for values of their own add nothing. `means_aic_penalty` is that of Hurvich & Tsai (1989), Biometrika 76,
@@ -189,32 +228,36 @@ def zone_models(summary, n_layers, counts):
         msg = f"a flight has at least one zone, got {min(counts)}"
         raise ValueError(msg)
     thickness = thickness_blocks(summary, n_layers)
-    return [_zone_model(thickness, n_zones) for n_zones in counts]
+    return [_zone_model(thickness, n_zones, tapered) for n_zones in counts]
 
 
-def _zone_model(thickness, n_zones):
-    values = zone_statistics(thickness, n_zones=n_zones)
+def _zone_model(thickness, n_zones, tapered):
+    values = zone_statistics(thickness, n_zones=n_zones, tapered=tapered)
     mean, level, zone = place_blocks(thickness, values["zone_edge_bins"])
+    own = _own_density(thickness, zone, n_zones, tapered)
     dataset = xr.Dataset(
-        as_variables(values) | {"block_psd": (DIMENSIONS["thickness_psd"], _own_density(thickness, zone, n_zones))},
+        as_variables(values) | {"block_psd": (DIMENSIONS["thickness_psd"], own)},
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
         },
     )
     likelihood = _means_likelihood(mean / level[:, None], zone, values)
-    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values))
+    # Squares of Hann's ordinates correlate by (2/3)^2 and (1/6)^2 with their neighbours on either side.
+    share = 1 / (1 + 2 * (4 / 9 + 1 / 36)) if tapered else 1.0
+    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values), independent_share=share)
 
 
-def _own_density(thickness, zone, n_zones):
-    """Mean periodogram of each zone's own blocks, (zone, slab, wavenumber); 0 where there is none."""
-    thickness, _ = spectral_blocks(thickness, MINIMUM_BLOCKS)
-    served = np.isfinite(thickness).all(axis=2)
-    density = np.zeros((n_zones, thickness.shape[1], thickness.shape[2] // 2 + 1))
+def _own_density(thickness, zone, n_zones, tapered):
+    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber); 0 where there is none."""
+    series = stretches(thickness, MINIMUM_BLOCKS)
+    zone = np.repeat(zone, len(series) // len(thickness))
+    served = np.isfinite(series).all(axis=2)
+    density = np.zeros((n_zones, thickness.shape[1], BLOCK_LINES // 2 + 1))
     for z, slab in np.ndindex(density.shape[:2]):
         held = served[:, slab] & (zone == z)
         if held.any():
-            density[z, slab] = periodogram(thickness[held, slab]).mean(axis=0)
+            density[z, slab] = _squares(series[held, slab], tapered)[:, :-1].mean(axis=0)
     return density
 
 

@@ -39,8 +39,8 @@ def test_percolation_is_at_the_low_end_and_rare(climate):
 def test_every_frame_has_the_same_years(climate, rng):
     far = [climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng) for km in (500, 504)]
     yearly = [np.log(water_m).mean(axis=1) for water_m in far]
-    # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18 leaves a correlation
-    # of 0.8; of 29 years it is known to 0.07.
+    # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18 leaves a
+    # correlation of 0.8; of 29 years it is known to 0.07.
     assert 0.6 < np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] < 0.95
 
 

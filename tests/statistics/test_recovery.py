@@ -101,33 +101,6 @@ def test_relative_thickness_comes_back(rng):
     assert_allclose(result["relative_thickness_variance"][:, 1:], 0.01, rtol=0.1)
 
 
-@pytest.mark.parametrize("lost", [25, 100], ids=["nine tenths of lines", "half of lines"])
-def test_spectra_of_blocks_that_all_have_gaps(rng, lost):
-    thickness, psd = planted_blocks(rng, 400)
-    for series in thickness.reshape(-1, 256):
-        starts = rng.integers(0, 256, lost // 5)
-        series[(starts[:, None] + np.arange(5)).ravel() % 256] = np.nan
-    assert not np.isfinite(thickness).all(axis=2).any()
-    result = zone_statistics(thickness, zone_edge_bins=ONE_ZONE)
-    assert result["n_closed_blocks"] == result["n_psd_samples"][3].sum() > 0
-    ratio = (result["thickness_psd"][3, :, 1:125] / psd[1:125]).reshape(3, 31, 4).mean(axis=(0, 2))
-    # A straight line lacks power at shorter scales: at most the share of lines closed. Largest of 31 ratios: to 4 %.
-    assert np.all((ratio > 1 - lost / 256 - 0.05) & (ratio < 1.05)), ratio
-
-
-def test_blocks_with_gaps_serve_only_where_those_without_are_too_few(rng):
-    many, _ = planted_blocks(rng, 60, n_slabs=1)
-    many[5:, 0, 40] = np.nan  # five without gaps are fewer than one in ten
-    assert zone_statistics(many, zone_edge_bins=ONE_ZONE)["n_closed_blocks"] == 55
-    thickness, _ = planted_blocks(rng, 8, n_slabs=1)
-    thickness[4:, 0, 40] = np.nan
-    few = zone_statistics(thickness[1:], zone_edge_bins=ONE_ZONE)
-    enough = zone_statistics(thickness, zone_edge_bins=ONE_ZONE)
-    assert (few["n_closed_blocks"], few["n_psd_samples"][3, 0]) == (4, 7)
-    assert (enough["n_closed_blocks"], enough["n_psd_samples"][3, 0]) == (0, 4)
-    assert_allclose(enough["thickness_psd"][3, 0], periodogram(thickness[:4, 0]).mean(axis=0))
-
-
 @pytest.mark.slow
 def test_everything_planted_comes_back_from_200_scenes(planted, rng):
     n_scenes, n_lines = 200, 256

@@ -49,8 +49,15 @@ rule draw_labels:
         seed=config["seed"],
         span=lambda wildcards: shard_range("labels", wildcards.shard),
         n_range_lines=config["labels"]["n_range_lines"],
-        n_layers=[config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]],
-        correlation=config["labels"]["correlation"],
+        n_layers=config["labels"]["n_layers"],
+        n_layers_range=[
+            config["labels"]["n_layers_min"],
+            config["labels"]["n_layers_max"],
+        ],
+        drawn={
+            name: config["labels"][name]
+            for name in ("correlation", "first_slab", "surface")
+        },
         beyond=config["labels"]["beyond"],
     message:
         "label sets, shard {wildcards.shard}"
@@ -61,6 +68,7 @@ rule draw_labels:
 rule summarise_labels:
     input:
         statistics=LABEL_STATISTICS,
+        summaries=SUMMARIES,
         labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
         code=imported_by("summarise_labels.py"),
     output:
@@ -69,6 +77,7 @@ rule summarise_labels:
         spectra="results/tables/label_spectra.csv",
         correlation="results/tables/label_correlation.csv",
         rule="results/tables/label_rule.csv",
+        structure="results/tables/label_structure.csv",
         histograms="results/tables/label_histograms.csv",
     log:
         "logs/summarise_labels.log",

@@ -24,7 +24,10 @@ def compare_label_models(
 ):  # fmt: skip
     flight = read_dataset(statistics)
     summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
-    by_count = dict(zip(zone_counts, zone_models(summary, flight.sizes["layer"], zone_counts), strict=True))
+    tapered = flight.attrs["estimator"] != "paper"
+    models = zone_models(summary, flight.sizes["layer"], zone_counts, tapered=tapered)
+    surface = flight[[name for name in flight.data_vars if name.startswith("surface_")]]
+    by_count = {count: model.merge(surface) for count, model in zip(zone_counts, models, strict=True)}
     found = tabulate_criteria(list(by_count.values()))
     chosen = {
         "paper": PAPER,

@@ -47,7 +47,7 @@ def test_border_cases_end_as_stated(atlas):
     for case, words in {
         "layer in 4 groups": "1 layers left out",
         "layer in no whole block": "4 of other slabs",
-        "gaps in every block": "16 spectra over closed gaps",
+        "gaps in every block": "128 lines of a stretch, for spectra",
         "layer never picked": "1 layers not their own",
         "first slab picked in one frame": "3 blocks placed by other slabs",
         "picks below the record": "picks outside",

@@ -33,6 +33,9 @@ BOUNDS = {
     "relative_thickness_mean": Bound(("zone", "slab"), "relative", 0.03),
     "relative_thickness_variance": Bound(("zone", "slab"), "relative", 0.10),
     "thickness_psd": Bound(("zone", "slab", "band"), "dB", 1.0),
+    "thickness_trend_variance_bins2": Bound(("zone", "slab"), "relative", 0.15),
+    "surface_fraction": Bound((), "relative", 0.05),
+    "surface_trend_variance_bins2": Bound((), "relative", 0.15),
 }
 COLUMNS = (
     *("quantity", "layer", "zone", "slab", "band"),
@@ -54,6 +57,8 @@ def compare(given, recovered):
             raise ValueError(msg)
     rows = []
     for quantity, bound in BOUNDS.items():
+        if quantity not in given or quantity not in recovered:  # of trends, by `paper` and version 0.1
+            continue
         values = [_values(dataset, quantity, bound.dims) for dataset in (given, recovered)]
         shape = tuple(np.minimum(values[0][0].shape, values[1][0].shape))
         measured = _measured(recovered, quantity, shape)
@@ -139,7 +144,7 @@ def _measured(recovered, quantity, shape):
         return measured
     if len(shape) == 1:
         return measured & (recovered["substituted"].values[: shape[0]] == 0)
-    source = "psd_source" if quantity == "thickness_psd" else "source"
+    source = "psd_source" if quantity in ("thickness_psd", "thickness_trend_variance_bins2") else "source"
     own = recovered[source].transpose("zone", "slab").values[: shape[0], : shape[1]] == OWN_ZONE
     measured &= own.reshape(own.shape + (1,) * (len(shape) - 2))
     if quantity.startswith("relative_"):

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.labels.draw import draw_scene
-from snowsim.labels.models import FAMILIES, MODELS, TABULATED, densities_of, fit_family
+from snowsim.labels.models import FAINTEST, FAMILIES, MODELS, TABULATED, densities_of, fit_family
 from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
 
 CRITERIA = ("aic", "bic")
@@ -45,15 +45,17 @@ def _spectra_likelihood(model, psd):
     )
     # Slabs with too few blocks everywhere take the one above: they tell nothing, and it is the same ones in all models.
     n = np.where(source > ALL_ZONES, 0, n)
-    likelihood = whittle_log_likelihood(own, densities_of(tabulated, psd), n)
+    # Tapered ordinates that neighbour each other tell less than independent ones.
+    share = model.attrs.get("independent_share", 1.0)
+    likelihood = share * whittle_log_likelihood(own, densities_of(tabulated, psd), n)
     # Cells with too few blocks share what all blocks of their slab give.
     blocks = [count for count, where in zip(n.ravel(), source.ravel(), strict=True) if where == OWN_ZONE]
     blocks += [n[:, slab].sum() for slab in range(n.shape[1]) if (source[:, slab] == ALL_ZONES).any()]
     blocks = np.array(blocks, dtype=float)
-    n_wavenumbers = tabulated.shape[-1] - 2
+    n_wavenumbers = share * (tabulated.shape[-1] - 2)
     if psd == TABULATED:
         # Exact for exponential values: 2 n / (n - 1) a wavenumber.
-        n_parameters, aic = n_wavenumbers * blocks.size, (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
+        n_parameters, aic = round(n_wavenumbers * blocks.size), (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
         bic = (n_wavenumbers * np.log(blocks)).sum()
     else:
         k = FAMILIES[psd].n_parameters
@@ -62,9 +64,12 @@ def _spectra_likelihood(model, psd):
 
 
 def whittle_log_likelihood(periodogram, density, n):
-    """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each; not of wavenumbers 0 and 1/2."""
+    """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each.
+
+    Not of wavenumbers 0 and 1/2, nor where the periodogram is faint, as for `fit_family`.
+    """
     periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
-    held = density > 0
+    held = (density > 0) & (periodogram > FAINTEST * periodogram.max(axis=-1, keepdims=True, initial=0))
     safe = np.where(held, density, 1)
     return float(-(n[..., None] * np.where(held, np.log(safe) + periodogram / safe, 0)).sum())
 

@@ -1,13 +1,19 @@
-"""Synthetic labels beside the flight they were drawn from: counts, moments, spectra, correlation."""
+"""Synthetic labels beside the flight they were drawn from: counts, moments, spectra, correlation, structure."""
 
 import numpy as np
 import pandas as pd
 
+from snowsim.statistics.blocks import BLOCK_LINES, fourier, thickness_blocks
+from snowsim.statistics.zones import place_blocks
 
-def summarise_labels(scenes, statistics):
+LAGS = (1, 2, 4, 8, 16, 32, 64, 128, 255)  # of structure functions [range lines]
+
+
+def summarise_labels(scenes, statistics, summary=()):
     """Tables of labels beside the flight, by name: `layers`, `moments`, `rule`, `spectra`, `correlation`, `histograms`.
 
-    `scenes` of `draw_scene` are read once; there must be one, and all as wide as a block of the statistics.
+    `scenes` of `draw_scene` are read once; there must be one, and all as wide as a block of the statistics. `structure`
+    holds them against the blocks of the flight's own merged `summary`, whatever was estimated from them.
     """
     n_zones, n_slabs, n_wavenumbers = (statistics.sizes[dim] for dim in ("zone", "slab", "wavenumber"))
     n_lines = 2 * (n_wavenumbers - 1)
@@ -15,7 +21,9 @@ def summarise_labels(scenes, statistics):
     moments = np.zeros((3, n_zones, n_slabs))  # number, sum and sum of squares of relative thickness
     edges = np.rint(statistics["band_edge_wavenumber"].values * n_lines).astype(int)
     pairs = np.zeros((3, edges.size, n_slabs))  # products, squares above and below; bands, then relative means
+    tapered = "thickness_trend_variance_bins2" in statistics
     counts, rules, histograms = [], [], []
+    structure = {of: np.zeros((2, n_zones, n_slabs + (of == "layer"), len(LAGS) + 1)) for of in ("slab", "layer")}
     for scene in scenes:
         if scene.n_range_lines != n_lines:
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
@@ -23,9 +31,12 @@ def summarise_labels(scenes, statistics):
         thickness = np.diff(scene.layer_bins, axis=0)[:n_slabs]
         held, zone = len(thickness), scene.zone
         mean = thickness.mean(axis=1)
-        spectrum = np.fft.rfft(thickness - mean[:, None])
-        density = 2 * np.abs(spectrum) ** 2 / n_lines
-        density[:, -1] /= 2
+        for of, rows in (("slab", thickness), ("layer", scene.layer_bins[: n_slabs + 1])):
+            structure[of][0, zone, : len(rows)] += mean_square_differences(rows)
+            structure[of][1, zone, : len(rows)] += 1
+        spectrum = fourier(thickness, tapered)
+        density = np.abs(spectrum) ** 2
+        density[:, 0], density[:, -1] = 0, density[:, -1] / 2
         spectra[zone, :held] += density
         relative = mean / mean[0]
         moments[:, zone, :held] += np.array([np.ones(held), relative, relative**2])
@@ -50,8 +61,64 @@ def summarise_labels(scenes, statistics):
         "rule": _rule_table(pd.DataFrame(rules)),
         "spectra": _spectrum_table(moments[0], spectra, statistics),
         "correlation": _correlation_table(pairs, statistics),
+        "structure": _structure_table(structure, statistics, summary),
         "histograms": pd.concat(histograms).groupby(["zone", "slab", "low_bins"]).sum().reset_index(),
     }
+
+
+def mean_square_differences(series):
+    """Mean squares of differences at `LAGS` and of second differences of series (..., range_line), (..., lag and one).
+
+    NaN where no two, or three, lines are known.
+    """
+    differences = [series[..., lag:] - series[..., :-lag] for lag in LAGS] + [np.diff(series, 2)]
+    n = [np.isfinite(values).sum(axis=-1) for values in differences]
+    total = [np.nansum(values**2, axis=-1) for values in differences]
+    return np.stack([np.where(k > 0, t / np.maximum(k, 1), np.nan) for t, k in zip(total, n, strict=True)], axis=-1)
+
+
+def _structure_table(synthetic, statistics, summary):
+    """Structure functions [bins^2] by zone, of slabs and of layers, of the flight's own blocks and of label sets.
+
+    Lag 0 stands for the rms second difference [bins]. Means over slabs, weighted on both sides as the flight has them;
+    standard errors from its blocks.
+    """
+    columns = ["zone", "of", "lag", "observed", "observed_standard_error", "synthetic", "ratio"]
+    if not summary:
+        return pd.DataFrame(columns=columns)
+    n_layers = statistics.sizes["slab"] + 1
+    rows = [_rows_of(frame, n_layers) for frame in summary]
+    rows = np.concatenate([part.reshape(n_layers, -1, BLOCK_LINES).swapaxes(0, 1) for part in rows])
+    thickness = thickness_blocks(summary, n_layers)
+    zones = place_blocks(thickness, statistics["zone_edge_bins"].values)[2]
+    parts = []
+    for of, series in (("slab", thickness), ("layer", rows)):
+        squares = mean_square_differences(series)
+        for zone in range(synthetic[of].shape[1]):
+            observed, (total, n) = squares[zones == zone], synthetic[of][:, zone]
+            held = np.isfinite(observed) & (n > 0)
+            weight = held.sum(axis=0)
+            if not weight.any(axis=0).all():
+                continue
+            per_lag = weight.sum(axis=0)
+            mean = np.where(held, observed, 0).sum(axis=(0, 1)) / per_lag
+            drawn = (total / np.maximum(n, 1) * weight).sum(axis=0) / per_lag
+            # Ratio estimator: residual sums of blocks are the independent terms.
+            residual = np.where(held, observed - mean, 0).sum(axis=1)
+            error = np.sqrt((residual**2).sum(axis=0)) / per_lag
+            mean[-1], drawn[-1], error[-1] = np.sqrt(mean[-1]), np.sqrt(drawn[-1]), error[-1] / 2 / np.sqrt(mean[-1])
+            values = dict(zip(columns[3:], (mean, error, drawn, drawn / mean), strict=True))
+            parts.append(pd.DataFrame({"zone": zone, "of": of, "lag": [*LAGS, 0]} | values))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=columns)
+
+
+def _rows_of(frame, n_layers):
+    """Rows of a frame's layers in its whole blocks, (layer, range_line), NaN in gaps."""
+    n_lines = frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES
+    rows = np.full((n_layers, n_lines), np.nan)
+    held = frame.depth_bins[:n_layers, :n_lines]
+    rows[: len(held)] = held + frame.surface_bins[:n_lines]
+    return rows
 
 
 def _histogram(thickness, zone):

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from lib.diagnostics.closed_loop import BOUNDS, as_frame
+from snowsim.constants import BLOCK_LINES
 from snowsim.phy import mean_power
 from snowsim.phy.waveform import waveform_width
 from snowsim.statistics.estimate import ESTIMATORS, estimate
@@ -111,7 +112,7 @@ def rules_applied(fitted):
         "of the slab above": int((fitted["source"] == OTHER_SLABS).sum()),
         "spectra of all zones": int((fitted["psd_source"] == ALL_ZONES).sum()),
         "of other slabs": int((fitted["psd_source"] == OTHER_SLABS).sum()),
-        "spectra over closed gaps": fitted.attrs["n_closed_blocks"],
+        "lines of a stretch, for spectra": fitted.attrs["n_spectral_lines"] % BLOCK_LINES,
         "blocks placed by other slabs": fitted.attrs["n_blocks_placed_by_other_slabs"],
         "picks outside": fitted.attrs["n_picks_outside"],
         "frames without surface": fitted.attrs["n_frames_without_surface"],

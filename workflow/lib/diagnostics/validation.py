@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.special import ndtr
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.statistics.blocks import BLOCK_LINES, periodogram, thickness_blocks
+from snowsim.statistics.blocks import periodogram, thickness_blocks
 from snowsim.statistics.paper import is_present
 from snowsim.statistics.summaries import FIRST_ROW, stacked
 from snowsim.statistics.zones import MINIMUM_BLOCKS, place_blocks
@@ -33,7 +33,7 @@ def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
         "thickness": _thickness_histograms(thickness, edges, label_histograms),
         "tests": pd.DataFrame(thickness_tests(thickness, edges, rng=rng), columns=list(TEST_COLUMNS)),
         "distributions": pd.concat(
-            [_layer_counts(summary, label_layers), _width_counts(statistics, rendered)], ignore_index=True
+            [_layer_counts(statistics, label_layers), _width_counts(statistics, rendered)], ignore_index=True
         ),
     }
 
@@ -59,18 +59,14 @@ def _counts(zone, slab, values):
     return pd.DataFrame({"zone": zone, "slab": slab, "low_bins": held, "n_observed": counts[held]})
 
 
-def _layer_counts(summary, label_layers):
-    """Layers below the surface picked in at least half of the lines of a block, beside those of label scenes."""
-    counts = []
-    for frame in summary:
-        n_blocks = frame.depth_bins.shape[1] // BLOCK_LINES
-        picked = np.isfinite(frame.depth_bins[1:, : n_blocks * BLOCK_LINES]).reshape(-1, n_blocks, BLOCK_LINES)
-        counts += (2 * picked.sum(axis=2) >= BLOCK_LINES).sum(axis=0).tolist()
-    most = max([*counts, int(label_layers["n_layers"].max())])
+def _layer_counts(statistics, label_layers):
+    """Layers below the surface of blocks, beside those of label scenes."""
+    counts = statistics["n_blocks_by_layers"].sum("zone").values
+    counts[0] += statistics.attrs["n_blocks_without_layers"]
+    most = max(counts.size - 1, int(label_layers["n_layers"].max()))
     synthetic = np.bincount(label_layers["n_layers"], weights=label_layers["n_scenes"], minlength=most + 1)
-    return _distribution(
-        "n_layers", np.arange(most + 2) - 0.5, np.bincount(counts, minlength=most + 1), synthetic.astype(int)
-    )
+    observed = np.pad(counts, (0, most + 1 - counts.size))
+    return _distribution("n_layers", np.arange(most + 2) - 0.5, observed, synthetic.astype(int))
 
 
 def _width_counts(statistics, rendered):

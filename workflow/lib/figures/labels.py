@@ -46,9 +46,7 @@ def label_models(label_criteria, label_savings, label_families):
 def labels(label_layers, label_moments, label_spectra, label_correlation):
     """Layers a scene, thickness by slab and zone, spectra and correlation of slabs: points flight, lines synthetic."""
     figure, axes = new_figure(2, 2, width=7, height=5)
-    counts = label_layers["n_scenes"]
-    axes[0, 0].bar(label_layers["n_layers"], counts, color="0.5")
-    axes[0, 0].axhline(counts.sum() / len(counts), color=BLACK, linestyle=":", linewidth=1)
+    axes[0, 0].bar(label_layers["n_layers"], label_layers["n_scenes"], color="0.5")
     axes[0, 0].set(xlabel="layers below the surface", ylabel="scenes")
     ax = axes[0, 1]
     for zone, rows in label_moments.groupby("zone"):
