@@ -7,6 +7,8 @@ import numpy as np
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height
 from snowsim.labels.nonstationary import Beyond, draw_beyond
 from snowsim.labels.process import correlation_factor, draw_series, lengthened, line_variances
+from snowsim.labels.radiometry import RADIOMETRY, RadiometryModel, add_radiometry, radiometry_model
+from snowsim.labels.values import values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -30,6 +32,7 @@ class LabelModel:
     band_correlation: np.ndarray  # of undulations about the mean, (band, separation)
     band_edge_wavenumber: np.ndarray  # (band_edge,)
     beyond: Beyond = Beyond()  # what leaves the paper's stationary process; by default nothing
+    radiometry: RadiometryModel | None = None  # how powers vary; None: not at all, and every layer is labelled
     _kept: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -64,7 +67,9 @@ class LabelModel:
         return self._kept["bands", n]
 
 
-def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measured", beyond=None):
+def prepare(
+    statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measured", beyond=None, radiometry="constant"
+):
     """Make flight statistics ready to draw many scenes.
 
     Parameters
@@ -78,6 +83,8 @@ def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measur
         Whether thickness of different slabs is correlated as in the flight, or only through slab 0 as in the paper.
     beyond : Beyond, optional
         Trends and folds; by default none, as in the paper.
+    radiometry : {"constant", "measured"}
+        Whether scenes have powers of their own, unlabelled layers, and labels only where they show: `add_radiometry`.
 
     Returns
     -------
@@ -97,23 +104,27 @@ def prepare(statistics, n_range_lines, *, n_layers=N_LAYERS, correlation="measur
     if correlation not in CORRELATIONS:
         msg = f"correlation must be one of {', '.join(CORRELATIONS)}, got {correlation!r}"
         raise ValueError(msg)
+    if radiometry not in RADIOMETRY:
+        msg = f"radiometry must be one of {', '.join(RADIOMETRY)}, got {radiometry!r}"
+        raise ValueError(msg)
     if correlation == "measured":
-        by_band = _values(statistics, "thickness_correlation", ("band", "separation"))
-        by_separation = _values(statistics, "relative_thickness_correlation", ("separation",))
-        band_edges = _values(statistics, "band_edge_wavenumber", ("band_edge",))
+        by_band = values_of(statistics, "thickness_correlation", ("band", "separation"))
+        by_separation = values_of(statistics, "relative_thickness_correlation", ("separation",))
+        band_edges = values_of(statistics, "band_edge_wavenumber", ("band_edge",))
     else:
         by_separation, by_band, band_edges = np.array([1.0, 0.0]), np.array([[1.0, 0.0]]), np.array([0, 0.5])
     return LabelModel(
         n_range_lines=n_range_lines,
         n_layers=tuple(n_layers),
-        zone_edge_bins=_values(statistics, "zone_edge_bins", ("edge",)),
-        relative_mean=_values(statistics, "relative_thickness_mean", ("zone", "slab")),
-        relative_deviation=np.sqrt(_values(statistics, "relative_thickness_variance", ("zone", "slab"))),
-        psd=_values(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
+        zone_edge_bins=values_of(statistics, "zone_edge_bins", ("edge",)),
+        relative_mean=values_of(statistics, "relative_thickness_mean", ("zone", "slab")),
+        relative_deviation=np.sqrt(values_of(statistics, "relative_thickness_variance", ("zone", "slab"))),
+        psd=values_of(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
         relative_correlation=by_separation,
         band_correlation=by_band,
         band_edge_wavenumber=band_edges,
         beyond=beyond or Beyond(),
+        radiometry=radiometry_model(statistics) if radiometry == "measured" else None,
     )
 
 
@@ -207,21 +218,10 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "thickness_variance_kept": float(thickness.var()),
         **beyond,
     }
-    return Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
+    scene = Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
+    return scene if model.radiometry is None else add_radiometry(scene, model.radiometry, rng=rng)
 
 
 def _mirrored(thickness):
     """Thickness mirrored at its minimum, at which it can still touch: then one layer lies one bin below the other."""
     return MINIMUM_THICKNESS_BINS + np.abs(thickness - MINIMUM_THICKNESS_BINS)
-
-
-def _values(statistics, name, dims):
-    """A variable or coordinate of the statistics as float array on `dims`, finite."""
-    if name not in statistics:
-        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
-        raise ValueError(msg)
-    values = statistics[name].transpose(*dims).values.astype(float)
-    if values.size == 0 or not np.isfinite(values).all():
-        msg = f"flight statistics: {name} must be finite and not empty, got shape {values.shape} with NaN or infinity"
-        raise ValueError(msg)
-    return values

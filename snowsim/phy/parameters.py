@@ -121,7 +121,7 @@ def _largest_and_share(peak_power, layer_bins):
     """Largest power of each layer, (layer,), and the share of it on each range line; absent layers count nothing."""
     power = np.asarray(peak_power, dtype=float)
     if power.shape != layer_bins.shape:
-        msg = f"peak_power: expected (layer,) or (layer, range_line) as the layers, {layer_bins.shape}, got {power.shape}"
+        msg = f"peak_power: expected (layer,) or the shape of the layers, {layer_bins.shape}, got {power.shape}"
         raise ValueError(msg)
     present = np.isfinite(layer_bins)
     bad = present & ~(np.isfinite(power) & (power >= 0))
@@ -175,6 +175,29 @@ def draw_parameters(statistics, n_layers, *, width="fitted", n_looks=None, speck
     if speckle_correlation == "measured" and "speckle_correlation" in statistics:
         parameters["speckle_correlation"] = statistics["speckle_correlation"].values
     return parameters
+
+
+def scene_parameters(scene, statistics, **options):
+    """Layers to render and parameters of `render` for a scene: its own radiometry where it has one, else the flight's.
+
+    `options` are those of `draw_parameters`. A scene that was drawn with powers has them in `peak_power`, for every row
+    of `complete_layer_bins`; its notes tell noise, decay and which layer of the flight gives a row its waveform, or, by
+    -1 - k, that it is the background's e-fold k.
+    """
+    if scene.peak_power is None:
+        return scene.layer_bins, draw_parameters(statistics, scene.layer_bins.shape[0], **options)
+    parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
+    variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
+    own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
+    return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
+
+
+def row_waveforms(notes, variance_bins2, decay_rate):
+    """Variance and decay rate of each row of a scene drawn with powers, by its notes, from those by layer."""
+    row, falls = np.array(notes["waveform_row"]), np.array(notes["background_falls"])
+    layer = np.clip(row, 0, len(variance_bins2) - 1)
+    own_decay = np.asarray(decay_rate)[layer] * notes["decay_factor"]
+    return np.asarray(variance_bins2)[layer], np.where(row < 0, 1 / falls[np.maximum(-1 - row, 0)], own_decay)
 
 
 def _down_to(statistics, name, n_layers):

@@ -25,6 +25,7 @@ rule draw_labels:
         n_layers=[config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]],
         correlation=config["labels"]["correlation"],
         beyond=config["labels"]["beyond"],
+        radiometry=config["labels"]["radiometry"],
     message:
         "label sets, shard {wildcards.shard}"
     script:

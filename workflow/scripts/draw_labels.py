@@ -8,10 +8,12 @@ from snowsim.labels import Beyond, draw_scene, prepare
 from snowsim.seeding import random_stream
 
 
-def draw_shard(statistics, labels, *, span, n_range_lines, n_layers, correlation, beyond, seed):
+def draw_shard(statistics, labels, *, span, n_range_lines, n_layers, correlation, beyond, radiometry, seed):
     flight = read_dataset(statistics)
     beyond = Beyond(**beyond | {"zones": beyond["zones"] and tuple(beyond["zones"])})
-    model = prepare(flight, n_range_lines, n_layers=tuple(n_layers), correlation=correlation, beyond=beyond)
+    model = prepare(
+        flight, n_range_lines, n_layers=tuple(n_layers), correlation=correlation, beyond=beyond, radiometry=radiometry
+    )
     names = [f"label_{scene:06d}" for scene in range(*span)]
     scenes = (
         # By scene, never by shard: how scenes are divided must not change them.
