@@ -134,6 +134,14 @@ def add_radiometry(scene, model, *, rng):
     return dataclasses.replace(dressed, layer_bins=layer_bins, notes=dressed.notes | notes)
 
 
+def labelled_or_not(scene):
+    """Layers of a drawn scene, whether or not they show enough for a label, (layer, range_line); no background."""
+    if scene.peak_power is None:
+        return scene.layer_bins
+    n_background = sum(row < 0 for row in scene.notes["waveform_row"])
+    return np.delete(scene.complete_layer_bins, 1 + np.arange(n_background), axis=0)[: len(scene.layer_bins)]
+
+
 def _about_mean(deviation_db, variance_db2):
     """Factors of power with mean 1 for Gaussian deviations in dB of that variance."""
     return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)

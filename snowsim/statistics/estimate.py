@@ -178,10 +178,11 @@ def _spectra(summary):
 def _with_units(dataset):
     """Units by the ending of the name."""
     units = {"_bins": "range bin", "_bins2": "range bin^2", "_rate": "1/range bin", "_psd": "range bin^2 line/cycle"}
+    units |= {"_db": "dB", "_db2": "dB^2", "_lines": "range line"}
     for name, variable in dataset.variables.items():
         ending = next((e for e in units if str(name).removesuffix("_standard_error").endswith(e)), None)
         variable.attrs["units"] = units.get(ending, "1")
-    for name in ("peak_power", "noise_power", "mean_waveform", "model_waveform", "layer_waveform"):
+    for name in ("peak_power", "noise_power", "background_power", "mean_waveform", "model_waveform", "layer_waveform"):
         if name in dataset:
             dataset[name].attrs["units"] = "linear power"
     return dataset

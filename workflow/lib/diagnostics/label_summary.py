@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 
+from snowsim.labels.radiometry import labelled_or_not
+
 
 def summarise_labels(scenes, statistics):
     """Tables of labels beside the flight, by name: `layers`, `moments`, `rule`, `spectra`, `correlation`, `histograms`.
@@ -20,7 +22,7 @@ def summarise_labels(scenes, statistics):
         if scene.n_range_lines != n_lines:
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
             raise ValueError(msg)
-        thickness = np.diff(scene.layer_bins, axis=0)[:n_slabs]
+        thickness = np.diff(labelled_or_not(scene), axis=0)[:n_slabs]
         held, zone = len(thickness), scene.zone
         mean = thickness.mean(axis=1)
         spectrum = np.fft.rfft(thickness - mean[:, None])
