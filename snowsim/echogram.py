@@ -29,7 +29,9 @@ class Scene:
     image : ndarray of uint8, (range_bin, range_line), or None
         Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are what its 0 (plus 10 dB) and 255 stand for.
     complete_layer_bins : ndarray, (layer, range_line), or None
-        Every layer there is, where `layer_bins` holds only what a picker found.
+        Every layer there is, where `layer_bins` holds only what a picker found; may have more rows.
+    peak_power : ndarray, (layer, range_line), or None
+        Linear power of each row of `complete_layer_bins`, where it was drawn with the layers.
     zone : int
         Accumulation zone, -1 where unknown.
     notes : dict
@@ -41,6 +43,7 @@ class Scene:
     layer_bins: np.ndarray
     image: np.ndarray | None = None
     complete_layer_bins: np.ndarray | None = None
+    peak_power: np.ndarray | None = None
     noise_floor_db: float = np.nan
     maximum_db: float = np.nan
     zone: int = -1

@@ -12,7 +12,10 @@ import snowsim.reference
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echogram", "seeding", "patches", "training"}
 # A stage never imports another stage, but for these.
-ALLOWED = {("io", "frames"), ("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")}
+ALLOWED = {
+    *(("io", "frames"), ("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")),
+    *(("labels", "phy.power"), ("labels", "phy.parameters")),  # a layer is labelled where its mean power shows it
+}
 ONLY = {
     "matplotlib": set(),
     "torch": {"cgan", "tracker", "patches", "training"},

@@ -14,7 +14,8 @@ FORMAT = "snowsim scenes 1"
 ARRAYS = {
     "image": ("pixel_row", "u1"),
     "layer_bins": ("layer_row", "f4"),
-    "complete_layer_bins": ("layer_row", "f4"),
+    "complete_layer_bins": ("complete_row", "f4"),
+    "peak_power": ("complete_row", "f4"),
 }
 NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
 
@@ -24,8 +25,8 @@ def write_scenes(path, scenes, attributes=None):
 
     At least one, all with the same number of range lines and the same arrays present; others are refused. `attributes`
     are global (what made them; ``synthetic``). Images and layers of all scenes stand below each other (the contiguous
-    ragged arrays of the CF conventions, section 9.3.3); `n_range_bins` and `n_layers` tell where each begins. Layer
-    bins are float32: 1e-4 bins at row 2000.
+    ragged arrays of the CF conventions, section 9.3.3); `n_range_bins`, `n_layers` and `n_complete_layers` tell where
+    each begins. Layer bins are float32: 1e-4 bins at row 2000.
     """
     with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
         file.format = FORMAT
@@ -52,7 +53,9 @@ def _define(file, scene):
             file.createDimension(dimension, None)
         chunks = (64, scene.n_range_lines)
         file.createVariable(name, dtype, (dimension, "range_line"), chunksizes=chunks, zlib=dtype != "u1", complevel=1)
-    for name, dtype in ({"name": str, "notes": str, "n_range_bins": "i4", "n_layers": "i4"} | NUMBERS).items():
+    counts = {"n_range_bins": "i4", "n_layers": "i4"}
+    counts |= {"n_complete_layers": "i4"} if scene.complete_layer_bins is not None else {}
+    for name, dtype in ({"name": str, "notes": str} | counts | NUMBERS).items():
         file.createVariable(name, dtype, ("scene",))
 
 
@@ -74,6 +77,8 @@ def _append(file, scene, path):
     for name in NUMBERS:
         file[name][index] = getattr(scene, name)
     lengths = {"pixel_row": scene.n_range_bins, "layer_row": scene.layer_bins.shape[0]}
+    if scene.complete_layer_bins is not None:
+        lengths["complete_row"] = file["n_complete_layers"][index] = scene.complete_layer_bins.shape[0]
     for name in held:
         dimension = ARRAYS[name][0]
         file[name][starts[dimension] : starts[dimension] + lengths[dimension]] = getattr(scene, name)
@@ -96,7 +101,7 @@ class SceneSet:
     def __init__(self, paths):
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
-        self._where = []  # (file, index in it, first pixel row, first layer row)
+        self._where = []  # (file, index in it, its rows by ragged dimension)
         self.zones = []
         for path in paths:
             self._index(path)
@@ -112,26 +117,25 @@ class SceneSet:
             msg = f"{path}: expected attribute format '{FORMAT}', got {getattr(file, 'format', None)!r}"
             raise ValueError(msg)
         file.set_auto_mask(False)
-        heights, n_layers = file["n_range_bins"][:], file["n_layers"][:]
-        first_rows, first_layers = np.cumsum(heights) - heights, np.cumsum(n_layers) - n_layers
+        counts = {"pixel_row": "n_range_bins", "layer_row": "n_layers", "complete_row": "n_complete_layers"}
+        ends = {row: np.cumsum(file[name][:]) for row, name in counts.items() if name in file.variables}
         self._files.append(file)
-        self._where += [(file, i, *first) for i, first in enumerate(zip(first_rows, first_layers, strict=True))]
+        for i in range(len(file.dimensions["scene"])):
+            spans = {row: slice(end[i - 1] if i else 0, end[i]) for row, end in ends.items()}
+            self._where.append((file, i, spans))
         self.zones += [int(zone) for zone in file["zone"][:]]
 
     def __len__(self):
         return len(self._where)
 
     def __getitem__(self, item):
-        file, index, first_row, first_layer = self._where[item]
-        n_range_bins, n_layers = int(file["n_range_bins"][index]), int(file["n_layers"][index])
-        spans = {
-            "pixel_row": slice(first_row, first_row + n_range_bins),
-            "layer_row": slice(first_layer, first_layer + n_layers),
-        }
+        file, index, spans = self._where[item]
+        n_range_bins = int(file["n_range_bins"][index])
         arrays = {}
-        for name, (dimension, dtype) in ARRAYS.items():
+        for name, (_, dtype) in ARRAYS.items():
             if name in file.variables:
-                values = np.asarray(file[name][spans[dimension]])
+                # Files of 0.1.0 hold as many complete layers as labelled ones, in the same rows.
+                values = np.asarray(file[name][spans[file[name].dimensions[0]]])
                 arrays[name] = values if dtype == "u1" else values.astype(float)
         numbers = {name: file[name][index].item() for name in NUMBERS}
         notes = json.loads(file["notes"][index])

@@ -6,6 +6,7 @@ from snowsim.echogram import Scene, scene_height
 from snowsim.labels.nonstationary import draw_beyond
 from snowsim.labels.prepare import LabelModel, prepare
 from snowsim.labels.process import draw_series
+from snowsim.labels.radiometry import add_radiometry
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
 
@@ -105,7 +106,8 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "thickness_variance_kept": float(thickness.var()),
         **beyond,
     }
-    return Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
+    scene = Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
+    return scene if model.radiometry is None else add_radiometry(scene, model.radiometry, rng=rng)
 
 
 def _mirrored(thickness):

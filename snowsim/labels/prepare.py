@@ -13,6 +13,8 @@ from snowsim.labels.process import (
     line_variances,
     plain_variances,
 )
+from snowsim.labels.radiometry import RadiometryModel, radiometry_model
+from snowsim.labels.values import values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so
@@ -40,6 +42,7 @@ class LabelModel:
     trend_correlation: np.ndarray | None = None  # of that rise, (separation,)
     surface: dict | None = None  # its statistics by name; None: flat
     beyond: Beyond = Beyond()  # what leaves the paper's stationary process; by default nothing
+    radiometry: RadiometryModel | None = None  # how powers vary; None: not at all, and every layer is labelled
     _kept: dict = field(default_factory=dict, repr=False, compare=False)
 
     @property
@@ -113,7 +116,15 @@ class LabelModel:
 
 
 def prepare(
-    statistics, n_range_lines, *, n_layers=None, correlation="measured", first_slab=None, surface=None, beyond=None
+    statistics,
+    n_range_lines,
+    *,
+    n_layers=None,
+    correlation="measured",
+    first_slab=None,
+    surface=None,
+    beyond=None,
+    radiometry="constant",
 ):
     """Make flight statistics ready to draw many scenes.
 
@@ -133,6 +144,8 @@ def prepare(
         Default as of `n_layers`.
     beyond : Beyond, optional
         Trends and folds; by default none, as in the paper.
+    radiometry : {"constant", "measured"}
+        Whether scenes have powers of their own, unlabelled layers, and labels only where they show: `add_radiometry`.
 
     Returns
     -------
@@ -155,6 +168,7 @@ def prepare(
         msg = f"n_layers must be measured or two counts in order, from 1, got {n_layers}"
         raise ValueError(msg)
     choices = ("correlation", correlation, "none"), ("first_slab", first_slab, "uniform"), ("surface", surface, "flat")
+    choices += (("radiometry", radiometry, "constant"),)
     for name, value, other in choices:
         if value not in ("measured", other):
             msg = f"{name} must be one of measured, {other}, got {value!r}"
@@ -164,13 +178,13 @@ def prepare(
     held |= {"trends": held["by_separation"]}
     trends = "thickness_trend_variance_bins2" in statistics
     if correlation == "measured":
-        held["by_band"] = _values(statistics, "thickness_correlation", ("band", "separation"))
-        held["by_separation"] = _values(statistics, "relative_thickness_correlation", ("separation",))
-        held["edges"] = _values(statistics, "band_edge_wavenumber", ("band_edge",))
-        held["trends"] = _values(statistics, "trend_correlation", ("separation",)) if trends else None
+        held["by_band"] = values_of(statistics, "thickness_correlation", ("band", "separation"))
+        held["by_separation"] = values_of(statistics, "relative_thickness_correlation", ("separation",))
+        held["edges"] = values_of(statistics, "band_edge_wavenumber", ("band_edge",))
+        held["trends"] = values_of(statistics, "trend_correlation", ("separation",)) if trends else None
 
     def measured(choice, name, *dims):
-        return _values(statistics, name, dims) if choice else None
+        return values_of(statistics, name, dims) if choice else None
 
     by_layers = measured(n_layers == "measured", "n_blocks_by_layers", "zone", "n_layers")
     if by_layers is not None and not by_layers[:, 1:].any():
@@ -182,10 +196,10 @@ def prepare(
     return LabelModel(
         n_range_lines=n_range_lines,
         n_layers=None if n_layers == "measured" else tuple(n_layers),
-        zone_edge_bins=_values(statistics, "zone_edge_bins", ("edge",)),
-        relative_mean=_values(statistics, "relative_thickness_mean", ("zone", "slab")),
-        relative_deviation=np.sqrt(_values(statistics, "relative_thickness_variance", ("zone", "slab"))),
-        psd=_values(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
+        zone_edge_bins=values_of(statistics, "zone_edge_bins", ("edge",)),
+        relative_mean=values_of(statistics, "relative_thickness_mean", ("zone", "slab")),
+        relative_deviation=np.sqrt(values_of(statistics, "relative_thickness_variance", ("zone", "slab"))),
+        psd=values_of(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
         relative_correlation=held["by_separation"],
         band_correlation=held["by_band"],
         band_edge_wavenumber=held["edges"],
@@ -195,16 +209,5 @@ def prepare(
         trend_correlation=held["trends"],
         surface=spectra if rough else None,
         beyond=beyond or Beyond(),
+        radiometry=radiometry_model(statistics) if radiometry == "measured" else None,
     )
-
-
-def _values(statistics, name, dims):
-    """A variable or coordinate of the statistics as float array on `dims`, finite."""
-    if name not in statistics:
-        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
-        raise ValueError(msg)
-    values = statistics[name].transpose(*dims).values.astype(float)
-    if values.size == 0 or not np.isfinite(values).all():
-        msg = f"flight statistics: {name} must be finite and not empty, got shape {values.shape} with NaN or infinity"
-        raise ValueError(msg)
-    return values

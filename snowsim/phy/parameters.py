@@ -22,7 +22,8 @@ class Waveforms:
 
     `centre_bins` (layer, range_line) are centres of the Gaussians, NaN where the layer is absent. By layer: `amplitude`
     [power per bin], `variance_bins2` and `decay_rate` [per bin] of the waveform, how far it peaks below its centre,
-    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window.
+    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window. Where powers vary
+    along track, those by layer are the largest, and `line_share` (layer, range_line) is the share of it, 0 to 1.
     """
 
     centre_bins: np.ndarray
@@ -32,6 +33,7 @@ class Waveforms:
     peak_offset_bins: np.ndarray
     peak_power: np.ndarray
     n_range_bins: int
+    line_share: np.ndarray | None = None
 
     @property
     def shape(self):
@@ -48,6 +50,9 @@ def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_rang
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(layer_bins)
     given = {"peak_power": peak_power, "variance_bins2": variance_bins2, "decay_rate": decay_rate}
+    line_share = None
+    if np.ndim(peak_power) == 2:
+        given["peak_power"], line_share = _largest_and_share(peak_power, layer_bins)
     per_layer = {name: _per_layer(name, value, layer_bins.shape[0]) for name, value in given.items()}
     peak_power, variance_bins2, decay_rate = per_layer.values()
     for name, value, options in (("normalise", normalise, NORMALISE), ("align", align, ALIGN)):
@@ -63,9 +68,8 @@ def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_rang
         msg = f"peak_power must add up to a finite power, got {peak_power.max():g} at layer {peak_power.argmax()}"
         raise ValueError(msg)
     centre_bins = layer_bins - offset_bins[:, None] if align == "peak" else layer_bins
-    return Waveforms(
-        centre_bins, amplitude, variance_bins2, decay_rate, offset_bins, reached, checked_height(n_range_bins)
-    )
+    height = checked_height(n_range_bins)
+    return Waveforms(centre_bins, amplitude, variance_bins2, decay_rate, offset_bins, reached, height, line_share)
 
 
 def checked_height(n_range_bins):
@@ -111,6 +115,23 @@ def _per_layer(name, value, n_layers):
         msg = f"{name} must be {wanted}, got {array[layer]} at layer {layer}"
         raise ValueError(msg)
     return array
+
+
+def _largest_and_share(peak_power, layer_bins):
+    """Largest power of each layer, (layer,), and the share of it on each range line; absent layers count nothing."""
+    power = np.asarray(peak_power, dtype=float)
+    if power.shape != layer_bins.shape:
+        msg = f"peak_power: expected (layer,) or the shape of the layers, {layer_bins.shape}, got {power.shape}"
+        raise ValueError(msg)
+    present = np.isfinite(layer_bins)
+    bad = present & ~(np.isfinite(power) & (power >= 0))
+    if bad.any():
+        layer, line = np.argwhere(bad)[0]
+        msg = f"peak_power must be finite and not negative, got {power[layer, line]} at layer {layer}, line {line}"
+        raise ValueError(msg)
+    power = np.where(present, power, 0)
+    largest = power.max(axis=1, initial=0)
+    return largest, power / np.where(largest > 0, largest, 1)[:, None]
 
 
 def draw_parameters(
@@ -159,6 +180,29 @@ def draw_parameters(
     if speckle_correlation == "measured" and "speckle_correlation" in statistics:
         parameters["speckle_correlation"] = statistics["speckle_correlation"].values
     return parameters
+
+
+def scene_parameters(scene, statistics, **options):
+    """Layers to render and parameters of `render` for a scene: its own radiometry where it has one, else the flight's.
+
+    `options` are those of `draw_parameters`. A scene that was drawn with powers has them in `peak_power`, for every row
+    of `complete_layer_bins`; its notes tell noise, decay and which layer of the flight gives a row its waveform, or, by
+    -1 - k, that it is the background's e-fold k.
+    """
+    if scene.peak_power is None:
+        return scene.layer_bins, draw_parameters(statistics, scene.layer_bins.shape[0], **options)
+    parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
+    variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
+    own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
+    return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
+
+
+def row_waveforms(notes, variance_bins2, decay_rate):
+    """Variance and decay rate of each row of a scene drawn with powers, by its notes, from those by layer."""
+    row, falls = np.array(notes["waveform_row"]), np.array(notes["background_falls"])
+    layer = np.clip(row, 0, len(variance_bins2) - 1)
+    own_decay = np.asarray(decay_rate)[layer] * notes["decay_factor"]
+    return np.asarray(variance_bins2)[layer], np.where(row < 0, 1 / falls[np.maximum(-1 - row, 0)], own_decay)
 
 
 def _down_to(statistics, name, n_layers):

@@ -30,8 +30,8 @@ def mean_power(
     ----------
     layer_bins : array_like, (layer, range_line)
         Fractional range bins, increasing with depth; NaN where absent. Layers may leave the window, their tails count.
-    peak_power : array_like, (layer,)
-        Linear power, not negative.
+    peak_power : array_like, (layer,) or (layer, range_line)
+        Linear power, not negative; along track it may be NaN only where the layer is absent.
     variance_bins2 : array_like, (layer,)
         Variance of each layer's Gaussian [bins^2].
     decay_rate : array_like, (layer,)
@@ -103,7 +103,7 @@ def exact_power(waveforms):
     for layer, lines in enumerate(present):
         x_bins = rows - waveforms.centre_bins[layer, lines]
         one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-        power[:, lines] += waveforms.amplitude[layer] * one
+        power[:, lines] += _amplitude(waveforms, layer, lines) * one
     return power
 
 
@@ -113,6 +113,12 @@ def _least_largest_power(waveforms):
     peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]
     x_bins = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1) - waveforms.centre_bins
     present = np.isfinite(x_bins)
-    layer = np.nonzero(present)[0]
+    layer, line = np.nonzero(present)
     one = waveform_unchecked(x_bins[present], waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-    return float((waveforms.amplitude[layer] * one).max(initial=0))
+    return float((_amplitude(waveforms, layer, line) * one).max(initial=0))
+
+
+def _amplitude(waveforms, layer, line):
+    """Amplitude of layers on range lines."""
+    share = 1.0 if waveforms.line_share is None else waveforms.line_share[layer, line]
+    return waveforms.amplitude[layer] * share

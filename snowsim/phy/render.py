@@ -13,8 +13,8 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     layer_bins : array_like, (layer, range_line)
         Fractional range bins; NaN where absent.
     parameters : mapping
-        `peak_power`, `variance_bins2`, `decay_rate` (layer), `noise_power` and `n_looks`; where speckle is to be
-        correlated down range, `speckle_correlation` (lag), see `draw_speckle`.
+        `peak_power` (layer) or (layer, range_line), `variance_bins2`, `decay_rate` (layer), `noise_power` and
+        `n_looks`; where speckle is to be correlated down range, `speckle_correlation` (lag), see `draw_speckle`.
     n_range_bins : int
         Height of the scene.
     tolerance_db : float or None

@@ -85,6 +85,8 @@ def find_supports(waveforms, noise_power, error):
       w crosses P_n / L the noise hides the layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with
       k = R + h / 2 and S the largest of k / d, s at that crossing, and the trailing bound, the remainder is below
       ``exp(R^2 / 2d + R h / 2d + k S) r^(p+1) / (1 - r)`` of ``w + P_n / L``.
+    - Powers that vary along track. Everything is worked out for a layer's largest power. Times a share s of 0 to 1 what
+      is left out only shrinks, and an error of ``e (w + P_n / L)`` stays below ``e (s w + P_n / L)``.
     """
     n_layers = max(waveforms.amplitude.size, 1)
     reference = max(waveforms.peak_power.max(initial=0), noise_power)
@@ -186,8 +188,10 @@ def tabulated_power(waveforms, supports, added_power):
     log_tail = np.log(amplitude * np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
 
     power = np.empty(waveforms.shape, dtype=dtype)
+    share = waveforms.line_share
     _add_layers(
         waveforms.centre_bins if kept.size == supports.kept.size else waveforms.centre_bins[kept],
+        np.ones((kept.size, 1), dtype=dtype) if share is None else share[kept].astype(dtype),
         np.stack([first, tail, last, decay, log_tail], axis=1),
         np.stack([n_phases, first_node, n_nodes, table_start[:-1], tail_start[:-1]], axis=1),
         table,
@@ -213,8 +217,8 @@ def _taylor(x, variance, decay, amplitude, dtype):
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
-def _add_layers(centre_bins, distances, indices, table, exponential, noise, reference, power):
-    """Fill `power`, (range_bin, range_line), with reference * (noise + all layers)."""
+def _add_layers(centre_bins, shares, distances, indices, table, exponential, noise, reference, power):
+    """Fill `power`, (range_bin, range_line), with reference * (noise + all layers); `shares` (layer, 1 or line)."""
     n_range_bins, n_lines = power.shape
     lines = np.empty((LINES_AT_A_TIME, n_range_bins), dtype=power.dtype)
     for start in range(0, n_lines, LINES_AT_A_TIME):
@@ -226,7 +230,8 @@ def _add_layers(centre_bins, distances, indices, table, exponential, noise, refe
                 centre = centre_bins[layer, line]
                 first = max(np.ceil(centre + distances[layer, 0]), 0.0)
                 last = min(np.floor(centre + distances[layer, 2]), n_range_bins - 1.0)
-                if not first <= last:  # outside the window, or NaN
+                share = shares[layer, line if shares.shape[1] > 1 else 0]
+                if not first <= last or share == 0:  # outside the window, or NaN
                     continue
                 tail = min(max(np.ceil(centre + distances[layer, 1]), first), last + 1)
                 n_head = int(tail - first)
@@ -237,10 +242,11 @@ def _add_layers(centre_bins, distances, indices, table, exponential, noise, refe
                     node = int(np.floor(nearest / n_phases))
                     phase = int(nearest) - node * n_phases
                     at = indices[layer, 3] + phase * indices[layer, 2] + node - indices[layer, 1]
-                    _add_polynomials(column[int(first) : int(tail)], table, at, delta)
+                    _add_polynomials(column[int(first) : int(tail)], table, at, delta, share)
                 n_tail = int(last + 1 - tail)
                 if n_tail > 0:
                     scale = power.dtype.type(np.exp(distances[layer, 4] - distances[layer, 3] * (tail - centre)))
+                    scale *= share
                     at = indices[layer, 4]
                     _add_scaled(column[int(tail) : int(last) + 1], exponential[at : at + n_tail], scale)
         for row in range(n_range_bins):
@@ -249,14 +255,14 @@ def _add_layers(centre_bins, distances, indices, table, exponential, noise, refe
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
-def _add_polynomials(column, table, at, delta):
-    """Add degree-5 polynomials in `delta`, one per row, from the nodes `at` onwards."""
+def _add_polynomials(column, table, at, delta, share):
+    """Add degree-5 polynomials in `delta`, one per row, from the nodes `at` onwards, times `share`."""
     stop = at + column.size
     c0, c1, c2 = table[0, at:stop], table[1, at:stop], table[2, at:stop]
     c3, c4, c5 = table[3, at:stop], table[4, at:stop], table[5, at:stop]
     for row in range(column.size):
-        column[row] += c0[row] + delta * (
-            c1[row] + delta * (c2[row] + delta * (c3[row] + delta * (c4[row] + delta * c5[row])))
+        column[row] += share * (
+            c0[row] + delta * (c1[row] + delta * (c2[row] + delta * (c3[row] + delta * (c4[row] + delta * c5[row]))))
         )
 
 

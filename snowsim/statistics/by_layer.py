@@ -45,8 +45,8 @@ def paper_values(measured):
 
 
 def deblended_values(measured, groups):
-    """Values by layer of the joint solution, with mean waveforms observed, modelled and alone."""
-    shape, error, powers, power_error = deblend(groups, measured.decay)
+    """Values by layer of the joint solution, with mean waveforms; and powers (group, layer)."""
+    shape, error, powers, power_error, own_shape = deblend(groups, measured.decay)
     decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
     power, _, n_groups = nan_moments(powers)
     reliable = (n_groups > 0) & (power > 2 * power_error)
@@ -80,10 +80,11 @@ def deblended_values(measured, groups):
         "offset_bins": shape[:, 2],
         "offset_bins_standard_error": error[:, 2],
         "substituted": (~reliable).astype(np.int64),
+        "own_shape": own_shape.astype(np.int64),
         "mean_waveform": observed,
         "model_waveform": modelled,
         "layer_waveform": alone,
-    }
+    }, powers
 
 
 def _bridged(power, error, known):

@@ -1,199 +1,156 @@
-"""Layers solved for jointly: powers, decay rates and variances of eq. (1) on averaged range lines, noise known."""
+"""Layers solved for jointly: powers and a shared waveform of eq. (1) on averaged range lines, noise known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
-from scipy.ndimage import uniform_filter1d
+from scipy.linalg import cho_solve
 
-from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.statistics.paper import OPEN_END_BINS, nan_moments
+from snowsim.statistics.departures import clustered, departing, lasting_misfit
+from snowsim.statistics.lines import (
+    background_columns,
+    describe,
+    prepare_line,
+    rescale,
+    solve_powers,
+    waveform_columns,
+)
+from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
-RISE_DEVIATIONS = 7.0  # a waveform is cut where it is 1e-10 of its peak above
-FALL_NEPERS = 14.0  # and 1e-6 of it below
 SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
+CAUCHY = (
+    2.385  # residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827
+)
+CLUSTER_GROUPS = 13  # averaged lines, about a block, within which what the model leaves out stays the same
 MAX_STEPS = 25
+STEPS_ALONE = 6  # of layers all with shapes of their own, to see what no shape explains
+MAX_ROUNDS = 4  # of letting layers depart from the shared shape
 STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
 LONGEST_STEP = np.array([0.5, 0.7, 2.0])
-FIRST_GUESS = np.array([np.log(0.07), np.log(8.0)])
-FIRST_DECAY = np.log([0.02, 0.5])  # range of starts, log of per bin
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about the flight's median; peak offset [bins]
+FIRST_VARIANCES = (0.7, 8.0)  # [bins^2] starts: of a waveform as narrow as the range response, and of a wide one
+FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about their start; peak offset [bins]
 RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 
 
-@dataclass(frozen=True)
-class Groups:
-    """Averaged range lines of a flight with the layers in them."""
-
-    power: np.ndarray  # (group, row), rows from `FIRST_ROW` below the surface; NaN outside the record
-    # (group, layer, part), NaN where absent: equal parts of a layer's lines in order of depth
-    position: np.ndarray  # mean row
-    spread: np.ndarray  # variance of the rows [bins^2]
-    present: np.ndarray  # (group, layer), bool
-    noise_power: float
-
-
-@dataclass
-class Line:
-    """One averaged line, ready to fit."""
-
-    rows: np.ndarray  # those used, (row,)
-    signal: np.ndarray  # power above noise, (row,)
-    noise_power: float
-    smooth: np.ndarray  # smoothed power, (row,)
-    layers: np.ndarray  # numbers of its layers, (layer,)
-    position: np.ndarray  # (layer, part)
-    spread: np.ndarray  # (layer, part)
-    picked: np.ndarray  # (layer,), False for layers that gaps hide between others
-    scale: np.ndarray  # residuals weigh 1 / scale^2, (row,)
-
-
-def prepare_line(groups, group):
-    """The group as `Line`, down to half a slab below its last pick; None without a picked layer to fit."""
-    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
-    picked = np.flatnonzero(groups.present[group])
-    if picked.size == 0:
-        return None
-    layers = np.arange(picked[0], picked[-1] + 1)
-    position, spread = (_between(layers, picked, part[group, picked]) for part in (groups.position, groups.spread))
-    last = position[-1].mean()
-    below = (last - position[-2].mean()) / 2 if layers.size > 1 else OPEN_END_BINS
-    with np.errstate(invalid="ignore"):
-        used = (rows <= last + below) & np.isfinite(groups.power[group])
-    signal = groups.power[group, used].astype(float) - groups.noise_power
-    if signal.size <= 2 * layers.size:
-        return None
-    smooth = np.maximum(uniform_filter1d(signal, 9, mode="nearest") + groups.noise_power, groups.noise_power)
-    return Line(
-        rows[used], signal, groups.noise_power, smooth, layers, position, spread, np.isin(layers, picked), smooth
-    )
-
-
-def _between(layers, picked, values):
-    """Values (layer, part) of picked layers, interpolated linearly for those between."""
-    return np.column_stack([np.interp(layers, picked, part) for part in values.T])
-
-
-def waveform_columns(described, line, *, with_slopes=False):
-    """Waveforms of unit peak of a line, (layer, row); with slopes by the three columns of `shape`, (4, layer, row).
-
-    The slopes follow from eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its Gaussian g, and
-    ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g = a w``, they give
-    its height, ``d log w0 / d log a = -a x0`` and ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its
-    movement.
-    """
-    columns = np.zeros((4 if with_slopes else 1, line.layers.size, line.rows.size))
-    for position, spread in zip(line.position.T, line.spread.T, strict=True):
-        _add_columns(columns, described, line, position, spread)
-    columns /= line.position.shape[1]
-    return columns if with_slopes else columns[0]
-
-
-def _add_columns(columns, described, line, position, spread):
-    """Add the columns of one part of the lines to (1 or 4, layer, row)."""
-    lag = line.rows - (position + (described.offset - described.peak)[line.layers])[:, None]
-    wide = described.variance[line.layers] + spread
-    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)[:, None]) & (
-        lag * described.decay[line.layers, None] < FALL_NEPERS
-    )
-    of, lag = np.nonzero(reached)[0], lag[reached]
-    layer, wide = line.layers[of], wide[of]
-    decay, variance, peak = described.decay[layer], described.variance[layer], described.peak[layer]
-    raw = waveform_exact(lag, wide, decay)
-    unit = np.sqrt(variance / wide) / described.height[layer]
-    columns[0, reached] += unit * raw
-    if len(columns) == 1:
-        return
-    gaussian = np.exp(-(lag**2) / (2 * wide))
-    along = gaussian - decay * raw
-    by_decay = -((lag - decay * wide) * raw + wide * gaussian)
-    by_variance = raw / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
-    peak_by_decay = -variance * (1 - decay * peak) / peak
-    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
-    columns[1, reached] += unit * (decay * by_decay + along * peak_by_decay + raw * (decay * peak))
-    height_by_variance = (decay * peak - variance / wide) / 2
-    columns[2, reached] += unit * (variance * by_variance + along * peak_by_variance + raw * height_by_variance)
-    columns[3, reached] -= unit * along
-
-
-@dataclass(frozen=True)
-class Described:
-    """Each layer's decay rate, variance, peak below the pick and below the Gaussian, and height of the peak."""
-
-    decay: np.ndarray
-    variance: np.ndarray
-    offset: np.ndarray
-    peak: np.ndarray
-    height: np.ndarray
-
-
-def describe(shape):
-    """`Described` of the layers of `shape`."""
-    decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
-    return Described(decay, variance, shape[:, 2], *waveform_peak(variance, decay))
-
-
-def solve_powers(columns, line):
-    """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
-    weighted = columns / line.scale
-    normal = weighted @ weighted.T
-    # Two layers under one another cannot be told apart: 1e-9 of the diagonal keeps the factor, far below the noise.
-    normal[np.diag_indices_from(normal)] *= 1 + 1e-9
-    normal[np.diag_indices_from(normal)] += 1e-300
-    factor = cho_factor(normal)
-    return cho_solve(factor, weighted @ (line.signal / line.scale)), factor
-
-
-def rescale(line, model):
-    """Weight scale of the next step: the mean power expected, but never below the smoothed one."""
-    line.scale = np.maximum(model + line.noise_power, line.smooth)
-
-
 def deblend(groups, decay_rate):
     """Shapes and powers of all layers of a flight, solved for jointly.
 
-    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none, whose medians are the start:
-    one start for all layers can end where a layer's neighbour takes over its echo. Returns shapes (layer, 3), log decay
-    rate, log variance and distance of the waveform's peak below the pick [bins]; their standard errors, from the
-    scatter of the groups (sandwich); peak powers above noise and neighbours (group, layer), NaN where absent; and the
-    standard error of their mean, (layer,), from their scatter and the errors of the shapes.
+    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none, whose medians are the start.
+    Returns shapes (layer, 3), log decay rate, log variance and distance of the waveform's peak below the pick [bins];
+    their standard errors; peak powers above noise, background and neighbours (group, layer), NaN where absent; the
+    standard error of their mean, (layer,), from their scatter and the errors of the shapes; and which layers have a
+    shape of their own, bool (layer,).
 
-    Mean of a group: ``P(x) = noise + sum_l p_l w(x - x_l - c_l; d_l + v_l, alpha_l)``, w of eq. (1) of Yari et al.
-    (2021), averaged over the parts of a group: the rows of a layer differ within a part by a variance v_l, which to
-    second order widens the Gaussian, and nothing else. Powers are free in every group and linear, so they are
-    eliminated (variable projection, Kaufman 1975, BIT 15, 49-57); decay rate, variance and offset of a layer are shared
-    by the flight, found by Gauss-Newton steps. Residuals weigh 1 / P^2, as speckle asks. A broad prior
-    (`PRIOR_DEVIATION`) ties layers the data say nothing about to the median of the others. A layer that gaps hide
-    between two others is kept as a nuisance at an interpolated row; what lies below the last pick was not annotated.
+    Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of eq. (1) of Yari et
+    al. (2021), averaged over the parts of a group: the rows of a layer differ within a part by a variance v_l, which to
+    second order widens the Gaussian, and nothing else. Powers and `background_columns` are free in every group and
+    linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset
+    are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers, and a layer departs from
+    it only where the Bayesian information criterion asks for it, see `departing`. Residuals weigh 1 / P^2, as speckle
+    asks, and less where they are large (`CAUCHY`): echoes nobody picked are no part of the waveform. A broad prior
+    (`PRIOR_DEVIATION`) holds what the data say nothing about. A layer that gaps hide between two others is kept as a
+    nuisance at an interpolated row; what lies below the last pick was not annotated.
+
+    Standard errors cover misfit: that of the model is taken to be the same within `CLUSTER_GROUPS` groups, and along
+    the whole flight in a layer of its own (scores summed by either, the two variances added).
     """
     n_layers = groups.present.shape[1]
-    lines = [line for group in _spread_out(groups.present) if (line := prepare_line(groups, group)) is not None]
-    shape = np.tile([*FIRST_GUESS, 0.0], (n_layers, 1))
+    prepared = {group: prepare_line(groups, group) for group in _spread_out(groups.present)}
+    lines = [line for line in prepared.values() if line is not None]
+    cluster = np.array([group for group, line in prepared.items() if line is not None]) // CLUSTER_GROUPS
+    kind = np.minimum(np.arange(n_layers), 1)
+    starts = _starts(decay_rate, kind)
+    solution = min((_solve(start, kind, lines) for start in starts), key=lambda found: found.loss)
+    # What no shape explains is told from shapes of their own.
+    lasting = lasting_misfit(
+        _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind, lines
+    )
+    for _ in range(MAX_ROUNDS):
+        own = departing(solution, cluster, kind, lasting)
+        if not own.any():
+            break
+        start = np.concatenate([solution.shape_of_kind, solution.shape_of_kind[kind[own]]])
+        kind = np.where(own, kind.max() + np.cumsum(own), kind)
+        solution = _solve(start, kind, lines)
+    shape, covariance = _with_covariance(solution, cluster, kind)
+    shape_error = np.sqrt(np.diag(covariance)).reshape(n_layers, 3)
+    powers = _powers(shape, groups)
+    _, scatter, _ = nan_moments(powers)
+    leverage = solution.leverage
+    power_error = np.sqrt(scatter**2 + np.einsum("li,ij,lj->l", leverage, covariance, leverage))
+    return shape, shape_error, powers, power_error, kind > 1
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Shapes by kind of layer (kind, 3) and what the last step knew: loss, matrix, gradients of lines, leverage."""
+
+    shape_of_kind: np.ndarray
+    loss: float
+    hessian: np.ndarray  # (3 layer, 3 layer)
+    scores: np.ndarray  # (line, 3 layer)
+    leverage: np.ndarray  # (layer, 3 layer), mean change of the powers with the shapes
+
+
+def _starts(decay_rate, kind):
+    """First guesses (kind, 3): the decay rates of eq. (2), narrow and wide."""
     measured = np.isfinite(decay_rate) & (decay_rate > 0)
-    for layer in np.flatnonzero(measured.any(axis=0)):
-        shape[layer, 0] = np.clip(np.log(np.median(decay_rate[measured[:, layer], layer])), *FIRST_DECAY)
-    last = np.inf
-    for _ in range(MAX_STEPS):
-        hessian, gradient, scores, residual_variance, leverage = _normal_equations(shape, lines, n_layers)
-        information = residual_variance / np.tile(PRIOR_DEVIATION, n_layers) ** 2
-        centre = np.column_stack([np.tile(np.median(shape[:, :2], axis=0), (n_layers, 1)), np.zeros(n_layers)])
-        hessian[np.diag_indices_from(hessian)] += information
-        step = np.linalg.solve(hessian, gradient - information * (shape - centre).ravel()).reshape(n_layers, 3)
-        # A step cut as a whole keeps its direction; layers apart, so that one bad layer does not hold up the others.
+    start = np.tile([np.mean(FIRST_DECAY), 0.0, 0.0], (kind.max() + 1, 1))
+    for k in range(len(start)):
+        held = decay_rate[:, kind == k][measured[:, kind == k]]
+        if held.size:
+            start[k, 0] = np.clip(np.log(np.median(held)), *FIRST_DECAY)
+    return [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
+
+
+def _of_kind(kind):
+    """Matrix from shapes by kind to shapes by layer, (3 layer, 3 kind)."""
+    return np.kron(np.eye(kind.max() + 1)[kind], np.eye(3))
+
+
+def _solve(start, kind, lines, n_steps=MAX_STEPS):
+    """`Solution` from a start (kind, 3), by Gauss-Newton steps with residuals weighed anew at each."""
+    spread = _of_kind(kind)
+    shape, last = start, np.inf
+    for line in lines:
+        line.scale = line.smooth
+    deviation = np.inf
+    for _ in range(n_steps):
+        equations = _normal_equations(shape[kind], lines, deviation)
+        hessian, gradient, scores, leverage, deviation, loss = equations
+        information = deviation**2 / np.tile(PRIOR_DEVIATION, len(shape)) ** 2
+        matrix = spread.T @ hessian @ spread
+        matrix[np.diag_indices_from(matrix)] += information
+        step = np.linalg.solve(matrix, spread.T @ gradient - information * (shape - start).ravel()).reshape(-1, 3)
+        # A step cut as a whole keeps its direction; kinds apart, so that one bad layer does not hold up the others.
         step /= np.maximum(1, (np.abs(step) / LONGEST_STEP).max(axis=1, keepdims=True))
         moved = np.clip(shape + step, LOWER, UPPER) - shape
         shape = shape + moved
-        if np.abs(moved).max() < STEP_TOLERANCE or abs(last - residual_variance) < RESIDUAL_TOLERANCE * last:
+        if np.abs(moved).max() < STEP_TOLERANCE or abs(last - loss) < RESIDUAL_TOLERANCE * last:
             break
-        last = residual_variance
-    covariance = np.linalg.solve(hessian, np.linalg.solve(hessian, scores.T @ scores).T)
-    shape_error = np.sqrt(np.maximum(np.diag(covariance), 0)).reshape(n_layers, 3)
-    powers = _powers(shape, groups)
-    _, scatter, _ = nan_moments(powers)
-    return shape, shape_error, powers, np.sqrt(scatter**2 + np.einsum("li,ij,lj->l", leverage, covariance, leverage))
+        last = loss
+    return Solution(shape, loss, hessian, scores, leverage)
+
+
+def _with_covariance(solution, cluster, kind):
+    """Shapes by layer (layer, 3) and their covariance (3 layer, 3 layer), misfit covered."""
+    spread = _of_kind(kind)
+    by_line = solution.scores @ spread
+    summed = clustered(by_line, cluster)
+    by_layer = solution.scores.sum(axis=0).reshape(-1, 3)
+    alone = np.zeros((kind.size, 3 * (kind.max() + 1)))
+    for layer, k in enumerate(kind):
+        alone[layer, 3 * k : 3 * k + 3] = by_layer[layer]
+    # What lasts within clusters, as a mean over shapes: a few clusters alone would not tell it for each.
+    lasting = np.mean((summed**2).sum(axis=0) / np.maximum((by_line**2).sum(axis=0), 1e-300))
+    scatter = by_line.T @ by_line * max(lasting * len(summed) / max(len(summed) - 1, 1), 1) + alone.T @ alone
+    matrix = spread.T @ solution.hessian @ spread
+    matrix[np.diag_indices_from(matrix)] += 1e-12 * np.trace(matrix)
+    inverse = np.linalg.inv(matrix)
+    return solution.shape_of_kind[kind], spread @ inverse @ scatter @ inverse @ spread.T
 
 
 def model_lines(shape, groups):
@@ -203,7 +160,7 @@ def model_lines(shape, groups):
     for group in range(len(lines)):
         line = prepare_line(groups, group)
         if line is not None:
-            columns = waveform_columns(described, line)
+            columns = np.concatenate([waveform_columns(described, line), background_columns(line)])
             lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
     return lines
 
@@ -220,37 +177,45 @@ def _spread_out(present):
     return np.flatnonzero(chosen)
 
 
-def _normal_equations(shape, lines, n_layers):
-    """What a Gauss-Newton step needs: matrix and gradient of all shapes, gradient of each line, variance of residuals.
+def _normal_equations(shape, lines, deviation):
+    """What a Gauss-Newton step needs: matrix and gradient of all shapes, gradient of each line.
 
-    Last comes the mean change of the powers with the shapes, (layer, 3 layer).
+    Then the mean change of the powers with the shapes, (layer, 3 layer), and of the residuals the standard deviation,
+    from their median, and the mean loss. Residuals weigh as `deviation` of the step before says.
     """
+    n_layers = len(shape)
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
     scores = np.zeros((len(lines), 3 * n_layers))
     leverage, n_lines = np.zeros((n_layers, 3 * n_layers)), np.zeros(n_layers)
-    squares, freedom = 0.0, 0
     described = describe(shape)
+    residuals = []
     for i, line in enumerate(lines):
         columns = waveform_columns(described, line, with_slopes=True)
-        powers, factor = solve_powers(columns[0], line)
-        model = powers @ columns[0]
-        residual = (line.signal - model) / line.scale
+        linear = np.concatenate([columns[0], background_columns(line)])
+        n = line.layers.size
+        powers, _ = solve_powers(linear, line)
+        relative = (line.signal - powers @ linear) / line.scale
+        # Less weight to large residuals, then once more.
+        weighed = replace(line, scale=line.scale * np.sqrt(1 + (relative / (CAUCHY * deviation)) ** 2))
+        powers, factor = solve_powers(linear, weighed)
+        model = powers @ linear
+        residuals.append((line.signal - model) / line.scale)
         # Layers between picks help to explain the line; where they are guessed, they say nothing on their shape.
-        slopes = (columns[1:] * powers[:, None] / line.scale)[:, line.picked]
+        slopes = (columns[1:] * powers[:n, None] / weighed.scale)[:, line.picked]
         slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
-        weighted = columns[0] / line.scale
-        mixed = weighted @ slopes.T
+        mixed = linear / weighed.scale @ slopes.T
         at = (3 * line.layers[line.picked, None] + np.arange(3)).ravel()
         by_shape = cho_solve(factor, mixed)
         hessian[np.ix_(at, at)] += slopes @ slopes.T - mixed.T @ by_shape
-        leverage[np.ix_(line.layers[line.picked], at)] -= by_shape[line.picked]
+        leverage[np.ix_(line.layers[line.picked], at)] -= by_shape[:n][line.picked]
         n_lines[line.layers[line.picked]] += 1
-        scores[i, at] = slopes @ residual
-        squares += residual @ residual
-        freedom += line.rows.size - line.layers.size
+        scores[i, at] = slopes @ ((line.signal - model) / weighed.scale)
         rescale(line, model)
     leverage /= np.maximum(n_lines, 1)[:, None]
-    return hessian, scores.sum(axis=0), scores, squares / max(freedom, 1), leverage
+    residuals = np.concatenate(residuals)
+    deviation = max(np.median(np.abs(residuals)) / 0.6745, 1e-6)
+    loss = np.log1p((residuals / (CAUCHY * deviation)) ** 2).mean() * deviation**2
+    return hessian, scores.sum(axis=0), scores, leverage, deviation, loss
 
 
 def _powers(shape, groups):
@@ -261,8 +226,8 @@ def _powers(shape, groups):
         line = prepare_line(groups, group)
         if line is None:
             continue
-        columns = waveform_columns(described, line)
+        columns = np.concatenate([waveform_columns(described, line), background_columns(line)])
         first, _ = solve_powers(columns, line)
         rescale(line, first @ columns)
-        powers[group, line.layers] = solve_powers(columns, line)[0]
+        powers[group, line.layers] = solve_powers(columns, line)[0][: line.layers.size]
     return np.where(groups.present, powers, np.nan)

@@ -5,8 +5,9 @@ import xarray as xr
 
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
-from snowsim.statistics.deblend import Groups
+from snowsim.statistics.lines import BACKGROUND_FALLS, Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
+from snowsim.statistics.radiometry import power_on_picks, radiometry
 from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra, range_correlation
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
 from snowsim.statistics.surface import surface_statistics
@@ -39,7 +40,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         applied (`substituted (layer)`, `source`, `psd_source (zone, slab)`), `offset_bins (layer)` of the waveform's
         peak below the pick, the width histogram, correlations between slabs, mean waveforms, tracked power against
         Gamma(M), autocorrelation of speckle down range (`speckle_correlation (speckle_lag)`, by range bins from 0, and
-        the attribute `speckle_correlation_source`, see `range_correlation`), along-track spectra of power.
+        the attribute `speckle_correlation_source`, see `range_correlation`), along-track spectra of power, and how
+        power, noise and decay vary, see `radiometry`.
 
     Raises
     ------
@@ -50,9 +52,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Notes
     -----
     Layers are reported down to the last that is in `MINIMUM_GROUPS` averaged lines. Where a layer gives no value of its
-    own, `substituted` is 1: in `paper` a decay rate or width is that of the layer above; in `deblended` the shape is
-    the flight's median, and a power not two standard errors above zero is tracked power above the noise times the share
-    that deblending leaves of the other layers. The power of a layer never picked lies, in dB, between its neighbours'.
+    own, `substituted` is 1: in `paper` a decay rate or width is that of the layer above; in `deblended` a power not two
+    standard errors above zero is tracked power above the noise times the share that deblending leaves of the other
+    layers. The power of a layer never picked lies, in dB, between its neighbours'.
     Only the decay rate of the deepest layer in `paper` is NaN.
     """
     if estimator not in ESTIMATORS:
@@ -67,9 +69,13 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     tracked = tracked_moments(summary, n_layers)
     decay, width = measure_groups(groups.power, groups.position.mean(axis=2), groups.present)
     measured = Measured(*tracked, decay, width)
-    layer_values = paper_values(measured) if estimator == "paper" else deblended_values(measured, groups)
+    if estimator == "paper":
+        layer_values, powers = paper_values(measured), power_on_picks(summary, n_layers, noise_power)
+    else:
+        layer_values, powers = deblended_values(measured, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
     correlation, correlation_error, correlation_source = range_correlation(summary)
+    varies, varies_attributes = radiometry(summary, groups, powers, decay, layer_values, looks[0])
     tapered = estimator != "paper"
     zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins, tapered=tapered)
     dataset = xr.Dataset(
@@ -78,6 +84,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         | as_variables(zones)
         | surface_statistics(summary, MINIMUM_BLOCKS)
         | _widths(width)
+        | varies
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {"tracked_power_quantile": ("probability", looks[3]), "gamma_quantile": ("probability", looks[4])}
         | {"speckle_correlation": ("speckle_lag", correlation)}
@@ -86,6 +93,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
+            "fall": np.array(BACKGROUND_FALLS),
+            "interface": ["surface", "buried"],
             "speckle_lag": np.arange(correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
             "probability": looks[2],
@@ -99,6 +108,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
             "n_looks_standard_error": float(looks[1]),
             "noise_looks": float(noise_looks),
             "speckle_correlation_source": correlation_source,
+            **varies_attributes,
             "n_frames": len(summary),
             "n_range_lines": sum(frame.depth_bins.shape[1] for frame in summary),
             "n_layers_seen": n_seen,
@@ -171,10 +181,11 @@ def _spectra(summary):
 def _with_units(dataset):
     """Units by the ending of the name."""
     units = {"_bins": "range bin", "_bins2": "range bin^2", "_rate": "1/range bin", "_psd": "range bin^2 line/cycle"}
+    units |= {"_db": "dB", "_db2": "dB^2", "_lines": "range line"}
     for name, variable in dataset.variables.items():
         ending = next((e for e in units if str(name).removesuffix("_standard_error").endswith(e)), None)
         variable.attrs["units"] = units.get(ending, "1")
-    for name in ("peak_power", "noise_power", "mean_waveform", "model_waveform", "layer_waveform"):
+    for name in ("peak_power", "noise_power", "background_power", "mean_waveform", "model_waveform", "layer_waveform"):
         if name in dataset:
             dataset[name].attrs["units"] = "linear power"
     return dataset

@@ -41,14 +41,30 @@ SCENES = st.builds(
     st.sampled_from([1, 2, 30, 120]),
     st.sampled_from(["inside", "outside", "touching", "on bins"]),
 )
+
+
+def test_powers_that_vary_along_track_are_those_of_each_line_alone(rng):
+    layer_bins, parameters = scene_of(3, 6, 17, 120, "outside")
+    power = parameters["peak_power"][:, None] * 10 ** rng.uniform(-3, 3, layer_bins.shape)
+    shapes = {name: parameters[name] for name in ("variance_bins2", "decay_rate")}
+    together = mean_power(layer_bins, power, **shapes, n_range_bins=120)
+    alone = [mean_power(layer_bins[:, [i]], power[:, i], **shapes, n_range_bins=120)[:, 0] for i in range(17)]
+    # A layer's share of its largest power rounds twice.
+    assert_allclose(together.T, alone, rtol=1e-14)
+
+
 EXPONENTS = {"tolerance": st.floats(-8, 0.7), "noise": st.floats(-12, 1), "unit": st.floats(-30, 30)}
 
 
-@settings(max_examples=200, deadline=None)
-@given(scene=SCENES, n_range_bins=st.sampled_from([1, 2, 30, 120]), **EXPONENTS)
-def test_tolerance_holds_on_every_pixel(scene, n_range_bins, tolerance, noise, unit):
+@settings(max_examples=300, deadline=None)
+@given(scene=SCENES, n_range_bins=st.sampled_from([1, 2, 30, 120]), varies_db=st.sampled_from([0, 6, 40]), **EXPONENTS)
+def test_tolerance_holds_on_every_pixel(scene, n_range_bins, varies_db, tolerance, noise, unit):
     layer_bins, parameters = scene
     parameters = parameters | {"peak_power": parameters["peak_power"] * 10**unit}
+    if varies_db:
+        varied = 10 ** (np.random.default_rng(1).uniform(-varies_db, varies_db, layer_bins.shape) / 10)
+        varied = np.where(np.isnan(layer_bins), np.nan, varied)
+        parameters["peak_power"] = parameters["peak_power"][:, None] * varied
     tolerance_db, noise_power = 10**tolerance, 10 ** (noise + unit)
     exact = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins)
     tolerance = {"tolerance_db": tolerance_db, "noise_power": noise_power}
@@ -148,6 +164,8 @@ GOOD = {
     ("change", "message"),
     [
         ({"peak_power": [1, np.nan]}, "peak_power must be finite and not negative, got nan at layer 1"),
+        ({"peak_power": [[1, 1], [np.nan, 1]]}, "peak_power must be finite and .*, got nan at layer 1, line 0"),
+        ({"peak_power": [[1, 1, 1], [1, 1, 1]]}, r"peak_power: expected .* layers, \(2, 2\), got \(2, 3\)"),
         ({"peak_power": [-2, 1]}, "peak_power must be finite and not negative, got -2.0 at layer 0"),
         ({"peak_power": [1e308, 1e308]}, "peak_power must add up to a finite power, got 1e.308 at layer 0"),
         ({"variance_bins2": [10, 0]}, "variance_bins2 must be finite and positive, got 0.0 at layer 1"),

@@ -56,7 +56,7 @@ rule draw_labels:
         ],
         drawn={
             name: config["labels"][name]
-            for name in ("correlation", "first_slab", "surface")
+            for name in ("correlation", "first_slab", "surface", "radiometry")
         },
         beyond=config["labels"]["beyond"],
     message:

@@ -10,6 +10,7 @@ from lib.machine import device_name, time_rounds
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.models import label_model
+from snowsim.labels.radiometry import NEEDED
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summary_from_dataset
 from snowsim.statistics.zones import zone_models
@@ -48,7 +49,8 @@ def compare_label_models(
 
     works = {name: partial(draw_scenes, prepared) for name, (_, _, prepared) in models.items()}
     runs = pd.DataFrame(time_rounds(works, TIMED_ROUNDS), columns=["model", "repeat", "seconds"])
-    write_dataset(model, datasets["in use"].assign_attrs(synthetic=flight.attrs["synthetic"]))
+    drawn = datasets["in use"].assign({name: flight[name] for name in NEEDED if name in flight})
+    write_dataset(model, drawn.assign_attrs(synthetic=flight.attrs["synthetic"]))
     write_table(criteria, found)
     write_table(savings, compare_models(models, found, n_scenes, stream))
     write_table(spectra, tabulate_families(flight["thickness_psd"].values[:, 0]))

@@ -24,7 +24,7 @@ def render_shard(layers, generator, scenes, *, seed, device, statistics, source)
 
     def rendered(scene):
         image = render_scene(scene, random_stream(seed, "render_cgan", scene.name))  # by scene, never by shard
-        return dataclasses.replace(scene, image=image, complete_layer_bins=None)
+        return dataclasses.replace(scene, image=image, complete_layer_bins=None, peak_power=None)
 
     with SceneSet(layers) as drawn:
         write_scenes(scenes, map(rendered, progress(drawn, "cGAN")), {"method": "cGAN", "synthetic": source})

@@ -7,17 +7,16 @@ from job import progress, run
 from snowsim.echogram import to_uint8
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.phy import draw_parameters, plan, render_plan
+from snowsim.phy import plan, render_plan, scene_parameters
 from snowsim.seeding import random_stream
 
 
 def render_scene(scene, statistics, phy, rng):
     """The scene of some layers as PHY renders it, with what its plan left out."""
-    n_layers = scene.layer_bins.shape[0]
     drawn = {key: phy[key] for key in ("width", "width_bounds", "n_looks", "speckle_correlation")}
-    parameters = draw_parameters(statistics, n_layers, **drawn, rng=rng)
+    layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
-    scene_plan = plan(scene.layer_bins, parameters, scene.n_range_bins, **options)
+    scene_plan = plan(layer_bins, parameters, scene.n_range_bins, **options)
     image, noise_floor_db, maximum_db = to_uint8(render_plan(scene_plan, rng=rng))
     return dataclasses.replace(
         scene,
@@ -25,6 +24,7 @@ def render_scene(scene, statistics, phy, rng):
         noise_floor_db=noise_floor_db,
         maximum_db=maximum_db,
         complete_layer_bins=None,
+        peak_power=None,
         notes=scene.notes | scene_plan.notes(),
     )
 

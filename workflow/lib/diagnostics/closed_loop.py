@@ -8,7 +8,7 @@ import pandas as pd
 
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.frames.blocks import placeholder_frame
-from snowsim.phy import draw_parameters, plan, render_plan
+from snowsim.phy import plan, render_plan, scene_parameters
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.summaries import BY_GROUP
@@ -247,8 +247,8 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
         # By scene, never by part; where no width is drawn, the same speckle for every convention.
         rng = stream(scene.name)
         # As many looks as the flight: 20 lines average as many here as there.
-        parameters = draw_parameters(given, scene.layer_bins.shape[0], **drawn, rng=rng)
-        power = render_plan(plan(scene.layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
+        layer_bins, parameters = scene_parameters(scene, given, **drawn, rng=rng)
+        power = render_plan(plan(layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
         frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), stride))
     return merge(summaries)

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 
+from snowsim.labels.radiometry import labelled_or_not
 from snowsim.statistics.blocks import BLOCK_LINES, fourier, thickness_blocks
 from snowsim.statistics.zones import place_blocks
 
@@ -28,7 +29,7 @@ def summarise_labels(scenes, statistics, summary=()):
         if scene.n_range_lines != n_lines:
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
             raise ValueError(msg)
-        thickness = np.diff(scene.layer_bins, axis=0)[:n_slabs]
+        thickness = np.diff(labelled_or_not(scene), axis=0)[:n_slabs]
         held, zone = len(thickness), scene.zone
         mean = thickness.mean(axis=1)
         for of, rows in (("slab", thickness), ("layer", scene.layer_bins[: n_slabs + 1])):

@@ -1,0 +1,197 @@
+"""Radiometry of one scene: powers that vary along track, noise, decay, what lies unlabelled, and who is labelled."""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from snowsim.echogram import ROWS_BELOW_LAST_LAYER
+from snowsim.labels.values import values_of
+from snowsim.phy.parameters import row_waveforms
+from snowsim.phy.power import mean_power
+
+NEPERS = np.log(10) / 10  # per dB
+WINDOW_LINES = 80  # over which the rise of a layer is averaged: four averaged lines, as where picks end
+STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
+TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
+
+
+SPREADS = (
+    *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
+    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
+)
+FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
+# What a label model needs of the flight's statistics beside thickness.
+NEEDED = (*SPREADS, *FADING, "background_power", "noise_power", "peak_power", "variance_bins2", "decay_rate")
+
+
+@dataclass(frozen=True)
+class RadiometryModel:
+    """What `add_radiometry` draws from, of `snowsim.statistics`; see there for the names."""
+
+    peak_power: np.ndarray  # (layer,)
+    variance_bins2: np.ndarray
+    decay_rate: np.ndarray
+    noise_power: float
+    fading: np.ndarray  # (surface or buried; spread [dB], length [lines], exponent)
+    background_power: np.ndarray  # (fall,)
+    fall: np.ndarray  # [bins]
+    spread: dict  # by name, see `SPREADS`
+    n_stand_ins: int  # values the flight cannot tell
+
+
+def radiometry_model(statistics):
+    """`RadiometryModel` of flight statistics; ValueError that names what they lack.
+
+    What a flight cannot tell (NaN, counted in the notes of scenes) does not vary: no spread, no fading, no background,
+    no echoes in it; and where picks end it does not say, every layer is labelled.
+    """
+    spread = {name: values_of(statistics, name, (), finite=False).item() for name in SPREADS}
+    fading = np.array([values_of(statistics, name, ("interface",), finite=False) for name in FADING]).T
+    background = values_of(statistics, "background_power", ("fall",), finite=False)
+    n_stand_ins = sum(np.isnan(value).any() for value in (*spread.values(), fading, background))
+    stand_ins = {"further_spacing_bins": np.inf, "end_contrast_db": -np.inf}
+    spread = {name: stand_ins.get(name, 0.0) if np.isnan(value) else value for name, value in spread.items()}
+    fading = np.where(np.isnan(fading).any(axis=1, keepdims=True), [0.0, 1.0, 1.0], fading)
+    peak_power, variance, decay = (
+        _without_gaps(statistics, name) for name in ("peak_power", "variance_bins2", "decay_rate")
+    )
+    return RadiometryModel(
+        *(peak_power, variance, decay, values_of(statistics, "noise_power", ()).item(), fading),
+        background_power=np.nan_to_num(background),
+        fall=values_of(statistics, "fall", ("fall",)),
+        spread=spread,
+        n_stand_ins=int(n_stand_ins),
+    )
+
+
+def _without_gaps(statistics, name):
+    """Values by layer; the last of `paper` has no decay rate and takes the one above."""
+    values = statistics[name].values.astype(float)
+    held = np.flatnonzero(np.isfinite(values) & (values > 0))
+    if held.size == 0 or held[0] != 0:
+        msg = f"flight statistics: {name} must be positive and finite at layer 0, got {values[:1]}"
+        raise ValueError(msg)
+    return values[held[np.searchsorted(held, np.arange(values.size), side="right") - 1]]
+
+
+def add_radiometry(scene, model, *, rng):
+    """The scene with `peak_power`, every layer drawn in `complete_layer_bins`, and labels only where they show.
+
+    In dB about the flight's mean, which each layer keeps on average: surface and noise; buried layers together; each
+    layer; and its fading along track, a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. What
+    nobody picks is a background, one row just below the surface for each of its e-folds, and below the last label
+    echoes at random distances that rise out of it as the flight's do. A buried layer is labelled where its mean power,
+    averaged along it over `WINDOW_LINES`, rises over the least between it and the layer above by `end_contrast_db`.
+    `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row takes its waveform
+    from, or -1 - k for e-fold k of the background), and counts.
+    """
+    spread, n_layers, n_lines = model.spread, *scene.layer_bins.shape
+    level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
+    noise_db = spread["noise_spread_db"]
+    surface_db = np.sqrt(max(spread["surface_to_noise_spread_db"] ** 2 - noise_db**2, 0.0))
+    common_db = spread["common_spread_db"] * rng.standard_normal()
+    block_db = common_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
+    block_db[0] = surface_db * rng.standard_normal()
+    variance = np.full((n_layers, 1), spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2)
+    variance[0] = surface_db**2
+    faded, fading_variance = _faded(model, n_layers, n_lines, rng=rng)
+    labelled = model.peak_power[level, None] * _about_mean(block_db + faded, variance + fading_variance)
+    noise_power = model.noise_power * _about_mean(noise_db * rng.standard_normal(), noise_db**2)
+    decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
+
+    background_db = spread["background_spread_db"]
+    strength = _about_mean(background_db * rng.standard_normal(), background_db**2)
+    falls = np.flatnonzero(model.background_power > 0)
+    below = _distances(spread["further_spacing_bins"], rng=rng)
+    further = scene.layer_bins[-1] + below[:, None]
+    depth = below + (scene.layer_bins[-1] - scene.layer_bins[0]).mean()
+    behind = strength * (model.background_power * np.exp(-depth[:, None] / model.fall)).sum(axis=1)
+    rise = 10 ** (spread["further_rise_db"] / 10) - 1
+    faded, fading_variance = _faded(model, below.size + 1, n_lines, rng=rng)
+    echoes = rise * (behind + noise_power)[:, None] * _about_mean(faded, fading_variance)[1:]
+    just_below = scene.layer_bins[:1] + (1 + np.arange(falls.size)[:, None]) / (falls.size + 1)
+
+    rows = np.concatenate([scene.layer_bins[:1], just_below, scene.layer_bins[1:], further])
+    power = [labelled[:1], np.tile(strength * model.background_power[falls, None], n_lines), labelled[1:], echoes]
+    waveform_row = np.concatenate([[0], -1 - falls, level[1:], np.full(below.size, level[-1] if n_layers > 1 else 0)])
+    dressed = dataclasses.replace(
+        scene,
+        complete_layer_bins=rows,
+        peak_power=np.concatenate(power),
+        notes=scene.notes
+        | {
+            "noise_power": float(noise_power),
+            "decay_factor": decay_factor,
+            "waveform_row": [int(row) for row in waveform_row],
+            "background_falls": [float(fall) for fall in model.fall],
+            "n_radiometry_stand_ins": model.n_stand_ins,
+        },
+    )
+    layer_bins, rise_db = _labelled(dressed, model)
+    notes = {"n_pixels_unlabelled": int(np.isnan(layer_bins).sum()), "median_rise_db": float(np.median(rise_db))}
+    return dataclasses.replace(dressed, layer_bins=layer_bins, notes=dressed.notes | notes)
+
+
+def labelled_or_not(scene):
+    """Layers of a drawn scene, whether or not they show enough for a label, (layer, range_line); no background."""
+    if scene.peak_power is None:
+        return scene.layer_bins
+    n_background = sum(row < 0 for row in scene.notes["waveform_row"])
+    return np.delete(scene.complete_layer_bins, 1 + np.arange(n_background), axis=0)[: len(scene.layer_bins)]
+
+
+def _about_mean(deviation_db, variance_db2):
+    """Factors of power with mean 1 for Gaussian deviations in dB of that variance."""
+    return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)
+
+
+def _distances(spacing, *, rng):
+    """Distances below the last label of echoes `spacing` bins apart on average, down to the end of the image."""
+    if not np.isfinite(spacing):
+        return np.zeros(0)
+    distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8))
+    return distances[distances < ROWS_BELOW_LAST_LAYER]
+
+
+def _faded(model, n_layers, n_lines, *, rng):
+    """Fading [dB] of the surface and the layers below it, (layer, range_line), about their means, and its variance."""
+    n_long = 2 * max(n_lines, int(4 * model.fading[:, 1].max()))
+    lag = np.minimum(np.arange(n_long), n_long - np.arange(n_long))
+    shapes = [np.exp(-((lag / length) ** exponent)) for _, length, exponent in model.fading]
+    # The kernel wrapped around a long circle: what of its spectrum is negative is far below what counts.
+    density = np.maximum(np.fft.fft(shapes).real, 0)
+    kind = np.minimum(np.arange(n_layers), 1)
+    white = np.fft.fft(rng.standard_normal((n_layers, n_long)))
+    series = np.fft.ifft(white * np.sqrt(density[kind])).real[:, :n_lines] * model.fading[kind, 0, None]
+    lines = np.arange(n_lines)
+    pairs = np.where(lines > 0, 2, 1) * (n_lines - lines) / n_lines**2
+    kept = np.array([1 - (pairs * shape[:n_lines]).sum() for shape in shapes])
+    return series - series.mean(axis=1, keepdims=True), (model.fading[kind, 0] ** 2 * kept[kind])[:, None]
+
+
+def _labelled(scene, model):
+    """Layers with NaN where they rise too little, and the rise of the buried ones [dB], (layer, range_line)."""
+    noise_power = scene.notes["noise_power"]
+    shapes = row_waveforms(scene.notes, model.variance_bins2, model.decay_rate)
+    power = mean_power(
+        *(scene.complete_layer_bins, scene.peak_power, *shapes, scene.n_range_bins),
+        tolerance_db=TOLERANCE_DB,
+        noise_power=noise_power,
+    )
+    power += noise_power
+    layer_bins = scene.layer_bins.copy()
+    n_lines = layer_bins.shape[1]
+    step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
+    rows = layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]  # (slab, step, line)
+    whole = np.clip(np.floor(rows).astype(int), 0, scene.n_range_bins - 2)
+    share = rows - whole
+    lines = np.arange(n_lines)
+    sampled = (1 - share) * power[whole, lines] + share * power[whole + 1, lines]
+    edges = np.linspace(0, n_lines, max(n_lines // WINDOW_LINES, 1) + 1).astype(int)
+    profile = np.add.reduceat(sampled, edges[:-1], axis=2) / np.diff(edges)
+    rise = 10 * np.log10(profile[:, -1] / profile.min(axis=1))
+    centres = (edges[:-1] + edges[1:] - 1) / 2
+    rise = np.array([np.interp(lines, centres, row) for row in rise]).reshape(-1, n_lines)
+    layer_bins[1:][rise < model.spread["end_contrast_db"]] = np.nan
+    return layer_bins, rise if rise.size else np.zeros((1, n_lines))

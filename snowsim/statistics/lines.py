@@ -1,0 +1,154 @@
+"""Averaged range lines with the layers in them, as linear models: waveforms of eq. (1) and a background."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.ndimage import uniform_filter1d
+
+from snowsim.phy.waveform import waveform_exact, waveform_peak
+from snowsim.statistics.paper import OPEN_END_BINS
+from snowsim.statistics.summaries import FIRST_ROW
+
+RISE_DEVIATIONS = 7.0  # a waveform is cut where it is 1e-10 of its peak above
+FALL_NEPERS = 14.0  # and 1e-6 of it below
+BACKGROUND_FALLS = (30.0, 100.0, 1000.0)  # [bins] e-folds of unpicked scatter; their sum follows most declines
+BACKGROUND_RISE = 0.1  # [per bin] how fast it sets in below the surface: about a waveform's decay
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Averaged range lines of a flight with the layers in them."""
+
+    power: np.ndarray  # (group, row), rows from `FIRST_ROW` below the surface; NaN outside the record
+    # (group, layer, part), NaN where absent: equal parts of a layer's lines in order of depth
+    position: np.ndarray  # mean row
+    spread: np.ndarray  # variance of the rows [bins^2]
+    present: np.ndarray  # (group, layer), bool
+    noise_power: float
+
+
+@dataclass
+class Line:
+    """One averaged line, ready to fit."""
+
+    rows: np.ndarray  # those used, (row,)
+    signal: np.ndarray  # power above noise, (row,)
+    noise_power: float
+    smooth: np.ndarray  # smoothed power, (row,)
+    layers: np.ndarray  # numbers of its layers, (layer,)
+    position: np.ndarray  # (layer, part)
+    spread: np.ndarray  # (layer, part)
+    picked: np.ndarray  # (layer,), False for layers that gaps hide between others
+    scale: np.ndarray  # residuals weigh 1 / scale^2, (row,)
+
+
+def prepare_line(groups, group):
+    """The group as `Line`, down to half a slab below its last pick; None without a picked layer to fit."""
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    picked = np.flatnonzero(groups.present[group])
+    if picked.size == 0:
+        return None
+    layers = np.arange(picked[0], picked[-1] + 1)
+    position, spread = (_between(layers, picked, part[group, picked]) for part in (groups.position, groups.spread))
+    last = position[-1].mean()
+    below = (last - position[-2].mean()) / 2 if layers.size > 1 else OPEN_END_BINS
+    with np.errstate(invalid="ignore"):
+        used = (rows <= last + below) & np.isfinite(groups.power[group])
+    signal = groups.power[group, used].astype(float) - groups.noise_power
+    if signal.size <= 2 * layers.size:
+        return None
+    smooth = np.maximum(uniform_filter1d(signal, 9, mode="nearest") + groups.noise_power, groups.noise_power)
+    return Line(
+        rows[used], signal, groups.noise_power, smooth, layers, position, spread, np.isin(layers, picked), smooth
+    )
+
+
+def _between(layers, picked, values):
+    """Values (layer, part) of picked layers, interpolated linearly for those between."""
+    return np.column_stack([np.interp(layers, picked, part) for part in values.T])
+
+
+def waveform_columns(described, line, *, with_slopes=False):
+    """Waveforms of unit peak of a line, (layer, row); with slopes by the three columns of `shape`, (4, layer, row).
+
+    The slopes follow from eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its Gaussian g, and
+    ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g = a w``, they give
+    its height, ``d log w0 / d log a = -a x0`` and ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its
+    movement.
+    """
+    columns = np.zeros((4 if with_slopes else 1, line.layers.size, line.rows.size))
+    for position, spread in zip(line.position.T, line.spread.T, strict=True):
+        _add_columns(columns, described, line, position, spread)
+    columns /= line.position.shape[1]
+    return columns if with_slopes else columns[0]
+
+
+def _add_columns(columns, described, line, position, spread):
+    """Add the columns of one part of the lines to (1 or 4, layer, row)."""
+    lag = line.rows - (position + (described.offset - described.peak)[line.layers])[:, None]
+    wide = described.variance[line.layers] + spread
+    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)[:, None]) & (
+        lag * described.decay[line.layers, None] < FALL_NEPERS
+    )
+    of, lag = np.nonzero(reached)[0], lag[reached]
+    layer, wide = line.layers[of], wide[of]
+    decay, variance, peak = described.decay[layer], described.variance[layer], described.peak[layer]
+    raw = waveform_exact(lag, wide, decay)
+    unit = np.sqrt(variance / wide) / described.height[layer]
+    columns[0, reached] += unit * raw
+    if len(columns) == 1:
+        return
+    gaussian = np.exp(-(lag**2) / (2 * wide))
+    along = gaussian - decay * raw
+    by_decay = -((lag - decay * wide) * raw + wide * gaussian)
+    by_variance = raw / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
+    peak_by_decay = -variance * (1 - decay * peak) / peak
+    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
+    columns[1, reached] += unit * (decay * by_decay + along * peak_by_decay + raw * (decay * peak))
+    height_by_variance = (decay * peak - variance / wide) / 2
+    columns[2, reached] += unit * (variance * by_variance + along * peak_by_variance + raw * height_by_variance)
+    columns[3, reached] -= unit * along
+
+
+@dataclass(frozen=True)
+class Described:
+    """Each layer's decay rate, variance, peak below the pick and below the Gaussian, and height of the peak."""
+
+    decay: np.ndarray
+    variance: np.ndarray
+    offset: np.ndarray
+    peak: np.ndarray
+    height: np.ndarray
+
+
+def describe(shape):
+    """`Described` of the layers of `shape`."""
+    decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
+    return Described(decay, variance, shape[:, 2], *waveform_peak(variance, decay))
+
+
+def solve_powers(columns, line):
+    """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
+    weighted = columns / line.scale
+    normal = weighted @ weighted.T
+    # Two layers under one another cannot be told apart: 1e-9 of the diagonal keeps the factor, far below the noise.
+    normal[np.diag_indices_from(normal)] *= 1 + 1e-9
+    normal[np.diag_indices_from(normal)] += 1e-300
+    factor = cho_factor(normal)
+    return cho_solve(factor, weighted @ (line.signal / line.scale)), factor
+
+
+def rescale(line, model):
+    """Weight scale of the next step: the mean power expected, but never below the smoothed one."""
+    line.scale = np.maximum(model + line.noise_power, line.smooth)
+
+
+def background_columns(line):
+    """What unpicked snow scatters, by e-fold of its decline below the surface, (e-fold, row); no free shape.
+
+    Power from scatterers of density exp(-z / fall) is that exponential less the waveform's, ``exp(-rise z)``. With it a
+    decline that goes on below a layer's own is not taken for the layer's.
+    """
+    depth = np.maximum(line.rows - (line.position[0].mean() if line.layers[0] == 0 else 0.0), 0)
+    return np.array([np.exp(-depth / fall) - np.exp(-BACKGROUND_RISE * depth) for fall in BACKGROUND_FALLS])

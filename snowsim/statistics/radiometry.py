@@ -1,0 +1,215 @@
+"""How the radiometry of a flight varies: between blocks, along track, where picks end, and what was not picked."""
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.special import polygamma
+
+from snowsim.phy.waveform import waveform_exact, waveform_peak
+from snowsim.statistics.blocks import BLOCK_LINES
+from snowsim.statistics.ends import echoes_below, end_contrasts
+from snowsim.statistics.fading import fading, fading_products
+from snowsim.statistics.lines import BACKGROUND_FALLS
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, stacked, stacked_tracked
+
+DB = 10 / np.log(10)
+MOST_PARTS = 20  # of a flight, left out one at a time for standard errors
+FEWEST = 4  # blocks or layers that tell a spread
+BACKGROUND_FROM = 8  # [bins] below the surface's pick: nearer, its own echo rules
+NAMES = (
+    *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
+    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
+)
+
+
+def power_on_picks(summary, n_layers, noise_power):
+    """Mean tracked power less noise in each averaged line, (group, layer), NaN without a pick."""
+    tracked = stacked_tracked(summary)[:, :n_layers]
+    known = np.isfinite(tracked)
+    n = known.sum(axis=2)
+    return np.where(n > 0, np.where(known, tracked, 0).sum(axis=2) / np.maximum(n, 1) - noise_power, np.nan)
+
+
+def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
+    """Statistics of radiometry that varies, name to (dimensions, values), and attributes that say what they rest on.
+
+    From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates of eq. (2) (group,
+    layer), values by layer of either estimator, and the flight's looks. Each has a standard error, by leaving out parts
+    of the flight (jackknife). NaN, and an attribute ``radiometry_missing`` that names it, where the flight cannot tell:
+
+    - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256 lines;
+    - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each layer's mean over the
+      flight, common to all and of each beyond that; `decay_spread` of the logarithm of the decay rate, less its scatter
+      within blocks;
+    - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface and buried
+      layers, see `fading`; `fading_speckle_db2` is the nugget that the looks leave;
+    - `end_contrast_db`: rise over the snow above at which picks end, see `end_contrasts`;
+    - `background_power (fall)`, mean power of what was not picked, ``sum_k b_k exp(-depth / fall_k)``, its
+      `background_spread_db`; of echoes that rise out of it below the last pick the distance, `further_spacing_bins`,
+      and how far, `further_rise_db`.
+    """
+    frame_of = np.repeat(np.arange(len(summary)), [len(frame.power) for frame in summary])
+    part_of = np.arange(len(summary)) * min(MOST_PARTS, len(summary)) // max(len(summary), 1)
+    block_of, block_frame = _blocks(summary)
+    own = _block_means(powers, block_of)
+    background, profile = _background(groups, powers, by_layer)
+    air = [_block_sums(stacked(summary, name), block_of) for name in ("air_sum", "air_count")]
+    noise_db = DB * np.log(np.where(air[1] > 0, air[0] / np.maximum(air[1], 1), np.nan))
+    power_db = DB * np.log(np.where(own > 0, own, np.nan))
+    background_db = DB * np.log(np.maximum(_block_means(background[:, None], block_of)[:, 0], 1e-300))
+    decays = _block_decays(decay_rate, block_of)
+    echoes = echoes_below(groups, block_of, n_looks)
+    ends, source = end_contrasts(groups, frame_of)
+    products = fading_products(summary, powers, frame_of)
+    speckle = DB**2 * polygamma(1, n_looks)
+
+    def all_of(held):
+        blocks = held[block_frame]
+        ends_held = ends[1][held[ends[0]]]
+        n_echoes, rise, n_rows = echoes[blocks].sum(axis=0)
+        values = [
+            _deviation(noise_db[blocks]),
+            _deviation(power_db[blocks, 0] - noise_db[blocks]),
+            *_two_spreads(power_db[blocks, 1:]),
+            _decay_spread(decays[blocks]),
+            _deviation(np.where(background_db[blocks] > -1000, background_db[blocks], np.nan)),
+            n_rows / n_echoes if n_echoes else np.nan,
+            rise / n_echoes if n_echoes else np.nan,
+            ends_held.mean() if ends_held.size else np.nan,
+        ]
+        depth, left, used = (part[held[frame_of]] if part.ndim == 2 else part for part in profile)
+        n = used.sum(axis=0)
+        law = _background_law(depth, left.sum(axis=0) / np.maximum(n, 1), n)
+        faded = [fading(products[held][:, kind].sum(axis=0), speckle) for kind in (0, 1)]
+        return np.concatenate([values, np.ravel(faded), law])
+
+    everything = np.ones(len(summary), dtype=bool)
+    value, error = all_of(everything), np.full(len(NAMES) + 8 + len(BACKGROUND_FALLS), np.nan)
+    parts = np.unique(part_of)
+    if parts.size > 1:
+        without = np.array([all_of(part_of != part) for part in parts])
+        error = np.sqrt((parts.size - 1) * np.nanmean((without - np.nanmean(without, axis=0)) ** 2, axis=0))
+    variables = {}
+    for suffix, values in (("", value), ("_standard_error", error)):
+        faded = values[len(NAMES) : len(NAMES) + 8].reshape(2, 4)
+        variables |= {name + suffix: ((), values[i]) for i, name in enumerate(NAMES)}
+        kinds = ("fading_spread_db", "fading_length_lines", "fading_exponent", "fading_nugget_db2")
+        variables |= {name + suffix: ("interface", faded[:, i]) for i, name in enumerate(kinds)}
+        variables |= {"background_power" + suffix: ("fall", values[len(NAMES) + 8 :])}
+    variables["fading_speckle_db2"] = ((), speckle)
+    told = {name: values for name, (_, values) in variables.items() if not name.endswith("_standard_error")}
+    missing = [name for name, values in told.items() if not np.isfinite(values).all()]
+    return variables, {"radiometry_missing": ", ".join(missing), "end_contrast_source": source}
+
+
+def _blocks(summary):
+    """Number of the block of each group, over the flight, -1 beyond the last whole one; frame of each block."""
+    numbers, frames = [], []
+    for i, frame in enumerate(summary):
+        n_groups = len(frame.power)
+        n_blocks = max(n_groups * GROUP_LINES // BLOCK_LINES, 1)
+        number = ((np.arange(n_groups) + 0.5) * GROUP_LINES / BLOCK_LINES).astype(int)
+        numbers.append(np.where(number < n_blocks, number + len(frames), -1))
+        frames += [i] * n_blocks
+    return np.concatenate(numbers), np.array(frames)
+
+
+def _block_sums(values, block_of):
+    """Sums over the groups of each block, (block, ...)."""
+    total = np.zeros((block_of.max() + 1, *values.shape[1:]))
+    np.add.at(total, block_of[block_of >= 0], values[block_of >= 0])
+    return total
+
+
+def _block_means(values, block_of):
+    """Means over the groups of each block, (block, column); NaN where fewer than half have a value."""
+    known = np.isfinite(values)
+    n = _block_sums(known.astype(float), block_of)
+    size = _block_sums(np.ones(len(values)), block_of)[:, None]
+    return np.where(2 * n >= size, _block_sums(np.where(known, values, 0), block_of) / np.maximum(n, 1), np.nan)
+
+
+def _deviation(values):
+    held = values[np.isfinite(values)]
+    return held.std(ddof=1) if held.size >= FEWEST else np.nan
+
+
+def _two_spreads(power_db):
+    """Standard deviations of dB (block, layer) about each layer's mean: common to a block's layers, and beyond that.
+
+    The mean product of two layers of one block is the common variance. Means over n blocks take 1 / n of either.
+    """
+    n = np.isfinite(power_db).sum(axis=0)
+    told = power_db[:, n >= FEWEST]
+    if told.shape[1] == 0:
+        return np.nan, np.nan
+    n = n[n >= FEWEST]
+    known = np.isfinite(told)
+    deviation = np.where(known, told - np.nanmean(told, axis=0), 0) * np.sqrt(n / (n - 1))
+    total = (deviation**2).sum() / known.sum()
+    n_pairs = (known.sum(axis=1) ** 2).sum() - known.sum()
+    if n_pairs < FEWEST:
+        return 0.0, np.sqrt(total)
+    common = ((deviation.sum(axis=1) ** 2).sum() - (deviation**2).sum()) / n_pairs
+    common = np.clip(common, 0, total)
+    return np.sqrt(common), np.sqrt(total - common)
+
+
+def _block_decays(decay_rate, block_of):
+    """Sums by block of the logarithm of decay rates about each layer's mean, of its square, and count, (block, 3)."""
+    logarithm = np.log(np.where(decay_rate > 0, decay_rate, np.nan))
+    known = np.isfinite(logarithm)
+    n = known.sum(axis=0)
+    mean = np.where(known, logarithm, 0).sum(axis=0) / np.maximum(n, 1)
+    told = known & (n >= 2)
+    deviation = np.where(told, logarithm - mean, 0)
+    sums = np.column_stack([deviation.sum(axis=1), (deviation**2).sum(axis=1), told.sum(axis=1)])
+    return _block_sums(sums, block_of)
+
+
+def _decay_spread(sums):
+    """Standard deviation of block means, less what the scatter within blocks leaves of it."""
+    total, square, n = sums[sums[:, 2] >= 2].T
+    if n.size < FEWEST:
+        return np.nan
+    mean = total / n
+    within = (square - n * mean**2) / (n - 1)
+    return np.sqrt(max(mean.var(ddof=1) - (within / n).mean(), 0.0))
+
+
+def _modelled(groups, powers, by_layer):
+    """Power of the picked layers alone, (group, row)."""
+    variance, offset = by_layer["variance_bins2"], by_layer["offset_bins"]
+    decay = np.where(np.isfinite(by_layer["decay_rate"]), by_layer["decay_rate"], np.nanmedian(by_layer["decay_rate"]))
+    lead, height = waveform_peak(variance, decay)
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    position, spread = groups.position.mean(axis=2), groups.spread.mean(axis=2) + groups.position.var(axis=2)
+    total = np.zeros(groups.power.shape)
+    for layer in range(len(decay)):
+        held = np.flatnonzero(np.isfinite(powers[:, layer]) & np.isfinite(position[:, layer]))
+        wide = (variance[layer] + spread[held, layer])[:, None]
+        lag = rows - position[held, layer, None] - offset[layer] + lead[layer]
+        one = np.sqrt(variance[layer] / wide) * waveform_exact(lag, wide, decay[layer]) / height[layer]
+        total[held] += powers[held, layer, None] * one
+    return total
+
+
+def _background(groups, powers, by_layer):
+    """What was not picked, by group over its mean law's depths; and depths, its profile (group, depth) and weight."""
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    left = groups.power - groups.noise_power - _modelled(groups, powers, by_layer)
+    used = np.isfinite(left) & (rows >= BACKGROUND_FROM) & groups.present[:, :1]
+    values = np.where(used, left, 0.0)
+    shared = rows <= np.median(np.nanmax(np.where(groups.present, groups.position.mean(axis=2), 0), axis=1)) + 40
+    held = used & shared
+    level = np.where(held, values, 0).sum(axis=1) / np.maximum(held.sum(axis=1), 1)
+    return np.where(held.any(axis=1), level, np.nan), (rows, values, used.astype(float))
+
+
+def _background_law(depth, level, count):
+    """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, by relative least squares, (fall,)."""
+    held = count >= FEWEST
+    if held.sum() < len(BACKGROUND_FALLS):
+        return np.full(len(BACKGROUND_FALLS), np.nan)
+    scale = np.maximum(np.abs(level[held]), np.abs(level[held]).mean() * 1e-2) / np.sqrt(count[held])
+    columns = np.exp(-depth[held, None] / BACKGROUND_FALLS) / scale[:, None]
+    return nnls(columns, level[held] / scale)[0]

@@ -1,0 +1,88 @@
+"""Radiometry that varies: planted spreads, fading, background and ends of picks come back."""
+
+import numpy as np
+import pytest
+from made_up import made_up_frame
+from numpy.testing import assert_allclose
+
+from snowsim.statistics import fit
+from snowsim.statistics.radiometry import _two_spreads
+
+N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
+POWER, NOISE, DECAY = 10 ** -np.arange(0, 0.3 * N_LAYERS, 0.3), 1e-3, 0.1
+COMMON_DB, LAYER_DB, NOISE_DB, FADING_DB, FADING_LINES = 3.0, 2.0, 1.5, 2.0, 30.0
+
+
+def standardised(values):
+    """Deviations of which mean and standard deviation over blocks are exactly 0 and 1."""
+    values = values - values.mean(axis=0)
+    return values / values.std(axis=0, ddof=1)
+
+
+def faded(rng, n_layers, n_lines):
+    """Gaussian process of autocorrelation exp(-(h / l)^2), by smoothing white noise."""
+    lag = np.arange(-120, 121)
+    kernel = np.exp(-2 * (lag / FADING_LINES) ** 2)
+    white = rng.standard_normal((n_layers, n_lines + lag.size - 1))
+    return np.array([np.convolve(row, kernel / np.sqrt((kernel**2).sum()), mode="valid") for row in white])
+
+
+def flight(rng):
+    n_blocks = N_FRAMES * N_LINES // 256
+    common, layers = standardised(rng.standard_normal((n_blocks, 1))), standardised(rng.standard_normal((n_blocks, 6)))
+    noise = standardised(rng.standard_normal((n_blocks, 1)))
+    frames = []
+    for index in range(N_FRAMES):
+        block = index * N_LINES // 256 + np.arange(N_LINES) // 256
+        deviation_db = (COMMON_DB * common + LAYER_DB * layers)[block].T + FADING_DB * faded(rng, N_LAYERS, N_LINES)
+        deviation_db[0] = 0
+        power = POWER[:, None] * 10 ** (deviation_db / 10)
+        layer_bins = 60 + SPACING * np.arange(N_LAYERS)[:, None] + np.zeros(N_LINES)
+        below = np.arange(N_BINS)[:, None, None] - layer_bins.T[None]
+        mean = (np.where(below >= 0, np.exp(-DECAY * below), 0) * power.T).sum(axis=2)
+        mean += NOISE * 10 ** (NOISE_DB * noise[block, 0] / 10)
+        frames.append(made_up_frame(rng.gamma(5, mean / 5), layer_bins, minute=index))
+    return frames
+
+
+@pytest.fixture(scope="module")
+def planted_radiometry():
+    return fit(flight(np.random.default_rng(1)), estimator="paper")
+
+
+def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_radiometry):
+    fitted = planted_radiometry
+    # Fading's own block mean is part of a layer's spread: its variance there is that of 256 lines' mean.
+    lag = np.arange(256)
+    kept = (np.where(lag > 0, 2, 1) * (256 - lag) / 256**2 * np.exp(-((lag / FADING_LINES) ** 2))).sum()
+    planted = {
+        "common_spread_db": COMMON_DB,
+        "layer_spread_db": np.hypot(LAYER_DB, FADING_DB * np.sqrt(kept)),
+        "noise_spread_db": NOISE_DB,
+        "surface_to_noise_spread_db": NOISE_DB,
+    }
+    for name, value in planted.items():
+        assert_allclose(fitted[name], value, rtol=0.15, err_msg=name)
+        assert 0 < fitted[f"{name}_standard_error"] < 0.3 * value
+
+
+def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speckle(planted_radiometry):
+    fading = planted_radiometry.sel(interface="buried")
+    assert_allclose(fading["fading_spread_db"], FADING_DB, rtol=0.15)
+    assert_allclose(fading["fading_length_lines"], FADING_LINES, rtol=0.15)
+    # 5 looks: (10 / ln 10)^2 psi1(5) = 4.17 dB^2; some 40,000 independent lines tell it to 1 %.
+    assert_allclose(fading["fading_nugget_db2"], 4.17, rtol=0.05)
+    assert planted_radiometry.sel(interface="surface")["fading_spread_db"] < 0.3
+
+
+def test_layers_that_share_nothing_have_no_common_spread(rng):
+    common, own = _two_spreads(3 * rng.standard_normal((4000, 5)))
+    assert common < 0.5
+    assert_allclose(own, 3, rtol=0.02)  # 20,000 values: 0.5 %
+
+
+def test_what_a_short_flight_cannot_tell_is_missing_and_named(planted):
+    fitted = fit(planted.flight(np.random.default_rng(1), n_frames=1))
+    missing = fitted.attrs["radiometry_missing"].split(", ")
+    assert {"noise_spread_db", "common_spread_db"} <= set(missing)
+    assert all(np.isnan(fitted[name]).any() for name in missing)
