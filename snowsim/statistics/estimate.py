@@ -94,7 +94,6 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
             "fall": np.array(BACKGROUND_FALLS),
-            "interface": ["surface", "buried"],
             "speckle_lag": np.arange(correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
             "probability": looks[2],
