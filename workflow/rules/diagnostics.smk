@@ -262,6 +262,7 @@ rule tabulate_validation:
         distributions="results/tables/validation_distributions.csv",
         superposition="results/tables/superposition.csv",
         tracked_power="results/tables/tracked_power.csv",
+        independence="results/tables/independence.csv",
     log:
         "logs/tabulate_validation.log",
     benchmark:

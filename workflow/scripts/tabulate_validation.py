@@ -11,7 +11,7 @@ from snowsim.statistics import merge, summary_from_dataset
 
 def tabulate_validation(
     summaries, statistics, zones, rendered, label_layers, label_histograms,
-    thickness, tests, distributions, superposition, tracked_power, *, seed,
+    thickness, tests, distributions, superposition, tracked_power, independence, *, seed,
 ):  # fmt: skip
     summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
     flight = read_dataset(statistics)
@@ -23,6 +23,7 @@ def tabulate_validation(
     write_table(tests, tables["tests"])
     write_table(distributions, tables["distributions"])
     write_table(superposition, validation.superposition(summary, flight))
+    write_table(independence, validation.independence(summary, flight))
     # Quantiles of tracked peak power beside those of the Gamma law of as many looks.
     quantiles = {"probability": "probability", "gamma": "gamma_quantile", "tracked": "tracked_power_quantile"}
     power = pd.DataFrame({column: flight[name].values for column, name in quantiles.items()})

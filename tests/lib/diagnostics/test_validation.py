@@ -7,7 +7,7 @@ from made_up import made_up_frame
 from numpy.testing import assert_allclose
 from scipy.stats import kstest
 
-from lib.diagnostics.validation import lilliefors, superposition, thickness_tests, validate
+from lib.diagnostics.validation import independence, lilliefors, superposition, thickness_tests, validate
 from snowsim import statistics
 
 
@@ -126,3 +126,14 @@ def test_layers_of_a_planted_line_have_their_powers(planted):
     line = superposition(summary, statistics.estimate(summary))
     # Without speckle what is left is where the fit ends, and rows on which no waveform's peak falls.
     assert_allclose(line.filter(like="layer_").max(), planted.peak_power, rtol=0.01)
+
+
+def test_a_planted_misfit_and_planted_looks_come_back_by_layer(flight):
+    summary = statistics.merge(statistics.summarise(*frame) for frame in flight)
+    fitted = statistics.fit(flight)
+    found = independence(summary, fitted).set_index("layer")
+    assert (np.abs(found["looks"] - fitted.attrs["n_looks"]) < 4 * found["looks_standard_error"]).all()
+    # 1.36 / sqrt(n) is exceeded once in 20 by n independent values; the mean taken out of 20 lines leaves less.
+    assert (found["gamma_distance"] < 2 / np.sqrt(19 * found["n_groups"])).all()
+    bent = fitted.assign(mean_waveform=fitted["model_waveform"] * 10**0.2)
+    assert_allclose(independence(summary, bent)["waveform_rms_db"], 2, rtol=1e-9)

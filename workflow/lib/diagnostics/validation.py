@@ -4,12 +4,13 @@ from functools import lru_cache
 
 import numpy as np
 import pandas as pd
-from scipy.special import ndtr
+from scipy.special import betainc, ndtr
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.blocks import periodogram, thickness_blocks
 from snowsim.statistics.paper import is_present
-from snowsim.statistics.summaries import FIRST_ROW, stacked
+from snowsim.statistics.speckle import compare_with_gamma
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, stacked, stacked_tracked
 from snowsim.statistics.zones import MINIMUM_BLOCKS, place_blocks
 
 TEST_COLUMNS = (
@@ -18,6 +19,7 @@ TEST_COLUMNS = (
 )
 NULL_VALUES, NULL_DRAWS = 50, 20_000  # of the law under the null hypothesis; the seed is its own, the result a constant
 NULL_SEED = 1967
+FEWEST_GROUPS = 20  # of 20 whole lines: they tell looks to 7 %
 
 
 def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
@@ -108,6 +110,33 @@ def superposition(summary, statistics):
     power = np.linalg.lstsq((columns * weight).T, (observed - noise) * weight, rcond=None)[0]
     alone = {f"layer_{layer}": line for layer, line in zip(layers, power[:, None] * columns, strict=True)}
     return pd.DataFrame({"row": row, "observed": observed, "model": power @ columns + noise} | alone)
+
+
+def independence(summary, statistics):
+    """How far the flight departs from what PHY assumes, by layer: from the fitted eq. (1), and from Gamma(M).
+
+    `waveform_rms_db` and `waveform_largest_db` are of the mean waveform about the picks over that of the fitted model
+    of all layers. `looks` and their error are those that fit tracked power, `gamma_distance` is Kolmogorov's between
+    it and the law of the flight's own looks, on the quantiles that are kept; NaN where a layer has too few lines.
+    """
+    tracked = stacked_tracked(summary)
+    residual = (
+        10 * np.log10(statistics["mean_waveform"] / statistics["model_waveform"]).transpose("layer", "lag").values
+    )
+    n_looks = float(statistics.attrs["n_looks"])
+    rows = []
+    for layer, decibels in enumerate(residual):
+        looks, error, distance = np.nan, np.nan, np.nan
+        n_whole = int(np.isfinite(tracked[:, layer]).all(axis=1).sum())
+        if n_whole >= FEWEST_GROUPS:
+            looks, error, probability, seen, _ = compare_with_gamma(tracked[:, [layer]])
+            law = betainc(n_looks, (GROUP_LINES - 1) * n_looks, np.clip(seen / GROUP_LINES, 0, 1))
+            distance = np.abs(law - probability).max()
+        known = decibels[np.isfinite(decibels)]
+        rms, largest = (np.sqrt(np.mean(known**2)), np.abs(known).max()) if known.size else (np.nan, np.nan)
+        rows.append((layer, n_whole, rms, largest, looks, error, distance))
+    columns = "layer n_groups waveform_rms_db waveform_largest_db looks looks_standard_error gamma_distance"
+    return pd.DataFrame(rows, columns=columns.split())
 
 
 def lilliefors(values, n_effective=None):
