@@ -38,31 +38,22 @@ class RadiometryModel:
     background_power: np.ndarray  # (fall,)
     fall: np.ndarray  # [bins]
     spread: dict  # by name, see `SPREADS`
-    n_stand_ins: int  # values the flight cannot tell
+    missing: str  # names of what the flight could not tell
 
 
 def radiometry_model(statistics):
-    """`RadiometryModel` of flight statistics; ValueError that names what they lack.
-
-    What a flight cannot tell (NaN, counted in the notes of scenes) does not vary: no spread, no fading, no background,
-    no echoes in it; and where picks end it does not say, every layer is labelled.
-    """
-    spread = {name: values_of(statistics, name, (), finite=False).item() for name in SPREADS}
-    fading = np.array([values_of(statistics, name, ("interface",), finite=False) for name in FADING]).T
-    background = values_of(statistics, "background_power", ("fall",), finite=False)
-    n_stand_ins = sum(np.isnan(value).any() for value in (*spread.values(), fading, background))
-    stand_ins = {"further_spacing_bins": np.inf, "end_contrast_db": -np.inf}
-    spread = {name: stand_ins.get(name, 0.0) if np.isnan(value) else value for name, value in spread.items()}
-    fading = np.where(np.isnan(fading).any(axis=1, keepdims=True), [0.0, 1.0, 1.0], fading)
+    """`RadiometryModel` of flight statistics; ValueError that names what they lack."""
+    spread = {name: values_of(statistics, name, ()).item() for name in SPREADS}
+    fading = np.array([values_of(statistics, name, ("interface",)) for name in FADING]).T
     peak_power, variance, decay = (
         _without_gaps(statistics, name) for name in ("peak_power", "variance_bins2", "decay_rate")
     )
     return RadiometryModel(
         *(peak_power, variance, decay, values_of(statistics, "noise_power", ()).item(), fading),
-        background_power=np.nan_to_num(background),
+        background_power=values_of(statistics, "background_power", ("fall",)),
         fall=values_of(statistics, "fall", ("fall",)),
         spread=spread,
-        n_stand_ins=int(n_stand_ins),
+        missing=statistics.attrs.get("radiometry_missing", ""),
     )
 
 
@@ -126,7 +117,7 @@ def add_radiometry(scene, model, *, rng):
             "decay_factor": decay_factor,
             "waveform_row": [int(row) for row in waveform_row],
             "background_falls": [float(fall) for fall in model.fall],
-            "n_radiometry_stand_ins": model.n_stand_ins,
+            "radiometry_missing": model.missing,
         },
     )
     layer_bins, rise_db = _labelled(dressed, model)
@@ -149,8 +140,6 @@ def _about_mean(deviation_db, variance_db2):
 
 def _distances(spacing, *, rng):
     """Distances below the last label of echoes `spacing` bins apart on average, down to the end of the image."""
-    if not np.isfinite(spacing):
-        return np.zeros(0)
     distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8))
     return distances[distances < ROWS_BELOW_LAST_LAYER]
 

@@ -3,13 +3,13 @@
 import numpy as np
 
 
-def values_of(statistics, name, dims, *, finite=True):
-    """A variable or coordinate of the statistics as float array on `dims`; finite, unless that need not be."""
+def values_of(statistics, name, dims):
+    """A variable or coordinate of the statistics as float array on `dims`, finite."""
     if name not in statistics:
         msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
         raise ValueError(msg)
     values = statistics[name].transpose(*dims).values.astype(float)
-    if values.size == 0 or (finite and not np.isfinite(values).all()):
+    if values.size == 0 or not np.isfinite(values).all():
         msg = f"flight statistics: {name} must be finite and not empty, got shape {values.shape} with NaN or infinity"
         raise ValueError(msg)
     return values

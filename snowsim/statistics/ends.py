@@ -38,6 +38,7 @@ def end_contrasts(groups, frame_of):
                     ends.append((frame, _rise(groups, members[stop - END_GROUPS : stop], layer)))
                 if not present[start:stop, layer + 1 :].any():
                     deepest.append((frame, _rise(groups, members[start:stop], layer)))
+    ends, deepest = ([end for end in found if np.isfinite(end[1])] for found in (ends, deepest))
     source = "ends of picks"
     if len(ends) < MINIMUM_ENDS:
         ends = sorted(deepest, key=lambda end: end[1])[: (len(deepest) + 1) // 2]
@@ -57,9 +58,10 @@ def _rise(groups, members, layer):
     share = rows - whole
     power = groups.power
     sampled = (1 - share) * power[members[:, None], whole] + share * power[members[:, None], whole + 1]
-    halves = [np.nanmean(sampled[i::2], axis=0) for i in (0, 1)]
-    valley = np.mean([halves[1 - i][np.nanargmin(halves[i])] for i in (0, 1)])
-    return DB * np.log(np.mean([half[-1] for half in halves]) / valley)
+    halves = [sampled[i::2].mean(axis=0) for i in (0, 1)]
+    valley = np.mean([halves[1 - i][np.argmin(halves[i])] for i in (0, 1)])
+    peak = np.mean([half[-1] for half in halves])
+    return DB * np.log(peak / valley) if peak > 0 and valley > 0 else np.nan
 
 
 def echoes_below(groups, block_of, n_looks):
@@ -85,6 +87,8 @@ def echoes_below(groups, block_of, n_looks):
         if stack.shape[1] < 3:
             continue
         deviation_db = DB / np.sqrt(n_looks * GROUP_LINES * members.size)
-        peaks, rise = find_peaks(DB * np.log(stack.mean(axis=0)), prominence=PEAK_DEVIATIONS * deviation_db)
+        peaks, rise = find_peaks(
+            DB * np.log(np.maximum(stack.mean(axis=0), 1e-300)), prominence=PEAK_DEVIATIONS * deviation_db
+        )
         found[block] = peaks.size, rise["prominences"].sum(), stack.shape[1]
     return found

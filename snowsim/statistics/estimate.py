@@ -51,8 +51,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Notes
     -----
     Layers are reported down to the last that is in `MINIMUM_GROUPS` averaged lines. Where a layer gives no value of its
-    own, `substituted` is 1: in `paper` a decay rate or width is that of the layer above; in `deblended` a power not two standard errors above zero is tracked power above the noise times the share
-    that deblending leaves of the other layers. The power of a layer never picked lies, in dB, between its neighbours'.
+    own, `substituted` is 1: in `paper` a decay rate or width is that of the layer above; in `deblended` a power not two
+    standard errors above zero is tracked power above the noise times the share that deblending leaves of the other
+    layers. The power of a layer never picked lies, in dB, between its neighbours'.
     Only the decay rate of the deepest layer in `paper` is NaN.
     """
     if estimator not in ESTIMATORS:
@@ -90,7 +91,6 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
             "fall": np.array(BACKGROUND_FALLS),
-            "interface": ["surface", "buried"],
             "speckle_lag": np.arange(correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
             "probability": looks[2],

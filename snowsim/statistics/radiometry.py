@@ -8,7 +8,7 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.ends import echoes_below, end_contrasts
 from snowsim.statistics.fading import fading, fading_products
-from snowsim.statistics.lines import BACKGROUND_FALLS
+from snowsim.statistics.lines import BACKGROUND_FALLS, BACKGROUND_RISE
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, stacked, stacked_tracked
 
 DB = 10 / np.log(10)
@@ -19,6 +19,8 @@ NAMES = (
     *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
     *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
 )
+# Where the flight cannot tell: no spread, no echo within an image, all picks count; no fading, no background.
+STAND_INS = np.array([0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(BACKGROUND_FALLS))
 
 
 def power_on_picks(summary, n_layers, noise_power):
@@ -34,13 +36,14 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
 
     From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates of eq. (2) (group,
     layer), values by layer of either estimator, and the flight's looks. Each has a standard error, by leaving out parts
-    of the flight (jackknife). NaN, and an attribute ``radiometry_missing`` that names it, where the flight cannot tell:
+    of the flight (jackknife). What the flight cannot tell does not vary, has no error and is named in the attribute
+    ``radiometry_missing``; where picks end then does not count, and there are no echoes below the last:
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256 lines;
     - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each layer's mean over the
       flight, common to all and of each beyond that; `decay_spread` of the logarithm of the decay rate, less its scatter
       within blocks;
-    - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface and buried
+    - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface then buried
       layers, see `fading`; `fading_speckle_db2` is the nugget that the looks leave;
     - `end_contrast_db`: rise over the snow above at which picks end, see `end_contrasts`;
     - `background_power (fall)`, mean power of what was not picked, ``sum_k b_k exp(-depth / fall_k)``, its
@@ -87,18 +90,22 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     parts = np.unique(part_of)
     if parts.size > 1:
         without = np.array([all_of(part_of != part) for part in parts])
-        error = np.sqrt((parts.size - 1) * np.nanmean((without - np.nanmean(without, axis=0)) ** 2, axis=0))
+        # Not known where the flight without one of its parts cannot tell.
+        error = np.sqrt((parts.size - 1) * without.var(axis=0))
+    missing = ~np.isfinite(value)
+    value = np.where(missing, STAND_INS, value)
+    error = np.where(missing | ~np.isfinite(error), 0.0, error)
     variables = {}
-    for suffix, values in (("", value), ("_standard_error", error)):
+    for suffix, values in (("", value), ("_standard_error", error), ("_missing", missing)):
         faded = values[len(NAMES) : len(NAMES) + 8].reshape(2, 4)
         variables |= {name + suffix: ((), values[i]) for i, name in enumerate(NAMES)}
         kinds = ("fading_spread_db", "fading_length_lines", "fading_exponent", "fading_nugget_db2")
         variables |= {name + suffix: ("interface", faded[:, i]) for i, name in enumerate(kinds)}
         variables |= {"background_power" + suffix: ("fall", values[len(NAMES) + 8 :])}
     variables["fading_speckle_db2"] = ((), speckle)
-    told = {name: values for name, (_, values) in variables.items() if not name.endswith("_standard_error")}
-    missing = [name for name, values in told.items() if not np.isfinite(values).all()]
-    return variables, {"radiometry_missing": ", ".join(missing), "end_contrast_source": source}
+    unknown = [name for name in list(variables) if name.endswith("_missing")]
+    unknown = [name.removesuffix("_missing") for name in unknown if np.any(variables.pop(name)[1])]
+    return variables, {"radiometry_missing": ", ".join(unknown), "end_contrast_source": source}
 
 
 def _blocks(summary):
@@ -106,11 +113,11 @@ def _blocks(summary):
     numbers, frames = [], []
     for i, frame in enumerate(summary):
         n_groups = len(frame.power)
-        n_blocks = max(n_groups * GROUP_LINES // BLOCK_LINES, 1)
+        n_blocks = max(n_groups * GROUP_LINES // BLOCK_LINES, min(n_groups, 1))
         number = ((np.arange(n_groups) + 0.5) * GROUP_LINES / BLOCK_LINES).astype(int)
         numbers.append(np.where(number < n_blocks, number + len(frames), -1))
         frames += [i] * n_blocks
-    return np.concatenate(numbers), np.array(frames)
+    return np.concatenate(numbers), np.array(frames, dtype=int)
 
 
 def _block_sums(values, block_of):
@@ -179,7 +186,10 @@ def _decay_spread(sums):
 def _modelled(groups, powers, by_layer):
     """Power of the picked layers alone, (group, row)."""
     variance, offset = by_layer["variance_bins2"], by_layer["offset_bins"]
-    decay = np.where(np.isfinite(by_layer["decay_rate"]), by_layer["decay_rate"], np.nanmedian(by_layer["decay_rate"]))
+    decay = by_layer["decay_rate"]
+    known = np.isfinite(decay)
+    # The deepest layer of `paper` has none.
+    decay = np.where(known, decay, np.median(decay[known]) if known.any() else BACKGROUND_RISE)
     lead, height = waveform_peak(variance, decay)
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     position, spread = groups.position.mean(axis=2), groups.spread.mean(axis=2) + groups.position.var(axis=2)

@@ -101,11 +101,12 @@ def test_constant_radiometry_is_the_papers_to_the_bit():
     assert constant.complete_layer_bins is None
 
 
-def test_statistics_without_radiometry_are_refused_and_what_is_missing_does_not_vary():
+def test_statistics_without_radiometry_are_refused_and_stand_ins_are_named():
     with pytest.raises(ValueError, match="flight statistics need noise_spread_db"):
         prepare(planted(), N_LINES, radiometry="measured")
-    unknown = statistics(common_spread_db=np.nan, end_contrast_db=np.nan)
+    unknown = statistics(further_spacing_bins=1000.0, further_rise_db=0.0, end_contrast_db=0.0)
+    unknown = unknown.assign_attrs(radiometry_missing="end_contrast_db")
     model = prepare(unknown, N_LINES, n_layers=(3, 3), radiometry="measured")
     scene = draw_scene(model, N_LINES, name="", rng=np.random.default_rng(1))
     assert np.isfinite(scene.layer_bins).all()  # where picks end is not known: all are labelled
-    assert scene.notes["n_radiometry_stand_ins"] == 2
+    assert scene.notes["radiometry_missing"] == "end_contrast_db"

