@@ -17,13 +17,14 @@ from snowsim.statistics.lines import (
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
-SHAPE_GROUPS = 150  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1 %
+SHAPE_GROUPS = 60  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1.5 %
 CAUCHY = (
     2.385  # residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827
 )
 CLUSTER_GROUPS = 13  # averaged lines, about a block, within which what the model leaves out stays the same
 FEWEST_CLUSTERS = 8  # of a flight; a shorter one has shorter ones
 MAX_STEPS = 25
+STEPS_TRIED = 4  # from each start, of which the better goes on
 STEPS_ALONE = 6  # of layers all with shapes of their own, to see what no shape explains
 MAX_ROUNDS = 4  # of letting layers depart from the shared shape
 STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
@@ -65,7 +66,8 @@ def deblend(groups, decay_rate):
     cluster //= int(np.clip(len(groups.power) // FEWEST_CLUSTERS, 1, CLUSTER_GROUPS))
     kind = np.minimum(np.arange(n_layers), 1)
     starts = _starts(decay_rate, kind)
-    solution = min((_solve(start, kind, lines) for start in starts), key=lambda found: found.loss)
+    tried = (_solve(start, kind, lines, STEPS_TRIED) for start in starts)
+    solution = _solve(min(tried, key=lambda found: found.loss).shape_of_kind, kind, lines)
     # What no shape explains is told from shapes of their own.
     lasting = lasting_misfit(
         _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind, lines

@@ -8,6 +8,7 @@ from snowsim.statistics.lines import background_columns, describe, solve_powers,
 MISFIT_LAGS = np.arange(-3, 13)  # [bins] of a layer's echo over which misfit is looked for
 ECHO_LAGS = np.arange(-8, 13)  # [bins] from the layer, where unpicked echoes lie that overlap it
 MISFIT_LINES = 10  # averaged lines that tell it
+LEAST_SHARE = 0.02  # of an echo's squared profile that must remain
 
 
 def clustered(scores, cluster):
@@ -51,7 +52,10 @@ def lasting_misfit(shape, lines):
         # Speckle's share, and four standard deviations of it.
         speckle = np.mean(squares) / n_lines[layer] * (free + 4 * np.sqrt(2 * free))
         left = (residual**2).sum() - ((basis.T @ residual) ** 2).sum() - speckle
-        strength.append(left / ((echo**2).sum() - (part**2).sum()))
+        remains = (echo**2).sum() - (part**2).sum()
+        # Of a wide waveform nearly all of an echo could be its shape: what remains tells nothing.
+        if remains > LEAST_SHARE * (echo**2).sum():
+            strength.append(left / remains)
         alike[layer] = (part[1:] ** 2).sum() / 3
     return alike * max(strength)
 
