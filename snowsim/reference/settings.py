@@ -48,13 +48,13 @@ class ClimateSettings:
     """Accumulation along the line; spreads are standard deviations of its logarithm."""
 
     accumulation_factor: float = 0.85
-    anomaly_sd: float = 0.18
+    anomaly_sd: float = 0.19
     undulation_sd: float = 0.08
     undulation_min_km: float = 3.0
     undulation_max_km: float = 20.0
     drift_sd: float = 0.1
-    drift_length_m: float = 2500.0
-    relief_sd: float = 0.03
+    drift_length_m: float = 3000.0
+    relief_sd: float = 0.045
     relief_length_m: float = 45.0
     open_year: float = 0.8
 
