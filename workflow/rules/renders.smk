@@ -46,9 +46,9 @@ rule train_cgan:
         validation=config["cgan"]["validation"],
         on_collapse=config["cgan"]["on_collapse"],
         source=SYNTHETIC,
-        checkpoint=CHECKPOINTS + "/train_cgan.safetensors",
+        checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
-        events=EVENTS + "/train_cgan",
+        events=f"{EVENTS}/train_cgan",
     message:
         "cGAN training"
     script:

@@ -30,9 +30,9 @@ rule train_tracker:
         },
         settings=config["tracker"]["training"],
         skip=0,
-        checkpoint=CHECKPOINTS + "/train_tracker_{training_set}_{replica}.safetensors",
+        checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
-        events=EVENTS + "/train_tracker/{training_set}/{replica}",
+        events=f"{EVENTS}/train_tracker/{{training_set}}/{{replica}}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
