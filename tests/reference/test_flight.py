@@ -40,7 +40,7 @@ def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(bare):
     layer_bins, echo = bare
     for line, rows in enumerate(layer_bins[:8].T):
         # The tails of the layers above pull a peak upwards, by least where it rises most.
-        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.12
+        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.15
 
 
 def profile_of(column, climate):
