@@ -10,6 +10,7 @@ from snowsim.phy.waveform import waveform_peak
 NORMALISE = ("peak", "none")
 ALIGN = ("peak", "gaussian")
 WIDTHS = ("paper", "fitted")
+BACKGROUNDS = ("measured", "none")
 SPECKLE_CORRELATIONS = ("measured", "none")
 
 # Rounding of the closed form [dB]: `waveform_exact` to 1e-12, amplitudes and sums to a few more.
@@ -182,19 +183,40 @@ def draw_parameters(
     return parameters
 
 
-def scene_parameters(scene, statistics, **options):
+def scene_parameters(scene, statistics, *, background="measured", **options):
     """Layers to render and parameters of `render` for a scene: its own radiometry where it has one, else the flight's.
 
-    `options` are those of `draw_parameters`. A scene that was drawn with powers has them in `peak_power`, for every row
-    of `complete_layer_bins`; its notes tell noise, decay and which layer of the flight gives a row its waveform, or, by
-    -1 - k, that it is the background's e-fold k.
+    `options` are those of `draw_parameters`. With `background` ``measured`` the flight's mean power of what nobody
+    picked lies below the surface of a scene without powers of its own, one row for each of its e-folds; ``none``: eq.
+    (1) of the layers alone, as printed, and of statistics made before it was measured. A scene that was drawn with
+    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and which
+    layer of the flight gives a row its waveform, or, by -1 - k, that it is the background's e-fold k.
     """
+    if background not in BACKGROUNDS:
+        msg = f"background must be one of {', '.join(BACKGROUNDS)}, got {background!r}"
+        raise ValueError(msg)
     if scene.peak_power is None:
-        return scene.layer_bins, draw_parameters(statistics, scene.layer_bins.shape[0], **options)
+        parameters = draw_parameters(statistics, scene.layer_bins.shape[0], **options)
+        if background == "none" or "background_power" not in statistics:
+            return scene.layer_bins, parameters
+        return _with_background(scene.layer_bins, parameters, statistics)
     parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
     variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
     own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
     return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
+
+
+def _with_background(layer_bins, parameters, statistics):
+    """Layers and parameters with a row for each e-fold of the background, within a bin below the surface."""
+    power, fall = (statistics[name].transpose("fall").values for name in ("background_power", "fall"))
+    held = np.flatnonzero(power > 0)
+    # Rows must not cross the first layer, wherever it is picked.
+    gap = np.fmin(1.0, layer_bins[1] - layer_bins[0]) if len(layer_bins) > 1 else 1.0
+    below = layer_bins[:1] + gap * (1 + np.arange(held.size)[:, None]) / (held.size + 1)
+    first = {"peak_power": power[held], "decay_rate": 1 / fall[held]}
+    first["variance_bins2"] = np.full(held.size, parameters["variance_bins2"][0])
+    with_rows = {name: np.insert(parameters[name], 1, values) for name, values in first.items()}
+    return np.concatenate([layer_bins[:1], below, layer_bins[1:]]), parameters | with_rows
 
 
 def row_waveforms(notes, variance_bins2, decay_rate):

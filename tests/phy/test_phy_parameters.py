@@ -3,7 +3,8 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
-from snowsim.phy import draw_parameters
+from snowsim.echogram import Scene
+from snowsim.phy import draw_parameters, mean_power, scene_parameters
 
 
 @pytest.fixture
@@ -38,6 +39,29 @@ def test_speckle_is_correlated_as_measured_unless_none_is_asked_for_or_known(sta
     statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
     assert_array_equal(draw_parameters(statistics, 2, rng=rng)["speckle_correlation"], [1, 0.1])
     assert "speckle_correlation" not in draw_parameters(statistics, 2, speckle_correlation="none", rng=rng)
+
+
+def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics, rng):
+    layer_bins = np.array([[50.0] * 8, [50.5] * 4 + [np.nan] * 4, [90.0] * 8])
+    scene = Scene(name="planted", n_range_bins=300, layer_bins=layer_bins)
+    without = scene_parameters(scene, statistics, rng=rng)  # statistics made before it was measured
+    statistics["background_power"], statistics["fall"] = ("fall", [0.01, 0.0, 0.002]), ("fall", [30.0, 100.0, 1000.0])
+    rows, parameters = scene_parameters(scene, statistics, rng=rng)
+    assert rows.shape == (5, 8)
+    assert (np.diff(rows[:4, :4], axis=0) > 0).all()
+    shapes = [
+        [given[name] for name in ("peak_power", "variance_bins2", "decay_rate")] for given in (without[1], parameters)
+    ]
+    added = mean_power(rows, *shapes[1], 300) - mean_power(layer_bins, *shapes[0], 300)
+    # From 90 bins below the surface on the exponentials alone. Each has its power at its peak, up to 5 bins below the
+    # row's Gaussian of 11 bins^2: up to exp(5 / 30) more than the law.
+    depth = np.arange(140, 300) - 50.0
+    law = 0.01 * np.exp(-depth / 30) + 0.002 * np.exp(-depth / 1000)
+    assert_allclose(added[140:], np.tile(law[:, None], 8), rtol=0.25)
+    printed, _ = scene_parameters(scene, statistics, background="none", rng=rng)
+    assert_array_equal(printed, layer_bins)
+    with pytest.raises(ValueError, match="background must be one of measured, none, got 'some'"):
+        scene_parameters(scene, statistics, background="some", rng=rng)
 
 
 @pytest.mark.parametrize("width_bounds", [None, [10, 15]])

@@ -13,7 +13,7 @@ from snowsim.seeding import random_stream
 
 def render_scene(scene, statistics, phy, rng):
     """The scene of some layers as PHY renders it, with what its plan left out."""
-    drawn = {key: phy[key] for key in ("width", "width_bounds", "n_looks", "speckle_correlation")}
+    drawn = {key: phy[key] for key in ("width", "width_bounds", "n_looks", "speckle_correlation", "background")}
     layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
     options = {key: phy[key] for key in ("tolerance_db", "speckle", "normalise", "align")}
     scene_plan = plan(layer_bins, parameters, scene.n_range_bins, **options)
