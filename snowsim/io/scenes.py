@@ -109,7 +109,8 @@ class SceneSet:
 
     def _index(self, path):
         try:
-            file = netCDF4.Dataset(path)
+            # Without cycles of references a file closes with its last user, not whenever Python collects garbage.
+            file = netCDF4.Dataset(path, keepweakref=True)
         except OSError as error:
             msg = f"{path}: expected a scene file (NetCDF-4), cannot be read: {error}"
             raise ValueError(msg) from error

@@ -80,17 +80,19 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     else:
         first = np.interp(rng.uniform(), np.linspace(0, 1, model.first_quantile_bins.size), model.first_quantile_bins)
     zone = int(np.searchsorted(edges[1:-1], first, side="right"))
-    n_layers = n_layers or model.draw_n_layers(zone, rng=rng)
-    slab = np.minimum(np.arange(n_layers), model.n_slabs - 1)
-    anomaly = model.factor("relative", model.relative_correlation, n_layers) @ rng.standard_normal(n_layers)
+    n_layers = model.draw_n_layers(zone, rng=rng) if n_layers is None else n_layers
+    n_slabs = max(n_layers, 1)  # a scene without layers leaves its one out at the end
+    slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
+    anomaly = model.factor("relative", model.relative_correlation, n_slabs) @ rng.standard_normal(n_slabs)
     factor = model.relative_mean[zone, slab] + model.relative_deviation[zone, slab] * anomaly
     factor[0] = 1
     mean = _mirrored(first * factor)
     variances = model.variances(zone)[slab]
-    series = draw_series(variances, model.band_factors(n_layers, variances.shape[1]), n_range_lines, rng=rng)
+    series = draw_series(variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng)
     drawn = mean[:, None] + series
     # Last of all thickness: without trends and folds, scenes are those of the paper to the byte.
     drawn, beyond = draw_beyond(drawn, model.beyond, rng=rng) if model.beyond.applies(zone) else (drawn, {})
+    drawn = drawn[:n_layers]
     thickness = _mirrored(drawn)
     layer_bins = np.cumsum(np.concatenate([model.draw_surface(rng=rng), thickness]), axis=0)
     notes = {
@@ -98,12 +100,12 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "n_slabs_beyond": max(n_layers - model.n_slabs, 0),
         "n_samples": drawn.size,
         "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
-        "n_means_touched": int((first * factor < MINIMUM_THICKNESS_BINS).sum()),
+        "n_means_touched": int((first * factor[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
         "first_thickness_bins": float(first),
-        "thickness_mean_drawn": float(drawn.mean()),
-        "thickness_variance_drawn": float(drawn.var()),
-        "thickness_mean_kept": float(thickness.mean()),
-        "thickness_variance_kept": float(thickness.var()),
+        "thickness_mean_drawn": float(drawn.mean()) if n_layers else 0.0,
+        "thickness_variance_drawn": float(drawn.var()) if n_layers else 0.0,
+        "thickness_mean_kept": float(thickness.mean()) if n_layers else 0.0,
+        "thickness_variance_kept": float(thickness.var()) if n_layers else 0.0,
         **beyond,
     }
     scene = Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)

@@ -37,6 +37,7 @@ class LabelModel:
     band_correlation: np.ndarray  # of undulations about the mean, (band, separation)
     band_edge_wavenumber: np.ndarray  # (band_edge,)
     blocks_by_layers: np.ndarray | None = None  # of the flight, by number of layers from 0, (zone, n_layers)
+    share_without_layers: float = 0.0  # of its blocks, which are in no zone
     first_quantile_bins: np.ndarray | None = None  # of slab 0, evenly from probability 0 to 1; None: uniform
     trend_variance: np.ndarray | None = None  # of the rise over a block, (zone, slab); None: `psd` is plain and leaks
     trend_correlation: np.ndarray | None = None  # of that rise, (separation,)
@@ -68,11 +69,13 @@ class LabelModel:
         return lengthened(variances, 2 * (self.n_range_lines + self.n_range_lines % 2))
 
     def draw_n_layers(self, zone, *, rng):
-        """Layers below the surface of a scene, at least one, as the zone's blocks have them.
+        """Layers below the surface of a scene: none as often as in the flight, else as the zone's blocks have them.
 
         Numbers between those seen are straight in logarithms between their mid-quantiles (Parzen 2004, Statist. Sci.
         19, 652); a zone without layers takes all.
         """
+        if rng.uniform() < self.share_without_layers:
+            return 0
         counts = self.blocks_by_layers[zone, 1:]
         counts = counts if counts.any() else self.blocks_by_layers[:, 1:].sum(axis=0)
         seen = np.flatnonzero(counts)
@@ -204,6 +207,7 @@ def prepare(
         band_correlation=held["by_band"],
         band_edge_wavenumber=held["edges"],
         blocks_by_layers=by_layers,
+        share_without_layers=statistics.attrs.get("n_blocks_without_layers", 0) / statistics.attrs.get("n_blocks", 1),
         first_quantile_bins=measured(first_slab == "measured", "first_thickness_quantile_bins", "quantile"),
         trend_variance=measured(trends, "thickness_trend_variance_bins2", "zone", "slab"),
         trend_correlation=held["trends"],

@@ -72,8 +72,8 @@ def add_radiometry(scene, model, *, rng):
     In dB about the flight's mean, which each layer keeps on average: surface and noise; buried layers together; each
     layer; and its fading along track, a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. What
     nobody picks is a background, one row just below the surface for each of its e-folds, and below the last label
-    echoes at random distances that rise out of it as the flight's do. A buried layer is labelled where its mean power,
-    averaged along it over `WINDOW_LINES`, rises over the least between it and the layer above by `end_contrast_db`.
+    echoes at random distances that rise out of it as the flight's do. Layers are labelled down to the deepest that
+    shows, see `_labelled`; weaker ones between are labelled too, as by a reader who follows the years.
     `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row takes its waveform
     from, or -1 - k for e-fold k of the background), and counts.
     """
@@ -160,7 +160,11 @@ def _faded(model, n_layers, n_lines, *, rng):
 
 
 def _labelled(scene, model):
-    """Layers with NaN where they rise too little, and the rise of the buried ones [dB], (layer, range_line)."""
+    """Layers, NaN from below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
+
+    A layer shows if over half of its range lines its mean power, averaged along it over `WINDOW_LINES`, rises over the
+    least between it and the layer above by `end_contrast_db`.
+    """
     noise_power = scene.notes["noise_power"]
     shapes = row_waveforms(scene.notes, model.variance_bins2, model.decay_rate)
     power = mean_power(
@@ -182,5 +186,6 @@ def _labelled(scene, model):
     rise = 10 * np.log10(profile[:, -1] / profile.min(axis=1))
     centres = (edges[:-1] + edges[1:] - 1) / 2
     rise = np.array([np.interp(lines, centres, row) for row in rise]).reshape(-1, n_lines)
-    layer_bins[1:][rise < model.spread["end_contrast_db"]] = np.nan
+    shows = np.flatnonzero(2 * (rise >= model.spread["end_contrast_db"]).sum(axis=1) >= n_lines)
+    layer_bins[2 + shows[-1] if shows.size else 1 :] = np.nan
     return layer_bins, rise if rise.size else np.zeros((1, n_lines))

@@ -190,7 +190,8 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     picked lies below the surface of a scene without powers of its own, one row for each of its e-folds; ``none``: eq.
     (1) of the layers alone, as printed, and of statistics made before it was measured. A scene that was drawn with
     powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and which
-    layer of the flight gives a row its waveform, or, by -1 - k, that it is the background's e-fold k.
+    layer of the flight gives a row its waveform, or, by -1 - k, that it is the background's e-fold k; and the flight's
+    texture and gain by line.
     """
     if background not in BACKGROUNDS:
         msg = f"background must be one of {', '.join(BACKGROUNDS)}, got {background!r}"
@@ -203,6 +204,9 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
     variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
     own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
+    if "texture_variance" in statistics:
+        own["line_gain_spread_db"] = float(statistics["line_gain_spread_db"])
+        own["texture"] = [float(statistics[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
     return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
 
 

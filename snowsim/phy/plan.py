@@ -8,15 +8,17 @@ from snowsim.phy.correlated import correlating_taps
 from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
 from snowsim.phy.speckle import check_method, checked_looks
 from snowsim.phy.tables import Supports, allowed_error, find_supports
+from snowsim.phy.texture import checked_texture
 
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
+OPTIONAL = {"speckle_correlation", "texture", "line_gain_spread_db"}
 
 # Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to other machines.
 COST_NORMAL = 8.6
 COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
 COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
 COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 3.0, "correlated": 12.0}
-COST_LOOK = 18.0
+COST_LOOK, COST_TEXTURE = 18.0, 30.0
 MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is used
 
 
@@ -28,7 +30,8 @@ class Plan:
     wanted; `supports` is None for the closed form on every pixel. No pixel of ``P_s + noise_power`` is further than
     `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
     in draws of one float32 normal. `correlation` (lag,) of speckle down range is None where range bins are independent;
-    no lag of what is drawn is further than `correlation_error` from it.
+    no lag of what is drawn is further than `correlation_error` from it. `texture` is None or what `draw_texture` takes,
+    and range lines differ in gain by `line_gain_spread_db`: neither is an error of the mean.
     """
 
     waveforms: Waveforms
@@ -42,6 +45,8 @@ class Plan:
     cost_normals: float
     correlation: np.ndarray | None = None
     correlation_error: float = 0.0
+    texture: tuple | None = None
+    line_gain_spread_db: float = 0.0
 
     @property
     def method(self):
@@ -81,7 +86,7 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one. Where
     `parameters` hold a `speckle_correlation`, `quantile` stands in for `gamma`: it alone draws correlated range bins.
     """
-    if set(parameters) - {"speckle_correlation"} != set(PARAMETERS):
+    if set(parameters) - OPTIONAL != set(PARAMETERS):
         got = ", ".join(map(str, parameters)) or "none"
         msg = f"parameters: expected {', '.join(PARAMETERS)}, got {got}"
         raise ValueError(msg)
@@ -95,10 +100,21 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     if correlation is not None and speckle == "gamma":
         speckle = "quantile"
     check_method(speckle, n_looks, correlation)
-    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
+    gain_db = checked_power("line_gain_spread_db", parameters.get("line_gain_spread_db", 0.0))
+    texture = checked_texture(parameters.get("texture"))
+    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation, texture, gain_db)
 
 
-def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None):
+def plan_power(
+    waveforms,
+    noise_power,
+    tolerance_db,
+    n_looks=np.nan,
+    speckle="gamma",
+    correlation=None,
+    texture=None,
+    line_gain_spread_db=0.0,
+):
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
@@ -117,12 +133,16 @@ def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="ga
         cost += n_pixels * COST_SPECKLE["correlated"]
     elif np.isfinite(n_looks):
         cost += n_pixels * COST_SPECKLE.get(speckle, COST_LOOK * n_looks)
+    if texture is not None:
+        cost += n_pixels * COST_TEXTURE
     cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
     correlation_error = 0.0 if correlation is None else correlating_taps(correlation, n_looks)[1]
     return Plan(
         *(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals),
         correlation=correlation,
         correlation_error=correlation_error,
+        texture=texture,
+        line_gain_spread_db=line_gain_spread_db,
     )
 
 

@@ -1,4 +1,4 @@
-"""Contrast of layers where picks end along track, and of echoes that lie below the last pick."""
+"""Contrast of the deepest picked layers, and of echoes that lie below the last pick."""
 
 import numpy as np
 from scipy.signal import find_peaks
@@ -7,46 +7,29 @@ from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
 
 DB = 10 / np.log(10)
 STEPS_BETWEEN = 10  # samples from a layer above to a pick, where the valley is sought
-END_GROUPS = 4  # averaged lines that tell the contrast of a pick's end
-MINIMUM_ENDS = 5
+END_GROUPS = 4  # averaged lines that tell a contrast
 BELOW_BINS = 8  # [bins] below the last pick its own echo rules
 PEAK_DEVIATIONS = 4.0  # of speckle that an unpicked echo rises
 
 
 def end_contrasts(groups, frame_of):
-    """Rise over the snow above where picks end along track: frame and dB of each end, and what it rests on.
+    """Rise of layers over the snow above where no deeper one is picked: frame and dB of every averaged line.
 
-    Power on the pick over the least between it and the layer above, on the last `END_GROUPS` averaged lines before the
-    end: the least is sought on half of them and read on the others, so that it is not too low by speckle. Where hardly
-    a pick ends, the weaker half of all picks at the depth where they are deepest stands in.
+    Power on the pick over the least between it and the layer above, of the stretch the averaged line is in, of at least
+    `END_GROUPS`: the least is sought on half of them and read on the others, so that it is not too low by speckle.
     """
-    ends, deepest = [], []
+    ends = []
     for frame in np.unique(frame_of):
         members = np.flatnonzero(frame_of == frame)
         present = groups.present[members]
         for layer in range(1, present.shape[1]):
-            both = present[:, layer] & present[:, layer - 1]
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], both, [0]])))
+            deepest = present[:, layer] & present[:, layer - 1] & ~present[:, layer + 1 :].any(axis=1)
+            edges = np.flatnonzero(np.diff(np.concatenate([[0], deepest, [0]])))
             for start, stop in edges.reshape(-1, 2):
-                if stop - start < END_GROUPS:
-                    continue
-                gone_before = start > 0 and present[start - 1, layer - 1] and not present[start - 1, layer]
-                gone_after = stop < len(members) and present[stop, layer - 1] and not present[stop, layer]
-                if gone_before:
-                    ends.append((frame, _rise(groups, members[start : start + END_GROUPS], layer)))
-                if gone_after:
-                    ends.append((frame, _rise(groups, members[stop - END_GROUPS : stop], layer)))
-                if not present[start:stop, layer + 1 :].any():
-                    deepest.append((frame, _rise(groups, members[start:stop], layer)))
-    ends, deepest = ([end for end in found if np.isfinite(end[1])] for found in (ends, deepest))
-    source = "ends of picks"
-    if len(ends) < MINIMUM_ENDS:
-        ends = sorted(deepest, key=lambda end: end[1])[: (len(deepest) + 1) // 2]
-        source = "weaker half of the deepest picks: hardly a pick ends along track"
-    frames, rises = (
-        (np.array(values) for values in zip(*ends, strict=True)) if ends else (np.zeros(0, int), np.zeros(0))
-    )
-    return (frames.astype(int), rises), source
+                if stop - start >= END_GROUPS:
+                    ends += [(frame, _rise(groups, members[start:stop], layer))] * (stop - start)
+    ends = [end for end in ends if np.isfinite(end[1])]
+    return np.array([frame for frame, _ in ends], dtype=int), np.array([rise for _, rise in ends])
 
 
 def _rise(groups, members, layer):

@@ -5,9 +5,9 @@ import xarray as xr
 
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
-from snowsim.statistics.lines import BACKGROUND_FALLS, Groups
+from snowsim.statistics.lines import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
-from snowsim.statistics.radiometry import power_on_picks, radiometry
+from snowsim.statistics.radiometry import LAW_FALLS, power_on_picks, radiometry
 from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra, range_correlation
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
 from snowsim.statistics.surface import surface_statistics
@@ -93,7 +93,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
-            "fall": np.array(BACKGROUND_FALLS),
+            "fall": np.array(LAW_FALLS),
             "speckle_lag": np.arange(correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
             "probability": looks[2],

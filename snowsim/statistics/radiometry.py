@@ -8,19 +8,23 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.ends import echoes_below, end_contrasts
 from snowsim.statistics.fading import fading, fading_products
-from snowsim.statistics.lines import BACKGROUND_FALLS, BACKGROUND_RISE
+from snowsim.statistics.lines import BACKGROUND_RISE
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, stacked, stacked_tracked
+from snowsim.statistics.texture import NAMES as TEXTURE
+from snowsim.statistics.texture import texture
 
 DB = 10 / np.log(10)
 MOST_PARTS = 20  # of a flight, left out one at a time for standard errors
 FEWEST = 4  # blocks or layers that tell a spread
 BACKGROUND_FROM = 8  # [bins] below the surface's pick: nearer, its own echo rules
+LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)  # [bins] e-folds of the background's mean: their sum follows most declines
 NAMES = (
     *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
-    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
+    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db", *TEXTURE),
 )
-# Where the flight cannot tell: no spread, no echo within an image, all picks count; no fading, no background.
-STAND_INS = np.array([0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(BACKGROUND_FALLS))
+END_QUANTILE = 0.25  # of the rise of layers where picks end: those that an annotator just still sees
+# Where the flight cannot tell: no spread, no echo within an image, all picks count, no texture; no fading, no background.
+STAND_INS = [0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 0.0, 1.0, 1.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(LAW_FALLS)
 
 
 def power_on_picks(summary, n_layers, noise_power):
@@ -45,7 +49,8 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
       within blocks;
     - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface then buried
       layers, see `fading`; `fading_speckle_db2` is the nugget that the looks leave;
-    - `end_contrast_db`: rise over the snow above at which picks end, see `end_contrasts`;
+    - `end_contrast_db`: rise over the snow above that layers show where no deeper one is picked, the lower quartile;
+    - `line_gain_spread_db`, `texture_variance`, `texture_length_bins`, `texture_length_lines`: see `texture`;
     - `background_power (fall)`, mean power of what was not picked, ``sum_k b_k exp(-depth / fall_k)``, its
       `background_spread_db`; of echoes that rise out of it below the last pick the distance, `further_spacing_bins`,
       and how far, `further_rise_db`.
@@ -61,7 +66,8 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     background_db = DB * np.log(np.maximum(_block_means(background[:, None], block_of)[:, 0], 1e-300))
     decays = _block_decays(decay_rate, block_of)
     echoes = echoes_below(groups, block_of, n_looks)
-    ends, source = end_contrasts(groups, frame_of)
+    ends = end_contrasts(groups, frame_of)
+    terms = stacked(summary, "texture_terms")
     products = fading_products(summary, powers, frame_of)
     speckle = DB**2 * polygamma(1, n_looks)
 
@@ -77,16 +83,17 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
             _deviation(np.where(background_db[blocks] > -1000, background_db[blocks], np.nan)),
             n_rows / n_echoes if n_echoes else np.nan,
             rise / n_echoes if n_echoes else np.nan,
-            ends_held.mean() if ends_held.size else np.nan,
+            np.quantile(ends_held, END_QUANTILE) if ends_held.size >= FEWEST else np.nan,
+            *texture(terms[held[frame_of]]),
         ]
-        depth, left, used = (part[held[frame_of]] if part.ndim == 2 else part for part in profile)
-        n = used.sum(axis=0)
-        law = _background_law(depth, left.sum(axis=0) / np.maximum(n, 1), n)
+        depth, *profiles = (part[held[frame_of]] if part.ndim == 2 else part for part in profile)
+        left, total, n = (part.sum(axis=0) for part in profiles)
+        law = _background_law(depth, left / np.maximum(n, 1), total / np.maximum(n, 1), n)
         faded = [fading(products[held][:, kind].sum(axis=0), speckle) for kind in (0, 1)]
         return np.concatenate([values, np.ravel(faded), law])
 
     everything = np.ones(len(summary), dtype=bool)
-    value, error = all_of(everything), np.full(len(NAMES) + 8 + len(BACKGROUND_FALLS), np.nan)
+    value, error = all_of(everything), np.full(len(NAMES) + 8 + len(LAW_FALLS), np.nan)
     parts = np.unique(part_of)
     if parts.size > 1:
         without = np.array([all_of(part_of != part) for part in parts])
@@ -105,7 +112,7 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     variables["fading_speckle_db2"] = ((), speckle)
     unknown = [name for name in list(variables) if name.endswith("_missing")]
     unknown = [name.removesuffix("_missing") for name in unknown if np.any(variables.pop(name)[1])]
-    return variables, {"radiometry_missing": ", ".join(unknown), "end_contrast_source": source}
+    return variables, {"radiometry_missing": ", ".join(unknown)}
 
 
 def _blocks(summary):
@@ -204,7 +211,7 @@ def _modelled(groups, powers, by_layer):
 
 
 def _background(groups, powers, by_layer):
-    """What was not picked, by group over its mean law's depths; and depths, its profile (group, depth) and weight."""
+    """What was not picked, by group over its mean law's depths; and depths, its profile, all power, and weight."""
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     left = groups.power - groups.noise_power - _modelled(groups, powers, by_layer)
     used = np.isfinite(left) & (rows >= BACKGROUND_FROM) & groups.present[:, :1]
@@ -212,14 +219,18 @@ def _background(groups, powers, by_layer):
     shared = rows <= np.median(np.nanmax(np.where(groups.present, groups.position.mean(axis=2), 0), axis=1)) + 40
     held = used & shared
     level = np.where(held, values, 0).sum(axis=1) / np.maximum(held.sum(axis=1), 1)
-    return np.where(held.any(axis=1), level, np.nan), (rows, values, used.astype(float))
+    total = np.where(used, groups.power, 0.0)
+    return np.where(held.any(axis=1), level, np.nan), (rows, values, total, used.astype(float))
 
 
-def _background_law(depth, level, count):
-    """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, by relative least squares, (fall,)."""
-    held = count >= FEWEST
-    if held.sum() < len(BACKGROUND_FALLS):
-        return np.full(len(BACKGROUND_FALLS), np.nan)
-    scale = np.maximum(np.abs(level[held]), np.abs(level[held]).mean() * 1e-2) / np.sqrt(count[held])
-    columns = np.exp(-depth[held, None] / BACKGROUND_FALLS) / scale[:, None]
+def _background_law(depth, level, total, count):
+    """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, (fall,).
+
+    Least squares of the mean `level`, which speckle of the mean `total` power of `count` averaged lines scatters.
+    """
+    held = (count >= FEWEST) & (total > 0)
+    if held.sum() < len(LAW_FALLS):
+        return np.full(len(LAW_FALLS), np.nan)
+    scale = total[held] / np.sqrt(count[held])
+    columns = np.exp(-depth[held, None] / LAW_FALLS) / scale[:, None]
     return nnls(columns, level[held] / scale)[0]

@@ -7,6 +7,7 @@ import xarray as xr
 from numba import njit
 
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.statistics.texture import N_TERMS, texture_terms
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
@@ -20,10 +21,10 @@ BY_LINE = ("depth_bins", "tracked_power")
 BY_TRACK = ("surface_bins",)
 BY_GROUP = (
     *("power", "position", "spread", "n_picks"),
-    *("air_sum", "air_square", "air_count", "air_products", "air_pairs"),
+    *("air_sum", "air_square", "air_count", "air_products", "air_pairs", "texture_terms"),
 )
-DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag"}  # the second; else layer
-CONTENT = "snowsim flight summary 3"
+DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag", "texture_terms": "term"}  # else layer
+CONTENT = "snowsim flight summary 4"
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class FrameSummary:
     # (group, air_lag), of power in the air over its line's mean, less its row's mean over the frame:
     air_products: np.ndarray  # sum of products of bins so many apart
     air_pairs: np.ndarray  # number of them
+    texture_terms: np.ndarray  # (group, term), see `snowsim.statistics.texture`
     n_outside: int  # picks outside the record, treated as gaps
 
     def order(self):
@@ -86,6 +88,11 @@ def summarise(echogram, layers, where="frame"):
     deepest = int(np.ceil(np.nanmax(rows))) if picked else 0
     averaged, air = _average(power, surface_row, n_groups, deepest + ROWS_BELOW - FIRST_ROW + 1)
     products, pairs = _air_products(power[: n_groups * GROUP_LINES], surface_row[: n_groups * GROUP_LINES])
+    deepest_row = np.fmax.reduce([surface_row, *layer_bins])
+    by_group = (
+        of_line[: n_groups * GROUP_LINES].reshape(n_groups, GROUP_LINES, *of_line.shape[1:])
+        for of_line in (power, surface_row - AIR_MARGIN_BINS, deepest_row)
+    )
     grouped = rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
     position, spread = _positions(np.sort(grouped))
     spacing = np.diff(along_track_m(echogram)) if n_lines > 1 else np.array([np.nan])
@@ -108,6 +115,7 @@ def summarise(echogram, layers, where="frame"):
         air_count=air[2].astype(np.int64),
         air_products=products,
         air_pairs=pairs,
+        texture_terms=texture_terms(*by_group),
         n_outside=int(outside.sum()),
     )
     return [summary]
@@ -214,6 +222,7 @@ def summary_to_dataset(summary):
     """A summary as a dataset for `snowsim.io.files.write_dataset`: frames one after the other, padded with NaN."""
     n_layers = max(frame.depth_bins.shape[0] for frame in summary)
     widths = {"layer": n_layers, "row": max(frame.power.shape[1] for frame in summary), "air_lag": AIR_LAGS}
+    widths["term"] = N_TERMS
     variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME}
     shape = {
         "n_lines": [frame.depth_bins.shape[1] for frame in summary],
@@ -249,6 +258,7 @@ def summary_from_dataset(dataset):
         lines = slice(line, line + int(variables["n_lines"][i]))
         groups = slice(group, group + int(variables["n_groups"][i]))
         widths = {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i]), "air_lag": AIR_LAGS}
+        widths["term"] = N_TERMS
         parts = {name: variables[name][i].item() for name in BY_FRAME}
         parts |= {name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T) for name in BY_LINE}
         parts |= {name: variables[name][lines] for name in BY_TRACK}

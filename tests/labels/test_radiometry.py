@@ -52,8 +52,11 @@ def test_every_layer_drawn_is_kept_and_labels_are_some_of_them(drawn):
         whole, labelled = labelled_or_not(scene), np.isfinite(scene.layer_bins)
         assert labelled[0].all()
         assert_array_equal(scene.layer_bins[labelled], whole[labelled])
+        # Down to the deepest that shows, on every range line.
+        assert (labelled.all(axis=1) | ~labelled.any(axis=1)).all()
+        assert (np.diff(labelled[:, 0].astype(int)) <= 0).all()
     share = np.mean([np.isfinite(scene.layer_bins[1:]).mean() for scene in drawn])
-    assert 0.3 < share < 0.99, share
+    assert 0.3 < share < 1, share
 
 
 def test_power_and_noise_keep_the_mean_of_the_flight(drawn):
@@ -62,6 +65,17 @@ def test_power_and_noise_keep_the_mean_of_the_flight(drawn):
     # A lognormal of 1.6 dB scatters by 0.38 of its mean: 200 of them by 0.027; allow four.
     assert_allclose(surface.mean(), 1, atol=0.11)
     assert_allclose(noise.mean(), 1e-3, rtol=0.11)
+
+
+def test_as_many_scenes_have_no_layer_as_blocks_of_the_flight():
+    given = statistics().assign_attrs(n_blocks=10, n_blocks_without_layers=3)
+    given["n_blocks_by_layers"] = (("zone", "n_layers"), np.tile([0, 0, 3, 4], (given.sizes["zone"], 1)))
+    model = prepare(given, N_LINES, n_layers="measured", first_slab="uniform", radiometry="measured")
+    rng = np.random.default_rng(1)
+    n_layers = np.array([len(draw_scene(model, N_LINES, name="", rng=rng).layer_bins) - 1 for _ in range(400)])
+    # Binomial of 0.3: 0.023 of 400; allow four.
+    assert_allclose((n_layers == 0).mean(), 0.3, atol=0.092)
+    assert set(n_layers) == {0, 2, 3}
 
 
 def test_a_higher_contrast_at_the_ends_of_picks_leaves_fewer_labels(drawn):

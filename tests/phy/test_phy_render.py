@@ -9,6 +9,7 @@ from lib.diagnostics.phy_alternatives import render_literal, render_scatterers
 from lib.diagnostics.phy_errors import planted_scene
 from snowsim.echogram import to_uint8
 from snowsim.phy import mean_power, plan, render, render_plan
+from snowsim.phy.texture import draw_gain, draw_texture
 
 N_RANGE_BINS = 200
 
@@ -115,3 +116,23 @@ def test_bad_or_missing_parameters_are_refused(change, message, tolerance_db, rn
     changed = {name: value for name, value in (parameters | change).items() if value is not None}
     with pytest.raises(ValueError, match=message):
         render(layer_bins, changed, N_RANGE_BINS, tolerance_db=tolerance_db, rng=rng)
+
+
+def test_texture_and_gain_have_mean_1_and_the_autocorrelation_asked_for():
+    texture = draw_texture(600, 4000, (0.05, 12.0, 3.0), rng=np.random.default_rng(1)).astype(float)
+    assert_allclose(texture.mean(), 1, atol=2e-3)  # some 30,000 independent values of s.d. .22
+    logarithm = np.log(texture) + np.log1p(0.05) / 2
+    for bins, lines in ((0, 0), (12, 0), (0, 1), (0, 3), (24, 2)):
+        product = (logarithm[: 600 - bins, : 4000 - lines] * logarithm[bins:, lines:]).mean()
+        wanted = np.log1p(0.05) * np.exp(-bins / 12 - (lines / 3) ** 2)
+        assert_allclose(product, wanted, atol=0.03 * np.log1p(0.05))
+    gain = draw_gain(100_000, 0.5, rng=np.random.default_rng(1))
+    assert_allclose(gain.mean(), 1, atol=2e-3)
+    assert_allclose((10 * np.log10(gain)).std(), 0.5, rtol=0.01)
+
+
+@pytest.mark.parametrize("texture", [(0.1, 12.0), (0.1, 0.0, 2.0), (-0.1, 12.0, 2.0), (np.nan, 12.0, 2.0)])
+def test_textures_that_are_none_are_refused(texture):
+    layer_bins, parameters = planted()
+    with pytest.raises(ValueError, match="texture must be a variance and lengths"):
+        plan(layer_bins, parameters | {"texture": texture}, N_RANGE_BINS, tolerance_db=0.05)

@@ -5,8 +5,10 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 
-from snowsim.statistics import fit
+from snowsim.phy.texture import draw_gain, draw_texture
+from snowsim.statistics import fit, summarise
 from snowsim.statistics.radiometry import _two_spreads
+from snowsim.statistics.texture import texture as fit_texture
 
 N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
 POWER, NOISE, DECAY = 10 ** -np.arange(0, 0.3 * N_LAYERS, 0.3), 1e-3, 0.1
@@ -73,6 +75,20 @@ def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speck
     # 5 looks: (10 / ln 10)^2 psi1(5) = 4.17 dB^2; some 40,000 independent lines tell it to 1 %.
     assert_allclose(fading["fading_nugget_db2"], 4.17, rtol=0.05)
     assert planted_radiometry.isel(interface=0)["fading_spread_db"] < 0.3
+
+
+def test_planted_texture_and_gain_come_back(rng):
+    """Within 10 %: of a seventh of the rows of a default flight, whose jackknife errors are 6 % and less."""
+    frames = []
+    for minute in range(3):
+        mean = np.where(np.arange(420)[:, None] < 60, 0, 0.02) + np.zeros((420, 2000))
+        mean *= draw_texture(*mean.shape, (0.03, 12.0, 2.0), rng=rng)
+        mean = (mean + 1e-3) * draw_gain(2000, 0.5, rng=rng)
+        frames.append(made_up_frame(rng.gamma(5, mean / 5), np.full((1, 2000), 60.0), minute=minute))
+    fitted = fit_texture(
+        np.concatenate([frame.texture_terms for echogram, layers in frames for frame in summarise(echogram, layers)])
+    )
+    assert_allclose(fitted, [0.5, 0.03, 12, 2], rtol=0.1)
 
 
 def test_layers_that_share_nothing_have_no_common_spread(rng):

@@ -1,0 +1,44 @@
+"""What unlayered snow and the receiver do to power: a texture down range and along track, and gain line by line."""
+
+import numpy as np
+from scipy.ndimage import correlate1d
+from scipy.signal import lfilter
+
+NEPERS = np.log(10) / 10  # per dB
+REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Gaussian
+
+
+def checked_texture(texture):
+    """(variance, length down range, length along track), or None without any; ValueError unless they are three such."""
+    values = () if texture is None else tuple(map(float, texture))
+    if texture is not None and not (len(values) == 3 and np.isfinite(values).all() and min(values) >= 0 < values[1]):
+        msg = f"texture must be a variance and lengths in range bins and range lines, not negative, got {texture}"
+        raise ValueError(msg)
+    return values if values and values[0] > 0 else None
+
+
+def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
+    """Factors of power of mean 1, float32 (range_bin, range_line).
+
+    Lognormal of variance v; the logarithm has an autocorrelation of ``exp(-k / a)`` at k range bins and
+    ``exp(-(h / b)^2)`` at h range lines, (v, a, b) being `texture`.
+    """
+    variance, length_bins, length_lines = texture
+    spread = np.sqrt(np.log1p(variance))
+    sigma_lines = max(length_lines / 2, 1e-3)  # white noise under taps of this width has the autocorrelation wanted
+    reach = int(np.ceil(REACH_LINES * sigma_lines))
+    taps = np.exp(-((np.arange(-reach, reach + 1) / sigma_lines) ** 2) / 2)
+    taps *= spread / np.sqrt((taps**2).sum())
+    white = rng.standard_normal((n_range_bins, n_range_lines + 2 * reach), dtype=np.float32)
+    rough = correlate1d(white, taps.astype(np.float32), axis=1)[:, reach : reach + n_range_lines]
+    kept = np.exp(-1 / length_bins)
+    rough[1:] *= np.sqrt(1 - kept**2)  # the first row keeps its variance: the series starts stationary
+    rough = lfilter(np.ones(1, np.float32), np.array([1, -kept], np.float32), rough, axis=0)
+    rough -= np.float32(spread**2 / 2)
+    return np.exp(rough, out=rough)
+
+
+def draw_gain(n_range_lines, spread_db, *, rng):
+    """Factors of power by range line, lognormal of mean 1, float32 (range_line,)."""
+    spread = NEPERS * spread_db
+    return np.exp(spread * rng.standard_normal(n_range_lines) - spread**2 / 2).astype(np.float32)
