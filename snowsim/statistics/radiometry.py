@@ -23,7 +23,7 @@ NAMES = (
     *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db", *TEXTURE),
 )
 END_QUANTILE = 0.25  # of the rise of layers where picks end: those that an annotator just still sees
-# Where the flight cannot tell: no spread, no echo within an image, all picks count, no texture; no fading, no background.
+# Where the flight cannot tell: no spread, no echo within an image, all picks count; no texture, fading, background.
 STAND_INS = [0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 0.0, 1.0, 1.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(LAW_FALLS)
 
 

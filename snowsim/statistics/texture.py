@@ -3,7 +3,6 @@
 import numpy as np
 from scipy.optimize import least_squares
 
-
 DB = 10 / np.log(10)
 LINE_LAGS = np.array([1, 2, 9])  # [range lines]; at the last, lines share nothing but what the group's means take
 BIN_LAGS = np.array([0, 4, 8, 16])  # [range bins]

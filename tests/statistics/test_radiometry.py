@@ -85,9 +85,8 @@ def test_planted_texture_and_gain_come_back(rng):
         mean *= draw_texture(*mean.shape, (0.03, 12.0, 2.0), rng=rng)
         mean = (mean + 1e-3) * draw_gain(2000, 0.5, rng=rng)
         frames.append(made_up_frame(rng.gamma(5, mean / 5), np.full((1, 2000), 60.0), minute=minute))
-    fitted = fit_texture(
-        np.concatenate([frame.texture_terms for echogram, layers in frames for frame in summarise(echogram, layers)])
-    )
+    summaries = [frame for echogram, layers in frames for frame in summarise(echogram, layers)]
+    fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summaries]))
     assert_allclose(fitted, [0.5, 0.03, 12, 2], rtol=0.1)
 
 
