@@ -44,6 +44,8 @@ def test_each_scene_is_seen_once_before_any_is_seen_again():
     for _ in train_steps(Training(TINY, seed=1), Watched(toy_scenes(6))):
         pass
     assert sorted(seen) == list(range(6))
+    with pytest.raises(ValueError, match="at least one scene"):
+        next(train_steps(Training(TINY, seed=1), []))
 
 
 def test_the_rate_is_constant_for_half_the_steps_then_falls_linearly_to_zero():
@@ -59,8 +61,3 @@ def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(b
     settings = replace(TINY, n_range_bins=None, n_range_lines=None, batch_size=batch_size, n_steps=3)
     for _, losses in train_steps(Training(settings, seed=1), scenes):
         assert np.isfinite(list(losses.values())).all()
-
-
-def test_training_without_scenes_is_refused():
-    with pytest.raises(ValueError, match="at least one scene"):
-        next(train_steps(Training(TINY, seed=1), []))

@@ -12,7 +12,7 @@ def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=
     return made_up_frame(rng.gamma(10, 1e-3, size=(n_bins, n_lines)).astype(np.float32), bins)
 
 
-def test_blocks_follow_the_published_rule(rng):
+def test_blocks_follow_the_published_rule_and_deep_layers_get_a_hundred_rows_below(rng):
     echogram, layers = make_level_frame(rng)
     scenes, skipped = cut_blocks(echogram, layers, name="20120330_04")
     assert skipped == {}
@@ -27,9 +27,6 @@ def test_blocks_follow_the_published_rule(rng):
         assert scene.n_range_bins == 300
         start = scene.notes["first_line"]
         assert_array_equal(scene.image, to_uint8(power[160:460, start : start + 256])[0])
-
-
-def test_deep_layers_get_a_hundred_rows_below(rng):
     echogram, layers = make_level_frame(rng, depth_bins=(0, 30, 400.4))
     scenes, _ = cut_blocks(echogram, layers, name="f")
     assert scenes[0].n_range_bins == 451 + 100

@@ -51,18 +51,6 @@ def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table
     assert table["flags"].tolist() == [*flags, ""]
 
 
-def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight, rows):
-    plain_echogram, plain_layers = read_frame(rows[0])
-    unfit = by_line(3, 519) > 0
-    supplement(flight, 0, missing_data=unfit.astype(np.uint8))
-    echogram, layers = read_frame(rows[0])
-    assert np.isnan(echogram["Data"].values[:, unfit]).all()
-    assert np.isnan(layers["twtt"].values[:, unfit]).all()
-    rows = np.isin(echogram["twtt"].values, plain_echogram["twtt"].values)
-    assert_array_equal(echogram["Data"].values[rows][:, ~unfit], plain_echogram["Data"].values[:, ~unfit])
-    assert_array_equal(layers["twtt"].values[:, ~unfit], plain_layers["twtt"].values[:, ~unfit])
-
-
 @pytest.mark.parametrize("flags", [{}, {"low_SNR": 1, "land_ice": 1, "deconvolution_artifact": 1}])
 def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, rows, flags):
     row = rows[2]

@@ -4,7 +4,7 @@ from edge_counts import image_counts
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals, tracker_table
+from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals
 
 
 def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
@@ -44,11 +44,3 @@ def test_images_without_truth_are_reported_beside_the_scores(rng):
     assert (intervals["n_images"] == 3).all()
     assert (intervals["n_without_truth"] == 1).all()
     assert set(intervals["output"]) == {"fuse"}
-
-
-def test_table3_has_the_papers_rows_and_columns(rng):
-    sets = ["rd", "rd_gd", "rd_pd", "rd_pd_gd"]
-    counts = {(s, output): [image_counts(0.7, 5, rng=rng)] for s in sets for output in OUTPUTS}
-    table = tracker_table(tracker_intervals(counts, sets, n_bootstrap=5, rng=rng))
-    assert list(table["output"]) == ["side_1", "side_2", "side_3", "side_4", "side_5", "fuse"]
-    assert list(table.columns) == ["output", *[f"{s}_{m}" for s in sets for m in ("ods", "ois", "ap")]]

@@ -8,14 +8,11 @@ from snowsim.reference.climate import draw_along_track, draw_waves
 from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
 
 
-def test_line_is_1200_km_from_central_to_north_west_greenland():
+def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances_on_it():
     assert_allclose(line_length_km(), 1200, rtol=0.02)
     latitude, longitude = line_coordinates(np.linspace(0, line_length_km(), 50))
     assert (np.diff(latitude[:40]) > 0).all()
     assert (np.diff(longitude) < 0).all()
-
-
-def test_positions_along_the_line_are_distances_and_none_lies_off_it():
     latitude, longitude = (np.radians(x) for x in line_coordinates(np.array([300.0, 310.0])))
     cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * np.cos(np.diff(longitude)[0])
     # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
@@ -76,12 +73,9 @@ def test_relief_does_not_add_up_with_depth(rng):
     assert spread[-1] < 1.5 * spread[9]
 
 
-def test_waves_have_unit_variance():
+def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation_asked_for(rng):
     values = [draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)]
     assert_allclose(np.std(values), 1, rtol=4 / np.sqrt(2 * 8000))
-
-
-def test_series_along_track_are_stationary_with_the_correlation_asked_for(rng):
     series = draw_along_track(4000, 40, 8.0, rng=rng)
     assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))
     correlation = (series[:, 5] * series[:, 13]).mean()

@@ -90,15 +90,12 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
 
 
-def test_missing_lines_are_noise_and_positive(rng):
+def test_missing_lines_are_noise_and_positive_saturated_ones_noisy_and_clipped(rng):
     faults = BARE["radar"] | {"missing_rate": 1.0, "jump_rate": 0.0}
     _, echo = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)
     assert echo.without_echo.all()
     assert_allclose(echo.mean(), echo.noise_power, rtol=1e-5)
     assert (echo.draw(1, rng=rng) > 0).all()
-
-
-def test_saturated_lines_are_noisy_and_clipped(rng):
     faults = BARE["radar"] | {"saturated_rate": 1.0, "jump_rate": 0.0}
     mean = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)[1].mean()
     # The transform rounds to 1e-7 of an echo of 0.01; this noise is 1e-5.

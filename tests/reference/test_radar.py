@@ -10,7 +10,7 @@ RADAR = RadarSettings()
 MARGIN = rd.range_response(RADAR).size // 2 + RADAR.n_sub_bins
 
 
-def test_hann_response_has_the_published_widths():
+def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weighted_beat_signal():
     # 6 GHz: 0.200 m between nulls, 0.075 m equivalent width, of path there and back.
     null_s = 0.200 / SPEED_OF_LIGHT_M_S / 2
     assert abs(rd.hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
@@ -18,9 +18,6 @@ def test_hann_response_has_the_published_widths():
     delay_s = np.linspace(-50 / 6e9, 50 / 6e9, 200_001)
     width_m = np.trapezoid(rd.hann_response(delay_s, 6e9) ** 2, delay_s) * SPEED_OF_LIGHT_M_S
     assert_allclose(width_m, 0.075, rtol=2e-3)  # likewise rounded, from 0.07495
-
-
-def test_hann_response_is_the_spectrum_of_the_weighted_beat_signal():
     samples = 4096
     sweep = (np.arange(samples) + 0.5) / samples  # of the bandwidth
     window = 0.5 - 0.5 * np.cos(2 * np.pi * sweep)
@@ -113,16 +110,13 @@ def test_point_between_bins_appears_between_them():
     assert mean.argmax() in (20, 21)
 
 
-def test_rolled_share_of_the_flight_is_that_of_the_chain(rng):
+def test_gain_jumps_and_rolls_as_often_as_asked(rng):
     radar = RadarSettings(roll_enter=0.02, roll_leave=0.1, roll_gain=0.5)
     gain = rd.draw_roll_gain(200_000, radar, rng=rng)
     assert set(np.unique(gain)) == {0.5, 1.0}
     # Stationary share e / (e + l); correlation (1 - e - l) leaves n (e + l) / 2 independent lines.
     share = 0.02 / 0.12
     assert_allclose((gain < 1).mean(), share, atol=4 * np.sqrt(share * (1 - share) / (200_000 * 0.06)))
-
-
-def test_receiver_gain_jumps_as_often_as_asked(rng):
     gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng)
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
     assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1).all()

@@ -15,13 +15,10 @@ TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "expo
 SNAKEFILES = ("Snakefile", "workflow/Snakefile")
 
 
-def test_lint_finds_nothing(tmp_path):
+def test_rules_are_formatted_and_lint_finds_nothing(tmp_path):
     done = call(SNAKEMAKE, "--lint", "--directory", tmp_path)
     assert done.returncode == 0, text_of(done)
     assert "Congratulations, your workflow is in a good condition" in text_of(done)
-
-
-def test_rules_are_formatted():
     pytest.importorskip("snakefmt")
     done = call(SNAKEMAKE.with_name("snakefmt"), "--check", "Snakefile", "workflow", cwd=ROOT)
     assert done.returncode == 0, text_of(done)
@@ -124,11 +121,3 @@ def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
     done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
     n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
     assert 40 < n_jobs <= 70
-
-
-def test_profiles_lie_where_snakemake_looks():
-    for name in ("default", "slurm"):
-        profile = yaml.safe_load((ROOT / f"profiles/{name}/config.yaml").read_text())
-        assert profile["scheduler"] == "greedy"
-        assert "params" in profile["rerun-triggers"]
-        assert profile["default-resources"] == {"mem_mb": 1000, "runtime": 30}

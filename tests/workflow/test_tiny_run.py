@@ -39,11 +39,7 @@ def test_every_label_set_is_rendered_by_both_methods_at_its_own_height(tiny_run)
         assert not crossing_layers(label.layer_bins).any()
 
 
-def test_nothing_half_written_is_left(tiny_run):
-    assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
-
-
-def test_every_figure_decodes(tiny_run):
+def test_every_figure_decodes_and_nothing_half_written_is_left(tiny_run):
     figures = sorted((tiny_run / "results/figures").iterdir())
     assert figures
     for path in figures:
@@ -52,6 +48,7 @@ def test_every_figure_decodes(tiny_run):
                 assert np.asarray(image).std() > 0
         else:
             assert ElementTree.parse(path).getroot().tag.endswith("svg")
+    assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
 @pytest.fixture(scope="module")

@@ -32,21 +32,18 @@ def similarity_table(cgan_less_phy):
     return table.assign(psnr=[*phy, *(phy + cgan_less_phy)], rmse=[*phy, *(phy - cgan_less_phy)])
 
 
-def test_the_mean_s_interval_is_student_s(rng):
+def test_the_mean_s_interval_is_student_s_and_one_value_has_none(rng):
     values = rng.normal(1, 2, 20)
     low, high = stats.t.interval(0.95, 19, loc=values.mean(), scale=stats.sem(values))
     assert_allclose(mean_interval([*values, np.nan]), (values.mean(), low, high), rtol=1e-12)
+    assert np.isnan(mean_interval([2.0])[1])
+    assert paired_verdict([2.0])[0] == OPEN
 
 
 def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
     held = [low <= 1 <= high for _, low, high in (mean_interval(rng.normal(1, 2, 15)) for _ in range(2000))]
     # Binomial, 2000 draws of 0.95: standard deviation 0.0049; four of them.
     assert_allclose(np.mean(held), 0.95, atol=4 * 0.0049)
-
-
-def test_one_value_has_no_interval():
-    assert np.isnan(mean_interval([2.0])[1])
-    assert paired_verdict([2.0])[0] == OPEN
 
 
 def test_signs_of_an_interval_decide():
@@ -64,9 +61,14 @@ def test_better_means_more_psnr_and_less_rmse(shift, verdict, metric, sign):
     assert claims.better_similarity(noisy, metric, sign, "").verdict == verdict
 
 
-def test_no_difference_is_not_resolved():
+def test_no_difference_and_what_could_not_be_measured_are_not_resolved():
     even = similarity_table(np.tile([1.0, -1.0], 20))
     assert claims.better_similarity(even, "psnr", 1, "").verdict == OPEN
+    # A renderer whose images are constant above the surface has no texture there.
+    values = {"observed": 0.03, "phy": 0.0, "cgan": np.nan}
+    rows = [(f"s{i}", method, i * value) for i in range(4) for method, value in values.items()]
+    table = pd.DataFrame(rows, columns=["scene", "method", "autocorrelation_line"])
+    assert claims.needless_texture(table.assign(region="above", deviation=1.0)).verdict == OPEN
 
 
 def test_infinite_psnr_of_an_identical_image_is_left_out():
@@ -75,14 +77,6 @@ def test_infinite_psnr_of_an_identical_image_is_left_out():
     found = claims.better_similarity(table, "psnr", 1, "dB")
     assert found.verdict == CONFIRMED
     assert "39 scenes" in found.evidence
-
-
-def test_what_could_not_be_measured_is_not_resolved():
-    # A renderer whose images are constant above the surface has no texture there.
-    values = {"observed": 0.03, "phy": 0.0, "cgan": np.nan}
-    rows = [(f"s{i}", method, i * value) for i in range(4) for method, value in values.items()]
-    table = pd.DataFrame(rows, columns=["scene", "method", "autocorrelation_line"])
-    assert claims.needless_texture(table.assign(region="above", deviation=1.0)).verdict == OPEN
 
 
 def positions(cgan, phy):
@@ -101,14 +95,11 @@ def test_curvature_is_judged_where_layers_bend_most():
     assert claims.curvature(positions(cgan=1.0, phy=2.0)).verdict == CONTRADICTED
 
 
-def test_augmentation_needs_all_sets_to_gain():
+def test_augmentation_needs_all_sets_to_gain_and_the_best_set_all_intervals_below_its_own():
     gains = {("fuse", name): 0.02 for name in SETS[1:]}
     assert claims.augmentation(intervals(gains), "ods").verdict == CONFIRMED
     assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): 0.002}), "ods").verdict == OPEN
     assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").verdict == CONTRADICTED
-
-
-def test_the_best_set_is_best_only_above_all_intervals():
     assert claims.best_fuse(intervals({("fuse", "rd_pd"): 0.03})).verdict == CONFIRMED
     close = {("fuse", "rd_pd"): 0.03, ("fuse", "rd_gd"): 0.025}
     assert claims.best_fuse(intervals(close)).verdict == OPEN
@@ -116,14 +107,11 @@ def test_the_best_set_is_best_only_above_all_intervals():
     assert claims.best_fuse(intervals({("fuse", "rd_pd"): -0.03})).verdict == CONTRADICTED
 
 
-def test_side_outputs_are_counted():
+def test_side_outputs_are_counted_and_the_fifth_gets_worse_only_if_it_loses():
     leads = {(f"side_{side}", "rd_gd"): 0.02 for side in (1, 2, 3)}
     assert claims.best_sides(intervals(leads)).verdict == CONFIRMED
     others = {(f"side_{side}", "rd_pd"): 0.02 for side in (1, 2, 3)}
     assert claims.best_sides(intervals(others)).verdict == CONTRADICTED
-
-
-def test_the_fifth_side_output_gets_worse_only_if_it_loses():
     worse = {("side_5", name): -0.1 for name in SETS[1:]}
     assert claims.fifth_side(intervals(worse)).verdict == CONFIRMED
     assert claims.fifth_side(intervals({key: 0.1 for key in worse})).verdict == CONTRADICTED

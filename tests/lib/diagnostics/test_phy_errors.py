@@ -30,14 +30,11 @@ def test_error_is_that_of_power_plus_noise():
     assert phy_errors.largest_error_db([1e-3], [0.0], 0.0) == np.inf
 
 
-def test_equal_looks_are_gamma():
+def test_equal_looks_are_gamma_and_two_unlike_ones_their_closed_form():
     level = np.array([0.3, 0.9, 1.0, 1.8])
     # The transform is summed until it has fallen to 1e-7.
     assert_allclose(phy_errors.mean_of_looks_below(level, np.ones(12)), gammainc(12, 12 * level), atol=1e-7)
     assert phy_errors.moving_distance(np.ones(12)) < 1e-7
-
-
-def test_two_looks_add_to_their_closed_form():
     # The mean of exponentials of mean 3 and 1 has F = 1 - (3 exp(-2x / 3) - exp(-2x)) / 2; phi falls as u^-2 only.
     level = np.array([0.2, 1.0, 5.0])
     expected = 1 - (3 * np.exp(-2 * level / 3) - np.exp(-2 * level)) / 2
