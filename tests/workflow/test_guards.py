@@ -86,7 +86,7 @@ def error_from_the_flight(folder, target):
 
 
 def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
-    path = broken_run / "results/flight/0001.nc"  # the second of the first lot
+    path = broken_run / "results/flight/0001.nc"  # the second of the first shard
     path.write_bytes(path.read_bytes()[:20_000])
     line = error_from_the_flight(broken_run, "results/statistics/0000.nc")
     assert "results/flight/0001.nc: expected" in line

@@ -39,6 +39,12 @@ def or_refused(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
+# Settings of earlier versions and what they are called now.
+RENAMED = {
+    "import.unfit_flags": "import.flagged_by",
+}
+
+
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
     schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
@@ -49,7 +55,9 @@ def check_config(config):
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
         expected = error.schema.get("description", "")
         if error.validator == "additionalProperties":
-            expected = ", ".join(error.schema["properties"])
+            names = (".".join([*error.absolute_path, name]) for name in error.instance)
+            known = ", ".join(error.schema["properties"])
+            expected = next(filter(None, map(RENAMED.get, names)), known)
         raise WorkflowError(
             f"config: {key}: {error.message}"
             + (f" (expected: {expected})" if expected else "")
@@ -94,7 +102,6 @@ SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 wildcard_constraints:
     frame=r"\d{4}",
-    lot=r"\d{4}",
     shard=r"\d{4}",
     replica=r"\d+",
     split="|".join(SPLITS),

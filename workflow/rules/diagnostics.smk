@@ -133,7 +133,7 @@ LOOP_CONVENTIONS = list(
     )
 )
 TRIED = "results/closed_loop/{name}_first.{ending}"
-LOOP_LOTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
+TRIED_PARTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
 # The flight's statistics by every estimator.
 STATISTICS = {
     estimator: f"results/closed_loop/flight_{estimator}.nc"
@@ -181,11 +181,11 @@ rule render_closed_loop:
         "../scripts/render_closed_loop.py"
 
 
-for lot, conventions in enumerate(LOOP_LOTS):
+for part, conventions in enumerate(TRIED_PARTS):
 
     rule:
         name:
-            f"try_conventions_{lot}"
+            f"try_conventions_{part}"
         input:
             layers=[f"results/labels/{shard}.nc" for shard in LOOP_SHARDS],
             statistics=[STATISTICS[name.split("_")[0]] for name in conventions],
@@ -194,9 +194,9 @@ for lot, conventions in enumerate(LOOP_LOTS):
             recovered=expand(TRIED, name=conventions, ending="nc"),
             tables=expand(TRIED, name=conventions, ending="csv"),
         log:
-            f"logs/try_conventions/{lot}.log",
+            f"logs/try_conventions/{part}.log",
         benchmark:
-            f"results/benchmarks/try_conventions/{lot}.tsv"
+            f"results/benchmarks/try_conventions/{part}.tsv"
         params:
             conventions=conventions,
             seed=config["seed"],

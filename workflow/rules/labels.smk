@@ -1,8 +1,8 @@
 # Sums over the flight -> flight statistics -> synthetic layer sets.
 
-# Sums over a lot of frames or, where there are only images, over a file of train scenes.
+# Sums over a shard of frames or, where there are only images, over a file of train scenes.
 SUMMARIES = [
-    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
+    f"results/statistics/{number}.nc" for number in FRAME_SHARDS or shards("train")
 ]
 
 
