@@ -32,7 +32,14 @@ TIMED = (
     "report.html",
 )
 # Since release 0.1.0: old file -> new file, None for what is written no longer; old column -> new column of a file.
-MOVED_FILES = {}
+MOVED_FILES = {
+    f"{kind}/stability_{name}": f"{kind}/atlas_{name}"
+    for kind, names in {
+        "tables": ("phy.csv", "phy_regions.csv", "statistics.csv"),
+        "figures": [f"{name}.{end}" for name in ("phy", "statistics", "statistics_borders") for end in ("svg", "png")],
+    }.items()
+    for name in names
+}
 MOVED_COLUMNS = {}
 # Largest difference of values that may have moved, by file and column: SSIM is scikit-image's now.
 ALLOWED = {

@@ -42,6 +42,8 @@ def or_refused(function, *arguments):
 # Settings of earlier versions and what they are called now.
 RENAMED = {
     "import.unfit_flags": "import.flagged_by",
+    "studies.cgan.stability": "studies.cgan.atlas",
+    "studies.tracker.stability": "studies.tracker.atlas",
 }
 
 

@@ -364,17 +364,17 @@ rule measure_phy:
 # Where PHY's methods and the estimators of flight statistics fail, and that public functions do not.
 
 
-rule stress:
+rule draw_atlases:
     input:
-        code=imported_by("stress.py"),
+        code=imported_by("draw_atlases.py"),
     output:
-        phy="results/tables/stability_phy.csv",
-        phy_regions="results/tables/stability_phy_regions.csv",
-        statistics="results/tables/stability_statistics.csv",
+        phy="results/tables/atlas_phy.csv",
+        phy_regions="results/tables/atlas_phy_regions.csv",
+        statistics="results/tables/atlas_statistics.csv",
     log:
-        "logs/stress.log",
+        "logs/draw_atlases.log",
     benchmark:
-        "results/benchmarks/stress/all.tsv"
+        "results/benchmarks/draw_atlases/all.tsv"
     resources:
         mem_mb=1500,
     params:
@@ -382,28 +382,28 @@ rule stress:
         # Under half a minute; a flight of test size gets the ends of every sweep alone.
         share=1.0 if config["flight"]["n_frames"] >= 10 else 0.2,
     message:
-        "stability atlases of PHY and of the estimators"
+        "atlases of PHY and of the estimators"
     script:
-        "../scripts/stress.py"
+        "../scripts/draw_atlases.py"
 
 
-rule stability:
+rule atlases:
     input:
-        rules.stress.output,
+        rules.draw_atlases.output,
         figure_files("atlas"),
     localrule: True
     message:
-        "stability atlases of PHY and of the estimators, with their figures"
+        "atlases of PHY and of the estimators, with their figures"
 
 
 rule charts_phy:
     input:
         rules.measure_phy.output,
-        rules.stability.input,
+        rules.atlases.input,
         figure_files("phy"),
     localrule: True
     message:
-        "speed-accuracy charts and stability atlas of PHY"
+        "speed-accuracy charts and atlas of PHY"
 
 
 # How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.

@@ -1,4 +1,4 @@
-"""The stability atlas: nothing public comes out not finite, and the deblended estimator holds where it should."""
+"""The atlas of the estimators: nothing public comes out not finite, and the deblended one holds where it should."""
 
 import numpy as np
 import pytest
