@@ -98,17 +98,17 @@ rule compare_scenes:
         "../scripts/compare_scenes.py"
 
 
-rule evidence:
+rule claims:
     input:
         rules.compare_renders.output,
         rules.compare_scenes.output,
         figure_files("similarity"),
     localrule: True
     message:
-        "evidence on what the paper claims of renders"
+        "tables behind what the paper claims of renders"
 
 
-# What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
+# Statistics re-estimated from PHY's renders beside those that went into them; decides PHY's conventions.
 
 # One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
 LOOP_STRIDE = 6
@@ -244,7 +244,7 @@ rule closed_loop:
         figure_files("closed_loop"),
     localrule: True
     message:
-        "statistics that went into PHY beside those its renders give back"
+        "statistics that went into PHY beside those re-estimated from its renders"
 
 
 rule tabulate_validation:
