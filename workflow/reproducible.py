@@ -39,6 +39,10 @@ MOVED_FILES = {
         "figures": [f"{name}.{end}" for name in ("phy", "statistics", "statistics_borders") for end in ("svg", "png")],
     }.items()
     for name in names
+} | {
+    "tables/label_criteria.csv": "tables/model_selection.csv",
+    "tables/label_savings.csv": "tables/model_selection_scenes.csv",
+    "tables/label_families.csv": "tables/model_selection_spectra.csv",
 }
 MOVED_COLUMNS = {}
 # Largest difference of values that may have moved, by file and column: SSIM is scikit-image's now.

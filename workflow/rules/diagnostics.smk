@@ -12,9 +12,9 @@ rule compare_label_models:
         code=imported_by("compare_label_models.py"),
     output:
         model="results/label_model.nc",
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
+        selection="results/tables/model_selection.csv",
+        scenes="results/tables/model_selection_scenes.csv",
+        spectra="results/tables/model_selection_spectra.csv",
         seconds="results/tables/speed_accuracy_labels.csv",
     log:
         "logs/compare_label_models.log",

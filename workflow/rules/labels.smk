@@ -95,7 +95,7 @@ rule labels:
     input:
         rules.summarise_labels.input.labels,
         rules.summarise_labels.output,
-        tables("label_criteria", "label_savings", "label_families"),
+        tables("model_selection", "model_selection_scenes", "model_selection_spectra"),
         tables("speed_accuracy_labels"),
         figure_files("labels"),
     localrule: True
