@@ -68,9 +68,9 @@ def two_sample(results):
     rows = []
     for (name, first_row), cells in table.groupby(["scenes", "first_row"], sort=False):
         cells = cells.set_index("classifier").loc[["network", "texture"]]
-        told = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
+        shares = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
         scenes = {"observed": "observed, other half", "phy": "PHY", "cgan": "cGAN"}[name]
-        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *told])
+        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *shares])
     return markdown(["observed and", "patches", "network", "texture"], rows)
 
 

@@ -23,7 +23,7 @@ def read_frames(path, *, root=None):
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to `root`, by default
     the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin with #
-    are remarks. Rows that fail are told together, each in a line; an echogram held out may have no other role.
+    are remarks. Rows that fail are reported together, each in a line; an echogram held out may have no other role.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)

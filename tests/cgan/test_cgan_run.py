@@ -131,12 +131,12 @@ def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, 
         assert "kept all the same" in caplog.text
 
 
-def test_setting_every_scene_aside_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
+def test_holding_every_scene_out_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="holds 6 train scenes out, there are 6: none is left"):
         train(**arguments(tmp_path / "run", validation={**VALIDATION, "n_scenes": 6}))
 
 
-def test_a_scene_set_aside_that_cannot_be_rendered_is_named(tmp_path):
+def test_a_held_out_scene_that_cannot_be_rendered_is_named(tmp_path):
     scenes = [replace(scene, image=np.full_like(scene.image, 7)) for scene in toy_scenes(6)]
     write_scenes(tmp_path / "scenes.nc", scenes)
     with pytest.raises(ValueError, match=r"scene toy \d: image without contrast, every pixel is 7"):

@@ -93,7 +93,7 @@ rule compare_scenes:
         **DRAWN,
         seed=config["seed"],
     message:
-        "drawn scenes beside observed ones: can they be told apart, and by what"
+        "drawn scenes beside observed ones: can they be distinguished, and by what"
     script:
         "../scripts/compare_scenes.py"
 

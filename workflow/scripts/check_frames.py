@@ -1,4 +1,4 @@
-"""Read every frame of the table once: all that fail are told together, before anything is computed from one."""
+"""Read every frame of the table once: all that fail are reported together, before anything is computed from one."""
 
 from job import logger, run
 

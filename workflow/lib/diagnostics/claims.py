@@ -236,7 +236,7 @@ def equal_looks(config):
         CONFIRMED if ours == observed else CONTRADICTED,
         f"phy.n_looks is {ours}, benchmark.n_looks {observed}.",
         "Settings decide.",
-        "PHY is told the number.",
+        "PHY is given the number.",
     )
 
 

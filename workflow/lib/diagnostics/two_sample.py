@@ -80,7 +80,7 @@ def fitted(features, truth):
 
 
 def decisions(one, other, *, n_splits, fit=fitted):
-    """Whether crops of two classes are told rightly, two lists of bool (crop,) by frame; None where that is impossible.
+    """Whether crops of two classes are classified rightly, two lists of bool (crop,) by frame; None if impossible.
 
     Classes are lists of frames, each an array (crop, ...) of what `fit` takes, with truth of bool (crop,), to give a
     function to decisions. Frames are dealt out to splits; those of each are decided by what saw the others alone.

@@ -27,7 +27,7 @@ def tracker_ablation(ablation):
 
 
 def tracker_worth(worth):
-    """Score of a training set less that of another with 95 % interval; grey: what could have been told from none."""
+    """Score of a training set less that of another with 95 % interval; grey: the least detectable one."""
     figure, axes = new_figure(1, 2, width=9, height=4, sharey=True)
     for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
         rows = worth[worth["metric"] == metric].iloc[::-1]

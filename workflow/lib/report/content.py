@@ -180,7 +180,7 @@ def compare_table3(intervals, paper, printed=None):
 
 
 def told_apart(two_sample):
-    """How often observed scenes are told from others by each classifier, texts, a row a kind of scenes."""
+    """How often observed scenes are distinguished from others by each classifier, texts, a row a kind of scenes."""
     whole = two_sample[two_sample["first_row"] < 0]
     rows = []
     for name, of_name in whole.groupby("scenes", sort=False):
