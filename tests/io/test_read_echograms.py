@@ -55,13 +55,10 @@ def test_transposed_amplitude_is_told_by_its_dimensions_and_not_by_its_shape(pat
     assert echogram.attrs["season_name"] == "2012_Greenland_P3"
 
 
-def test_netcdf3_files_are_read_as_netcdf4(path, content):
+def test_netcdf3_is_read_as_netcdf4_and_fast_time_survives_bins_below_a_nanosecond(path, content):
     echogram = read_back(formats.write_nsidc, path, content)
     assert echogram.equals(read_back(formats.write_nsidc, path, content, format="NETCDF3_64BIT_OFFSET"))
     assert path.read_bytes()[:4] == b"CDF\x02"
-
-
-def test_fast_time_survives_bins_below_a_nanosecond(path, content):
     # xarray would make timedelta64[ns] of it, in which a bin of 0.0866 ns is nothing.
     content["Time"] = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
     steps = np.diff(read_back(formats.write_nsidc, path, content)["twtt"].values)

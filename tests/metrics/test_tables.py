@@ -7,16 +7,13 @@ from snowsim.constants import OUTPUTS
 from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals
 
 
-def test_table2_holds_min_mean_and_max_of_every_metric_and_method():
+def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shallowest_scene():
     rows = [("phy", 10.0, 5.0, 0.1), ("phy", 30.0, 7.0, 0.2), ("cgan", 1.0, 20.0, 0.5), ("cgan", 3.0, 30.0, 0.7)]
     images = pd.DataFrame(rows, columns=["method", "rmse", "psnr", "ssim"]).assign(scene=["a", "b", "a", "b"])
     table = similarity_table(images).set_index(["metric", "statistic"])
     assert list(table.columns) == ["cgan", "phy"]
     assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
     assert_allclose(table.loc["ssim", "cgan"], [0.5, 0.6, 0.7])
-
-
-def test_ssim_against_depth_stops_at_the_shallowest_scene_and_averages_scenes():
     scenes = [("a", n, 0.2) for n in range(4)] + [("b", n, 0.6) for n in range(6)]
     rows = pd.DataFrame(scenes, columns=["scene", "range_bin", "ssim"]).assign(method="phy")
     table = ssim_against_depth(rows, 3)

@@ -48,7 +48,7 @@ def profile_of(column, climate):
     return column.place.accumulation_m, column.place.temperature_k, climate.settings.firn.surface_density_kg_m3
 
 
-def test_depth_table_of_a_column_is_that_of_its_place(climate, rng):
+def test_the_depth_table_of_a_column_is_that_of_its_place_and_horizons_never_cross_down_to_its_end(climate, rng):
     column = column_at(climate, 200, 30, 300, rng=rng)
     profile = profile_of(column, climate)
     water_m = np.linspace(0, 3, 7)
@@ -56,6 +56,10 @@ def test_depth_table_of_a_column_is_that_of_its_place(climate, rng):
     bins = firn.travel_time_s(depth_m, water_m) / climate.settings.radar.bin_size_s
     # Linear between 400 nodes.
     assert_allclose(np.interp(bins, column.table_bins, column.table_depth_m), depth_m, atol=1e-4)
+    for km in (10, 700, line_length_km() - 10):
+        column = column_at(climate, km, 64, 600, rng=rng)
+        assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
+        assert column.horizons.bins[-1].max() > 560
 
 
 def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
@@ -70,13 +74,6 @@ def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
     # Density at the middle of a year instead of its profile: second order in 3 % a year.
     slab_s = 2 * slab_m * firn.refractive_index_kovacs95(density) / SPEED_OF_LIGHT_M_S
     assert_allclose(slab_bins, slab_s / climate.settings.radar.bin_size_s, rtol=1e-3)
-
-
-def test_horizons_never_cross_and_reach_the_window_s_end(climate, rng):
-    for km in (10, 700, line_length_km() - 10):
-        column = column_at(climate, km, 64, 600, rng=rng)
-        assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
-        assert column.horizons.bins[-1].max() > 560
 
 
 def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(bare):

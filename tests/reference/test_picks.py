@@ -44,15 +44,12 @@ def test_the_record_ends_at_the_deepest_rise_and_a_layer_without_rise_is_not_pic
     assert np.isnan(picked[1, 75:]).all()
 
 
-def test_clear_layers_are_found_to_the_bin(rng):
+def test_clear_layers_are_found_to_the_bin_and_a_weak_one_is_lost_and_nothing_invented(rng):
     power, layer_bins = planted(slope=0.05)
     picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked).mean() > 0.95
     found = np.isfinite(picked)
     assert np.abs((picked - layer_bins)[found]).mean() < 1
-
-
-def test_weak_layer_is_lost_and_nothing_invented(rng):
     power, layer_bins = planted(peaks_db=(30, 20, -10, 20))
     picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked[2]).mean() < 0.2

@@ -86,23 +86,17 @@ def test_looks_range_lines_and_phases_are_independent(rng):
     assert abs(np.mean(look**2)) < bound * 1.5  # circular
 
 
-def test_received_mean_is_the_mean_of_many_looks(rng):
+def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_lies_between_bins(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
     mean = rd.received_mean(field, RADAR, MARGIN)
     detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(axis=0)
     assert_allclose(detected, mean[0], rtol=5 / np.sqrt(40_000))  # the largest of 60 exponential means
-
-
-def test_range_bins_do_not_depend_on_the_window(rng):
     field = rng.random((3, 50 * RADAR.n_sub_bins + 2 * MARGIN)).astype(np.float32)
     whole = rd.received_mean(field, RADAR, MARGIN)
     part = rd.received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
     assert whole.shape == (3, 50)
     assert_allclose(part, whole[:, :30], rtol=1e-6)  # float32
-
-
-def test_point_between_bins_appears_between_them():
     field = flat_field(1, 40, 0)
     field[0, MARGIN + 20 * RADAR.n_sub_bins + 2] = 1  # half a bin below bin 20
     mean = rd.received_mean(field, RADAR, MARGIN)[0]

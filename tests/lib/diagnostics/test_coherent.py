@@ -108,7 +108,7 @@ def test_what_single_scattering_leaves_out_is_of_third_order(rng, losses):
     assert errors[1] > 1e-11  # far from rounding
 
 
-def test_two_interfaces_lack_one_loss_and_one_multiple_in_the_born_approximation():
+def test_delays_are_two_way_and_two_interfaces_lack_one_loss_and_one_multiple_of_born_s():
     index, thickness_m = np.array([1.0, 1.2, 1.6]), [0.1]
     r1, r2 = fresnel(1.0, 1.2), fresnel(1.2, 1.6)
     turn = np.exp(4j * np.pi * SWEEP_HZ * 1.2 * 0.1 / SPEED_OF_LIGHT_M_S)
@@ -116,9 +116,6 @@ def test_two_interfaces_lack_one_loss_and_one_multiple_in_the_born_approximation
     assert_allclose(reflect_once(index, thickness_m, SWEEP_HZ), r1 + (1 - r1**2) * r2 * turn, rtol=1e-13)
     airy = (r1 + r2 * turn) / (1 + r1 * r2 * turn)
     assert_allclose(reflect(index, thickness_m, SWEEP_HZ)[0], airy, rtol=1e-13)
-
-
-def test_delays_are_two_way_through_the_media_above():
     delay_s = interface_delays_s(np.array([1.0, 1.2, 1.5]), np.array([0.3]))
     assert_allclose(delay_s, [0, 2 * 1.2 * 0.3 / SPEED_OF_LIGHT_M_S], rtol=1e-15)
 

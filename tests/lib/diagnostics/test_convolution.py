@@ -44,14 +44,11 @@ def test_profile_peaks_where_a_layer_lies_and_as_high_as_it_reflects():
     assert_allclose(np.sqrt(power), [r1, (1 - r1**2) * r2], atol=1e-4)
 
 
-def test_years_have_the_contrast_and_the_roughness_asked_for(rng):
+def test_years_have_the_contrast_and_roughness_asked_for_and_lenses_keep_the_depths(rng):
     density, thickness_m = draw_years(2000, 6, 80.0, **YEARS, rng=rng)
     assert_allclose(np.abs(np.diff(density, axis=1)), 80)
     depth_m = np.cumsum(thickness_m, axis=1)
     assert_allclose(depth_m.std(axis=0), 0.02, rtol=4 / np.sqrt(2 * 2000))
-
-
-def test_lenses_add_ice_and_keep_the_depths(rng):
     density, thickness_m = draw_years(50, 8, 80.0, **YEARS, rng=rng)
     with_lenses, thinner_m = draw_lenses(density, thickness_m, 3, lens_m=0.03, rng=rng)
     assert ((with_lenses == 917).sum(axis=1) == 3).all()

@@ -78,16 +78,13 @@ def test_penalty_of_a_tabulated_density_is_its_optimism(rng):
     assert_allclose(in_sample - out_of_sample, 127 * n / (n - 1), rtol=0.03)
 
 
-def test_choice_is_refused_where_it_is_none():
+def test_choice_is_refused_where_it_is_none_and_families_are_tabulated_by_zone():
     table = pd.DataFrame({"n_zones": [4], "psd": ["tabulated"], "aic": [0.0], "bic": [0.0]})
     assert choose(table, 4, "tabulated") == (4, "tabulated")
     with pytest.raises(ValueError, match="one criterion, got aic and bic"):
         choose(table, "aic", "bic")
     with pytest.raises(ValueError, match="hold no 7 zones"):
         choose(table, 7, "tabulated")
-
-
-def test_families_are_tabulated_by_zone():
     table = tabulate_spectra(np.array([density_of("ar1"), 4 * density_of("ar1")]))
     assert list(table.columns) == ["zone", "wavenumber", "tabulated", *FAMILIES]
     assert_allclose(table["ar1"], table["tabulated"], rtol=3e-3)

@@ -38,13 +38,10 @@ def test_quadrature_places_layers_on_the_rows_asked_for():
     assert_allclose(quadrature_power(PLAIN.waveforms(), rows), whole[rows], rtol=1e-15)
 
 
-def test_public_functions_are_never_wrong(atlas):
+def test_public_functions_are_never_wrong_and_every_way_to_fail_is_in_the_atlas(atlas):
     public = atlas[atlas["method"].isin(PUBLIC)]
     wrong = public[public["outcome"] == "wrong"]
     assert wrong.empty, wrong.to_string()
-
-
-def test_every_way_to_fail_is_in_the_atlas(atlas):
     wrong = atlas[atlas["outcome"] == "wrong"].groupby("setting")["method"].agg(set)
     assert {"naive", "sampled", "wrapped", "cut", "recursive32"} <= wrong["decay rate [per bin]"]
     assert {"naive", "sampled", "wrapped", "cut", "nearest", "recursive32"} <= wrong["variance [bins²]"]
@@ -62,16 +59,13 @@ def test_naive_form_fails_where_its_exponential_overflows(atlas):
     assert 1e5 <= regions.loc[("variance [bins²]", "naive"), "last_safe"] < 1420 / 0.07**2
 
 
-def test_what_must_be_refused_is_refused(atlas):
+def test_what_must_be_refused_is_refused_and_recursion_drifts_in_single_precision(atlas):
     borders = atlas[atlas["setting"] == "borders"]
     refused = borders.groupby("value")["outcome"].agg(set) == {"refused"}
     assert refused.sum() == 12
     assert not refused[["no layers", "all absent", "one pixel", "on top border", "no range lines"]].any()
     spacing = atlas[atlas["setting"] == "spacing of two layers [bins]"]
     assert set(spacing[spacing["value"] <= 0]["outcome"]) == {"refused"}
-
-
-def test_recursion_drifts_in_single_precision(atlas):
     column = atlas[atlas["setting"] == "height [bins]"].pivot_table(index="value", columns="method", values="error_db")
     # exp(-1e-6) in float32 is off by 3e-8 a step: up to 0.13 dB after a million; float64 stays with the plan.
     assert 0.01 < column.loc[1_000_000, "recursive32"] < 0.13

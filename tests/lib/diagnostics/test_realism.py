@@ -110,7 +110,7 @@ def test_the_response_has_the_autocorrelation_of_its_window(rng):
         assert_allclose(numbers[f"air, autocorrelation down at {t} ns"], expected, atol=0.03)
 
 
-def test_cores_of_planted_anomalies(rng):
+def test_cores_of_planted_anomalies_and_ratios_of_thickness_come_back(rng):
     years = rng.standard_normal(20_000)
     series = 0.4 * (1 + 0.2 * years) + 1e-6 * np.arange(20_000)
     found = realism_snow.describe_core(series)
@@ -118,9 +118,6 @@ def test_cores_of_planted_anomalies(rng):
     assert abs(found["cores, correlation of one year with the next"]) < 4 / np.sqrt(20_000)
     other = 0.4 * (1 + 0.2 * (0.6 * years + 0.8 * rng.standard_normal(20_000)))
     assert_allclose(realism_snow.neighbour_correlations([series, other]), [0.6], atol=4 * 0.64 / np.sqrt(20_000))
-
-
-def test_ratios_of_thickness_by_the_first_layer():
     slabs = [np.array([[5.0], [8.0], [8.0]]), np.array([[15.0], [12.0], [12.0]])]  # 28 and 84 px of a mean of 56
     assert realism_snow.thickness_ratio(slabs, (22, 40)) == 1.6
     assert realism_snow.thickness_ratio(slabs, (80, 100)) == 0.8

@@ -74,33 +74,21 @@ def test_table3_marks_what_is_resolved():
 
 @pytest.mark.parametrize("n_replicas", [2, 5])
 def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
-    names = [
-        "setting",
-        "training_set",
-        "base",
-        "base_training_set",
-        "metric",
-        "mean",
-        "base_mean",
-        "difference",
-        "low",
-        "high",
-    ]
+    names = ["setting", "training_set", "base", "base_training_set"]
+    names += ["metric", "mean", "base_mean", "difference", "low", "high"]
     rows = [
         ("default", name, "default", "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3)
         for name in SETS[1:]
         for metric in ("ods", "ois", "ap")
     ]
-    path = tmp_path / "studies/tracker/worth.csv"
-    path.parent.mkdir(parents=True)
+    path = tmp_path / "worth.csv"
     pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
     intervals = table3_intervals()
     shown = with_study(intervals, [str(path)])[intervals.columns]
     fuse = shown["output"] == "fuse"
     pd.testing.assert_frame_equal(shown[~fuse], intervals[~fuse])
     if n_replicas == 2:
-        pd.testing.assert_frame_equal(shown, intervals)
-        return
+        return pd.testing.assert_frame_equal(shown, intervals)
     added = shown[fuse & (shown["training_set"] != "rd")]
     assert (added[["mean", "difference", "difference_low", "difference_high"]] == [0.9, 0.2, 0.1, 0.3]).all(axis=None)
     assert (shown.loc[fuse, "n_replicas"] == 5).all()
@@ -145,15 +133,12 @@ def test_an_embedded_image_is_the_image_but_for_compression_and_grey(rng):
         image_uri(np.zeros((4, 4)))
 
 
-def test_files_are_embedded_byte_for_byte(tmp_path):
+def test_files_are_embedded_byte_for_byte_and_a_large_figure_becomes_pixels(tmp_path):
     path = tmp_path / "t.csv"
     path.write_bytes(b"a,b\n1,2\n")
     assert decoded(file_uri(path)) == b"a,b\n1,2\n"
     with pytest.raises(ValueError, match=r"t\.txt: expected"):
         file_uri(tmp_path / "t.txt")
-
-
-def test_a_large_figure_becomes_pixels_and_a_small_one_stays(tmp_path):
     svg = tmp_path / "f.svg"
     svg.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
     Image.new("RGB", (40, 30), "white").save(tmp_path / "f.png")
