@@ -40,11 +40,7 @@ def or_refused(function, *arguments):
 
 
 # Settings of earlier versions and what they are called now.
-RENAMED = {
-    "import.unfit_flags": "import.flagged_by",
-    "studies.cgan.stability": "studies.cgan.atlas",
-    "studies.tracker.stability": "studies.tracker.atlas",
-}
+RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas"}
 
 
 def check_config(config):
@@ -57,9 +53,8 @@ def check_config(config):
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
         expected = error.schema.get("description", "")
         if error.validator == "additionalProperties":
-            names = (".".join([*error.absolute_path, name]) for name in error.instance)
-            known = ", ".join(error.schema["properties"])
-            expected = next(filter(None, map(RENAMED.get, names)), known)
+            new = [RENAMED[name] for name in error.instance if name in RENAMED]
+            expected = ", ".join(new or error.schema["properties"])
         raise WorkflowError(
             f"config: {key}: {error.message}"
             + (f" (expected: {expected})" if expected else "")
