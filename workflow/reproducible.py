@@ -41,10 +41,7 @@ MOVED_FILES = {
 }
 MOVED_COLUMNS = {}
 # Largest difference of values that may have moved, by file and column: SSIM is scikit-image's now.
-ALLOWED = {
-    "similarity*: ssim": 5e-13,
-    "tables/*: ssim*": 5e-13,
-}
+ALLOWED = {"similarity*: ssim": 5e-13, "tables/*: ssim*": 5e-13}
 
 
 def reproducible_files(results):

@@ -126,10 +126,7 @@ def compare(flight, real, *, rng):
     for kind in KINDS:
         of_flight, of_real = ([frame[kind] for frame in frames if kind in frame] for frames in (flight, real))
         one, other = ([part[: len(part) // 2], part[len(part) // 2 :]] for part in (of_real[0], of_real[-1]))
-        found[kind] = (
-            *accuracy_of_crops(of_flight, of_real, rng=rng),
-            accuracy_of_crops(one, other, rng=rng)[0],
-        )
+        found[kind] = (*accuracy_of_crops(of_flight, of_real, rng=rng), accuracy_of_crops(one, other, rng=rng)[0])
     return found
 
 

@@ -232,14 +232,8 @@ def summary_tiles(table2, intervals, claims, costs):
         return ", ".join(f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS)
 
     tiles = {
-        "SSIM with observed scenes": (
-            methods("ssim", 2),
-            f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes",
-        ),
-        "Tracker on RD alone, fused ODS": (
-            f"{rd['mean']:.3f}",
-            f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
-        ),
+        "SSIM with observed scenes": (methods("ssim", 2), f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes"),
+        "Tracker on RD alone, fused ODS": (f"{rd['mean']:.3f}", f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}"),
         "Best augmented set, fused ODS": (
             f"{NAMES[best]} {signed3(gain['difference'])}",
             f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}], "
