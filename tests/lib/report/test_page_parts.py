@@ -81,7 +81,8 @@ def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_traini
         for name in SETS[1:]
         for metric in ("ods", "ois", "ap")
     ]
-    path = tmp_path / "worth.csv"
+    path = tmp_path / "studies/tracker/worth.csv"
+    path.parent.mkdir(parents=True)
     pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
     intervals = table3_intervals()
     shown = with_study(intervals, [str(path)])[intervals.columns]
