@@ -56,15 +56,12 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(wh
     check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
-def test_the_weights_written_are_those_of_the_best_validation(whole):
+def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(whole):
     scores = read_table(whole / "validation.csv")
     assert scores["step"].tolist() == [50, 100, 150, 200, 240]
     _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
     assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
     assert metadata["steps_taken"] == SETTINGS["n_steps"]
-
-
-def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_validation(whole):
     with SceneSet(whole / "samples.nc") as samples:
         sheets = [(sample.name, sample.notes["step"]) for sample in samples]
         observed = {scene.name: scene for scene in toy_scenes(6)}

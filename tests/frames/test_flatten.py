@@ -70,7 +70,7 @@ def test_layers_outside_the_window_are_refused(rng, shift_bins):
         align_layers(layers, echogram)
 
 
-def test_flattening_puts_every_bright_surface_into_one_row(rng):
+def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_layers_along(rng):
     echogram, layers = make_frame(rng)
     level, moved = flatten(echogram, layers)
     check_echogram(level)
@@ -79,9 +79,6 @@ def test_flattening_puts_every_bright_surface_into_one_row(rng):
     assert np.unique(rows).size == 1
     # Whole bins: what is left of the surface lies within half a bin of that row.
     assert_allclose(layer_bins_of(moved, level)[0], rows[0], atol=0.5 + 1e-6)
-
-
-def test_flattening_loses_no_pixel_and_moves_layers_along(rng):
     echogram, layers = make_frame(rng)
     level, moved = flatten(echogram, layers)
     for line in range(60):

@@ -108,7 +108,7 @@ def test_rendered_speckle_has_the_looks_of_the_flight(bare, rng):
     assert_allclose(1 / ratio.var(), 5, rtol=4 * np.sqrt(3.2 / (ratio.size / 1.2)))
 
 
-def test_frame_follows_the_data_model(frame):
+def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(frame, climate):
     echogram, layers = frame
     check_echogram(echogram)
     check_layers(layers)
@@ -120,9 +120,6 @@ def test_frame_follows_the_data_model(frame):
         assert dataset.attrs["n_looks"] == 5
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
     assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
-
-
-def test_surface_of_a_frame_is_its_first_layer(climate, frame):
     echogram, layers = frame
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
     bins = layer_bins_of(layers, echogram)

@@ -27,14 +27,11 @@ def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weigh
         assert_allclose(rd.hann_response(x / 6e9, 6e9), beat.real, atol=1e-6)
 
 
-def test_narrow_slopes_give_an_exponential_tail():
+def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spread_their_power():
     # tan^2 = 2 d / H for an excess range d: exp(-tan^2 / 2 s^2) is exp(-d / (H s^2)), to order d / H = 1e-3.
     excess_m = np.linspace(0, 1, 11)
     tail = rd.annulus_power(2 * excess_m / SPEED_OF_LIGHT_M_S, 500, 0.03, 0, 180)
     assert_allclose(np.log(tail), -excess_m / (500 * 0.03**2), atol=0.02)
-
-
-def test_rougher_or_steeper_interface_only_spreads_its_power():
     for slope, roughness_m in ((0.022, 0.0), (0.03, 0.02), (0.06, 0.08)):
         waveform = rd.interface_waveform(RADAR, slope, roughness_m)
         assert_allclose(waveform.power.sum(), 1, rtol=1e-5)  # float32 sum of some thousand values

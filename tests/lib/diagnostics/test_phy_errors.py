@@ -59,7 +59,7 @@ def test_distances_are_those_of_drawn_values(rng):
     assert phy_errors.moving_distance(means) > 4 * noise
 
 
-def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
+def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum_and_a_still_one_is_exact(rng):
     # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
     means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
     literal = draw_moving_speckle(means, method="looks", rng=rng)
@@ -71,9 +71,6 @@ def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
         assert_allclose(power.var(), expected_variance, rtol=0.03)
     # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
     assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
-
-
-def test_geometry_that_stands_still_is_the_exact_case(rng):
     mean_power = rng.uniform(0.1, 1, (30, 40))
     looks = np.broadcast_to(mean_power, (12, 30, 40))
     still = draw_moving_speckle(looks, method="gamma", rng=np.random.default_rng(5))
