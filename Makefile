@@ -6,17 +6,22 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run test test-all setup lint format clean benchmarks docs
+.PHONY: run test test-all test-machine setup lint format clean benchmarks docs
 
 run: setup
 	$(SNAKEMAKE)
 
 test: setup
-	.venv/bin/python -m pytest
+	.venv/bin/python -m pytest -n 2 --dist loadgroup
 
-# Everything: slow property tests, crash, cluster and browser suites, studies.
+# Everything: slow property tests, several whole runs, crash, cluster and browser suites, studies.
 test-all: setup
 	.venv/bin/python -m pytest -m ""
+
+# What the cluster and browser suites need beside .venv, on Debian and as root; without it they are skipped.
+test-machine:
+	apt-get update
+	apt-get install -y --no-install-recommends slurm-wlm slurm-client slurmctld slurmd chromium
 
 setup: .venv/.installed
 

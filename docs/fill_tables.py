@@ -68,9 +68,9 @@ def two_sample(results):
     rows = []
     for (name, first_row), cells in table.groupby(["scenes", "first_row"], sort=False):
         cells = cells.set_index("classifier").loc[["network", "texture"]]
-        told = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
+        shares = [f"{c.accuracy:.2f} [{c.low:.2f}, {c.high:.2f}]" for c in cells.itertuples()]
         scenes = {"observed": "observed, other half", "phy": "PHY", "cgan": "cGAN"}[name]
-        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *told])
+        rows.append([scenes, "all" if first_row < 0 else f"from bin {first_row}", *shares])
     return markdown(["observed and", "patches", "network", "texture"], rows)
 
 
@@ -140,9 +140,9 @@ def plans(results):
     return markdown(["", "least", "mean", "most"], rows)
 
 
-def stability(results):
-    """Outcomes of the stability atlas by method."""
-    table = read(results, "stability_phy_regions")
+def atlas(results):
+    """Outcomes of the atlas of PHY by method."""
+    table = read(results, "atlas_phy_regions")
     counts = table.groupby("method", sort=False)[["n_within", "n_refused", "n_wrong"]].sum()
     return markdown(["method", "within its bound", "refused", "wrong"], [[f"`{m}`", *r] for m, r in counts.iterrows()])
 
@@ -179,7 +179,7 @@ def cost(results):
 
 BLOCKS = (
     *(tables, similarity, trackers, intervals, two_sample, closed_loop, conventions),
-    *(waveforms, speckle, scenes, plans, stability, realism, cost),
+    *(waveforms, speckle, scenes, plans, atlas, realism, cost),
     *STUDY_BLOCKS,
 )
 

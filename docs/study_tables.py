@@ -23,10 +23,10 @@ def cgan_widths(results):
     return markdown(["renderer", "steps", "ms a step", "ms a render", *NAMES, "faults"], rows)
 
 
-def cgan_stability(results):
+def cgan_atlas(results):
     """What the detectors say of short trainings, by learning rate and L1 weight."""
     rows = []
-    table = read(results, "stability", "studies/cgan")
+    table = read(results, "atlas", "studies/cgan")
     for (rate, weight), runs in table.groupby(["learning_rate", "l1_weight"]):
         faulty = runs.loc[runs["verdict"] != "healthy", "verdict"]
         kinds = sorted({fault.split(":")[0] for verdict in faulty for fault in verdict.split("; ")})
@@ -81,10 +81,10 @@ def networks(results):
     return markdown(["network", "weights", "ms an image", "ODS"], rows)
 
 
-def tracker_stability(results):
+def tracker_atlas(results):
     """What becomes of a tracker under odd input and rates."""
     rows = []
-    for panel, of_panel in read(results, "stability", "studies/tracker").groupby("panel", sort=False):
+    for panel, of_panel in read(results, "atlas", "studies/tracker").groupby("panel", sort=False):
         cells = [f"{value:g}: {result_of(runs)}" for value, runs in of_panel.groupby("value", sort=False)]
         rows.append([panel, ", ".join(cells)])
     return markdown(["panel", "value: result"], rows)
@@ -96,4 +96,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_stability, worth, ablation, networks, tracker_stability)
+STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_atlas, worth, ablation, networks, tracker_atlas)

@@ -16,11 +16,15 @@ def test_mask_has_one_pixel_per_layer_and_line_inside_the_window():
     assert_array_equal(np.argwhere(mask), [[0, 0], [1, 2], [3, 1], [4, 0], [9, 0]])
 
 
-def test_scene_height_is_the_published_rule():
+def test_scene_height_is_the_published_rule_and_crossing_is_found_across_gaps():
     assert eg.scene_height(np.array([[50.0], [150.2]])) == 300
     assert eg.scene_height(np.array([[50.0], [700.2]])) == 801
     with pytest.raises(ValueError, match="at least one annotated pixel"):
         eg.scene_height(np.full((2, 3), np.nan))
+    layer_bins = np.array([[5.0, 5.0], [np.nan, 7.0], [4.0, 9.0]])
+    assert_array_equal(np.argwhere(eg.crossing_layers(layer_bins)), [[2, 0]])
+    with pytest.raises(ValueError, match="layer 2 does not at range_line 0"):
+        eg.check_layer_bins(layer_bins)
 
 
 def test_eight_bit_scaling_puts_floor_minus_ten_at_0_and_maximum_at_255():
@@ -54,13 +58,6 @@ def test_eight_bit_scaling_refuses_what_has_no_decibels_or_no_contrast(value, me
     power[1, 2] = value
     with pytest.raises(ValueError, match=message):
         eg.to_uint8(power)
-
-
-def test_crossing_is_found_across_gaps():
-    layer_bins = np.array([[5.0, 5.0], [np.nan, 7.0], [4.0, 9.0]])
-    assert_array_equal(np.argwhere(eg.crossing_layers(layer_bins)), [[2, 0]])
-    with pytest.raises(ValueError, match="layer 2 does not at range_line 0"):
-        eg.check_layer_bins(layer_bins)
 
 
 def test_layer_bins_count_from_the_first_bin_of_the_echogram():

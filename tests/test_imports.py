@@ -67,6 +67,26 @@ def test_only_io_opens_files():
         assert module.parts[0] == "io" or "open" not in calls, f"{module} opens a file"
 
 
+# Imports modules in a process of its own and tells what of snowsim is in memory then.
+CHILD = """
+import sys
+sys.path.insert(0, "workflow")
+for name in sys.argv[1:]:
+    __import__(name)
+print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagnostics."))])
+"""
+
+
+@pytest.mark.parametrize("stage", ["reference", "phy", "coherent"])
+def test_the_nature_run_the_renderer_and_the_solver_that_judges_both_load_themselves_and_core_alone(stage):
+    names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
+    command = [sys.executable, "-c", CHILD, *(names or ["lib.diagnostics.coherent"])]
+    done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
+    loaded = {"coherent" if name.startswith("lib.") else name.split(".")[1] for name in done.stdout.split()}
+    assert stage in loaded
+    assert loaded - {stage, "__init__"} <= CORE
+
+
 def test_settings_are_checked_without_what_draws():
     # Every start of the workflow checks them, dry runs included.
     command = [sys.executable, "-c", "import sys, snowsim.reference; print(*sys.modules)"]

@@ -81,6 +81,9 @@ def test_gaps_stay_gaps_at_half_scale_and_full_scale_changes_nothing():
     image, layer_bins = scaled(scene.image, scene.layer_bins, 1)
     assert image is scene.image
     assert layer_bins is scene.layer_bins
+    for scale in (0, -1, 1.5):
+        with pytest.raises(ValueError, match="scale must lie in"):
+            scaled(scene.image, scene.layer_bins, scale)
 
 
 def test_signed_values_come_back_as_the_same_bytes():
@@ -114,9 +117,3 @@ def test_draws_take_every_item_before_any_comes_again():
 def test_scenes_that_teach_nothing_are_refused_by_name(change, words, rng):
     with pytest.raises(ValueError, match=f"scene ramp.*{words}"):
         draw_patches([replace(ramp_scene(), **change)], 32, 32, rng=rng)
-
-
-@pytest.mark.parametrize("scale", [0, -1, 1.5])
-def test_scales_outside_the_unit_interval_are_refused(scale):
-    with pytest.raises(ValueError, match="scale must lie in"):
-        scaled(ramp_scene().image, ramp_scene().layer_bins, scale)

@@ -69,7 +69,7 @@ class Collapsed(ValueError):
 def held_out(n_scenes, n_held, *, seed):
     """Numbers of the scenes to train on and of those to validate with, two sorted lists; ValueError if none is left."""
     if n_held >= n_scenes:
-        msg = f"validation sets {n_held} train scenes aside, there are {n_scenes}: none is left to train on"
+        msg = f"validation holds {n_held} train scenes out, there are {n_scenes}: none is left to train on"
         raise ValueError(msg)
     held = {draw_index(n_scenes, position, seed, "cgan", "held out") for position in range(n_held)}
     return [number for number in range(n_scenes) if number not in held], sorted(held)

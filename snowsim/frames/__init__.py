@@ -1,16 +1,16 @@
-"""Observed frames made comparable: layers on its lines, unfit lines left out, one bin size, level, blocks of 256."""
+"""Observed frames made comparable: layers on its lines, flagged lines left out, one bin size, level, blocks of 256."""
 
 from snowsim.frames.blocks import cut_blocks, frame_of_scene
+from snowsim.frames.flagged import FLAGGED_BY, count_flagged, leave_out_flagged
 from snowsim.frames.flatten import align_layers, flatten, resample_range
-from snowsim.frames.unfit import UNFIT_FLAGS, count_unfit, leave_out_unfit
 
 __all__ = [
-    "UNFIT_FLAGS",
+    "FLAGGED_BY",
     "align_layers",
-    "count_unfit",
+    "count_flagged",
     "cut_blocks",
     "flatten",
     "frame_of_scene",
-    "leave_out_unfit",
+    "leave_out_flagged",
     "resample_range",
 ]

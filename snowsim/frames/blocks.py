@@ -17,7 +17,7 @@ from snowsim.echogram import (
 )
 
 OVERLAP_LINES = 6
-UNFIT = "range lines flagged unfit"  # how a block with such lines is told
+FLAGGED = "range lines flagged"  # how the reason of a block with such lines ends
 METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180  # of latitude, on the sphere of `echogram.along_track_m`
 
 
@@ -27,7 +27,7 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50, and ends 100 rows
     below its last layer but holds 300 rows at least; each is scaled to 8 bits by itself and called
     ``{name}_{block:03d}``. Lines left over at the end are not used, nor are layers without a pick in a block. No scenes
-    are blocks with an `unfit` line (`leave_out_unfit`), without surface or with missing pixels: an image has no room
+    are blocks with a `flagged` line (`leave_out_flagged`), without surface or with missing pixels: an image has no room
     for gaps. `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower than a
     block, or the overlap not smaller than it.
     """
@@ -40,15 +40,15 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
         raise ValueError(msg)
     first_s, bin_s = float(echogram["twtt"].values[0]), bin_size_s(echogram)
-    unfit = echogram["unfit"].values if "unfit" in echogram else np.zeros(power.shape[1], dtype=bool)
+    flagged = echogram["flagged"].values if "flagged" in echogram else np.zeros(power.shape[1], dtype=bool)
     scenes, skipped = [], {}
     starts = range(0, power.shape[1] - n_range_lines + 1, n_range_lines - overlap)
     for block, start in enumerate(starts):
         lines = slice(start, start + n_range_lines)
         scene_name = f"{name}_{block:03d}"
         bins = layer_bins[:, lines]
-        if unfit[lines].any():
-            skipped[scene_name] = f"{int(unfit[lines].sum())} of {n_range_lines} {UNFIT}"
+        if flagged[lines].any():
+            skipped[scene_name] = f"{int(flagged[lines].sum())} of {n_range_lines} {FLAGGED}"
             continue
         if not np.isfinite(bins[0]).any():
             skipped[scene_name] = "the surface is not picked"

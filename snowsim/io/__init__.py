@@ -7,7 +7,7 @@ from snowsim.io.guard import refusal
 
 
 def read_echogram(path, *, compensated=False):
-    """Echogram dataset of a file, whose format is told from its content.
+    """Echogram dataset of a file, whose format is determined from its content.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_echogram(path, *, compensated=False):
 
 
 def read_layers(path, *, names=None, missing="refuse"):
-    """Layers dataset of a file, whose format is told from its content.
+    """Layers dataset of a file, whose format is determined from its content.
 
     Parameters
     ----------

@@ -17,8 +17,8 @@ FULL_DISK_BYTES = 2**20
 def written_whole(path):
     """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
 
-    What a killed process left beside the same path is removed: nobody renames it any more. A full disk is told from a
-    writer's own error (HDF5 knows only "HDF error") by the room left, in one line.
+    What a killed process left beside the same path is removed: nobody renames it any more. Where HDF5 says only
+    "HDF error", the room that is left shows whether the disk was full.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -58,7 +58,7 @@ def read_dataset(path):
 
 
 def write_table(path, table):
-    """Write a pandas table as CSV or Parquet, told by the ending, whole or not at all, without its index."""
+    """Write a pandas table as CSV or Parquet, by its ending, whole or not at all, without its index."""
     with written_whole(path) as aside:
         if Path(path).suffix == ".parquet":
             table.to_parquet(aside, index=False)

@@ -8,7 +8,7 @@ import pandas as pd
 
 from snowsim import frames
 from snowsim.echogram import bin_size_s
-from snowsim.frames.blocks import UNFIT
+from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
@@ -23,7 +23,7 @@ def read_frames(path, *, root=None):
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to `root`, by default
     the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin with #
-    are remarks. Rows that fail are told together, each in a line; an echogram held out may have no other role.
+    are remarks. Rows that fail are reported together, each in a line; an echogram held out may have no other role.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)
@@ -49,8 +49,8 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame that gives none fails.
 
     Returned is the table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many scenes a frame was
-    cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for an unfit line
-    (`n_unfit_blocks`); how many range lines are unfit (`n_unfit_lines`), and how many lines have which flag (`flags`).
+    cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for a flagged line
+    (`n_flagged_blocks`); how many range lines are flagged (`n_flagged_lines`), and how many have which flag (`flags`).
     """
     rows, failed = [], []
     names = options.get("layer_names") or ()
@@ -65,10 +65,10 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
             failed.append((row.frame, str(error)))
             continue
         sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
-        counts = (len(scenes), len(skipped), sum(reason.endswith(UNFIT) for reason in skipped.values()))
-        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_unfit(echogram)))
+        counts = (len(scenes), len(skipped), sum(reason.endswith(FLAGGED) for reason in skipped.values()))
+        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_flagged(echogram)))
     columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
-    columns += ["n_unfit_blocks", "n_unfit_lines", "flags"]
+    columns += ["n_flagged_blocks", "n_flagged_lines", "flags"]
     found = pd.DataFrame(rows, columns=columns)
     if len(found):
         # Of bin sizes equal to a millionth, the one most frames have.
@@ -94,22 +94,22 @@ def scenes_of_frame(row, echogram, layers):
     return scenes, skipped
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit_flags=frames.UNFIT_FLAGS, source=None):
+def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, flagged_by=frames.FLAGGED_BY, source=None):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
     `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram is brought to `bin_s`
     [s], by default its own bin size, and levelled ("surface", "elevation", "none": see `snowsim.frames.flatten`). With
     `layer_names`, from the surface down, layer i is the same one in all frames, a row of NaN where a frame lacks it; by
-    default all layers with picks are taken. Range lines with one of the `unfit_flags` of the supplement hold neither
+    default all layers with picks are taken. Range lines with one of the `flagged_by` of the supplement hold neither
     power nor picks. `source` is the format the echogram must have ("nsidc", "cresis", "opr"); by default any.
 
-    Both come on the same range lines, the snow surface as layer 0, with `unfit (slow_time)` where the echogram has
+    Both come on the same range lines, the snow surface as layer 0, with `flagged (slow_time)` where the echogram has
     flags. Refused are files that are not sound or whose layers do not cover the echogram, leave its window, cross or
-    have none named surface, frames whose range lines are all unfit, and unknown flags.
+    have none named surface, frames whose range lines are all flagged, and unknown flags.
     """
-    unknown = [flag for flag in unfit_flags if flag not in sniff.SUPPLEMENT_FLAGS]
+    unknown = [flag for flag in flagged_by if flag not in sniff.SUPPLEMENT_FLAGS]
     if unknown:
-        msg = f"unfit_flags must be of {', '.join(sniff.SUPPLEMENT_FLAGS)}, got {', '.join(unknown)}"
+        msg = f"flagged_by must be of {', '.join(sniff.SUPPLEMENT_FLAGS)}, got {', '.join(unknown)}"
         raise ValueError(msg)
     if source is not None:
         kind = sniff.sniff(row.echogram)
@@ -125,11 +125,11 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, unfit
     if layer_names is not None:
         layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
-    # Before levelling: an unfit line must not decide where the surface lies.
-    echogram, layers = frames.leave_out_unfit(echogram, layers, flags=unfit_flags)
-    n_unfit, flags = frames.count_unfit(echogram)
-    if n_unfit == echogram.sizes["slow_time"]:
-        raise refusal(row.echogram, "quality_mask", "a range line that is fit", f"all {n_unfit} unfit ({flags})")
+    # Before levelling: a flagged line must not decide where the surface lies.
+    echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
+    n_flagged, flags = frames.count_flagged(echogram)
+    if n_flagged == echogram.sizes["slow_time"]:
+        raise refusal(row.echogram, "quality_mask", "a range line without a flag", f"all {n_flagged} flagged ({flags})")
     if bin_s is not None:
         echogram = frames.resample_range(echogram, bin_s)
     return frames.flatten(echogram, layers, method=flattening)

@@ -1,4 +1,4 @@
-"""Which format a file has, told from its content and never from its name."""
+"""Which format a file has, determined from its content and never from its name."""
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.io.containers import names_in_hdf5, names_in_netcdf3
@@ -30,7 +30,7 @@ FORMATS = {
     "scene": ("an exported scene", ("layer_bins", "image")),
     "pair": ("a benchmark pair", ("data", "layer")),
 }
-SMALLEST_SHARE = 0.4  # a file that lost half its variables is still called by its name, and told what it lacks
+SMALLEST_SHARE = 0.4  # a file that lost half its variables is still called by its name, and what it lacks is named
 
 
 def sniff(path):

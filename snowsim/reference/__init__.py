@@ -1,4 +1,4 @@
-"""The synthetic reference flight: firn physics and a radar, no code of the renderers it judges."""
+"""The synthetic reference flight: firn physics and a radar, no code of the renderers that are scored on it."""
 
 from snowsim.reference.settings import Settings, checked_settings
 

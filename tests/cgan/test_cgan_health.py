@@ -78,15 +78,12 @@ def test_a_planted_failure_of_the_discriminator_is_named(share, fault, adversari
     assert [found.split(":")[0] for found in faults(numbers, dropout=0.5)] == ([fault] if fault else [])
 
 
-def test_a_checkerboard_of_one_grey_level_measures_one():
+def test_a_checkerboard_of_one_grey_level_measures_one_and_edges_and_speckle_make_none(rng):
     # Whole grey levels up and down by one: the median of each phase is exact, its spread is the amplitude.
     flat = np.full((64, 48), 100.0)
     for period in (2, 4, 8):
         assert_allclose(checkerboard(flat + chequers(flat.shape, period)), 1, rtol=1e-12)
     assert checkerboard(flat) == 0
-
-
-def test_edges_and_speckle_make_no_checkerboard(rng):
     image = np.where(np.arange(320)[:, None] < 50, 60.0, 160.0) + 7 * rng.standard_normal((320, 256))
     # Medians of 1280 cells scatter by 7 sqrt(pi / 2 / 1280) = 0.25; the largest of three spreads is below twice that.
     assert checkerboard(image) < 0.5

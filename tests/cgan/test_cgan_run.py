@@ -56,15 +56,12 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(wh
     check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
-def test_the_weights_written_are_those_of_the_best_validation(whole):
+def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(whole):
     scores = read_table(whole / "validation.csv")
     assert scores["step"].tolist() == [50, 100, 150, 200, 240]
     _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
     assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
     assert metadata["steps_taken"] == SETTINGS["n_steps"]
-
-
-def test_sample_sheets_hold_each_scene_as_observed_and_as_rendered_at_every_validation(whole):
     with SceneSet(whole / "samples.nc") as samples:
         sheets = [(sample.name, sample.notes["step"]) for sample in samples]
         observed = {scene.name: scene for scene in toy_scenes(6)}
@@ -131,12 +128,12 @@ def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, 
         assert "kept all the same" in caplog.text
 
 
-def test_setting_every_scene_aside_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="sets 6 train scenes aside, there are 6: none is left"):
+def test_holding_every_scene_out_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="holds 6 train scenes out, there are 6: none is left"):
         train(**arguments(tmp_path / "run", validation={**VALIDATION, "n_scenes": 6}))
 
 
-def test_a_scene_set_aside_that_cannot_be_rendered_is_named(tmp_path):
+def test_a_held_out_scene_that_cannot_be_rendered_is_named(tmp_path):
     scenes = [replace(scene, image=np.full_like(scene.image, 7)) for scene in toy_scenes(6)]
     write_scenes(tmp_path / "scenes.nc", scenes)
     with pytest.raises(ValueError, match=r"scene toy \d: image without contrast, every pixel is 7"):

@@ -19,14 +19,11 @@ def learnt():
     return training, losses
 
 
-def test_the_mean_absolute_error_falls(learnt):
+def test_the_error_falls_and_layers_of_an_unseen_mask_come_out_brighter_than_the_ground(learnt, rng):
     assert set(learnt[1][0]) == {"discriminator_real", "discriminator_fake", "generator_adversarial", "l1"}
     l1 = [losses["l1"] for losses in learnt[1]]
     # Untrained, the output is near mid-grey; the mean ground level would leave about 0.3.
     assert np.mean(l1[-20:]) < 0.5 * np.mean(l1[:5])
-
-
-def test_layers_of_an_unseen_mask_come_out_brighter_than_the_ground(learnt, rng):
     scene = toy_scene(99)
     image = render(learnt[0].generator, scene.mask(), rng=rng)
     on, off = image[scene.mask()].mean(), image[~scene.mask()].mean()
@@ -44,6 +41,8 @@ def test_each_scene_is_seen_once_before_any_is_seen_again():
     for _ in train_steps(Training(TINY, seed=1), Watched(toy_scenes(6))):
         pass
     assert sorted(seen) == list(range(6))
+    with pytest.raises(ValueError, match="at least one scene"):
+        next(train_steps(Training(TINY, seed=1), []))
 
 
 def test_the_rate_is_constant_for_half_the_steps_then_falls_linearly_to_zero():
@@ -59,8 +58,3 @@ def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(b
     settings = replace(TINY, n_range_bins=None, n_range_lines=None, batch_size=batch_size, n_steps=3)
     for _, losses in train_steps(Training(settings, seed=1), scenes):
         assert np.isfinite(list(losses.values())).all()
-
-
-def test_training_without_scenes_is_refused():
-    with pytest.raises(ValueError, match="at least one scene"):
-        next(train_steps(Training(TINY, seed=1), []))

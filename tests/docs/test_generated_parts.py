@@ -99,14 +99,11 @@ def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
     assert re.search(r"(\d+) trainings a set", shown)[1] == re.search(r"(\d+) trainings a set", study)[1]
 
 
-def test_a_block_without_its_table_is_left_and_named(results):
+def test_a_block_without_its_table_is_left_and_named_and_one_not_closed_is_refused(results):
     text = "<!-- realism -->\nold\n<!-- /realism -->\n"
     filled, (left,) = fill_tables.fill(text, results)
     assert filled == text
     assert "realism.csv" in left
-
-
-def test_a_block_that_is_not_closed_is_refused(results):
     with pytest.raises(ValueError, match=r"expected <!-- /similarity -->"):
         fill_tables.fill("<!-- similarity -->\nold\n", results)
 

@@ -81,15 +81,11 @@ def test_pages_fetch_nothing_and_describe_their_pictures(site):
 
 
 @pytest.mark.slow
-def test_equations_and_the_configuration_reference_are_on_the_pages(site):
+def test_pages_have_equations_the_configuration_reference_and_every_public_function(site):
     assert "<math" in (site / "stages/phy.html").read_text()
     reference = (site / "configuration.html").read_text()
     assert "fold_length_lines" in reference
     assert "generated:" not in reference
-
-
-@pytest.mark.slow
-def test_every_function_of_the_public_interface_has_an_entry(site):
     api = (site / "api.html").read_text()
     for name in PUBLIC:
         assert f'id="{name}"' in api, name

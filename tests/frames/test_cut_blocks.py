@@ -12,7 +12,7 @@ def make_level_frame(rng, n_lines=1024, surface_row=210, n_bins=900, depth_bins=
     return made_up_frame(rng.gamma(10, 1e-3, size=(n_bins, n_lines)).astype(np.float32), bins)
 
 
-def test_blocks_follow_the_published_rule(rng):
+def test_blocks_follow_the_published_rule_and_deep_layers_get_a_hundred_rows_below(rng):
     echogram, layers = make_level_frame(rng)
     scenes, skipped = cut_blocks(echogram, layers, name="20120330_04")
     assert skipped == {}
@@ -27,15 +27,12 @@ def test_blocks_follow_the_published_rule(rng):
         assert scene.n_range_bins == 300
         start = scene.notes["first_line"]
         assert_array_equal(scene.image, to_uint8(power[160:460, start : start + 256])[0])
-
-
-def test_deep_layers_get_a_hundred_rows_below(rng):
     echogram, layers = make_level_frame(rng, depth_bins=(0, 30, 400.4))
     scenes, _ = cut_blocks(echogram, layers, name="f")
     assert scenes[0].n_range_bins == 451 + 100
 
 
-def test_blocks_without_surface_or_with_missing_pixels_are_skipped_and_told(rng):
+def test_blocks_without_surface_or_pixels_are_skipped_and_layers_without_picks_left_out_of_theirs(rng):
     echogram, layers = make_level_frame(rng)
     layers["twtt"][0, :256] = np.nan
     echogram["Data"][300, 300] = np.nan
@@ -43,6 +40,10 @@ def test_blocks_without_surface_or_with_missing_pixels_are_skipped_and_told(rng)
     scenes, skipped = cut_blocks(echogram, layers, name="f")
     assert [scene.name for scene in scenes] == ["f_002", "f_003"]
     assert skipped == {"f_000": "the surface is not picked", "f_001": "2 pixels without a measurement"}
+    echogram, layers = make_level_frame(rng)
+    layers["twtt"][1, 250:506] = np.nan
+    scenes, _ = cut_blocks(echogram, layers, name="f")
+    assert [scene.layer_bins.shape[0] for scene in scenes] == [3, 2, 3, 3]
 
 
 def test_blocks_that_the_window_cuts_short_are_skipped(rng):
@@ -53,13 +54,6 @@ def test_blocks_that_the_window_cuts_short_are_skipped(rng):
         assert set(skipped.values()) == {wanted}
 
 
-def test_layers_without_picks_in_a_block_are_left_out_of_it(rng):
-    echogram, layers = make_level_frame(rng)
-    layers["twtt"][1, 250:506] = np.nan
-    scenes, _ = cut_blocks(echogram, layers, name="f")
-    assert [scene.layer_bins.shape[0] for scene in scenes] == [3, 2, 3, 3]
-
-
 def test_narrow_frames_and_wide_overlaps_are_refused(rng):
     echogram, layers = make_level_frame(rng, n_lines=200)
     with pytest.raises(ValueError, match="f: a block has 256 range lines, the frame only 200"):
@@ -68,7 +62,7 @@ def test_narrow_frames_and_wide_overlaps_are_refused(rng):
         cut_blocks(echogram, layers, name="f", overlap=256)
 
 
-def test_a_scene_becomes_the_frame_it_was_cut_from(rng):
+def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels_needs_a_contrast(rng):
     echogram, layers = make_level_frame(rng)
     scene = cut_blocks(echogram, layers, name="f")[0][0]
     back, back_layers = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
@@ -80,9 +74,6 @@ def test_a_scene_becomes_the_frame_it_was_cut_from(rng):
     visible = power_db > scene.noise_floor_db - 10
     # Half a grey level, and float32 power.
     assert_allclose(10 * np.log10(back["Data"].values[visible]), power_db[visible], atol=step_db / 2 + 1e-4)
-
-
-def test_an_image_without_decibels_needs_a_contrast(rng):
     scene = Scene("f", 300, np.full((1, 256), 50.0), image=rng.integers(0, 256, (300, 256), dtype=np.uint8))
     with pytest.raises(ValueError, match="contrast_db must be set"):
         frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)

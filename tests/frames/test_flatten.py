@@ -22,12 +22,19 @@ def make_frame(rng, n_bins=200, n_lines=60, surface_bins=None, elevation_m=2500.
     return echogram, layers
 
 
-def test_aligning_on_its_own_lines_changes_nothing(rng):
+def test_gaps_stay_gaps_and_on_its_own_lines_nothing_changes(rng):
     echogram, layers = make_frame(rng)
     layers["twtt"][1, 20:30] = np.nan
     aligned = align_layers(layers, echogram)
     assert_array_equal(aligned["twtt"], layers["twtt"])
     check_layers(aligned)
+    echogram, layers = make_frame(rng)
+    coarse = layers.isel(slow_time=slice(None, None, 4)).copy(deep=True)
+    coarse["twtt"][1, 5] = np.nan
+    missing = np.isnan(align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))["twtt"].values)
+    # Line 20 is missing, and what would lean on it; the surface is untouched.
+    assert_array_equal(np.flatnonzero(missing[1]), np.arange(17, 24))
+    assert not missing[0].any()
 
 
 def test_aligned_layers_lie_on_the_line_between_picks(rng):
@@ -36,16 +43,6 @@ def test_aligned_layers_lie_on_the_line_between_picks(rng):
     aligned = align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))
     # The layers are straight lines: interpolation is exact up to rounding of 3 us to 4e-22 s.
     assert_allclose(aligned["twtt"], layers["twtt"][:, :57], atol=4e-21)
-
-
-def test_gaps_stay_gaps(rng):
-    echogram, layers = make_frame(rng)
-    coarse = layers.isel(slow_time=slice(None, None, 4)).copy(deep=True)
-    coarse["twtt"][1, 5] = np.nan
-    missing = np.isnan(align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))["twtt"].values)
-    # Line 20 is missing, and what would lean on it; the surface is untouched.
-    assert_array_equal(np.flatnonzero(missing[1]), np.arange(17, 24))
-    assert not missing[0].any()
 
 
 def test_layers_follow_the_height_of_the_echogram_antenna(rng):
@@ -73,7 +70,7 @@ def test_layers_outside_the_window_are_refused(rng, shift_bins):
         align_layers(layers, echogram)
 
 
-def test_flattening_puts_every_bright_surface_into_one_row(rng):
+def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_layers_along(rng):
     echogram, layers = make_frame(rng)
     level, moved = flatten(echogram, layers)
     check_echogram(level)
@@ -82,9 +79,6 @@ def test_flattening_puts_every_bright_surface_into_one_row(rng):
     assert np.unique(rows).size == 1
     # Whole bins: what is left of the surface lies within half a bin of that row.
     assert_allclose(layer_bins_of(moved, level)[0], rows[0], atol=0.5 + 1e-6)
-
-
-def test_flattening_loses_no_pixel_and_moves_layers_along(rng):
     echogram, layers = make_frame(rng)
     level, moved = flatten(echogram, layers)
     for line in range(60):
@@ -170,16 +164,13 @@ def test_smaller_bins_lie_on_the_line_between_centres(rng):
     assert_allclose(fine[1::2], (power[1:].astype(float) + power[:-1]) / 2, rtol=1e-5)
 
 
-def test_resampling_moves_no_layer_by_more_than_half_a_new_bin(rng):
+def test_resampling_moves_no_layer_by_more_than_half_a_new_bin_and_missing_bins_stay_missing(rng):
     echogram, layers = make_frame(rng)
     for ratio in (0.6, 2.5):
         resampled = resample_range(echogram, ratio * BIN_S)
         rows = resampled["Data"].values[: int(85 / ratio)].argmax(axis=0)
         # Half a new bin from where it falls, half an old one from the pixel it was painted into.
         assert (np.abs(rows - layer_bins_of(layers, resampled)[0]) <= 0.5 + 0.5 / ratio + 1e-6).all()
-
-
-def test_missing_bins_stay_missing(rng):
     echogram, _ = make_frame(rng)
     echogram["Data"][50, 3] = np.nan
     for ratio in (0.5, 2):

@@ -23,7 +23,7 @@ def flight(tmp_path, content):
     return tmp_path
 
 
-def test_a_table_gives_every_frame_level_and_with_the_surface_first(table):
+def test_a_table_gives_every_frame_level_with_the_surface_first_at_the_bin_size_asked_for(table):
     assert table["frame"].tolist() == ["one", "two", "three"]
     for echogram, layers in each_frame(table):
         bins = layer_bins_of(layers, echogram)
@@ -33,9 +33,6 @@ def test_a_table_gives_every_frame_level_and_with_the_surface_first(table):
         rows = np.nanargmax(echogram["Data"].values, axis=0)
         assert_allclose(rows, bins[0], atol=1e-6)
     assert len(list(each_frame(table, "train"))) == 1
-
-
-def test_frames_come_at_one_bin_size(table):
     for echogram, layers in each_frame(table, bin_s=2 * formats.BIN_S):
         assert_allclose(bin_size_s(echogram), 2 * formats.BIN_S, rtol=1e-9)
         bins = layer_bins_of(layers, echogram)
@@ -88,16 +85,13 @@ def test_named_layers_have_the_same_row_in_every_frame(rows):
     assert_allclose(bins[2] - bins[0], 40, atol=1e-6)
 
 
-def test_names_that_no_frame_has_are_told(table):
-    (line,) = failures(lambda: check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"]), 1, 3)
-    assert line == "Koenig_3: layer_names: expected layers that some frame has, found it in none"
-
-
-def test_frames_of_another_source_are_told(table):
+def test_frames_of_another_source_and_names_that_no_frame_has_are_named(table):
     lines = failures(lambda: check_frames(table, source="nsidc"), 2, 3)
     assert [line.split(":")[0] for line in lines] == ["two", "three"]
     for line in lines:
         assert line.endswith("format: expected an IRSNO1B echogram, found a CReSIS L1B echogram")
+    (line,) = failures(lambda: check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"]), 1, 3)
+    assert line == "Koenig_3: layer_names: expected layers that some frame has, found it in none"
 
 
 def test_frames_that_give_no_scene_are_told_with_the_others(flight, rng):

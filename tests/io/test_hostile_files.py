@@ -100,14 +100,11 @@ def test_mat5_values_are_those_scipy_reads(tmp_path, shared_data, rng):
                 assert ours[name] == "".join(value.ravel())
 
 
-def test_complex_numbers_keep_both_parts(tmp_path, rng):
+def test_complex_numbers_keep_both_parts_and_big_endian_files_are_read(tmp_path, rng):
     # scipy drops the imaginary part where types are asked to be MATLAB's.
     values = rng.normal(size=(2, 3)) + 1j * rng.normal(size=(2, 3))
     scipy.io.savemat(tmp_path / "f.mat", {"x": values})
     assert_array_equal(read_mat5(tmp_path / "f.mat", ["x"])["x"], values)
-
-
-def test_big_endian_files_are_read(tmp_path):
     data = struct.pack(">4d", 1, 2, 3, 4)
     parts = struct.pack(">II", 6, 8) + struct.pack(">II", 6, 0) + struct.pack(">II2i", 5, 8, 2, 2)
     parts += struct.pack(">HH4s", 1, 1, b"x") + struct.pack(">II", 9, 32) + data

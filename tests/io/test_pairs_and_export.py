@@ -56,16 +56,21 @@ def test_the_published_loader_finds_every_pair(exported, scenes):
         assert_array_equal(np.asarray(label.convert("L")) > 0, scene.mask())
 
 
-def test_a_list_chooses_and_orders_the_scenes(exported):
+def test_a_list_chooses_and_orders_the_scenes_and_a_mask_alone_is_enough(exported, scenes):
     (exported / "some.lst").write_text("data_20120330_04_003.png\ndata_20120330_04_001.png layer.png\n\n")
     assert PairSet(exported / "some.lst").names == ["20120330_04_003", "20120330_04_001"]
     (exported / "bad.lst").write_text("data_9.png\ndata_20120330_04_001.png\ndata_8.png\n")
     refused(PairSet, exported / "bad.lst", "expected files that are there, found 2 missing: data_9.png, data_8.png")
+    (exported / f"layer_{scenes[0].name}.png").unlink()
+    assert_array_equal(PairSet(exported)[0].mask(), scenes[0].mask())
 
 
-def test_complete_layers_can_be_the_labels(tmp_path, scenes):
+def test_two_layers_at_one_pixel_are_counted_and_complete_layers_can_be_the_labels(tmp_path, scenes):
     export_pairs(tmp_path / "set", scenes[:1], layers="complete")
     assert np.isfinite(PairSet(tmp_path / "set")[0].layer_bins[2, 40:90]).all()  # where the other layers have a gap
+    numbers, n_merged = layer_numbers([[10.2], [10.4], [12.0]], 20)
+    assert numbers[[10, 12], 0].tolist() == [2, 3]
+    assert n_merged == 1
 
 
 def test_netcdf_holds_every_scene_exactly(tmp_path, scenes):
@@ -84,19 +89,16 @@ def test_netcdf_holds_every_scene_exactly(tmp_path, scenes):
         assert json.loads(found.attrs["notes"]) == scene.notes
 
 
-def test_two_layers_at_one_pixel_are_counted():
-    numbers, n_merged = layer_numbers([[10.2], [10.4], [12.0]], 20)
-    assert numbers[[10, 12], 0].tolist() == [2, 3]
-    assert n_merged == 1
-
-
 @pytest.fixture
 def whole_bins(rng):
     return np.cumsum(rng.integers(2, 9, size=(12, 50)), axis=0).astype(float)
 
 
-def test_a_mask_alone_gives_every_layer_where_none_has_gaps(whole_bins):
+def test_a_mask_alone_gives_every_layer_and_thick_lines_count_at_their_middle(whole_bins):
     assert_array_equal(layers_of_mask(layer_mask(whole_bins, 120)), whole_bins)
+    mask = np.zeros((10, 1), dtype=bool)
+    mask[[2, 3, 4, 7, 8], 0] = True
+    assert_array_equal(layers_of_mask(mask), [[3.0], [7.5]])
 
 
 def test_below_a_gap_a_mask_keeps_positions_but_not_numbers(whole_bins):
@@ -108,17 +110,6 @@ def test_below_a_gap_a_mask_keeps_positions_but_not_numbers(whole_bins):
     assert np.isnan(found[3, 10:20]).all()
 
 
-def test_thick_lines_count_at_their_middle():
-    mask = np.zeros((10, 1), dtype=bool)
-    mask[[2, 3, 4, 7, 8], 0] = True
-    assert_array_equal(layers_of_mask(mask), [[3.0], [7.5]])
-
-
-def test_a_mask_alone_is_enough(exported, scenes):
-    (exported / f"layer_{scenes[0].name}.png").unlink()
-    assert_array_equal(PairSet(exported)[0].mask(), scenes[0].mask())
-
-
 def write_mat_pair(folder, image, scene):
     """Image and layer numbers of a scene in one MAT file."""
     numbers, _ = layer_numbers(scene.layer_bins, scene.n_range_bins)
@@ -126,7 +117,7 @@ def write_mat_pair(folder, image, scene):
     return folder / "data_x.mat"
 
 
-def test_mat_pairs_hold_data_and_layer(tmp_path, scenes):
+def test_mat_pairs_hold_data_and_layer_and_nothing_is_guessed_of_what_could_be_power_or_decibels(tmp_path, scenes):
     scene = scenes[0]
     for image in (scene.image, scene.image.astype(float)):
         found = read_pair(write_mat_pair(tmp_path, image, scene))
@@ -134,6 +125,11 @@ def test_mat_pairs_hold_data_and_layer(tmp_path, scenes):
         assert_array_equal(found.mask(), scene.mask())
     found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene))  # decibels
     assert found.maximum_db == scene.image.max() - 200.5
+    data = scenes[0].image + 0.5
+    path = write_mat_pair(tmp_path, data, scenes[0])
+    refused(read_pair, path, "data: expected whole numbers from 0 to 255, or data_scale")
+    assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(10 * np.log10(data.max()))
+    assert PairSet(tmp_path, data_scale="db")[0].maximum_db == pytest.approx(data.max())
 
 
 def test_mat_labels_may_be_in_a_file_of_their_own(tmp_path, scenes):
@@ -141,14 +137,6 @@ def test_mat_labels_may_be_in_a_file_of_their_own(tmp_path, scenes):
     formats.write_mat73(tmp_path / "data_x.mat", {"data": scenes[0].image})
     formats.write_mat73(tmp_path / "layer_x.mat", {"layer": numbers.astype(float)})
     assert_array_equal(PairSet(tmp_path)[0].mask(), scenes[0].mask())
-
-
-def test_numbers_that_could_be_power_or_decibels_are_not_guessed(tmp_path, scenes):
-    data = scenes[0].image + 0.5
-    path = write_mat_pair(tmp_path, data, scenes[0])
-    refused(read_pair, path, "data: expected whole numbers from 0 to 255, or data_scale")
-    assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(10 * np.log10(data.max()))
-    assert PairSet(tmp_path, data_scale="db")[0].maximum_db == pytest.approx(data.max())
 
 
 IMAGE = np.arange(300 * 256, dtype=np.uint32).reshape(300, 256).astype(np.uint8)

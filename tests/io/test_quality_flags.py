@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from runs import CONFIG, SCHEMA
 
-from snowsim.frames import UNFIT_FLAGS
+from snowsim.frames import FLAGGED_BY
 from snowsim.io import read_echogram
 from snowsim.io.frame_table import check_frames, read_frame, scenes_of_frame
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
@@ -34,33 +34,21 @@ def by_line(*lines):
 
 
 def test_the_setting_knows_the_flags_of_the_files():
-    described = SCHEMA["properties"]["import"]["properties"]["unfit_flags"]
+    described = SCHEMA["properties"]["import"]["properties"]["flagged_by"]
     assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
-    assert CONFIG["import"]["unfit_flags"] == list(UNFIT_FLAGS)
+    assert CONFIG["import"]["flagged_by"] == list(FLAGGED_BY)
 
 
 def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table):
     supplement(flight, 0, vertical_stripes_artifact=by_line(*range(40)), land_ice=1)
     supplement(flight, 1, coh_noise_removal_artifact=by_line(300), low_SNR=1)
     table = check_frames(table, blocks=True)
-    assert table["n_unfit_lines"].tolist() == [40, 1, 0]
+    assert table["n_flagged_lines"].tolist() == [40, 1, 0]
     assert table["n_scenes"].tolist() == [0, 1, 2]
     assert table["n_skipped"].tolist() == [0, 1, 0]
-    assert table["n_unfit_blocks"].tolist() == [0, 1, 0]
+    assert table["n_flagged_blocks"].tolist() == [0, 1, 0]
     flags = f"vertical_stripes_artifact 40; land_ice {N_LINES}", f"coh_noise_removal_artifact 1; low_SNR {N_LINES}"
     assert table["flags"].tolist() == [*flags, ""]
-
-
-def test_flagged_lines_of_a_file_hold_neither_power_nor_picks(flight, rows):
-    plain_echogram, plain_layers = read_frame(rows[0])
-    unfit = by_line(3, 519) > 0
-    supplement(flight, 0, missing_data=unfit.astype(np.uint8))
-    echogram, layers = read_frame(rows[0])
-    assert np.isnan(echogram["Data"].values[:, unfit]).all()
-    assert np.isnan(layers["twtt"].values[:, unfit]).all()
-    rows = np.isin(echogram["twtt"].values, plain_echogram["twtt"].values)
-    assert_array_equal(echogram["Data"].values[rows][:, ~unfit], plain_echogram["Data"].values[:, ~unfit])
-    assert_array_equal(layers["twtt"].values[:, ~unfit], plain_layers["twtt"].values[:, ~unfit])
 
 
 @pytest.mark.parametrize("flags", [{}, {"low_SNR": 1, "land_ice": 1, "deconvolution_artifact": 1}])
@@ -80,31 +68,31 @@ def test_supplements_without_a_flag_of_the_setting_change_no_bit(flight, rows, f
         assert same.notes == scene.notes
 
 
-def test_frames_unfit_throughout_are_refused_by_name_all_in_one_go(flight, table):
+def test_frames_flagged_throughout_are_refused_by_name_all_in_one_go(flight, table):
     supplement(flight, 0, no_good_data=1)
     supplement(flight, 2, unclassified_artifact=1, land_ice=1)
     first, last = formats.failures(lambda: check_frames(table, blocks=True), 2, 3)
-    ending = "quality_mask: expected a range line that is fit, found all 520 unfit"
+    ending = "quality_mask: expected a range line without a flag, found all 520 flagged"
     assert first == f"statistics: {flight}/statistics.nc: {ending} (no_good_data 520)"
     assert last == f"test: {flight}/test.nc: {ending} (unclassified_artifact 520; land_ice 520)"
-    checked = check_frames(table, blocks=True, unfit_flags=[])
-    assert checked["n_unfit_lines"].tolist() == [0, 0, 0]
+    checked = check_frames(table, blocks=True, flagged_by=[])
+    assert checked["n_flagged_lines"].tolist() == [0, 0, 0]
     assert checked["flags"].tolist() == ["no_good_data 520", "", "unclassified_artifact 520; land_ice 520"]
 
 
 def test_a_frame_left_without_a_scene_is_told_with_the_reason(flight, table):
     supplement(flight, 1, no_good_data=by_line(252))
-    with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged unfit"):
+    with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged"):
         check_frames(table, blocks=True)
 
 
 def test_flags_that_no_supplement_has_are_refused(rows):
-    with pytest.raises(ValueError, match="unfit_flags must be of .*land_ice, got zero_padding"):
-        read_frame(rows[0], unfit_flags=["zero_padding"])
+    with pytest.raises(ValueError, match="flagged_by must be of .*land_ice, got zero_padding"):
+        read_frame(rows[0], flagged_by=["zero_padding"])
 
 
 def test_a_mask_outlives_the_way_through_an_open_polar_radar_file(flight, rows):
     supplement(flight, 0, missing_data=by_line(7))
     read_echogram(flight / "statistics.nc").to_netcdf(flight / "again.nc")
     found = read_frame(rows[0]._replace(echogram=flight / "again.nc"))[0]
-    assert_array_equal(found["unfit"], by_line(7) > 0)
+    assert_array_equal(found["flagged"], by_line(7) > 0)

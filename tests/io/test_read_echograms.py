@@ -55,13 +55,10 @@ def test_transposed_amplitude_is_told_by_its_dimensions_and_not_by_its_shape(pat
     assert echogram.attrs["season_name"] == "2012_Greenland_P3"
 
 
-def test_netcdf3_files_are_read_as_netcdf4(path, content):
+def test_netcdf3_is_read_as_netcdf4_and_fast_time_survives_bins_below_a_nanosecond(path, content):
     echogram = read_back(formats.write_nsidc, path, content)
     assert echogram.equals(read_back(formats.write_nsidc, path, content, format="NETCDF3_64BIT_OFFSET"))
     assert path.read_bytes()[:4] == b"CDF\x02"
-
-
-def test_fast_time_survives_bins_below_a_nanosecond(path, content):
     # xarray would make timedelta64[ns] of it, in which a bin of 0.0866 ns is nothing.
     content["Time"] = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
     steps = np.diff(read_back(formats.write_nsidc, path, content)["twtt"].values)
@@ -109,12 +106,8 @@ def test_a_frame_over_a_leap_second_stays_in_order():
 
 
 @of_mat
-def test_time_may_be_a_row_as_well_as_a_column(path, content, write):
+def test_time_may_be_a_row_as_well_as_a_column_and_attitude_missing(path, content, write):
     assert_array_equal(read_back(write, path, content | {"Time": content["Time"][None]})["twtt"], content["Time"])
-
-
-@of_mat
-def test_missing_attitude_is_no_fault(path, content, write):
     for name in ("Roll", "Pitch", "Heading"):
         del content[name]
     assert "Roll" not in read_back(write, path, content)
@@ -196,16 +189,13 @@ def test_supplement_flags_become_a_quality_mask(tmp_path, content, ending):
     assert not (mask.values & (1 << meanings.index("land_ice"))).any()
 
 
-def test_real_integer_file_is_read_as_it_is(shared_data):
+def test_real_files_are_read_as_they_are_and_without_time_refused(shared_data):
     # ImpDAR's fixture: constant power, whole-number latitude, no surface picked.
     echogram = read_echogram(shared_data / "mat" / "zeros_mcords_mat.mat")
     assert echogram["Data"].shape == (951, 41)
     assert (echogram["Data"] == 1).all()
     assert (echogram["Latitude"] == 60).all()
     assert echogram["Surface"].isnull().all()
-
-
-def test_real_matrix_without_time_is_refused(shared_data):
     matrix = shared_data / "mat" / "mat_reader_test.mat"
     refused(read_echogram, matrix, "Time: expected variables .*, found Data, Elevation")
 

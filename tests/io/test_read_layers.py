@@ -102,14 +102,11 @@ def test_a_single_open_polar_radar_layer_gets_its_dimension(path):
     assert read_layers(path)["twtt"].dims == ("layer", "slow_time")
 
 
-def test_layers_that_share_no_line_are_ordered_by_depth():
+def test_order_follows_what_lies_above_what_and_not_the_mean_and_depth_where_no_line_is_shared():
     first, second = SURFACE + 9e-8, SURFACE + 2e-8
     first[15:] = np.nan
     second[:15] = np.nan
     assert_array_equal(order_from_surface([first, second, SURFACE], ["deep", "shallow", "surface"]), [2, 1, 0])
-
-
-def test_order_follows_what_lies_above_what_and_not_the_mean():
     # Snow is thin where only `low` is picked: by its mean it would come first, yet a third layer lies between.
     surface = np.zeros(4)
     high = np.array([5.0, 5.0, np.nan, np.nan])
@@ -151,7 +148,7 @@ def test_damaged_layer_files_are_refused(path, write, change, message):
     refused(read_layers, path, message)
 
 
-def test_real_layer_file_gives_its_named_layers(shared_data):
+def test_real_layer_files_give_their_named_layers_in_order_though_their_ids_are_not(shared_data):
     path = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
     layers = read_layers(path)
     assert_array_equal(layers["layer"], ["surface", "bottom"])
@@ -162,19 +159,13 @@ def test_real_layer_file_gives_its_named_layers(shared_data):
     raw = scipy.io.loadmat(path)["gps_time"][0]
     assert abs(layers["slow_time"].values[0].astype(np.int64) / 1e9 - (raw[0] - 18)) < 1e-6
     assert layers["slow_time"].values[0].astype("datetime64[D]") == np.datetime64("2018-10-30")
-
-
-def test_real_layers_are_ordered_though_their_ids_are_not(shared_data):
     layers = read_layers(shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_002.mat")
     assert_array_equal(layers["layer"], ["surface", "test", "test1", "bottom"])
 
 
-def test_real_degenerate_file_is_refused(shared_data):
+def test_real_degenerate_files_organizers_and_images_are_no_layers(shared_data):
     for name in ("Data_20181103_01_001.mat", "Data_20181103_01_016.mat"):
         refused(read_layers, shared_data / "cresis_layers" / "20181103_01" / name, r"found no layer \(MATLAB_empty\)")
-
-
-def test_organizers_and_images_are_no_layers(shared_data):
     organizer = shared_data / "cresis_layers" / "20181030_01" / "layer_20181030_01.mat"
     refused(read_layers, organizer, "found a CReSIS layer organizer")
     refused(read_layers, shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png", "found a PNG image")

@@ -17,15 +17,12 @@ def names(script):
     return {str(path.relative_to(ROOT)) for path in closure(SCRIPTS / script)}
 
 
-def test_closure_follows_imports_of_imports_and_spares_what_is_not_called():
+def test_closure_follows_imports_of_imports_inside_functions_too_and_spares_what_is_not_called():
     # By hand: the script imports io.files and statistics, whose modules import each other and one module of phy;
     # no reader of a file format is imported, although the package io can read them all.
     files = names("summarise_frames.py")
     assert {"snowsim/io/files.py", "snowsim/statistics/summaries.py", "snowsim/phy/waveform.py"} <= files
     assert not {"snowsim/io/matlab.py", "snowsim/phy/render.py", "snowsim/cgan/train.py"} & files
-
-
-def test_closure_sees_imports_inside_functions_and_other_scripts():
     # The names of the reference flight are imported when first asked for.
     assert "snowsim/reference/echo.py" in names("reference_frames.py")
     assert "workflow/scripts/job.py" not in names("reference_frames.py")

@@ -34,13 +34,7 @@ def test_a_setting_changes_what_it_names_and_nothing_else():
     assert data_of({"n_layers": 3, "zones": [0]}, TRACKER)["n_layers"] == 3
 
 
-def test_a_name_given_twice_is_refused():
-    twice = {**STUDY, "networks": [{"name": "masked"}]}
-    with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
-        check_names(twice)
-
-
-def test_runs_are_compared_with_what_is_named_or_with_their_default():
+def test_runs_are_compared_with_what_is_named_once_or_with_their_default():
     assert worth_of(STUDY) == [
         (("default", "pd"), ("default", "rd")),
         (("longer", "rd"), ("masked", "rd")),
@@ -54,6 +48,9 @@ def test_runs_are_compared_with_what_is_named_or_with_their_default():
         ValueError, match="worth: expected a setting, one of default, masked, longer, width_4, got mask"
     ):
         check_names({**STUDY, "worth": [["mask/rd", "rd"]]})
+    twice = {**STUDY, "networks": [{"name": "masked"}]}
+    with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
+        check_names(twice)
 
 
 SETS = ["rd", "rd_gd"]

@@ -37,14 +37,11 @@ def test_ssim_is_luminance_times_contrast_times_structure(rng):
     assert_allclose(similarity(image, reference)["ssim"], expected[5:-5, 5:-5].mean(), atol=5e-13)
 
 
-def test_a_constant_shift_gives_its_own_size(rng):
+def test_a_constant_shift_gives_its_own_size_and_black_against_white_is_zero_decibels(rng):
     reference = rng.integers(0, 200, (40, 50), dtype=np.uint8)
     scores = similarity(reference + np.uint8(17), reference)
     assert_allclose(scores["rmse"], 17, rtol=1e-14)
     assert_allclose(scores["psnr"], 20 * np.log10(255 / 17), rtol=1e-14)
-
-
-def test_black_against_white_is_zero_decibels():
     black, white = np.zeros((20, 20), dtype=np.uint8), np.full((20, 20), 255, dtype=np.uint8)
     scores = similarity(black, white)
     assert scores["rmse"] == 255

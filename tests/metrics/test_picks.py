@@ -18,7 +18,7 @@ def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(layer_bins):
     assert np.isfinite(picks).mean() > 0.9
 
 
-def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(layer_bins):
+def test_gaps_are_bridged_up_to_their_limit_and_layers_are_picked_at_their_rounded_bins(layer_bins):
     mask = layer_mask(layer_bins, 320)
     mask[:, 40:60] = False
     bridged = pick_layers(mask, threshold=0.5, max_gap_lines=20)
@@ -27,23 +27,17 @@ def test_gaps_are_bridged_up_to_their_limit_and_layers_stay_in_order(layer_bins)
     broken = pick_layers(mask, threshold=0.5, max_gap_lines=19)
     assert broken.shape[0] == 2 * layer_bins.shape[0]
     check_layer_bins(broken)
-
-
-def test_layers_drawn_as_a_mask_are_picked_at_their_rounded_bins_even_those_that_begin_late(layer_bins):
     layer_bins[3, :50] = np.nan
     layer_bins[5, 60:] = np.nan
     picks = pick_layers(layer_mask(layer_bins, 320), threshold=0.5)
     assert_array_equal(picks, np.rint(layer_bins))
 
 
-def test_picks_never_cross_whatever_the_map(rng):
+def test_picks_never_cross_whatever_the_map_and_specks_are_dropped(rng):
     for share in (0.01, 0.05, 0.3):
         picks = pick_layers((rng.random((80, 60)) < share) * 0.9, threshold=0.5, min_lines=1)
         check_layer_bins(picks)
         assert picks.shape[0] > 10
-
-
-def test_specks_are_dropped():
     edges = np.zeros((50, 60))
     edges[20] = 1
     edges[35, 10:29] = 1

@@ -48,13 +48,10 @@ def test_a_wave_appears_in_the_ring_of_its_wavenumber():
     assert abs(wavenumber[np.argmax(psd)] - 0.21) <= 0.0125
 
 
-def test_twice_the_contrast_is_six_decibels_away(rng):
+def test_twice_the_contrast_is_six_decibels_away_and_height_does_not_count(rng):
     image = rng.standard_normal((128, 100))
     assert texture.radial_psd_distance_db(image, image) == 0
     assert_allclose(texture.radial_psd_distance_db(2 * image + 5, image), 20 * np.log10(2), rtol=1e-9)
-
-
-def test_distance_compares_images_of_different_height(rng):
     short, tall = rng.standard_normal((256, 256)), rng.standard_normal((900, 256))
     smooth = lfilter([1], [1, -0.8], tall, axis=1)
     assert texture.radial_psd_distance_db(short, tall) < 1.5 < texture.radial_psd_distance_db(short, smooth)
@@ -76,15 +73,12 @@ def test_planted_offset_slope_and_curvature_come_back():
     assert np.isnan(found["slope"][:, [0, 3, -4, -1]]).all()
 
 
-def test_a_peak_beyond_half_way_belongs_to_the_neighbour():
+def test_a_peak_beyond_half_way_belongs_to_the_neighbour_and_no_local_peak_gives_nan():
     image = np.zeros((100, 3))
     image[40] = 1
     image[46] = 9
     found = texture.layer_position_error(image, np.array([[39.0] * 3, [47.0] * 3]), window_lines=3)
     assert_allclose(found["error_bins"], [[1] * 3, [-1] * 3])
-
-
-def test_no_local_peak_gives_nan():
     ramp = np.broadcast_to(np.arange(100.0)[:, None], (100, 4))
     layer_bins = np.array([[50.0, np.nan, 0.0, 99.0]])
     assert np.isnan(texture.layer_position_error(ramp, layer_bins)["error_bins"]).all()

@@ -19,7 +19,7 @@ def scenes(climate):
     return {split: [scene(climate, index, split) for index in range(8)] for split in ("train", "test")}
 
 
-def test_scenes_of_all_splits_are_disjoint():
+def test_scenes_of_all_splits_are_disjoint_and_few_cover_the_line_as_many_do():
     scene_km = 256 * 5.47e-3
     for split in ("train", "validation", "test"):
         places = [scene_position(index, split, line_length_km()) for index in range(SLOTS + 20)]
@@ -28,9 +28,6 @@ def test_scenes_of_all_splits_are_disjoint():
             starts = np.sort([start for other, start in places if other == track])
             assert starts[-1] + scene_km < line_length_km()
             assert np.diff(starts).min() > scene_km
-
-
-def test_few_scenes_cover_the_line_as_many_do():
     starts = np.sort([scene_position(index, "test", 1200.0)[1] for index in range(20)])
     assert starts[0] < 150
     assert starts[-1] > 1100

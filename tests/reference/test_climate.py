@@ -8,14 +8,11 @@ from snowsim.reference.climate import draw_along_track, draw_waves
 from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
 
 
-def test_line_is_1200_km_from_central_to_north_west_greenland():
+def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances_on_it():
     assert_allclose(line_length_km(), 1200, rtol=0.02)
     latitude, longitude = line_coordinates(np.linspace(0, line_length_km(), 50))
     assert (np.diff(latitude[:40]) > 0).all()
     assert (np.diff(longitude) < 0).all()
-
-
-def test_positions_along_the_line_are_distances_and_none_lies_off_it():
     latitude, longitude = (np.radians(x) for x in line_coordinates(np.array([300.0, 310.0])))
     cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * np.cos(np.diff(longitude)[0])
     # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
@@ -29,22 +26,26 @@ def test_summit_is_as_cold_as_it_is():
     assert abs(temperature_fausto09(3200, 72.6, -38.5) - 243.5) < 3
 
 
-def test_percolation_is_at_the_low_end_and_rare(climate):
+def test_percolation_is_rare_at_the_low_end_and_accumulation_in_the_range_of_the_ice_sheet(climate, rng):
     share = [climate.percolation(place_at(km)) for km in (np.arange(20) + 0.5) / 20 * line_length_km()]
     assert 1 <= np.sum(np.array(share) > 0.5) <= 2
     assert share[-1] > 0.5
     assert max(share[:-2]) < 0.01
+    means = []
+    for km in np.linspace(5, line_length_km() - 5, 40):
+        water_m = climate.draw_accumulation("flight", km + np.arange(64) * 5.47e-3, 100, rng=rng)
+        assert (water_m > 0).all()
+        means.append(water_m[1:].mean())
+    assert 0.13 < min(means) < 0.25
+    assert 0.4 < max(means) < 0.75
 
 
-def test_every_frame_has_the_same_years(climate, rng):
+def test_every_frame_has_the_same_years_and_undulations_stay_in_place_on_a_track(climate, rng):
     far = [climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng) for km in (500, 504)]
     yearly = [np.log(water_m).mean(axis=1) for water_m in far]
     # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18 leaves a
     # correlation of 0.8; of 29 years it is known to 0.07.
     assert 0.6 < np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] < 0.95
-
-
-def test_undulations_stay_in_place_on_a_track_and_differ_between_tracks(climate, rng):
     position_km = 400 + np.arange(1000) * 5.47e-3
 
     def undulation(track):
@@ -53,16 +54,6 @@ def test_undulations_stay_in_place_on_a_track_and_differ_between_tracks(climate,
     again = np.corrcoef(undulation("flight"), undulation("flight"))[0, 1]
     assert again > 0.98
     assert abs(np.corrcoef(undulation("flight"), undulation("test_0"))[0, 1]) < 0.9
-
-
-def test_accumulation_is_positive_and_in_the_range_of_the_ice_sheet(climate, rng):
-    means = []
-    for km in np.linspace(5, line_length_km() - 5, 40):
-        water_m = climate.draw_accumulation("flight", km + np.arange(64) * 5.47e-3, 100, rng=rng)
-        assert (water_m > 0).all()
-        means.append(water_m[1:].mean())
-    assert 0.13 < min(means) < 0.25
-    assert 0.4 < max(means) < 0.75
 
 
 def test_relief_does_not_add_up_with_depth(rng):
@@ -76,12 +67,9 @@ def test_relief_does_not_add_up_with_depth(rng):
     assert spread[-1] < 1.5 * spread[9]
 
 
-def test_waves_have_unit_variance():
+def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation_asked_for(rng):
     values = [draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)]
     assert_allclose(np.std(values), 1, rtol=4 / np.sqrt(2 * 8000))
-
-
-def test_series_along_track_are_stationary_with_the_correlation_asked_for(rng):
     series = draw_along_track(4000, 40, 8.0, rng=rng)
     assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))
     correlation = (series[:, 5] * series[:, 13]).mean()

@@ -57,19 +57,16 @@ def test_travel_time_knows_nothing_of_layering_of_zero_mean():
     assert_allclose(firn.travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
 
 
-def test_permittivity_of_ice_is_that_of_kovacs():
+def test_permittivity_of_ice_is_that_of_kovacs_and_a_small_step_reflects_as_fresnel():
     # Kovacs et al. (1995) find 3.15 for ice.
     assert_allclose(firn.refractive_index_kovacs95(917) ** 2, 3.15, atol=0.005)
-
-
-def test_small_step_reflects_as_fresnel_does():
     above, below = firn.refractive_index_kovacs95([400 - 5, 400 + 5])
     fresnel = ((below - above) / (below + above)) ** 2
     assert_allclose(firn.reflectivity(10, 400), fresnel, rtol=1e-12)
     assert_allclose(firn.surface_reflectivity(340), ((1.2873 - 1) / (1.2873 + 1)) ** 2, rtol=1e-4)
 
 
-def test_layering_has_the_standard_deviation_and_length_of_the_logs(rng):
+def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):
     spacing_m, length_m = 0.005, 0.0225
     layering = draw_layering(400, 2000, spacing_m, 50, length_m, rng=rng)
     # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow four standard errors.
@@ -77,9 +74,6 @@ def test_layering_has_the_standard_deviation_and_length_of_the_logs(rng):
     lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
     correlation = (layering[:, :-lag] * layering[:, lag:]).mean() / layering.var()
     assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
-
-
-def test_first_samples_of_layering_are_as_spread_as_the_others(rng):
     layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
     assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))
 

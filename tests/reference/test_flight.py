@@ -48,7 +48,7 @@ def profile_of(column, climate):
     return column.place.accumulation_m, column.place.temperature_k, climate.settings.firn.surface_density_kg_m3
 
 
-def test_depth_table_of_a_column_is_that_of_its_place(climate, rng):
+def test_the_depth_table_of_a_column_is_that_of_its_place_and_horizons_never_cross_down_to_its_end(climate, rng):
     column = column_at(climate, 200, 30, 300, rng=rng)
     profile = profile_of(column, climate)
     water_m = np.linspace(0, 3, 7)
@@ -56,6 +56,10 @@ def test_depth_table_of_a_column_is_that_of_its_place(climate, rng):
     bins = firn.travel_time_s(depth_m, water_m) / climate.settings.radar.bin_size_s
     # Linear between 400 nodes.
     assert_allclose(np.interp(bins, column.table_bins, column.table_depth_m), depth_m, atol=1e-4)
+    for km in (10, 700, line_length_km() - 10):
+        column = column_at(climate, km, 64, 600, rng=rng)
+        assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
+        assert column.horizons.bins[-1].max() > 560
 
 
 def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
@@ -72,13 +76,6 @@ def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
     assert_allclose(slab_bins, slab_s / climate.settings.radar.bin_size_s, rtol=1e-3)
 
 
-def test_horizons_never_cross_and_reach_the_window_s_end(climate, rng):
-    for km in (10, 700, line_length_km() - 10):
-        column = column_at(climate, km, 64, 600, rng=rng)
-        assert (np.diff(column.layer_bins(np.zeros(64)), axis=0) > 0).all()
-        assert column.horizons.bins[-1].max() > 560
-
-
 def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20_db_below(bare):
     layer_bins, echo = bare
     mean_db = 10 * np.log10(echo.mean())
@@ -90,15 +87,12 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
 
 
-def test_missing_lines_are_noise_and_positive(rng):
+def test_missing_lines_are_noise_and_positive_saturated_ones_noisy_and_clipped(rng):
     faults = BARE["radar"] | {"missing_rate": 1.0, "jump_rate": 0.0}
     _, echo = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)
     assert echo.without_echo.all()
     assert_allclose(echo.mean(), echo.noise_power, rtol=1e-5)
     assert (echo.draw(1, rng=rng) > 0).all()
-
-
-def test_saturated_lines_are_noisy_and_clipped(rng):
     faults = BARE["radar"] | {"saturated_rate": 1.0, "jump_rate": 0.0}
     mean = echo_of({"radar": faults}, np.full(20, 50.0), 250, rng)[1].mean()
     # The transform rounds to 1e-7 of an echo of 0.01; this noise is 1e-5.
@@ -114,7 +108,7 @@ def test_rendered_speckle_has_the_looks_of_the_flight(bare, rng):
     assert_allclose(1 / ratio.var(), 5, rtol=4 * np.sqrt(3.2 / (ratio.size / 1.2)))
 
 
-def test_frame_follows_the_data_model(frame):
+def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(frame, climate):
     echogram, layers = frame
     check_echogram(echogram)
     check_layers(layers)
@@ -126,9 +120,6 @@ def test_frame_follows_the_data_model(frame):
         assert dataset.attrs["n_looks"] == 5
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
     assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
-
-
-def test_surface_of_a_frame_is_its_first_layer(climate, frame):
     echogram, layers = frame
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
     bins = layer_bins_of(layers, echogram)

@@ -33,13 +33,10 @@ def test_rise_is_that_of_a_layer_over_the_tail_above():
     assert_allclose(rise[3], 10 * np.log10((101 + 100 * np.exp(-4)) / valley), atol=0.2)
 
 
-def test_record_ends_at_the_deepest_horizon_that_rises():
+def test_the_record_ends_at_the_deepest_rise_and_a_layer_without_rise_is_not_picked_there():
     assert n_visible_layers(np.array([np.inf, 3, 0.2, 2, 0.5, np.nan]), 1.0) == 4
     assert n_visible_layers(np.array([np.inf, 0.5, 0.2]), 1.0) == 1
     assert n_visible_layers(np.array([np.inf]), 1.0) == 1
-
-
-def test_layer_without_rise_is_not_picked_there():
     layer_bins = np.array([[50.0] * 100, [70.0] * 100])
     picked = pick_visible(np.array([[np.inf, np.inf], [3, -1]]), layer_bins, 0.5)
     assert np.isfinite(picked[0]).all()
@@ -47,15 +44,12 @@ def test_layer_without_rise_is_not_picked_there():
     assert np.isnan(picked[1, 75:]).all()
 
 
-def test_clear_layers_are_found_to_the_bin(rng):
+def test_clear_layers_are_found_to_the_bin_and_a_weak_one_is_lost_and_nothing_invented(rng):
     power, layer_bins = planted(slope=0.05)
     picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked).mean() > 0.95
     found = np.isfinite(picked)
     assert np.abs((picked - layer_bins)[found]).mean() < 1
-
-
-def test_weak_layer_is_lost_and_nothing_invented(rng):
     power, layer_bins = planted(peaks_db=(30, 20, -10, 20))
     picked = speckled_picks(power, layer_bins, rng)
     assert np.isfinite(picked[2]).mean() < 0.2

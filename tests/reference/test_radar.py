@@ -10,7 +10,7 @@ RADAR = RadarSettings()
 MARGIN = rd.range_response(RADAR).size // 2 + RADAR.n_sub_bins
 
 
-def test_hann_response_has_the_published_widths():
+def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weighted_beat_signal():
     # 6 GHz: 0.200 m between nulls, 0.075 m equivalent width, of path there and back.
     null_s = 0.200 / SPEED_OF_LIGHT_M_S / 2
     assert abs(rd.hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
@@ -18,9 +18,6 @@ def test_hann_response_has_the_published_widths():
     delay_s = np.linspace(-50 / 6e9, 50 / 6e9, 200_001)
     width_m = np.trapezoid(rd.hann_response(delay_s, 6e9) ** 2, delay_s) * SPEED_OF_LIGHT_M_S
     assert_allclose(width_m, 0.075, rtol=2e-3)  # likewise rounded, from 0.07495
-
-
-def test_hann_response_is_the_spectrum_of_the_weighted_beat_signal():
     samples = 4096
     sweep = (np.arange(samples) + 0.5) / samples  # of the bandwidth
     window = 0.5 - 0.5 * np.cos(2 * np.pi * sweep)
@@ -30,14 +27,11 @@ def test_hann_response_is_the_spectrum_of_the_weighted_beat_signal():
         assert_allclose(rd.hann_response(x / 6e9, 6e9), beat.real, atol=1e-6)
 
 
-def test_narrow_slopes_give_an_exponential_tail():
+def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spread_their_power():
     # tan^2 = 2 d / H for an excess range d: exp(-tan^2 / 2 s^2) is exp(-d / (H s^2)), to order d / H = 1e-3.
     excess_m = np.linspace(0, 1, 11)
     tail = rd.annulus_power(2 * excess_m / SPEED_OF_LIGHT_M_S, 500, 0.03, 0, 180)
     assert_allclose(np.log(tail), -excess_m / (500 * 0.03**2), atol=0.02)
-
-
-def test_rougher_or_steeper_interface_only_spreads_its_power():
     for slope, roughness_m in ((0.022, 0.0), (0.03, 0.02), (0.06, 0.08)):
         waveform = rd.interface_waveform(RADAR, slope, roughness_m)
         assert_allclose(waveform.power.sum(), 1, rtol=1e-5)  # float32 sum of some thousand values
@@ -89,23 +83,17 @@ def test_looks_range_lines_and_phases_are_independent(rng):
     assert abs(np.mean(look**2)) < bound * 1.5  # circular
 
 
-def test_received_mean_is_the_mean_of_many_looks(rng):
+def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_lies_between_bins(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
     mean = rd.received_mean(field, RADAR, MARGIN)
     detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(axis=0)
     assert_allclose(detected, mean[0], rtol=5 / np.sqrt(40_000))  # the largest of 60 exponential means
-
-
-def test_range_bins_do_not_depend_on_the_window(rng):
     field = rng.random((3, 50 * RADAR.n_sub_bins + 2 * MARGIN)).astype(np.float32)
     whole = rd.received_mean(field, RADAR, MARGIN)
     part = rd.received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
     assert whole.shape == (3, 50)
     assert_allclose(part, whole[:, :30], rtol=1e-6)  # float32
-
-
-def test_point_between_bins_appears_between_them():
     field = flat_field(1, 40, 0)
     field[0, MARGIN + 20 * RADAR.n_sub_bins + 2] = 1  # half a bin below bin 20
     mean = rd.received_mean(field, RADAR, MARGIN)[0]
@@ -113,16 +101,13 @@ def test_point_between_bins_appears_between_them():
     assert mean.argmax() in (20, 21)
 
 
-def test_rolled_share_of_the_flight_is_that_of_the_chain(rng):
+def test_gain_jumps_and_rolls_as_often_as_asked(rng):
     radar = RadarSettings(roll_enter=0.02, roll_leave=0.1, roll_gain=0.5)
     gain = rd.draw_roll_gain(200_000, radar, rng=rng)
     assert set(np.unique(gain)) == {0.5, 1.0}
     # Stationary share e / (e + l); correlation (1 - e - l) leaves n (e + l) / 2 independent lines.
     share = 0.02 / 0.12
     assert_allclose((gain < 1).mean(), share, atol=4 * np.sqrt(share * (1 - share) / (200_000 * 0.06)))
-
-
-def test_receiver_gain_jumps_as_often_as_asked(rng):
     gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng)
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
     assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1).all()

@@ -34,7 +34,7 @@ def with_gaps(frame, gaps):
 
 def test_order_and_partition_of_frames_do_not_matter(flight, estimator):
     whole = statistics.fit(flight, estimator=estimator)
-    parts = [statistics.merge([statistics.summarise(*flight[i]) for i in lot]) for lot in ((3, 0), (2,), (1,))]
+    parts = [statistics.merge([statistics.summarise(*flight[i]) for i in part]) for part in ((3, 0), (2,), (1,))]
     other = statistics.estimate(statistics.merge(parts), estimator=estimator)
     for name in whole.variables:
         assert_allclose(other[name], whole[name], rtol=1e-10)

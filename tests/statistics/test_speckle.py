@@ -51,7 +51,7 @@ def test_correlation_down_range_comes_back_within_its_error(rng):
 
 def test_correlation_down_range_does_not_depend_on_the_order_of_frames(rng):
     parts = [summarise(*air_frame(rng, i)) for i in range(3)]
-    together, apart = (range_correlation(merge(lot)) for lot in (parts, [merge(parts[2:]), merge(parts[:2])]))
+    together, apart = (range_correlation(merge(part)) for part in (parts, [merge(parts[2:]), merge(parts[:2])]))
     assert_allclose(apart[0], together[0], rtol=1e-12)
     assert_allclose(apart[1], together[1], rtol=1e-9)
 

@@ -21,7 +21,7 @@ def picked():
     return dataclasses.replace(toy_scene(1), layer_bins=layer_bins, complete_layer_bins=complete)
 
 
-def test_gaps_and_all_below_the_deepest_pick_are_unknown_and_nothing_in_a_complete_scene(picked):
+def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer_is_picked(picked):
     known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
     expected = np.ones((96, 64), dtype=bool)
     expected[59:] = False  # deeper than 50 + 8
@@ -30,9 +30,6 @@ def test_gaps_and_all_below_the_deepest_pick_are_unknown_and_nothing_in_a_comple
     # A scene without a complete annotation beside its own is complete itself.
     scene = dataclasses.replace(picked, complete_layer_bins=None)
     assert annotated_pixels(scene, scene.layer_bins, 96).all()
-
-
-def test_a_pick_is_known_even_in_the_gap_of_another_layer(picked):
     picked.layer_bins[1, 10:40] = 25
     known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
     assert known[20].all()

@@ -85,12 +85,9 @@ def test_side_outputs_upsample_about_pixel_centres():
         assert_allclose(side[:, inside], np.tile(np.arange(64)[inside] + (2**k - 1) / 2, (64, 1)), rtol=1e-6)
 
 
-def test_the_fuse_starts_as_the_mean_of_the_sides(network, noise):
+def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(network, noise, rng):
     logits = network(noise(32, 32))
     assert_allclose(logits[5], logits[:5].mean(dim=0), atol=1e-6)
-
-
-def test_activations_neither_vanish_nor_explode_at_the_start(noise, rng):
     network, x = drawn(MultiScaleNetwork(8), rng), noise(64, 64)
     for stage in network.stages:
         for convolution in stage:

@@ -31,12 +31,14 @@ def source_tree():
     return folder
 
 
-def command(folder, *arguments, configs=("config.yaml", "tiny.yaml"), cores=2, profile="default"):
+def command(
+    folder, *arguments, configs=("config.yaml", "tiny.yaml"), cores=2, profile="default", snakefile="Snakefile"
+):
     """Words of a call of Snakemake with results in `folder`."""
     source = source_tree()
     words = [
         SNAKEMAKE,
-        *("--snakefile", source / "Snakefile"),
+        *("--snakefile", source / snakefile),
         *("--directory", folder),
         *("--workflow-profile", source / "profiles" / profile),
         *(("--cores", cores) if profile == "default" else ()),

@@ -12,7 +12,7 @@ def cluster(tmp_path_factory):
     pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
     missing = missing_programs()
     if missing:
-        pytest.skip(f"SLURM is not installed and cannot be: {', '.join(missing)}")
+        pytest.skip(f"SLURM is not installed (make test-machine): {', '.join(missing)}")
     with one_node_cluster(tmp_path_factory.mktemp("slurm") / "cluster") as programs:
         yield programs
 

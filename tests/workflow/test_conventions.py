@@ -12,15 +12,13 @@ from runs import ROOT, SNAKEMAKE, call, command, run_snakemake, source_tree, tex
 from lib.imports import closure
 
 TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "export", "report", "studies"}
+SNAKEFILES = ("Snakefile", "workflow/Snakefile")
 
 
-def test_lint_finds_nothing(tmp_path):
+def test_rules_are_formatted_and_lint_finds_nothing(tmp_path):
     done = call(SNAKEMAKE, "--lint", "--directory", tmp_path)
     assert done.returncode == 0, text_of(done)
     assert "Congratulations, your workflow is in a good condition" in text_of(done)
-
-
-def test_rules_are_formatted():
     pytest.importorskip("snakefmt")
     done = call(SNAKEMAKE.with_name("snakefmt"), "--check", "Snakefile", "workflow", cwd=ROOT)
     assert done.returncode == 0, text_of(done)
@@ -73,16 +71,25 @@ def test_studies_collects_every_study(rules):
 def test_the_catalogue_knows_how_to_run_the_workflow():
     usage = yaml.safe_load((ROOT / ".snakemake-workflow-catalog.yml").read_text())["usage"]
     assert usage["software-stack-deployment"]["conda"] is True
-    assert usage["report"] is True
+    assert usage["report"] is usage["software-stack-deployment"]["report"] is True
     assert (ROOT / "config/README.md").is_file()
 
 
-def test_another_workflow_can_use_this_one_as_a_module(tmp_path):
+def test_both_snakefiles_plan_the_same_jobs(tmp_path):
+    # How many jobs of each rule, and every file that they make or are made anew for.
+    plans = [run_snakemake(tmp_path, "--dry-run", snakefile=name).stdout for name in SNAKEFILES]
+    ours, theirs = (sorted(re.findall(r"^\w+ +\d+$|\bresults/[\w./]+", plan, flags=re.MULTILINE)) for plan in plans)
+    assert len(ours) > 100
+    assert ours == theirs
+
+
+@pytest.mark.parametrize("snakefile", SNAKEFILES)
+def test_another_workflow_can_use_this_one_as_a_module(tmp_path, snakefile):
     shutil.copy2(ROOT / "config/config.yaml", tmp_path / "config.yaml")
     (tmp_path / "Snakefile").write_text(f"""\
 configfile: "config.yaml"
 module snowsim:
-    snakefile: "{source_tree()}/Snakefile"
+    snakefile: "{source_tree()}/{snakefile}"
     config: config
 use rule * from snowsim as snow_*
 rule mine:
@@ -114,11 +121,3 @@ def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
     done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
     n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
     assert 40 < n_jobs <= 70
-
-
-def test_profiles_lie_where_snakemake_looks():
-    for name in ("default", "slurm"):
-        profile = yaml.safe_load((ROOT / f"profiles/{name}/config.yaml").read_text())
-        assert profile["scheduler"] == "greedy"
-        assert "params" in profile["rerun-triggers"]
-        assert profile["default-resources"] == {"mem_mb": 1000, "runtime": 30}

@@ -10,6 +10,22 @@ import pytest
 import xarray as xr
 from runs import lines_with, run_snakemake
 
+from lib.sources import check_disk, check_folders
+
+
+def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):
+    check_disk(1, tmp_path / "results")
+    with pytest.raises(ValueError, match=rf"^disk: this run writes about 10{{12}} MB, {tmp_path} has \d+ MB left$"):
+        check_disk(1e18, tmp_path / "results")
+
+
+def test_a_folder_is_judged_by_the_first_that_is_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    check_folders("results/a/b", "logs")
+    monkeypatch.setattr("os.access", lambda folder, mode: folder != tmp_path)
+    with pytest.raises(ValueError, match=rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"):
+        check_folders("logs")
+
 
 @contextmanager
 def small_disk(folder, kilobytes, read_only=False):
@@ -70,7 +86,7 @@ def error_from_the_flight(folder, target):
 
 
 def test_a_truncated_frame_is_named_and_no_summary_is_left(broken_run):
-    path = broken_run / "results/flight/0001.nc"  # the second of the first lot
+    path = broken_run / "results/flight/0001.nc"  # the second of the first shard
     path.write_bytes(path.read_bytes()[:20_000])
     line = error_from_the_flight(broken_run, "results/statistics/0000.nc")
     assert "results/flight/0001.nc: expected" in line

@@ -39,9 +39,9 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     assert (worth["bootstrap_low"] <= worth["bootstrap_high"]).all()
     assert (row["n_images"] == 3).all()
     assert set(worth["base"]) == {"default", "last_part"}
-    stability = pd.read_csv(folder / "stability.csv")
-    assert set(stability.loc[stability["status"] == "refused", "panel"]) == {"empty labels", "flat image"}
+    atlas = pd.read_csv(folder / "atlas.csv")
+    assert set(atlas.loc[atlas["status"] == "refused", "panel"]) == {"empty labels", "flat image"}
     speed = pd.read_csv(tmp_path / "run/results/tables/speed_accuracy_tracker.csv")
     assert set(speed["setting"]) == {"default", "width_4", "unet_2"}
-    for name in ("tracker_ablation", "tracker_worth", "speed_accuracy_tracker", "stability_tracker"):
+    for name in ("tracker_ablation", "tracker_worth", "speed_accuracy_tracker", "atlas_tracker"):
         assert (tmp_path / f"run/results/figures/{name}.svg").stat().st_size > 1000

@@ -39,11 +39,7 @@ def test_every_label_set_is_rendered_by_both_methods_at_its_own_height(tiny_run)
         assert not crossing_layers(label.layer_bins).any()
 
 
-def test_nothing_half_written_is_left(tiny_run):
-    assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
-
-
-def test_every_figure_decodes(tiny_run):
+def test_every_figure_decodes_and_nothing_half_written_is_left(tiny_run):
     figures = sorted((tiny_run / "results/figures").iterdir())
     assert figures
     for path in figures:
@@ -52,6 +48,7 @@ def test_every_figure_decodes(tiny_run):
                 assert np.asarray(image).std() > 0
         else:
             assert ElementTree.parse(path).getroot().tag.endswith("svg")
+    assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
 @pytest.fixture(scope="module")
@@ -60,13 +57,16 @@ def page(tiny_run):
     return (tiny_run / "results/report.html").read_text()
 
 
-def test_the_page_is_of_a_synthetic_flight_small_enough_to_send_and_names_nothing_outside_itself(page):
+def test_the_page_is_of_a_synthetic_flight_small_names_nothing_outside_and_has_every_figure_of_the_paper(page):
     assert "No observed radar data were used" in page
     outside = re.findall(r"""(?:src|href|action)\s*=\s*["'](?!data:|#)([^"']+)""", page)
     assert outside == []
     assert "url(" not in page
     assert "@import" not in page
     assert len(page.encode()) < 25e6
+    paper = yaml.safe_load((ROOT / "workflow/report/paper.yaml").read_text())
+    assert sorted(paper["figures"]) == list(range(1, 13))
+    assert "no counterpart in this run" not in page
 
 
 def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page):
@@ -78,9 +78,3 @@ def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page
     downloads = dict(re.findall(r'download="([^"]+)" href="data:text/csv;base64,([^"]+)"', page))
     assert tables
     assert {name: base64.b64decode(content) for name, content in downloads.items()} == tables
-
-
-def test_every_figure_of_the_paper_has_a_counterpart_or_a_reason(page):
-    paper = yaml.safe_load((ROOT / "workflow/report/paper.yaml").read_text())
-    assert sorted(paper["figures"]) == list(range(1, 13))
-    assert "no counterpart in this run" not in page

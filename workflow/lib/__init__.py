@@ -1,1 +1,1 @@
-"""What judges and shows: Python for scripts and tests alone, no part of the package."""
+"""What checks and shows: Python for scripts and tests alone, no part of the package."""

@@ -1,4 +1,4 @@
-"""What watches a training of the conditional GAN: similarity on scenes set aside, and the detectors of collapse."""
+"""What watches a training of the conditional GAN: similarity on held-out scenes, and the detectors of collapse."""
 
 import dataclasses
 
@@ -19,7 +19,7 @@ def examine(training, losses, scenes, statistics):
 
 
 class Judge:
-    """Validation of a training by similarity on scenes set aside, and health; `run` is set once the run is open."""
+    """Validation of a training by similarity on held-out scenes, and health; `run` is set once the run is open."""
 
     by = "fitness"
 
@@ -38,15 +38,15 @@ class Judge:
         scores, numbers, self.images = examine(training, late, self.scenes, self.statistics)
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
-        told = {**scores, **numbers, "n_faults": len(found)}
+        row = {**scores, **numbers, "n_faults": len(found)}
         fitness = training.step if self.metric == "last" else scores[self.metric]
         if self.goes_on:
-            return {**told, "fitness": fitness}
+            return {**row, "fitness": fitness}
         # Once may pass; twice in a row, or at the end, it has collapsed.
         if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
             msg = f"step {training.step}: {'; '.join(found)}"
             raise Collapsed(msg)
-        return {**told, "fitness": -float("inf") if found else fitness}
+        return {**row, "fitness": -float("inf") if found else fitness}
 
     def weights(self):
         """What is kept of the best."""

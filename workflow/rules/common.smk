@@ -39,6 +39,10 @@ def or_refused(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
+# Settings of earlier versions and what they are called now.
+RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas"}
+
+
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
     schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
@@ -49,7 +53,8 @@ def check_config(config):
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
         expected = error.schema.get("description", "")
         if error.validator == "additionalProperties":
-            expected = ", ".join(error.schema["properties"])
+            new = [RENAMED[name] for name in error.instance if name in RENAMED]
+            expected = ", ".join(new or error.schema["properties"])
         raise WorkflowError(
             f"config: {key}: {error.message}"
             + (f" (expected: {expected})" if expected else "")
@@ -94,7 +99,6 @@ SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 wildcard_constraints:
     frame=r"\d{4}",
-    lot=r"\d{4}",
     shard=r"\d{4}",
     replica=r"\d+",
     split="|".join(SPLITS),

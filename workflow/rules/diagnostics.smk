@@ -12,9 +12,9 @@ rule compare_label_models:
         code=imported_by("compare_label_models.py"),
     output:
         model="results/label_model.nc",
-        criteria="results/tables/label_criteria.csv",
-        savings="results/tables/label_savings.csv",
-        spectra="results/tables/label_families.csv",
+        selection="results/tables/model_selection.csv",
+        scenes="results/tables/model_selection_scenes.csv",
+        spectra="results/tables/model_selection_spectra.csv",
         seconds="results/tables/speed_accuracy_labels.csv",
     log:
         "logs/compare_label_models.log",
@@ -93,22 +93,22 @@ rule compare_scenes:
         **DRAWN,
         seed=config["seed"],
     message:
-        "drawn scenes beside observed ones: can they be told apart, and by what"
+        "drawn scenes beside observed ones: can they be distinguished, and by what"
     script:
         "../scripts/compare_scenes.py"
 
 
-rule evidence:
+rule claims:
     input:
         rules.compare_renders.output,
         rules.compare_scenes.output,
         figure_files("similarity"),
     localrule: True
     message:
-        "evidence on what the paper claims of renders"
+        "tables behind what the paper claims of renders"
 
 
-# What the statistics of PHY's renders give back of the statistics that went into them; decides PHY's conventions.
+# Statistics re-estimated from PHY's renders beside those that went into them; decides PHY's conventions.
 
 # One in so many averaged range lines of a scene is kept: the others differ in speckle alone.
 LOOP_STRIDE = 6
@@ -133,7 +133,7 @@ LOOP_CONVENTIONS = list(
     )
 )
 TRIED = "results/closed_loop/{name}_first.{ending}"
-LOOP_LOTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
+TRIED_PARTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
 # The flight's statistics by every estimator.
 STATISTICS = {
     estimator: f"results/closed_loop/flight_{estimator}.nc"
@@ -181,11 +181,11 @@ rule render_closed_loop:
         "../scripts/render_closed_loop.py"
 
 
-for lot, conventions in enumerate(LOOP_LOTS):
+for part, conventions in enumerate(TRIED_PARTS):
 
     rule:
         name:
-            f"try_conventions_{lot}"
+            f"try_conventions_{part}"
         input:
             layers=[f"results/labels/{shard}.nc" for shard in LOOP_SHARDS],
             statistics=[STATISTICS[name.split("_")[0]] for name in conventions],
@@ -194,9 +194,9 @@ for lot, conventions in enumerate(LOOP_LOTS):
             recovered=expand(TRIED, name=conventions, ending="nc"),
             tables=expand(TRIED, name=conventions, ending="csv"),
         log:
-            f"logs/try_conventions/{lot}.log",
+            f"logs/try_conventions/{part}.log",
         benchmark:
-            f"results/benchmarks/try_conventions/{lot}.tsv"
+            f"results/benchmarks/try_conventions/{part}.tsv"
         params:
             conventions=conventions,
             seed=config["seed"],
@@ -244,7 +244,7 @@ rule closed_loop:
         figure_files("closed_loop"),
     localrule: True
     message:
-        "statistics that went into PHY beside those its renders give back"
+        "statistics that went into PHY beside those re-estimated from its renders"
 
 
 rule tabulate_validation:
@@ -364,17 +364,17 @@ rule measure_phy:
 # Where PHY's methods and the estimators of flight statistics fail, and that public functions do not.
 
 
-rule stress:
+rule draw_atlases:
     input:
-        code=imported_by("stress.py"),
+        code=imported_by("draw_atlases.py"),
     output:
-        phy="results/tables/stability_phy.csv",
-        phy_regions="results/tables/stability_phy_regions.csv",
-        statistics="results/tables/stability_statistics.csv",
+        phy="results/tables/atlas_phy.csv",
+        phy_regions="results/tables/atlas_phy_regions.csv",
+        statistics="results/tables/atlas_statistics.csv",
     log:
-        "logs/stress.log",
+        "logs/draw_atlases.log",
     benchmark:
-        "results/benchmarks/stress/all.tsv"
+        "results/benchmarks/draw_atlases/all.tsv"
     resources:
         mem_mb=1500,
     params:
@@ -382,28 +382,28 @@ rule stress:
         # Under half a minute; a flight of test size gets the ends of every sweep alone.
         share=1.0 if config["flight"]["n_frames"] >= 10 else 0.2,
     message:
-        "stability atlases of PHY and of the estimators"
+        "atlases of PHY and of the estimators"
     script:
-        "../scripts/stress.py"
+        "../scripts/draw_atlases.py"
 
 
-rule stability:
+rule atlases:
     input:
-        rules.stress.output,
+        rules.draw_atlases.output,
         figure_files("atlas"),
     localrule: True
     message:
-        "stability atlases of PHY and of the estimators, with their figures"
+        "atlases of PHY and of the estimators, with their figures"
 
 
 rule charts_phy:
     input:
         rules.measure_phy.output,
-        rules.stability.input,
+        rules.atlases.input,
         figure_files("phy"),
     localrule: True
     message:
-        "speed-accuracy charts and stability atlas of PHY"
+        "speed-accuracy charts and atlas of PHY"
 
 
 # How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.

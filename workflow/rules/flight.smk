@@ -3,22 +3,22 @@
 
 if SOURCE == "reference":
 
-    # A rule for each lot: a job draws several frames, for to start it takes longer than to draw one.
-    for lot, frames in FRAME_LOTS.items():
+    # A rule for each shard of frames: starting a job takes longer than drawing a frame.
+    for shard, frames in FRAME_SHARDS.items():
 
         rule:
             name:
-                f"reference_frames_{lot}"
+                f"reference_frames_{shard}"
             input:
                 code=imported_by("reference_frames.py"),
             output:
                 echograms=expand("results/flight/{frame}.nc", frame=frames),
                 layers=expand("results/flight/{frame}_layers.nc", frame=frames),
-                segment=SEGMENT if lot == "0000" else [],
+                segment=SEGMENT if shard == "0000" else [],
             log:
-                f"logs/reference_frames/{lot}.log",
+                f"logs/reference_frames/{shard}.log",
             benchmark:
-                f"results/benchmarks/reference_frames/{lot}.tsv"
+                f"results/benchmarks/reference_frames/{shard}.tsv"
             resources:
                 mem_mb=1500,
             params:
@@ -29,7 +29,7 @@ if SOURCE == "reference":
                 },
                 reference=config["reference"],
             message:
-                f"frames of the synthetic reference flight, lot {lot}"
+                f"frames of the synthetic reference flight, shard {shard}"
             script:
                 "../scripts/reference_frames.py"
 
@@ -213,25 +213,25 @@ else:
             "../scripts/import_blocks.py"
 
 
-if FRAME_LOTS:
+if FRAME_SHARDS:
 
     rule summarise_frames:
         input:
             echograms=lambda wildcards: expand(
-                "results/flight/{frame}.nc", frame=FRAME_LOTS[wildcards.lot]
+                "results/flight/{frame}.nc", frame=FRAME_SHARDS[wildcards.shard]
             ),
             layers=lambda wildcards: expand(
-                "results/flight/{frame}_layers.nc", frame=FRAME_LOTS[wildcards.lot]
+                "results/flight/{frame}_layers.nc", frame=FRAME_SHARDS[wildcards.shard]
             ),
             code=imported_by("summarise_frames.py"),
         output:
-            summary="results/statistics/{lot}.nc",
+            summary="results/statistics/{shard}.nc",
         log:
-            "logs/summarise_frames/{lot}.log",
+            "logs/summarise_frames/{shard}.log",
         benchmark:
-            "results/benchmarks/summarise_frames/{lot}.tsv"
+            "results/benchmarks/summarise_frames/{shard}.tsv"
         message:
-            "sums over frames, lot {wildcards.lot}"
+            "sums over frames, shard {wildcards.shard}"
         script:
             "../scripts/summarise_frames.py"
 

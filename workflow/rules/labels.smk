@@ -1,8 +1,8 @@
 # Sums over the flight -> flight statistics -> synthetic layer sets.
 
-# Sums over a lot of frames or, where there are only images, over a file of train scenes.
+# Sums over a shard of frames or, where there are only images, over a file of train scenes.
 SUMMARIES = [
-    f"results/statistics/{number}.nc" for number in FRAME_LOTS or shards("train")
+    f"results/statistics/{number}.nc" for number in FRAME_SHARDS or shards("train")
 ]
 
 
@@ -95,7 +95,7 @@ rule labels:
     input:
         rules.summarise_labels.input.labels,
         rules.summarise_labels.output,
-        tables("label_criteria", "label_savings", "label_families"),
+        tables("model_selection", "model_selection_scenes", "model_selection_spectra"),
         tables("speed_accuracy_labels"),
         figure_files("labels"),
     localrule: True

@@ -69,14 +69,14 @@ else:
             "source": SOURCE,
             **{
                 key: OWN[key]
-                for key in ("bin_s", "flattening", "layer_names", "unfit_flags")
+                for key in ("bin_s", "flattening", "layer_names", "flagged_by")
             },
         }
     N_OBSERVED = {split: len(OBSERVED.get(split, [])) for split in SPLITS}
 
-# Frames that one job draws or sums up, by the number of the lot.
+# Frames that one job draws or sums up, by the number of the shard.
 FRAMES_PER_JOB = config["flight"]["frames_per_job"]
-FRAME_LOTS = {
+FRAME_SHARDS = {
     f"{first // FRAMES_PER_JOB:04d}": FRAMES[first : first + FRAMES_PER_JOB]
     for first in range(0, len(FRAMES), FRAMES_PER_JOB)
 }

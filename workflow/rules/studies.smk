@@ -161,30 +161,30 @@ rule time_trackers:
         "../scripts/time_trackers.py"
 
 
-rule stress_tracker:
+rule atlas_tracker:
     input:
         train=benchmark_files("train"),
         scenes=benchmark_files("validation"),
         network="results/tracker/rd/0.safetensors",
         statistics="results/statistics.nc",
-        code=imported_by("stress_tracker.py"),
+        code=imported_by("atlas_tracker.py"),
     output:
-        table="results/studies/tracker/stability.csv",
+        table="results/studies/tracker/atlas.csv",
     log:
-        "logs/stress_tracker.log",
+        "logs/atlas_tracker.log",
     benchmark:
-        "results/benchmarks/stress_tracker/all.tsv"
+        "results/benchmarks/atlas_tracker/all.tsv"
     resources:
         mem_mb=2000,
     params:
         seed=config["seed"],
         settings=TRACKER["training"],
         phy=config["phy"],
-        stability=STUDY["stability"],
+        atlas=STUDY["atlas"],
     message:
         "where the tracker fails"
     script:
-        "../scripts/stress_tracker.py"
+        "../scripts/atlas_tracker.py"
 
 
 rule study_tracker:
@@ -192,14 +192,14 @@ rule study_tracker:
         "results/studies/tracker/ablation.csv",
         rules.tabulate_worth.output,
         rules.time_trackers.output,
-        rules.stress_tracker.output,
+        rules.atlas_tracker.output,
         figure_files("study_tracker"),
     localrule: True
     message:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"
 
 
-# The conditional GAN: spread over seeds, speed against similarity, stability. Trainings of the default are those of
+# The conditional GAN: spread over seeds, speed against similarity, atlas. Trainings of the default are those of
 # train_cgan itself.
 
 CGAN_STUDY = config["studies"]["cgan"]
@@ -349,40 +349,40 @@ rule study_cgan_tabulate_widths:
         "../scripts/study_cgan_tabulate_widths.py"
 
 
-rule study_cgan_stability:
+rule study_cgan_atlas:
     input:
         train=benchmark_files("train"),
-        code=imported_by("study_cgan_stability.py"),
+        code=imported_by("study_cgan_atlas.py"),
     output:
-        table="results/studies/cgan/stability.csv",
+        table="results/studies/cgan/atlas.csv",
     log:
-        "logs/study_cgan_stability.log",
+        "logs/study_cgan_atlas.log",
     benchmark:
-        "results/benchmarks/study_cgan_stability/all.tsv"
+        "results/benchmarks/study_cgan_atlas/all.tsv"
     resources:
         mem_mb=2000,
     params:
         seed=config["seed"],
         settings={
             **config["cgan"]["training"],
-            **CGAN_STUDY["stability"]["training"],
+            **CGAN_STUDY["atlas"]["training"],
         },
         statistics=config["cgan"]["statistics"],
         n_held=config["cgan"]["validation"]["n_scenes"],
-        n_seeds=CGAN_STUDY["stability"]["n_seeds"],
-        learning_rates=CGAN_STUDY["stability"]["learning_rates"],
-        l1_weights=CGAN_STUDY["stability"]["l1_weights"],
+        n_seeds=CGAN_STUDY["atlas"]["n_seeds"],
+        learning_rates=CGAN_STUDY["atlas"]["learning_rates"],
+        l1_weights=CGAN_STUDY["atlas"]["l1_weights"],
     message:
-        "stability of the cGAN: seeds, rates, L1 weights"
+        "atlas of the cGAN: seeds, rates, L1 weights"
     script:
-        "../scripts/study_cgan_stability.py"
+        "../scripts/study_cgan_atlas.py"
 
 
 rule study_cgan:
     input:
         rules.study_cgan_score.output.table,
         rules.study_cgan_tabulate_widths.output,
-        rules.study_cgan_stability.output,
+        rules.study_cgan_atlas.output,
         figure_files("study_cgan"),
     localrule: True
     message:

@@ -1,4 +1,4 @@
-"""Read every scene of the lists once: all that fail are told together, before anything is computed from one."""
+"""Read every scene of the lists once: all that fail are reported together, before anything is computed from one."""
 
 from job import run
 

@@ -5,7 +5,7 @@ from functools import partial
 import pandas as pd
 from job import logger, run
 
-from lib.diagnostics.label_models import choose, compare_models, tabulate_criteria, tabulate_families
+from lib.diagnostics.label_models import choose, compare_models, tabulate_models, tabulate_spectra
 from lib.machine import device_name, time_rounds
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.labels import draw_scene, prepare
@@ -21,7 +21,7 @@ TIMED_SCENES, TIMED_ROUNDS = 30, 5
 
 def compare_label_models(
     summaries, statistics,
-    model, criteria, savings, spectra, seconds, *, seed, n_zones, psd, zone_counts, n_range_lines, n_scenes,
+    model, selection, scenes, spectra, seconds, *, seed, n_zones, psd, zone_counts, n_range_lines, n_scenes,
 ):  # fmt: skip
     flight = read_dataset(statistics)
     summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
@@ -29,7 +29,7 @@ def compare_label_models(
     models = zone_models(summary, flight.sizes["layer"], zone_counts, tapered=tapered)
     surface = flight[[name for name in flight.data_vars if name.startswith("surface_")]]
     by_count = {count: model.merge(surface) for count, model in zip(zone_counts, models, strict=True)}
-    found = tabulate_criteria(list(by_count.values()))
+    found = tabulate_models(list(by_count.values()))
     chosen = {
         "paper": PAPER,
         "aic": choose(found, "aic", "aic"),
@@ -51,9 +51,9 @@ def compare_label_models(
     runs = pd.DataFrame(time_rounds(works, TIMED_ROUNDS), columns=["model", "repeat", "seconds"])
     drawn = datasets["in use"].assign({name: flight[name] for name in NEEDED if name in flight})
     write_dataset(model, drawn.assign_attrs(synthetic=flight.attrs["synthetic"]))
-    write_table(criteria, found)
-    write_table(savings, compare_models(models, found, n_scenes, stream))
-    write_table(spectra, tabulate_families(flight["thickness_psd"].values[:, 0]))
+    write_table(selection, found)
+    write_table(scenes, compare_models(models, found, n_scenes, stream))
+    write_table(spectra, tabulate_spectra(flight["thickness_psd"].values[:, 0]))
     write_table(seconds, runs.assign(n_scenes=TIMED_SCENES, device=device_name()))
 
 

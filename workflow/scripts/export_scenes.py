@@ -19,8 +19,8 @@ def export(folder, *, wanted, lists, layers, what):
                 counts = export_pairs(folder, scenes, list_name=list_name, layers=layers)
             else:
                 counts = export_netcdf(folder, scenes, list_name=list_name)
-        told = ", ".join(f"{key} {count}" for key, count in counts.items())
-        lines.append(f"{list_name}: {told}")
+        text = ", ".join(f"{key} {count}" for key, count in counts.items())
+        lines.append(f"{list_name}: {text}")
     with written_whole(Path(folder) / "about.txt") as aside:
         aside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
 

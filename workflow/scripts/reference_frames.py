@@ -1,4 +1,4 @@
-"""Frames of the synthetic reference flight; one lot also makes its complex segment."""
+"""Frames of the synthetic reference flight; one shard also has its complex segment."""
 
 from job import progress, run
 

@@ -1,4 +1,4 @@
-"""Seconds per step and per render, and similarity on train scenes set aside, by width of the cGAN, beside PHY."""
+"""Seconds per step and per render, and similarity on held-out train scenes, by width of the cGAN, beside PHY."""
 
 from job import run
 

@@ -73,11 +73,8 @@ def test_without_speckle_keeps_what_is_flat_along_track():
     assert_allclose(without_speckle(flat), flat, rtol=1e-12)
 
 
-def test_bytes_are_rounded_and_end_at_their_ends():
+def test_bytes_are_rounded_and_end_at_their_ends_and_images_of_two_sizes_are_refused():
     assert_array_equal(as_bytes(np.array([-3.0, 0.4, 99.6, 300.0])), [0, 0, 100, 255])
-
-
-def test_images_of_two_sizes_are_refused():
     with pytest.raises(ValueError, match="must have one size"):
         error_parts(np.zeros((3, 3)), np.zeros((3, 4)))
 

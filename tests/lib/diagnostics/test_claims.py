@@ -1,4 +1,4 @@
-"""Verdicts follow from tables by the stated rules."""
+"""Outcomes follow from tables by the stated rules."""
 
 from functools import partial
 from itertools import product
@@ -12,18 +12,18 @@ from result_tables import table3_intervals as intervals
 from scipy import stats
 
 from lib.diagnostics import claims
-from lib.diagnostics.claims import CLAIMS, chi_square, doppler, expensive, judge_claims
-from lib.diagnostics.verdicts import (
+from lib.diagnostics.claim_rules import (
     CONFIRMED,
     CONTRADICTED,
     MISSING,
     OPEN,
     all_of,
     mean_interval,
-    paired_verdict,
+    paired_outcome,
     side_of_zero,
     signed,
 )
+from lib.diagnostics.claims import CLAIMS, check_claims, chi_square, doppler, expensive
 
 
 def similarity_table(cgan_less_phy):
@@ -32,10 +32,12 @@ def similarity_table(cgan_less_phy):
     return table.assign(psnr=[*phy, *(phy + cgan_less_phy)], rmse=[*phy, *(phy - cgan_less_phy)])
 
 
-def test_the_mean_s_interval_is_student_s(rng):
+def test_the_mean_s_interval_is_student_s_and_one_value_has_none(rng):
     values = rng.normal(1, 2, 20)
     low, high = stats.t.interval(0.95, 19, loc=values.mean(), scale=stats.sem(values))
     assert_allclose(mean_interval([*values, np.nan]), (values.mean(), low, high), rtol=1e-12)
+    assert np.isnan(mean_interval([2.0])[1])
+    assert paired_outcome([2.0])[0] == OPEN
 
 
 def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
@@ -44,45 +46,37 @@ def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
     assert_allclose(np.mean(held), 0.95, atol=4 * 0.0049)
 
 
-def test_one_value_has_no_interval():
-    assert np.isnan(mean_interval([2.0])[1])
-    assert paired_verdict([2.0])[0] == OPEN
-
-
 def test_signs_of_an_interval_decide():
     assert side_of_zero(0.1, 0.2) == CONFIRMED
     assert side_of_zero(-0.2, -0.1) == CONTRADICTED
     assert side_of_zero(-0.1, 0.2) == side_of_zero(0.0, 0.2) == OPEN
-    for others, verdict in (([CONFIRMED] * 2, CONFIRMED), ([OPEN], OPEN), ([CONTRADICTED], CONTRADICTED)):
-        assert all_of([CONFIRMED, *others]) == verdict
+    for others, outcome in (([CONFIRMED] * 2, CONFIRMED), ([OPEN], OPEN), ([CONTRADICTED], CONTRADICTED)):
+        assert all_of([CONFIRMED, *others]) == outcome
 
 
-@pytest.mark.parametrize(("shift", "verdict"), [(2.0, CONFIRMED), (-2.0, CONTRADICTED)])
+@pytest.mark.parametrize(("shift", "outcome"), [(2.0, CONFIRMED), (-2.0, CONTRADICTED)])
 @pytest.mark.parametrize(("metric", "sign"), [("psnr", 1), ("rmse", -1)])
-def test_better_means_more_psnr_and_less_rmse(shift, verdict, metric, sign):
+def test_better_means_more_psnr_and_less_rmse(shift, outcome, metric, sign):
     noisy = similarity_table(shift + np.random.default_rng(1).normal(0, 1, 40))
-    assert claims.better_similarity(noisy, metric, sign, "").verdict == verdict
+    assert claims.better_similarity(noisy, metric, sign, "").outcome == outcome
 
 
-def test_no_difference_is_not_resolved():
+def test_no_difference_and_what_could_not_be_measured_are_not_resolved():
     even = similarity_table(np.tile([1.0, -1.0], 20))
-    assert claims.better_similarity(even, "psnr", 1, "").verdict == OPEN
+    assert claims.better_similarity(even, "psnr", 1, "").outcome == OPEN
+    # A renderer whose images are constant above the surface has no texture there.
+    values = {"observed": 0.03, "phy": 0.0, "cgan": np.nan}
+    rows = [(f"s{i}", method, i * value) for i in range(4) for method, value in values.items()]
+    table = pd.DataFrame(rows, columns=["scene", "method", "autocorrelation_line"])
+    assert claims.needless_texture(table.assign(region="above", deviation=1.0)).outcome == OPEN
 
 
 def test_infinite_psnr_of_an_identical_image_is_left_out():
     table = similarity_table(2.0 + np.tile([0.1, -0.1], 20))
     table.loc[(table["scene"] == "test_0") & (table["method"] == "cgan"), "psnr"] = np.inf
     found = claims.better_similarity(table, "psnr", 1, "dB")
-    assert found.verdict == CONFIRMED
-    assert "39 scenes" in found.evidence
-
-
-def test_what_could_not_be_measured_is_not_resolved():
-    # A renderer whose images are constant above the surface has no texture there.
-    values = {"observed": 0.03, "phy": 0.0, "cgan": np.nan}
-    rows = [(f"s{i}", method, i * value) for i in range(4) for method, value in values.items()]
-    table = pd.DataFrame(rows, columns=["scene", "method", "autocorrelation_line"])
-    assert claims.needless_texture(table.assign(region="above", deviation=1.0)).verdict == OPEN
+    assert found.outcome == CONFIRMED
+    assert "39 scenes" in found.numbers
 
 
 def positions(cgan, phy):
@@ -97,59 +91,53 @@ def positions(cgan, phy):
 
 
 def test_curvature_is_judged_where_layers_bend_most():
-    assert claims.curvature(positions(cgan=2.0, phy=1.0)).verdict == CONFIRMED
-    assert claims.curvature(positions(cgan=1.0, phy=2.0)).verdict == CONTRADICTED
+    assert claims.curvature(positions(cgan=2.0, phy=1.0)).outcome == CONFIRMED
+    assert claims.curvature(positions(cgan=1.0, phy=2.0)).outcome == CONTRADICTED
 
 
-def test_augmentation_needs_all_sets_to_gain():
+def test_augmentation_needs_all_sets_to_gain_and_the_best_set_all_intervals_below_its_own():
     gains = {("fuse", name): 0.02 for name in SETS[1:]}
-    assert claims.augmentation(intervals(gains), "ods").verdict == CONFIRMED
-    assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): 0.002}), "ods").verdict == OPEN
-    assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").verdict == CONTRADICTED
-
-
-def test_the_best_set_is_best_only_above_all_intervals():
-    assert claims.best_fuse(intervals({("fuse", "rd_pd"): 0.03})).verdict == CONFIRMED
+    assert claims.augmentation(intervals(gains), "ods").outcome == CONFIRMED
+    assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): 0.002}), "ods").outcome == OPEN
+    assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").outcome == CONTRADICTED
+    assert claims.best_fuse(intervals({("fuse", "rd_pd"): 0.03})).outcome == CONFIRMED
     close = {("fuse", "rd_pd"): 0.03, ("fuse", "rd_gd"): 0.025}
-    assert claims.best_fuse(intervals(close)).verdict == OPEN
-    assert claims.best_fuse(intervals({("fuse", "rd_gd"): 0.03})).verdict == CONTRADICTED
-    assert claims.best_fuse(intervals({("fuse", "rd_pd"): -0.03})).verdict == CONTRADICTED
+    assert claims.best_fuse(intervals(close)).outcome == OPEN
+    assert claims.best_fuse(intervals({("fuse", "rd_gd"): 0.03})).outcome == CONTRADICTED
+    assert claims.best_fuse(intervals({("fuse", "rd_pd"): -0.03})).outcome == CONTRADICTED
 
 
-def test_side_outputs_are_counted():
+def test_side_outputs_are_counted_and_the_fifth_gets_worse_only_if_it_loses():
     leads = {(f"side_{side}", "rd_gd"): 0.02 for side in (1, 2, 3)}
-    assert claims.best_sides(intervals(leads)).verdict == CONFIRMED
+    assert claims.best_sides(intervals(leads)).outcome == CONFIRMED
     others = {(f"side_{side}", "rd_pd"): 0.02 for side in (1, 2, 3)}
-    assert claims.best_sides(intervals(others)).verdict == CONTRADICTED
-
-
-def test_the_fifth_side_output_gets_worse_only_if_it_loses():
+    assert claims.best_sides(intervals(others)).outcome == CONTRADICTED
     worse = {("side_5", name): -0.1 for name in SETS[1:]}
-    assert claims.fifth_side(intervals(worse)).verdict == CONFIRMED
-    assert claims.fifth_side(intervals({key: 0.1 for key in worse})).verdict == CONTRADICTED
-    assert claims.fifth_side(intervals()).verdict == OPEN
+    assert claims.fifth_side(intervals(worse)).outcome == CONFIRMED
+    assert claims.fifth_side(intervals({key: 0.1 for key in worse})).outcome == CONTRADICTED
+    assert claims.fifth_side(intervals()).outcome == OPEN
 
 
-@pytest.mark.parametrize(("factor", "verdict"), [(1.04, CONFIRMED), (1.06, CONTRADICTED)])
-def test_tracked_power_agrees_within_five_percent_or_not(factor, verdict):
+@pytest.mark.parametrize(("factor", "outcome"), [(1.04, CONFIRMED), (1.06, CONTRADICTED)])
+def test_tracked_power_agrees_within_five_percent_or_not(factor, outcome):
     probability = np.array([0.001, 0.1, 0.5, 0.9, 0.999])
     gamma = stats.gamma(5, scale=0.2).ppf(probability)
     tracked = gamma * np.array([9, 1, factor, 1, 9])  # beyond 1 % and 99 % nothing counts
     table = pd.DataFrame({"probability": probability, "gamma": gamma, "tracked": tracked, "n_looks": 5.0})
-    assert chi_square(table).verdict == verdict
+    assert chi_square(table).outcome == outcome
 
 
-@pytest.mark.parametrize(("value", "verdict"), [(0.7, CONFIRMED), (4.0, CONTRADICTED), (np.nan, OPEN)])
-def test_a_spectrum_is_flat_below_three_decibels(value, verdict):
+@pytest.mark.parametrize(("value", "outcome"), [(0.7, CONFIRMED), (4.0, CONTRADICTED), (np.nan, OPEN)])
+def test_a_spectrum_is_flat_below_three_decibels(value, outcome):
     table = pd.DataFrame({"quantity": ["line spacing", "Doppler spectrum, highest over lowest"], "value": [9.0, value]})
-    assert doppler(table).verdict == verdict
+    assert doppler(table).outcome == outcome
 
 
 @pytest.mark.parametrize(
-    ("seconds", "error_db", "verdict"),
+    ("seconds", "error_db", "outcome"),
     [(1.0, 0.1, CONFIRMED), (1.0, 0.6, OPEN), (0.05, 0.1, OPEN), (0.05, 0.6, CONTRADICTED)],
 )
-def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, verdict):
+def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, outcome):
     rows = [
         ("stacks", "fine layering", 100, "convolution", 1e-9, 9.0),
         ("stacks", "fine layering", 50, "convolution", 1e-9, error_db),
@@ -158,8 +146,8 @@ def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds
         ("scene", "extrapolated", 0, "transfer matrix, stack", seconds, 0.0),
     ]
     found = expensive(pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "seconds", "error_db"]))
-    assert found.verdict == verdict
-    assert f"{seconds / 1e-3:,.0f} times" in found.evidence
+    assert found.outcome == outcome
+    assert f"{seconds / 1e-3:,.0f} times" in found.numbers
 
 
 def test_what_the_flight_was_built_to_have_is_no_confirmation():
@@ -168,7 +156,7 @@ def test_what_the_flight_was_built_to_have_is_no_confirmation():
     tables = {"realism": doppler_table, "config": config}
 
     def built(tables, **options):
-        return {claim.tables[0] for claim in judge_claims(tables, **options) if claim.by_construction}
+        return {claim.tables[0] for claim in check_claims(tables, **options) if claim.by_construction}
 
     assert built(tables) == {"realism", "config"}
     assert built(tables, synthetic=False) == set()
@@ -184,11 +172,11 @@ def test_differences_of_few_trainings_are_indicative(n_replicas, few):
 
 
 def test_a_claim_without_its_table_says_which_is_missing():
-    found = judge_claims({})
+    found = check_claims({})
     assert len(found) == len(CLAIMS)
-    assert {claim.verdict for claim in found} == {MISSING}
+    assert {claim.outcome for claim in found} == {MISSING}
     for claim, (_, needed, _) in zip(found, CLAIMS, strict=True):
-        assert needed in claim.evidence
+        assert needed in claim.numbers
 
 
 def test_differences_are_written_with_their_sign():

@@ -16,15 +16,12 @@ FREQUENCY_HZ = convolution.sweep_frequencies_hz(2e9, 8e9, 120e-9)
 YEARS = {"mean_density_kg_m3": 400.0, "slab_m": 0.3, "roughness_m": 0.02}
 
 
-def test_a_mirror_has_power_one_at_its_delay_and_the_null_to_null_width_of_the_window():
+def test_a_mirror_has_power_one_and_the_width_of_the_window_and_no_late_echo_is_folded_back():
     at_s = 60 * 2.886e-10
     mirror = np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None]
     x = np.array([0, -2, 2, 1]) / BANDWIDTH_HZ
     # The window is sampled at 721 frequencies: sums for integrals, second order.
     assert_allclose(convolution.mean_profile(mirror, FREQUENCY_HZ, at_s + x), [1, 0, 0, 0.25], atol=1e-5)
-
-
-def test_echoes_within_the_longest_delay_are_not_folded_back():
     late = np.exp(2j * np.pi * FREQUENCY_HZ * 110e-9)[None]
     assert convolution.mean_profile(late, FREQUENCY_HZ, DELAY_S).max() < 1e-6
 
@@ -47,14 +44,11 @@ def test_profile_peaks_where_a_layer_lies_and_as_high_as_it_reflects():
     assert_allclose(np.sqrt(power), [r1, (1 - r1**2) * r2], atol=1e-4)
 
 
-def test_years_have_the_contrast_and_the_roughness_asked_for(rng):
+def test_years_have_the_contrast_and_roughness_asked_for_and_lenses_keep_the_depths(rng):
     density, thickness_m = draw_years(2000, 6, 80.0, **YEARS, rng=rng)
     assert_allclose(np.abs(np.diff(density, axis=1)), 80)
     depth_m = np.cumsum(thickness_m, axis=1)
     assert_allclose(depth_m.std(axis=0), 0.02, rtol=4 / np.sqrt(2 * 2000))
-
-
-def test_lenses_add_ice_and_keep_the_depths(rng):
     density, thickness_m = draw_years(50, 8, 80.0, **YEARS, rng=rng)
     with_lenses, thinner_m = draw_lenses(density, thickness_m, 3, lens_m=0.03, rng=rng)
     assert ((with_lenses == 917).sum(axis=1) == 3).all()

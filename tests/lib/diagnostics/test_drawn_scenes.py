@@ -97,7 +97,7 @@ def test_planted_looks_correlation_and_contrast_come_back(rng):
     assert {quantity for quantity, _ in without} == {"autocorrelation, range_line", "autocorrelation, range_bin"}
 
 
-def test_roughness_of_planted_layers():
+def test_roughness_of_planted_layers_comes_back_and_few_scenes_make_means_over_these(rng):
     lines = np.arange(N_LINES)
     bent = np.array([50 + 0.1 * lines, 80 + 0.1 * lines + 0.01 * lines**2])
     found = describe_layers(bent)
@@ -108,9 +108,6 @@ def test_roughness_of_planted_layers():
         expected = np.mean((0.01 * ((lines[:-lag] + lag) ** 2 - lines[:-lag] ** 2)) ** 2)
         assert_allclose(found["structure function, slabs", lag], expected)
     assert describe_layers(np.full((2, N_LINES), np.nan)) == {}
-
-
-def test_numbers_that_few_scenes_have_are_means_over_these(rng):
     numbers = {"observed": [{("a", 1): 1.0}, {("a", 1): 3.0, ("b", 0): 5.0}], "phy": [{("a", 1): 2.0}] * 2}
     table = scenes_table(numbers, rng=rng).set_index(["quantity", "at", "scenes"])
     assert table.loc["a", 1, "observed"].tolist() == [2, 1, 3, 2]

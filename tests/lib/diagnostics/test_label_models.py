@@ -10,8 +10,8 @@ from planted_labels import N_LINES, WAVENUMBER, density_of, planted
 from lib.diagnostics.label_models import (
     choose,
     compare_models,
-    tabulate_criteria,
-    tabulate_families,
+    tabulate_models,
+    tabulate_spectra,
     whittle_log_likelihood,
 )
 from snowsim.labels import prepare
@@ -50,7 +50,7 @@ def zone_model(name, n_zones, n_blocks, rng):
 def test_bic_finds_the_planted_family_and_number_of_zones(name, rng):
     seed = int(rng.integers(1 << 30))  # one flight, divided three ways
     models = [zone_model(name, n_zones, 40, np.random.default_rng(seed)) for n_zones in (1, 2, 4)]
-    table = tabulate_criteria(models)
+    table = tabulate_models(models)
     assert choose(table, 2, "bic") == (2, name)
     assert choose(table, "bic", name) == (2, name)
     rows = table.set_index(["n_zones", "psd"])
@@ -64,7 +64,7 @@ def test_a_spectrum_of_no_family_stays_tabulated(rng):
     comb = 1 + 0.9 * np.cos(40 * np.pi * WAVENUMBER)
     for part in ("thickness_psd", "block_psd"):
         lumpy[part] = lumpy[part] * comb
-    table = tabulate_criteria([lumpy])
+    table = tabulate_models([lumpy])
     assert choose(table, "aic", "aic")[1] == choose(table, "bic", "bic")[1] == "tabulated"
 
 
@@ -78,17 +78,14 @@ def test_penalty_of_a_tabulated_density_is_its_optimism(rng):
     assert_allclose(in_sample - out_of_sample, 127 * n / (n - 1), rtol=0.03)
 
 
-def test_choice_is_refused_where_it_is_none():
+def test_choice_is_refused_where_it_is_none_and_families_are_tabulated_by_zone():
     table = pd.DataFrame({"n_zones": [4], "psd": ["tabulated"], "aic": [0.0], "bic": [0.0]})
     assert choose(table, 4, "tabulated") == (4, "tabulated")
     with pytest.raises(ValueError, match="one criterion, got aic and bic"):
         choose(table, "aic", "bic")
     with pytest.raises(ValueError, match="hold no 7 zones"):
         choose(table, 7, "tabulated")
-
-
-def test_families_are_tabulated_by_zone():
-    table = tabulate_families(np.array([density_of("ar1"), 4 * density_of("ar1")]))
+    table = tabulate_spectra(np.array([density_of("ar1"), 4 * density_of("ar1")]))
     assert list(table.columns) == ["zone", "wavenumber", "tabulated", *FAMILIES]
     assert_allclose(table["ar1"], table["tabulated"], rtol=3e-3)
 

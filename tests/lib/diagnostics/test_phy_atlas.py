@@ -1,4 +1,4 @@
-"""The stability atlas: judged by sums that share nothing with the closed form; public functions are never wrong."""
+"""The atlas of PHY: judged by sums that share nothing with the closed form; public functions are never wrong."""
 
 import numpy as np
 import pandas as pd
@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.phy_atlas import PLAIN, PUBLIC, draw_atlas, safe_regions
+from lib.diagnostics.phy_atlas import PLAIN, PUBLIC, draw_atlas, summarise_atlas
 from lib.diagnostics.phy_cases import quadrature_power, waveform_by_quadrature
 
 
@@ -38,13 +38,10 @@ def test_quadrature_places_layers_on_the_rows_asked_for():
     assert_allclose(quadrature_power(PLAIN.waveforms(), rows), whole[rows], rtol=1e-15)
 
 
-def test_public_functions_are_never_wrong(atlas):
+def test_public_functions_are_never_wrong_and_every_way_to_fail_is_in_the_atlas(atlas):
     public = atlas[atlas["method"].isin(PUBLIC)]
     wrong = public[public["outcome"] == "wrong"]
     assert wrong.empty, wrong.to_string()
-
-
-def test_every_way_to_fail_is_in_the_atlas(atlas):
     wrong = atlas[atlas["outcome"] == "wrong"].groupby("setting")["method"].agg(set)
     assert {"naive", "sampled", "wrapped", "cut", "recursive32"} <= wrong["decay rate [per bin]"]
     assert {"naive", "sampled", "wrapped", "cut", "nearest", "recursive32"} <= wrong["variance [bins²]"]
@@ -56,22 +53,19 @@ def test_every_way_to_fail_is_in_the_atlas(atlas):
 
 
 def test_naive_form_fails_where_its_exponential_overflows(atlas):
-    regions = safe_regions(atlas).set_index(["setting", "method"])
+    regions = summarise_atlas(atlas).set_index(["setting", "method"])
     # exp(a^2 d / 2) overflows at a^2 d = 1420: a = 10.9 for d = 12, sampled every half decade; heads before that.
     assert 3 < regions.loc[("decay rate [per bin]", "naive"), "last_safe"] < 10.9
     assert 1e5 <= regions.loc[("variance [bins²]", "naive"), "last_safe"] < 1420 / 0.07**2
 
 
-def test_what_must_be_refused_is_refused(atlas):
+def test_what_must_be_refused_is_refused_and_recursion_drifts_in_single_precision(atlas):
     borders = atlas[atlas["setting"] == "borders"]
     refused = borders.groupby("value")["outcome"].agg(set) == {"refused"}
     assert refused.sum() == 12
     assert not refused[["no layers", "all absent", "one pixel", "on top border", "no range lines"]].any()
     spacing = atlas[atlas["setting"] == "spacing of two layers [bins]"]
     assert set(spacing[spacing["value"] <= 0]["outcome"]) == {"refused"}
-
-
-def test_recursion_drifts_in_single_precision(atlas):
     column = atlas[atlas["setting"] == "height [bins]"].pivot_table(index="value", columns="method", values="error_db")
     # exp(-1e-6) in float32 is off by 3e-8 a step: up to 0.13 dB after a million; float64 stays with the plan.
     assert 0.01 < column.loc[1_000_000, "recursive32"] < 0.13
@@ -82,9 +76,9 @@ def test_same_seed_same_atlas(atlas):
     pd.testing.assert_frame_equal(atlas, draw_atlas(rng=np.random.default_rng(1)))
 
 
-def test_safe_region_is_the_longest_run_without_a_wrong_value():
+def test_a_method_holds_over_the_longest_run_without_a_wrong_value():
     outcomes = ["wrong", "within", "wrong", "refused", "within", "within", "refused"]
     sweep = pd.DataFrame({"setting": "s", "method": "m", "value": [1.0, 2, 3, 4, 5, 6, 7], "outcome": outcomes})
-    region = safe_regions(sweep).iloc[0].to_dict()
+    region = summarise_atlas(sweep).iloc[0].to_dict()
     expected = {"first_safe": 5, "last_safe": 6, "n_within": 3, "n_refused": 2, "n_wrong": 2}
     assert region == {"setting": "s", "method": "m"} | expected

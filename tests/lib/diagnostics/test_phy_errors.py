@@ -30,14 +30,11 @@ def test_error_is_that_of_power_plus_noise():
     assert phy_errors.largest_error_db([1e-3], [0.0], 0.0) == np.inf
 
 
-def test_equal_looks_are_gamma():
+def test_equal_looks_are_gamma_and_two_unlike_ones_their_closed_form():
     level = np.array([0.3, 0.9, 1.0, 1.8])
     # The transform is summed until it has fallen to 1e-7.
     assert_allclose(phy_errors.mean_of_looks_below(level, np.ones(12)), gammainc(12, 12 * level), atol=1e-7)
     assert phy_errors.moving_distance(np.ones(12)) < 1e-7
-
-
-def test_two_looks_add_to_their_closed_form():
     # The mean of exponentials of mean 3 and 1 has F = 1 - (3 exp(-2x / 3) - exp(-2x)) / 2; phi falls as u^-2 only.
     level = np.array([0.2, 1.0, 5.0])
     expected = 1 - (3 * np.exp(-2 * level / 3) - np.exp(-2 * level)) / 2
@@ -62,7 +59,7 @@ def test_distances_are_those_of_drawn_values(rng):
     assert phy_errors.moving_distance(means) > 4 * noise
 
 
-def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
+def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum_and_a_still_one_is_exact(rng):
     # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
     means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
     literal = draw_moving_speckle(means, method="looks", rng=rng)
@@ -74,9 +71,6 @@ def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum(rng):
         assert_allclose(power.var(), expected_variance, rtol=0.03)
     # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
     assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
-
-
-def test_geometry_that_stands_still_is_the_exact_case(rng):
     mean_power = rng.uniform(0.1, 1, (30, 40))
     looks = np.broadcast_to(mean_power, (12, 30, 40))
     still = draw_moving_speckle(looks, method="gamma", rng=np.random.default_rng(5))

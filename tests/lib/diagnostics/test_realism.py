@@ -31,15 +31,12 @@ def speckle_picture(rng, *, gain_db=0.0, band_db=0.0, n_rows=200, n_lines=4000, 
     return Picture(power_db, ROW_S, np.full(n_lines, surface), slice(0, surface - 30))
 
 
-def test_noise_of_five_looks_is_known_as_such(rng):
+def test_noise_of_five_looks_and_planted_gain_and_bands_come_back(rng):
     numbers = realism.describe_air(speckle_picture(rng))
     # 480,000 pixels: 4 standard errors of looks are about 4 * 5 * sqrt(3 / 480,000) = 0.05, trigamma(5) gives 2.043 dB.
     assert_allclose(numbers["air, looks"], 5, atol=0.05)
     assert_allclose(numbers["air, s.d."], 2.043, rtol=0.01)
     assert abs(numbers["air, autocorrelation along track at 1 lines"]) < 4 / np.sqrt(480_000)
-
-
-def test_planted_gain_and_bands_come_back_and_speckle_does_not(rng):
     numbers = realism.describe_air(speckle_picture(rng, gain_db=0.3, band_db=0.1))
     # The running mean of 31 lines takes 1/31 of the variance; 4000 lines know the rest to 4 %, 120 rows to 26 %.
     assert_allclose(numbers["air, gain from line to line"], 0.3 * np.sqrt(30 / 31), rtol=0.04)
@@ -48,7 +45,7 @@ def test_planted_gain_and_bands_come_back_and_speckle_does_not(rng):
     assert realism.describe_air(speckle_picture(rng))["air, gain from line to line"] < 2 * 2.04 / np.sqrt(60 * 63)
 
 
-def test_a_planted_sidelobe_and_a_rough_surface(rng):
+def test_a_planted_sidelobe_a_rough_surface_and_homogeneous_snow_between_layers(rng):
     picture = speckle_picture(rng)
     row = 150 - round(4e-9 / ROW_S)
     power = 10 ** (picture.power_db / 10)
@@ -60,9 +57,6 @@ def test_a_planted_sidelobe_and_a_rough_surface(rng):
     assert_allclose(level, -14 + 10 * np.log10(1 - abs(share)), atol=0.12)
     rough = Picture(made.power_db, ROW_S, 150 + rng.integers(-20, 20, 4000), made.air)
     assert realism.describe_sidelobes(rough) == {}
-
-
-def test_homogeneous_snow_lies_between_layers(rng):
     picture = speckle_picture(rng, n_rows=300)
     picture.power_db[150 + 30 : 150 + 40] += 3
     snow = realism.homogeneous_snow(picture)
@@ -110,7 +104,7 @@ def test_the_response_has_the_autocorrelation_of_its_window(rng):
         assert_allclose(numbers[f"air, autocorrelation down at {t} ns"], expected, atol=0.03)
 
 
-def test_cores_of_planted_anomalies(rng):
+def test_cores_of_planted_anomalies_and_ratios_of_thickness_come_back(rng):
     years = rng.standard_normal(20_000)
     series = 0.4 * (1 + 0.2 * years) + 1e-6 * np.arange(20_000)
     found = realism_snow.describe_core(series)
@@ -118,9 +112,6 @@ def test_cores_of_planted_anomalies(rng):
     assert abs(found["cores, correlation of one year with the next"]) < 4 / np.sqrt(20_000)
     other = 0.4 * (1 + 0.2 * (0.6 * years + 0.8 * rng.standard_normal(20_000)))
     assert_allclose(realism_snow.neighbour_correlations([series, other]), [0.6], atol=4 * 0.64 / np.sqrt(20_000))
-
-
-def test_ratios_of_thickness_by_the_first_layer():
     slabs = [np.array([[5.0], [8.0], [8.0]]), np.array([[15.0], [12.0], [12.0]])]  # 28 and 84 px of a mean of 56
     assert realism_snow.thickness_ratio(slabs, (22, 40)) == 1.6
     assert realism_snow.thickness_ratio(slabs, (80, 100)) == 0.8

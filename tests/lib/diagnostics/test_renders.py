@@ -33,16 +33,13 @@ def test_planted_shifts_come_back_in_every_class(shift):
     assert (table["n"] == table["n_found"]).all()
 
 
-def test_classes_are_quarters_and_hold_every_pixel_once():
+def test_classes_are_quarters_hold_every_pixel_once_and_order_layers_by_how_they_bend():
     layers = wavy_layers()
     table = position_errors(image_of(layers), layers, shape_edges([layers]))
     for _, rows in table.groupby("against"):
         assert list(rows["shape_class"]) == [0, 1, 2, 3]
         # Two layers below the surface; a slope needs 4 range lines on both sides.
         assert rows["n"].sum() == 2 * (N_LINES - 8)
-
-
-def test_a_straight_layer_is_less_curved_than_a_wave():
     straight, wave = wavy_layers(0.0), wavy_layers(8.0)
     edges = shape_edges([wave[:2]])
     assert edges["curvature"][0] == 0
@@ -79,13 +76,10 @@ def test_noise_has_no_texture_and_a_smoothed_image_has(rng):
     assert (of_smooth["spectrum_distance_db"] > 1).all()
 
 
-def test_a_constant_region_has_no_texture_to_tell():
+def test_a_constant_region_has_no_texture_and_one_of_few_rows_is_left_out(rng):
     flat = np.full((320, N_LINES), 7, dtype=np.uint8)
     table = texture_by_region(flat, flat, FLAT)
     assert (table["deviation"] == 0).all()
     assert table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]].isna().all().all()
-
-
-def test_too_few_rows_above_the_surface_leave_that_region_out(rng):
     noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
     assert list(texture_by_region(noise, noise, FLAT - 30)["region"]) == ["below"]

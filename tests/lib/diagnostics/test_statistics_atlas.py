@@ -1,4 +1,4 @@
-"""The stability atlas: nothing public comes out not finite, and the deblended estimator holds where it should."""
+"""The atlas of the estimators: nothing public comes out not finite, and the deblended one holds where it should."""
 
 import numpy as np
 import pytest
@@ -22,16 +22,13 @@ def atlas():
     return draw_atlas(lambda *keys: random_stream(20120429, *keys), share=0.2)
 
 
-def test_no_flight_gives_a_number_that_is_not_finite(atlas):
+def test_every_sweep_runs_its_ends_and_no_flight_gives_a_number_that_is_not_finite(atlas):
     assert list(atlas.columns) == list(COLUMNS)
     assert set(atlas["outcome"]) <= {"within", "beyond", "refused"}
     refused = atlas["outcome"] == "refused"
     assert (refused == (atlas["quantity"] == "all")).all()
     assert (atlas.loc[refused, "note"].str.len() > 20).all()
     assert np.isfinite(atlas.loc[~refused, ["error", "largest", "standard_error"]].to_numpy(float)).all()
-
-
-def test_every_sweep_runs_its_ends(atlas):
     for panel, (values, _) in SWEEPS.items():
         assert set(atlas.loc[atlas["panel"] == panel, "value"]) == {float(values[0]), float(values[-1])}
 

@@ -50,7 +50,7 @@ def red_thickness(rng, n_blocks=40, n_slabs=12, power=1.0):
     return means + 2 * bent
 
 
-def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not(rng):
+def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not_and_another_law_fails(rng):
     rows = pd.DataFrame(thickness_tests(red_thickness(rng), [30.0, 40, 50], rng=rng))
     undulation = rows[rows["of"] == "undulation"]
     assert (undulation["p_value"] < 0.01).mean() > 0.3
@@ -61,9 +61,6 @@ def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not
     assert set(means["slab"]) == set(range(1, 12))
     assert kstest(means["p_value_correlated"], "uniform").statistic < 0.34
     assert (means["n_effective"] <= means["n"]).all()
-
-
-def test_thickness_that_is_not_gaussian_is_found(rng):
     rows = pd.DataFrame(thickness_tests(red_thickness(rng, power=4.0), [30.0, 40, 50], rng=rng))
     assert (rows.loc[rows["of"] == "undulation", "p_value_correlated"] < 0.05).mean() > 0.8
 

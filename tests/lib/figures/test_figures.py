@@ -42,13 +42,10 @@ def runs():
     return pd.DataFrame(table | {"seconds": seconds, "n_pixels": 100, "error_db": error_db, "device": "cpu"})
 
 
-def test_points_are_the_fastest_runs_per_pixel():
+def test_points_are_the_fastest_runs_per_pixel_and_drawn_with_their_floor_and_front():
     points = fastest(runs(), ("setting", "method")).set_index("method")
     assert points.loc["table", "ns"] == 1e-6 / 100 * 1e9
     assert points.loc["table", "error_db"] == 0.01
-
-
-def test_floor_front_and_points_are_drawn():
     (ax,) = speed_accuracy_waveforms(runs()).axes
     labels = {text.get_text() for text in ax.get_legend().get_texts()}
     assert labels == {"table", "closed form", "Pareto front", "one float32 normal per pixel"}
@@ -92,9 +89,11 @@ def test_costs_take_the_fastest_repeat(table, ax):
     assert_allclose(points, [[LEAST_DB, 9], [0.05, 0.001]])
 
 
-def test_a_frame_without_gaps_looks_as_it_always_did(rng):
+def test_a_frame_without_gaps_looks_as_it_always_did_and_one_of_half_empty_rows_is_refused(rng):
     power = rng.gamma(4, 1e-3, size=(60, 40))
     assert_array_equal(image_with_gaps(power), to_uint8(power)[0])
+    with pytest.raises(ValueError, match="half of the range lines"):
+        image_with_gaps(np.full((4, 5), np.nan))
 
 
 def test_ragged_ends_and_gaps_are_black_and_leave_the_rest_as_bright(rng):
@@ -120,12 +119,7 @@ def test_lines_left_out_are_black_and_leave_the_rest_as_it_was_even_where_they_a
     assert np.abs(image[:, held].astype(int) - to_uint8(power[:, held])[0]).max() <= 6
 
 
-def test_a_frame_that_no_row_of_shows_half_is_refused():
-    with pytest.raises(ValueError, match="half of the range lines"):
-        image_with_gaps(np.full((4, 5), np.nan))
-
-
-def test_the_first_four_lines_with_three_layers_are_shown():
+def test_the_first_four_lines_with_three_layers_are_shown_or_with_as_many_as_there_are():
     layer_bins = np.full((5, 20), np.nan)
     layer_bins[0], layer_bins[2] = 50.0, 90.0
     layer_bins[3, 6:12], layer_bins[4, 2:19] = 110.0, 130.0
@@ -133,9 +127,6 @@ def test_the_first_four_lines_with_three_layers_are_shown():
     assert line == 2
     assert_array_equal(layers, [0, 2, 4])
     assert chosen_bins(layer_bins[layers, line : line + 4], 800) == (44, 142)
-
-
-def test_fewer_layers_are_shown_where_there_are_no_more_and_none_where_there_are_no_picks():
     layer_bins = np.full((3, 20), np.nan)
     assert [np.size(part) for part in chosen_pixels(layer_bins)] == [1, 0]
     assert chosen_bins(np.empty((0, 4)), 800) == (0, 48)

@@ -13,7 +13,7 @@ CHROMIUM = Path("/usr/bin/chromium")
 @pytest.fixture(scope="session")
 def browser():
     if not CHROMIUM.exists():
-        pytest.skip(f"no browser at {CHROMIUM}")
+        pytest.skip(f"no browser at {CHROMIUM} (make test-machine)")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     with playwright.sync_playwright() as session:
         chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=["--disable-gpu", "--disable-quic"])

@@ -74,18 +74,8 @@ def test_table3_marks_what_is_resolved():
 
 @pytest.mark.parametrize("n_replicas", [2, 5])
 def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
-    names = [
-        "setting",
-        "training_set",
-        "base",
-        "base_training_set",
-        "metric",
-        "mean",
-        "base_mean",
-        "difference",
-        "low",
-        "high",
-    ]
+    names = ["setting", "training_set", "base", "base_training_set"]
+    names += ["metric", "mean", "base_mean", "difference", "low", "high"]
     rows = [
         ("default", name, "default", "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3)
         for name in SETS[1:]
@@ -99,8 +89,7 @@ def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_traini
     fuse = shown["output"] == "fuse"
     pd.testing.assert_frame_equal(shown[~fuse], intervals[~fuse])
     if n_replicas == 2:
-        pd.testing.assert_frame_equal(shown, intervals)
-        return
+        return pd.testing.assert_frame_equal(shown, intervals)
     added = shown[fuse & (shown["training_set"] != "rd")]
     assert (added[["mean", "difference", "difference_low", "difference_high"]] == [0.9, 0.2, 0.1, 0.3]).all(axis=None)
     assert (shown.loc[fuse, "n_replicas"] == 5).all()
@@ -121,14 +110,11 @@ def test_stages_cost_what_their_rules_cost(tmp_path):
     assert stage_costs(read_benchmarks(tmp_path / "none"), {"draw": "labels"}) == []
 
 
-def test_scenes_of_the_gallery_spread_over_the_number_of_layers():
+def test_scenes_of_the_gallery_spread_over_the_number_of_layers_and_lines_break_where_one_is_absent():
     n_layers = np.random.default_rng(5).permutation(40)
     chosen = evenly_spaced(n_layers, 5)
     assert [int(n_layers[i]) for i in chosen] == [0, 10, 20, 29, 39]
     assert sorted(evenly_spaced([3, 1, 2], 16)) == [0, 1, 2]
-
-
-def test_lines_break_where_a_layer_is_absent():
     layer = np.array([[1.04, 2.0, np.nan, 4.0, 5.0, np.nan, np.nan, 8.0]])
     assert layer_lines(layer, step=1) == [[[0.0, 1.0, 1.0, 2.0], [3.0, 4.0, 4.0, 5.0], [7.0, 8.0]]]
     assert layer_lines(np.arange(6.0)[None], step=4) == [[[0.0, 0.0, 4.0, 4.0, 5.0, 5.0]]]
@@ -138,28 +124,22 @@ def decoded(uri):
     return base64.b64decode(uri.split(",", 1)[1])
 
 
-def test_an_embedded_image_is_the_image_but_for_compression(rng):
+def test_an_embedded_image_is_the_image_but_for_compression_and_grey(rng):
     smooth = np.clip(128 + 100 * np.sin(np.arange(64)[:, None] / 9 + np.arange(48) / 7), 0, 255).astype(np.uint8)
     with Image.open(io.BytesIO(decoded(image_uri(smooth)))) as image:
         back = np.asarray(image.convert("L")).astype(float)
     # WebP of quality 65 on a smooth image: about 1 grey level; an image upside down would be off by 70.
     assert np.sqrt(np.mean((back - smooth) ** 2)) < 3
-
-
-def test_an_image_that_is_not_grey_is_refused():
     with pytest.raises(ValueError, match="uint8 and 2-D, got float64"):
         image_uri(np.zeros((4, 4)))
 
 
-def test_files_are_embedded_byte_for_byte(tmp_path):
+def test_files_are_embedded_byte_for_byte_and_a_large_figure_becomes_pixels(tmp_path):
     path = tmp_path / "t.csv"
     path.write_bytes(b"a,b\n1,2\n")
     assert decoded(file_uri(path)) == b"a,b\n1,2\n"
     with pytest.raises(ValueError, match=r"t\.txt: expected"):
         file_uri(tmp_path / "t.txt")
-
-
-def test_a_large_figure_becomes_pixels_and_a_small_one_stays(tmp_path):
     svg = tmp_path / "f.svg"
     svg.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>")
     Image.new("RGB", (40, 30), "white").save(tmp_path / "f.png")
@@ -167,25 +147,19 @@ def test_a_large_figure_becomes_pixels_and_a_small_one_stays(tmp_path):
     assert figure_uri(svg, most_bytes=10).startswith("data:image/webp;")
 
 
-def test_a_template_s_unknown_name_is_an_error_and_leaves_no_page(tmp_path):
+def test_a_template_s_unknown_name_leaves_no_page_and_text_from_tables_is_no_markup(tmp_path):
     (tmp_path / "p.j2").write_text("{{ known }} {{ unknown }}")
     with pytest.raises(jinja2.UndefinedError, match="unknown"):
         write_page(tmp_path / "p.html", tmp_path, "p.j2", {"known": 1}, {})
     assert [path.name for path in tmp_path.iterdir()] == ["p.j2"]
-
-
-def test_text_from_tables_cannot_become_markup(tmp_path):
     (tmp_path / "p.html.j2").write_text("{{ text }}")
     write_page(tmp_path / "p.html", tmp_path, "p.html.j2", {"text": "<script>"}, {})
     assert (tmp_path / "p.html").read_text() == "&lt;script&gt;"
 
 
-def test_settings_are_listed_by_their_full_names():
+def test_settings_have_their_full_names_and_durations_and_sizes_read_well():
     config = {"seed": 1, "phy": {"align": "peak", "deep": {"x": [1, 2]}}, "empty": {}}
     assert config_lines(config) == [("seed", "1"), ("phy.align", "peak"), ("phy.deep.x", "[1, 2]"), ("empty", "{}")]
-
-
-def test_durations_and_sizes_read_well():
     assert [duration(s) for s in (1.23, 45.2, 200, 7500)] == ["1.2 s", "45 s", "3 min 20 s", "2 h 5 min"]
     assert [size(n) for n in (820, 12_000, 1_340_000)] == ["820 B", "12 kB", "1.3 MB"]
 

@@ -38,7 +38,7 @@ def test_ods_ois_ap_and_the_pooled_curve_follow_their_definitions():
     assert_allclose(curve["f"].max(), scores["ods"])
 
 
-def test_the_two_rules_of_mean_precision_differ_by_full_recall_alone():
+def test_of_equal_recalls_the_lowest_threshold_counts_and_the_two_rules_differ_by_full_recall():
     # Precision = recall from 0 to 1: sum of 0, 0.01 ... 1 over 100, and without the last point.
     both = [counts_of([10, 0], 10, [10, 0])]
     assert score(both)["ods"] == score(both)["ois"] == 1
@@ -47,9 +47,6 @@ def test_the_two_rules_of_mean_precision_differ_by_full_recall_alone():
     assert_allclose(average_precision_bsds(TWO_IMAGES), score(TWO_IMAGES)["ap"])
     single = [counts_of([5, 5], 10, [10, 5])]
     assert score(single)["ap"] == average_precision_bsds(single) == 0
-
-
-def test_of_equal_recalls_the_lowest_threshold_counts():
     # Recall 0.5 twice, precision 0.25 at the lower threshold.
     tied = [counts_of([5, 5, 1], 10, [20, 5, 1])]
     recall = np.arange(10, 51) / 100

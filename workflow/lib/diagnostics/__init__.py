@@ -1,1 +1,1 @@
-"""What measures, stresses and compares the stages."""
+"""What measures, charts and compares the stages."""

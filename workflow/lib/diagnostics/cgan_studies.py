@@ -61,7 +61,7 @@ def steps_in(seconds, speed, width):
 
 
 def widths_table(speed, bounds, validations):
-    """Seconds per step and render, and similarity on train scenes set aside, by width of the cGAN, beside PHY.
+    """Seconds per step and render, and similarity on held-out train scenes, by width of the cGAN, beside PHY.
 
     `validations` maps (mode, width) to those of a training, of which the fittest counts; PHY's are those of `bounds`.
     """

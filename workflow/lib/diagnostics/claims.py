@@ -1,4 +1,4 @@
-"""Every claim of the paper: the table that bears on it, and the verdict that follows from that table."""
+"""Every claim of the paper: the table that bears on it, and the outcome that follows from that table."""
 
 import math
 from dataclasses import replace
@@ -6,14 +6,14 @@ from functools import partial
 
 import numpy as np
 
-from lib.diagnostics.verdicts import (
+from lib.diagnostics.claim_rules import (
     CONFIRMED,
     CONTRADICTED,
     MISSING,
     OPEN,
-    Verdict,
+    Claim,
     all_of,
-    paired_verdict,
+    paired_outcome,
     side_of_zero,
     signed,
 )
@@ -39,10 +39,10 @@ def _by_method(table, value):
     return table.pivot(index="scene", columns="method", values=value).reindex(columns=list(METHODS))
 
 
-def _paired(differences, unit, evidence, caveat=""):
-    """Verdict on a positive difference, paired by scene, which ends the evidence."""
-    verdict, text = paired_verdict(differences, unit)
-    return Verdict(verdict, f"{evidence} {text}.", BY_INTERVAL, caveat)
+def _paired(differences, unit, numbers, caveat=""):
+    """Claim of a positive difference, paired by scene, which ends its numbers."""
+    outcome, text = paired_outcome(differences, unit)
+    return Claim(outcome, f"{numbers} {text}.", BY_INTERVAL, caveat)
 
 
 def curvature(positions):
@@ -129,10 +129,10 @@ def _difference(row):
 def augmentation(intervals, metric):
     """Differences of one fused score to RD's."""
     rows = _scores(intervals, "fuse", metric)
-    verdicts = {name: side_of_zero(rows[name]["difference_low"], rows[name]["difference_high"]) for name in SETS}
-    parts = "; ".join(f"{SETS[name]} {_difference(rows[name])} ({verdict})" for name, verdict in verdicts.items())
-    return Verdict(
-        all_of(verdicts.values()),
+    outcomes = {name: side_of_zero(rows[name]["difference_low"], rows[name]["difference_high"]) for name in SETS}
+    parts = "; ".join(f"{SETS[name]} {_difference(rows[name])} ({outcome})" for name, outcome in outcomes.items())
+    return Claim(
+        all_of(outcomes.values()),
         f"Difference to RD with 95 % interval: {parts}.",
         "Confirmed where all three training sets gain, contradicted where one of them loses, else not resolved. "
         + BY_BOOTSTRAP,
@@ -152,14 +152,14 @@ def best_fuse(intervals):
     rows = _scores(intervals, "fuse")
     ours, others = rows["rd_pd"], [rows[name] for name in SETS if name != "rd_pd"]
     if ours["difference_high"] < 0 or any(row["difference_low"] > ours["difference_high"] for row in others):
-        verdict = CONTRADICTED
+        outcome = CONTRADICTED
     elif ours["difference_low"] > max(0, *(row["difference_high"] for row in others)):
-        verdict = CONFIRMED
+        outcome = CONFIRMED
     else:
-        verdict = OPEN
+        outcome = OPEN
     means = ", ".join(f"{name} {rows[key]['mean']:.3f}" for key, name in {"rd": "RD", **SETS}.items())
-    return Verdict(
-        verdict,
+    return Claim(
+        outcome,
         f"{means}. RD+PD less RD {_difference(ours)}.",
         "Confirmed where the interval of RD+PD less RD lies above zero and above those of the other sets; contradicted "
         "where it lies below zero or below one of them; else not resolved. " + BY_BOOTSTRAP,
@@ -178,7 +178,7 @@ def best_sides(intervals):
         gains += leads and row["difference_low"] > 0
         losses += row["difference_high"] < 0 or not leads
         parts.append(f"side {side[-1]} {_difference(row)}{', the best' if leads else ''}")
-    return Verdict(
+    return Claim(
         CONFIRMED if gains >= 3 else CONTRADICTED if losses >= 3 else OPEN,
         f"ODS of RD+GD less RD: {'; '.join(parts)}. The best of the four sets on {best} of 5 side outputs.",
         "Confirmed where RD+GD leads on at least 3 of the 5 side outputs with an interval above zero, contradicted "
@@ -190,9 +190,9 @@ def best_sides(intervals):
 def fifth_side(intervals):
     """Differences of the ODS of side output 5 to RD's."""
     rows = _scores(intervals, "side_5")
-    verdicts = [side_of_zero(-rows[name]["difference_high"], -rows[name]["difference_low"]) for name in SETS]
-    return Verdict(
-        all_of(verdicts),
+    outcomes = [side_of_zero(-rows[name]["difference_high"], -rows[name]["difference_low"]) for name in SETS]
+    return Claim(
+        all_of(outcomes),
         "ODS less RD's: " + "; ".join(f"{words} {_difference(rows[name])}" for name, words in SETS.items()) + ".",
         "Confirmed where all three sets lose, contradicted where one of them gains, else not resolved. " + BY_BOOTSTRAP,
         trainings(rows["rd_gd"]),
@@ -204,7 +204,7 @@ def chi_square(tracked):
     inner = tracked[tracked["probability"].between(0.01, 0.99)]
     error = (inner["tracked"] / inner["gamma"] - 1).abs()
     worst = inner.loc[error.idxmax()]
-    return Verdict(
+    return Claim(
         CONFIRMED if error.max() < MOST_QUANTILE_ERROR else CONTRADICTED,
         f"Quantiles of tracked power over its group's mean, against Gamma of {tracked['n_looks'].iloc[0]:.2f} looks: "
         f"off by {100 * error.max():.1f} % at most, at probability {worst['probability']:.2f}.",
@@ -218,8 +218,8 @@ def doppler(realism):
     value = realism.loc[realism["quantity"].str.startswith("Doppler spectrum"), "value"].iloc[0]
     rule = f"Confirmed where its bands differ by less than {MOST_DOPPLER_DB:.0f} dB, contradicted where by more."
     if not np.isfinite(value):
-        return Verdict(OPEN, "There is no complex segment to take a spectrum of.", rule)
-    return Verdict(
+        return Claim(OPEN, "There is no complex segment to take a spectrum of.", rule)
+    return Claim(
         CONFIRMED if value < MOST_DOPPLER_DB else CONTRADICTED,
         f"Highest over lowest band of the mean spectrum of layers 1 to 15: {value:.2f} dB.",
         rule,
@@ -230,13 +230,13 @@ def doppler(realism):
 def equal_looks(config):
     """Looks of PHY and of the observed scenes, both settings."""
     if config["source"] != "reference":
-        return Verdict(OPEN, "How many looks the scenes have is not known.", "Settings decide.")
+        return Claim(OPEN, "How many looks the scenes have is not known.", "Settings decide.")
     ours, observed = config["phy"]["n_looks"], config["benchmark"]["n_looks"]
-    return Verdict(
+    return Claim(
         CONFIRMED if ours == observed else CONTRADICTED,
         f"phy.n_looks is {ours}, benchmark.n_looks {observed}.",
         "Settings decide.",
-        "PHY is told the number.",
+        "PHY is given the number.",
     )
 
 
@@ -250,11 +250,11 @@ def expensive(convolution):
     error_db = np.fmax(scene_db, layering_db)
     ratio = least["transfer matrix, stack"] / least["PHY"]
     if ratio > MANY_TIMES and error_db < SPECKLE_DB:
-        verdict = CONFIRMED
+        outcome = CONFIRMED
     else:
-        verdict = CONTRADICTED if error_db > SPECKLE_DB and ratio < MANY_TIMES else OPEN
-    return Verdict(
-        verdict,
+        outcome = CONTRADICTED if error_db > SPECKLE_DB and ratio < MANY_TIMES else OPEN
+    return Claim(
+        outcome,
         f"A scene by a coherent solver with all multiples: {least['transfer matrix, stack']:.3g} s, by PHY "
         f"{1e3 * least['PHY']:.2g} ms, {ratio:,.0f} times less. What PHY's convolution leaves out: "
         f"{scene_db:.2f} dB on smooth layers, {layering_db:.2f} dB with fine layering of {LAYERING_KG_M3} kg m-3 as in "
@@ -266,7 +266,7 @@ def expensive(convolution):
     )
 
 
-# Claim, table by the name of its file, judge; in the order of the paper.
+# Claim, table by the name of its file, rule; in the order of the paper.
 CLAIMS = (
     ("PHY follows the curvature of layers better than the cGAN.", "render_positions", curvature),
     ("The cGAN has the better texture.", "render_texture", texture),
@@ -304,17 +304,17 @@ CLAIMS = (
 BUILT_IN = (chi_square, doppler, equal_looks)
 
 
-def judge_claims(tables, *, synthetic=True):
-    """Verdicts on all claims, from tables by the names of their files; "no evidence" where a table is missing.
+def check_claims(tables, *, synthetic=True):
+    """Outcomes of all claims, from tables by the names of their files; "no table" where a table is missing.
 
     `synthetic`: the run is of the reference flight, which was built to have what some claims say.
     """
     found = []
-    for claim, needed, judge in CLAIMS:
+    for claim, needed, rule_of in CLAIMS:
         if needed in tables:
-            verdict = judge(tables[needed])
+            outcome = rule_of(tables[needed])
         else:
-            verdict = Verdict(MISSING, f"Needs {needed}, which this run did not make.", "")
-        built_in = synthetic and judge in BUILT_IN and verdict.verdict == CONFIRMED
-        found.append(replace(verdict, claim=claim, tables=(needed,), by_construction=built_in))
+            outcome = Claim(MISSING, f"Needs {needed}, which this run did not make.", "")
+        built_in = synthetic and rule_of in BUILT_IN and outcome.outcome == CONFIRMED
+        found.append(replace(outcome, claim=claim, tables=(needed,), by_construction=built_in))
     return found

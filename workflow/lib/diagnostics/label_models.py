@@ -10,7 +10,7 @@ from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
 CRITERIA = ("aic", "bic")
 
 
-def tabulate_criteria(zone_models):
+def tabulate_models(zone_models):
     """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
 
     Means are Gaussian, periodograms exponential about their density (Whittle), cells independent; slabs undulate
@@ -91,7 +91,7 @@ def choose(table, n_zones, psd):
     return int(row["n_zones"]), str(row["psd"])
 
 
-def tabulate_families(psd):
+def tabulate_spectra(psd):
     """Spectra of one slab (zone, wavenumber) beside what each family makes of them [bins^2 per cycle per line]."""
     parts = []
     for zone, tabulated in enumerate(psd):

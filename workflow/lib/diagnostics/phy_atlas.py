@@ -1,4 +1,4 @@
-"""The stability atlas: scenes pushed to where ways of computing them fail, the public functions among them.
+"""The atlas of PHY: scenes pushed to where ways of computing them fail, the public functions among them.
 
 The outcome of a row is ``within`` its limit, ``refused`` by a ValueError, or ``wrong``.
 """
@@ -185,7 +185,7 @@ def draw_atlas(*, rng):
     return pd.DataFrame(rows)
 
 
-def safe_regions(atlas):
+def summarise_atlas(atlas):
     """Where each method of each sweep is within its limit: ends of the longest run of numbers without a wrong one.
 
     Refusals at its ends are left out; empty where no value is within.

@@ -84,7 +84,7 @@ def explain_errors(observed, rendered):
 
 
 def explain_annotation(scene, renderers):
-    """Similarity to a train scene set aside, rendered from the layers picked and, if known, from all there are."""
+    """Similarity to a held-out train scene, rendered from the layers picked and, if known, from all there are."""
     rows = []
     for layers, layer_bins in (("as picked", scene.layer_bins), ("complete", scene.complete_layer_bins)):
         if layer_bins is None:

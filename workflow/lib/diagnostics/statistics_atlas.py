@@ -1,4 +1,4 @@
-"""The stability atlas of the estimators: flights planted with eq. (1), to where one or both lose what was planted.
+"""The atlas of the estimators: flights planted with eq. (1), to where one or both lose what was planted.
 
 A row has the mean `error` over layers, its `largest` magnitude, the mean `standard_error` claimed, and as `note` the
 rule that degraded the result or the line that refused it. The outcome ``not finite`` must not be.

@@ -47,7 +47,7 @@ def time_tracking(networks, images, n_rounds):
     return pd.DataFrame(rows)
 
 
-def stress_training(real, settings, learning_rates, n_seeds):
+def training_atlas(real, settings, learning_rates, n_seeds):
     """What short trainings come to at several rates and seeds, and one on a scene without labels: rows of a table."""
     for rate in learning_rates:
         changed = dataclasses.replace(settings, learning_rate=rate)
@@ -64,7 +64,7 @@ def short_training(real, settings, seed):
     return float(np.mean(losses[-N_LAST:]))
 
 
-def stress_tracking(network, precision, scenes, stability, render_level):
+def tracking_atlas(network, precision, scenes, atlas, render_level):
     """Fused ODS on changed (image, mask) pairs and on pairs of level layers of `render_level`: rows of a table."""
 
     def ods(pairs):
@@ -73,15 +73,15 @@ def stress_tracking(network, precision, scenes, stability, render_level):
         return score(counts)["ods"]
 
     yield row("flat image", 0, partial(ods, [(scenes[0][0] * 0, scenes[0][1])]))
-    for shift in stability["brightness_shifts"]:
+    for shift in atlas["brightness_shifts"]:
         shifted = [(np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8), mask) for image, mask in scenes]
         yield row("brightness", shift, partial(ods, shifted))
-    for cut in stability["rows_cut"]:
+    for cut in atlas["rows_cut"]:
         # From the bottom, where no layer lies.
         rows = [image.shape[0] // 16 * 16 - cut for image, _ in scenes]
         lower = [(image[:n_rows], mask[:n_rows]) for (image, mask), n_rows in zip(scenes, rows, strict=True)]
         yield row("rows cut", cut, partial(ods, lower))
-    for n_layers in stability["n_layers"]:
+    for n_layers in atlas["n_layers"]:
         yield row("layers", n_layers, partial(ods, [render_level(n_layers)]))
 
 

@@ -80,7 +80,7 @@ def fitted(features, truth):
 
 
 def decisions(one, other, *, n_splits, fit=fitted):
-    """Whether crops of two classes are told rightly, two lists of bool (crop,) by frame; None where that is impossible.
+    """Whether crops of two classes are classified rightly, two lists of bool (crop,) by frame; None if impossible.
 
     Classes are lists of frames, each an array (crop, ...) of what `fit` takes, with truth of bool (crop,), to give a
     function to decisions. Frames are dealt out to splits; those of each are decided by what saw the others alone.
@@ -126,10 +126,7 @@ def compare(flight, real, *, rng):
     for kind in KINDS:
         of_flight, of_real = ([frame[kind] for frame in frames if kind in frame] for frames in (flight, real))
         one, other = ([part[: len(part) // 2], part[len(part) // 2 :]] for part in (of_real[0], of_real[-1]))
-        found[kind] = (
-            *accuracy_of_crops(of_flight, of_real, rng=rng),
-            accuracy_of_crops(one, other, rng=rng)[0],
-        )
+        found[kind] = (*accuracy_of_crops(of_flight, of_real, rng=rng), accuracy_of_crops(one, other, rng=rng)[0])
     return found
 
 

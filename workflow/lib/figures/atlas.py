@@ -1,4 +1,4 @@
-"""Stability atlases of PHY and of the estimators: error against what makes it hard, and limits of valid input."""
+"""Atlases of PHY and of the estimators: error against what makes it hard, and limits of valid input."""
 
 import numpy as np
 
@@ -43,10 +43,10 @@ OUTCOMES = {
 }
 
 
-def stability_phy(stability_phy):
+def atlas_phy(atlas_phy):
     """PHY: all sweeps on axes of their own, border cases on the last, one legend for all."""
     figure, axes = new_figure(3, 3, width=10, height=9)
-    sweeps = [(name, rows) for name, rows in stability_phy.groupby("setting", sort=False) if name != "borders"]
+    sweeps = [(name, rows) for name, rows in atlas_phy.groupby("setting", sort=False) if name != "borders"]
     handles = {}
     for ax, (setting, rows) in zip(axes.flat, sweeps, strict=False):
         plot_methods(ax, setting, rows)
@@ -54,7 +54,7 @@ def stability_phy(stability_phy):
     for ax in axes[:, 0]:
         ax.set_ylabel("largest error [dB]", fontsize=7)
     # Limits of valid input as a grid of outcomes, a row a case, a column a public function.
-    ax, rows = axes.flat[-1], stability_phy[stability_phy["setting"] == "borders"]
+    ax, rows = axes.flat[-1], atlas_phy[atlas_phy["setting"] == "borders"]
     cases, methods = list(rows["value"].unique()), list(rows["method"].unique())
     for outcome in ("within", "refused", "wrong"):
         chosen, (marker, colour) = rows[rows["outcome"] == outcome], OUTCOMES[outcome]
@@ -65,7 +65,7 @@ def stability_phy(stability_phy):
     ax.set_yticks(range(len(cases)), cases, fontsize=6)
     ax.set(ylim=(len(cases) - 0.5, -0.5), xlim=(-0.5, len(methods) - 0.5))
     ax.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
-    ax.set_title("borders of what may be given", fontsize=8)
+    ax.set_title("limits of valid input", fontsize=8)
     labels = [name for name in METHOD_NAMES.values() if name in handles]
     figure.legend([handles[label] for label in labels], labels, loc="outside lower left", ncols=4, fontsize=7)
     return note_source(figure, PLANTED)
@@ -99,13 +99,13 @@ def plot_methods(ax, setting, rows):
     ax.tick_params(labelsize=6)
 
 
-def stability_statistics(stability_statistics):
+def atlas_statistics(atlas_statistics):
     """Estimators: all sweeps as columns, quantities as rows."""
     figure, axes = new_figure(3, 5, width=12, height=6.5)
-    panels = [panel for panel in stability_statistics["panel"].unique() if panel != "borders"]
+    panels = [panel for panel in atlas_statistics["panel"].unique() if panel != "borders"]
     for row, (quantity, label) in zip(axes, QUANTITIES.items(), strict=True):
         for ax, panel in zip(row, panels, strict=False):
-            plot_estimators(ax, stability_statistics, panel, quantity)
+            plot_estimators(ax, atlas_statistics, panel, quantity)
         row[0].set_ylabel(f"error of {label}", fontsize=8)
     for ax, panel in zip(axes[-1], panels, strict=False):
         ax.set_xlabel(panel, fontsize=8)
@@ -142,9 +142,9 @@ def plot_estimators(ax, atlas, panel, quantity):
     ax.set_xticks([], minor=True)
 
 
-def stability_statistics_borders(stability_statistics):
+def atlas_statistics_borders(atlas_statistics):
     """Border cases: the worst outcome of each estimator as a mark, and the rule or the refusal in words."""
-    rows = stability_statistics[stability_statistics["panel"] == "borders"]
+    rows = atlas_statistics[atlas_statistics["panel"] == "borders"]
     cases, estimators = list(rows["value"].unique()), ("deblended", "paper")
     order = ("within", "beyond", "refused", "not finite")
     figure, axes = new_figure(1, 1, width=8, height=4.5)

@@ -8,11 +8,11 @@ from lib.figures.style import BLACK, COLOURS, name_of, new_figure
 FAMILIES = ("white", "power_law", "ar1", "matern")  # of spectra, beside those as tabulated
 
 
-def label_models(label_criteria, label_savings, label_families):
+def label_models(model_selection, model_selection_scenes, model_selection_spectra):
     """BIC above its least by kind of spectrum and number of zones; spectra by family; how far statistics change."""
     figure, axes = new_figure(1, 3, width=10, height=3.4)
-    ax, least = axes[0, 0], label_criteria["bic"].min()
-    for psd, rows in label_criteria.groupby("psd", sort=False):
+    ax, least = axes[0, 0], model_selection["bic"].min()
+    for psd, rows in model_selection.groupby("psd", sort=False):
         above = np.maximum(rows["bic"] - least, 10)
         ax.plot(rows["n_parameters"], above, "o-", color=COLOURS[psd], markersize=3, label=name_of(psd))
         for row, y in zip(rows.itertuples(), above, strict=True):
@@ -20,7 +20,7 @@ def label_models(label_criteria, label_savings, label_families):
     ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel="BIC above its least")
     ax.legend(fontsize=6)
     # Observed as points, and what each family makes of it.
-    ax, rows = axes[0, 1], label_families[label_families["zone"] == 0]
+    ax, rows = axes[0, 1], model_selection_spectra[model_selection_spectra["zone"] == 0]
     ax.loglog(rows["wavenumber"], rows["tabulated"], ".", color=COLOURS["tabulated"], markersize=2)
     for name in FAMILIES:
         ax.loglog(rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name))
@@ -28,8 +28,8 @@ def label_models(label_criteria, label_savings, label_families):
     ax.legend(fontsize=6)
     # Statistics of scenes by each model against those of the first.
     ax = axes[0, 2]
-    columns = [name for name in label_savings.columns if name.endswith("_bins_change")]
-    rows = label_savings[~label_savings["model"].isin(("paper", "in use"))]
+    columns = [name for name in model_selection_scenes.columns if name.endswith("_bins_change")]
+    rows = model_selection_scenes[~model_selection_scenes["model"].isin(("paper", "in use"))]
     for i, row in enumerate(rows.itertuples()):
         label = f"{row.model}: {row.n_zones} zones, {name_of(row.psd)}, {row.n_parameters} parameters"
         at = np.arange(len(columns)) + 0.25 * (i - (len(rows) - 1) / 2)

@@ -14,7 +14,7 @@ RICH_LAYERS = 6  # interfaces: scenes of few layers have little to annotate
 
 
 def cgan_losses(losses, validation):
-    """Losses of every step as running means, and similarity on the scenes set aside, the best checkpoint marked."""
+    """Losses of every step as running means, and similarity on the held-out scenes, the best checkpoint marked."""
     figure, axes = new_figure(1, 3, width=9)
     for column in (name for name in losses.columns if name != "step"):
         smooth = losses[column].rolling(style.RUNNING_STEPS, min_periods=1).mean()

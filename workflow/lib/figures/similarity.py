@@ -105,7 +105,7 @@ def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
     ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
     ax.set_xlabel("mean square error [grey levels squared]")
     ax.legend(fontsize=6, loc="upper right")
-    # Train scenes set aside, rendered from picked layers and from all there are.
+    # Held-out train scenes, rendered from picked layers and from all there are.
     for method, group in bounds[bounds["scenes"] != "test"].groupby("method"):
         axes[1, 1].plot(group["layers"], group["psnr"], "o-", color=COLOURS[method], label=name_of(method))
     axes[1, 1].set(ylabel=name_of("psnr"), xlabel="layers rendered")
@@ -133,7 +133,7 @@ def plot_cases(ax, rows, metric):
 
 
 def worth(two_sample, drawn_scenes):
-    """How often drawn scenes are told from observed ones, by depth, and by what they differ."""
+    """How often drawn scenes are distinguished from observed ones, by depth, and by what they differ."""
     figure, axes = new_figure(2, 3, width=10, height=5.5)
     for (name, classifier), rows in two_sample.groupby(["scenes", "classifier"], sort=False):
         whole, by_depth = rows.iloc[0], rows.iloc[1:]

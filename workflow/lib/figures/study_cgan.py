@@ -30,13 +30,13 @@ def speed_accuracy_cgan(widths):
     return figure
 
 
-def stability_cgan(stability):
+def atlas_cgan(atlas):
     """Share of trainings that end healthy by learning rate and L1 weight, and the faults of the others."""
     figure, axes = new_figure(width=5, height=3.5)
     ax = axes[0, 0]
-    rates, weights = (sorted(stability[name].unique()) for name in ("learning_rate", "l1_weight"))
+    rates, weights = (sorted(atlas[name].unique()) for name in ("learning_rate", "l1_weight"))
     share = np.full((len(weights), len(rates)), np.nan)
-    for (rate, weight), runs in stability.groupby(["learning_rate", "l1_weight"]):
+    for (rate, weight), runs in atlas.groupby(["learning_rate", "l1_weight"]):
         at = weights.index(weight), rates.index(rate)
         healthy = runs["verdict"] == "healthy"
         share[at] = healthy.mean()

@@ -5,7 +5,7 @@ import numpy as np
 from lib.figures.style import BLACK, COLOURS, NAMES, RED, name_of, new_figure
 
 METRIC = "ods"
-# Panels of the stability study: what is shown, along what, and of what axis.
+# Panels of the atlas: what is shown, along what, and of what axis.
 PANELS = {
     "loss": ("loss after a short training", "learning rate", "log"),
     "brightness": ("ODS of fuse", "shift [grey levels]", "linear"),
@@ -27,7 +27,7 @@ def tracker_ablation(ablation):
 
 
 def tracker_worth(worth):
-    """Score of a training set less that of another with 95 % interval; grey: what could have been told from none."""
+    """Score of a training set less that of another with 95 % interval; grey: the least detectable one."""
     figure, axes = new_figure(1, 2, width=9, height=4, sharey=True)
     for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
         rows = worth[worth["metric"] == metric].iloc[::-1]
@@ -68,11 +68,11 @@ def speed_accuracy_tracker(speed_accuracy_tracker):
     return figure
 
 
-def stability_tracker(stability):
+def atlas_tracker(atlas):
     """Where the tracker fails; crosses at the lower border: diverged or refused."""
     figure, axes = new_figure(2, 2, width=8, height=5.5)
     for ax, (panel, (ylabel, xlabel, xscale)) in zip(axes.flat, PANELS.items(), strict=True):
-        rows = stability[stability["panel"] == panel]
+        rows = atlas[atlas["panel"] == panel]
         ok, failed = rows[rows["status"] == "ok"], rows[rows["status"] != "ok"]
         for _, of_replica in ok.groupby("replica"):
             ax.plot(of_replica["value"], of_replica["result"], "o-", color=BLACK, markersize=3, linewidth=0.8)

@@ -8,7 +8,7 @@ from matplotlib import pyplot as plt
 
 from snowsim.io.files import written_whole
 
-# Okabe & Ito (2008), told apart by colour-blind readers too; a wine, and the grey of what serves as a foil.
+# Okabe & Ito (2008), distinct for colour-blind readers too; a wine, and the grey of what serves as a foil.
 BLACK, BLUE, RED, GREEN, ORANGE = "#000000", "#0072B2", "#D55E00", "#009E73", "#E69F00"
 PINK, SKY, YELLOW, WINE, GREY, WHITE, LAND = "#CC79A7", "#56B4E9", "#F0E442", "#882255", "#999999", "#FFFFFF", "#EDF2F5"
 SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)

@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from lib.diagnostics.claims import ENOUGH_TRAININGS, judge_claims, trainings
-from lib.diagnostics.verdicts import CONFIRMED, CONTRADICTED, MISSING, OPEN
+from lib.diagnostics.claim_rules import CONFIRMED, CONTRADICTED, MISSING, OPEN
+from lib.diagnostics.claims import ENOUGH_TRAININGS, check_claims, trainings
 from lib.figures.style import METHODS, NAMES, TRAINING_SETS
 from lib.machine import describe_machine, describe_versions
 from lib.report.format import config_lines, duration, signed3
@@ -33,8 +33,8 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
     printed = {Path(path).stem: read_table(path) for path in printed}
     study_tables = [path for path in studies["files"] if path.endswith(".csv")]
     intervals = with_study(by_name["table3_intervals"], study_tables)
-    evidence = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
-    claims = judge_claims(evidence, synthetic=config["source"] == "reference")
+    measured = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
+    claims = check_claims(measured, synthetic=config["source"] == "reference")
     costs = stage_costs(read_benchmarks(benchmarks), stages)
     synthetic = config["source"] == "reference"
     study_figures = [path for path in studies["files"] if path not in study_tables]
@@ -60,7 +60,7 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "costs": costs,
         "total_wall_s": sum(stage["wall_s"] for stage in costs),
         "tiles": summary_tiles(by_name["table2"], intervals, claims, costs),
-        "verdict_counts": count_verdicts(claims),
+        "outcome_counts": count_outcomes(claims),
         "machine": describe_machine(),
         "versions": describe_versions(),
         "seed": config["seed"],
@@ -180,7 +180,7 @@ def compare_table3(intervals, paper, printed=None):
 
 
 def told_apart(two_sample):
-    """How often observed scenes are told from others by each classifier, texts, a row a kind of scenes."""
+    """How often observed scenes are distinguished from others by each classifier, texts, a row a kind of scenes."""
     whole = two_sample[two_sample["first_row"] < 0]
     rows = []
     for name, of_name in whole.groupby("scenes", sort=False):
@@ -214,10 +214,10 @@ def _cost(jobs):
     }
 
 
-def count_verdicts(claims):
-    """How many claims got each verdict, without verdicts that none got; what is true by construction apart."""
-    judged = [BUILT if claim.by_construction else claim.verdict for claim in claims]
-    counts = {name: judged.count(name) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)}
+def count_outcomes(claims):
+    """How many claims got each outcome, without outcomes that none got; what is true by construction apart."""
+    found = [BUILT if claim.by_construction else claim.outcome for claim in claims]
+    counts = {name: found.count(name) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)}
     return {name: count for name, count in counts.items() if count}
 
 
@@ -226,20 +226,14 @@ def summary_tiles(table2, intervals, claims, costs):
     means = table2.set_index(["metric", "statistic"]).xs("mean", level="statistic")
     fuse = intervals[(intervals["output"] == "fuse") & (intervals["metric"] == "ods")].set_index("training_set")
     best = fuse["mean"].drop(index="rd").idxmax()
-    rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_verdicts(claims)
+    rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_outcomes(claims)
 
     def methods(metric, digits, unit=""):
         return ", ".join(f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS)
 
     tiles = {
-        "SSIM with observed scenes": (
-            methods("ssim", 2),
-            f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes",
-        ),
-        "Tracker on RD alone, fused ODS": (
-            f"{rd['mean']:.3f}",
-            f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
-        ),
+        "SSIM with observed scenes": (methods("ssim", 2), f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes"),
+        "Tracker on RD alone, fused ODS": (f"{rd['mean']:.3f}", f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}"),
         "Best augmented set, fused ODS": (
             f"{NAMES[best]} {signed3(gain['difference'])}",
             f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}], "

@@ -10,7 +10,7 @@ STAGES = {
     "similarity": "Similarity of renders to observed scenes",
     "tracker": "Layer trackers",
     "phy": "Speed against accuracy of PHY",
-    "atlas": "Stability atlases",
+    "atlas": "Atlases: where methods fail",
     "convolution": "How good is the convolution model?",
 }
 

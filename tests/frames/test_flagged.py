@@ -1,15 +1,15 @@
-"""Range lines flagged unfit: what is left of them, in a frame, in its statistics and in its blocks."""
+"""Flagged range lines: what is left of them, in a frame, in its statistics and in its blocks."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from test_cut_blocks import make_level_frame
 
-from snowsim.frames import count_unfit, cut_blocks, flatten, leave_out_unfit
+from snowsim.frames import count_flagged, cut_blocks, flatten, leave_out_flagged
 from snowsim.statistics import summarise, summary_to_dataset
 
 N_LINES = 1024
-UNFIT = slice(300, 312)
+FLAGGED = slice(300, 312)
 FLAGS = ("no_good_data", "low_SNR", "land_ice")
 
 
@@ -24,71 +24,71 @@ def flagged(echogram, **lines):
 
 @pytest.fixture
 def frame(rng):
-    """A level frame flagged with land ice throughout, weak in places, unfit in UNFIT."""
+    """A level frame flagged with land ice throughout, weak in places, of no use in FLAGGED."""
     echogram, layers = make_level_frame(rng, n_lines=N_LINES)
-    return flagged(echogram, no_good_data=UNFIT, low_SNR=slice(0, 100), land_ice=slice(None)), layers
+    return flagged(echogram, no_good_data=FLAGGED, low_SNR=slice(0, 100), land_ice=slice(None)), layers
 
 
-def test_unfit_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame):
-    echogram, layers = leave_out_unfit(*frame)
+def test_flagged_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame):
+    echogram, layers = leave_out_flagged(*frame)
     fit = np.ones(N_LINES, dtype=bool)
-    fit[UNFIT] = False
-    assert_array_equal(echogram["unfit"], ~fit)
+    fit[FLAGGED] = False
+    assert_array_equal(echogram["flagged"], ~fit)
     assert np.isnan(echogram["Data"].values[:, ~fit]).all()
     assert np.isnan(layers["twtt"].values[:, ~fit]).all()
     assert echogram["Data"].dtype == frame[0]["Data"].dtype
     assert echogram["Data"].dims == frame[0]["Data"].dims
     assert_array_equal(echogram["Data"].values[:, fit], frame[0]["Data"].values[:, fit])
     assert_array_equal(layers["twtt"].values[:, fit], frame[1]["twtt"].values[:, fit])
-    assert count_unfit(echogram) == (12, "no_good_data 12; low_SNR 100; land_ice 1024")
+    assert count_flagged(echogram) == (12, "no_good_data 12; low_SNR 100; land_ice 1024")
     # The frame that came in is not touched.
     assert np.isfinite(frame[0]["Data"]).all()
     assert np.isfinite(frame[1]["twtt"]).all()
 
 
-def test_the_setting_says_which_flags_make_a_line_unfit_and_others_change_nothing(frame):
-    echogram, _ = leave_out_unfit(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
-    assert_array_equal(np.flatnonzero(echogram["unfit"]), np.arange(100))
-    echogram, layers = leave_out_unfit(*frame, flags=())
+def test_the_setting_says_which_flags_flag_a_line_and_others_change_nothing(frame):
+    echogram, _ = leave_out_flagged(*frame, flags=("low_SNR", "coh_noise_removal_artifact"))
+    assert_array_equal(np.flatnonzero(echogram["flagged"]), np.arange(100))
+    echogram, layers = leave_out_flagged(*frame, flags=())
     assert_array_equal(echogram["Data"], frame[0]["Data"])
     assert layers is frame[1]
-    assert not echogram["unfit"].any()
+    assert not echogram["flagged"].any()
     bare = frame[0].drop_vars("quality_mask")
-    echogram, layers = leave_out_unfit(bare, frame[1])
+    echogram, layers = leave_out_flagged(bare, frame[1])
     assert echogram is bare
     assert layers is frame[1]
-    assert count_unfit(echogram) == (0, "")
-    assert count_unfit(flagged(bare)) == (0, "none")
+    assert count_flagged(echogram) == (0, "")
+    assert count_flagged(flagged(bare)) == (0, "none")
 
 
-def test_what_unfit_lines_hold_enters_no_statistics(frame):
+def test_what_flagged_lines_hold_enters_no_statistics(frame):
     echogram, layers = frame
     spoiled, moved = echogram.copy(deep=True), layers.copy(deep=True)
-    spoiled["Data"].values[:, UNFIT] *= 1e6
-    moved["twtt"].values[:, UNFIT] += 3e-9  # ten bins, surface included: it must not level the frame either
+    spoiled["Data"].values[:, FLAGGED] *= 1e6
+    moved["twtt"].values[:, FLAGGED] += 3e-9  # ten bins, surface included: it must not level the frame either
     found, expected = (
-        summary_to_dataset(summarise(*flatten(*leave_out_unfit(*given))))
+        summary_to_dataset(summarise(*flatten(*leave_out_flagged(*given))))
         for given in ((spoiled, moved), (echogram, layers))
     )
     assert found.identical(expected)
     # Air by group of 20 lines: 210 rows above the surface less 30, of lines 300 to 311 none.
     count = expected["air_count"].values
     assert (count[[14, 15, 16]] == np.array([20, 8, 20]) * 180).all()
-    assert np.isnan(expected["tracked_power"].values[UNFIT]).all()
+    assert np.isnan(expected["tracked_power"].values[FLAGGED]).all()
     # Group 15 has 8 of its 20 lines left, fewer than the half that a row of an average needs.
     assert np.isnan(expected["power"].values[15]).all()
     assert np.isfinite(expected["power"].values[[14, 16]]).any(axis=1).all()
 
 
-def test_a_block_with_one_unfit_line_is_skipped_and_told(frame):
+def test_a_block_with_one_flagged_line_is_skipped_and_told(frame):
     echogram, layers = frame
     echogram = flagged(echogram, no_good_data=slice(499, 512))
-    scenes, skipped = cut_blocks(*leave_out_unfit(echogram, layers), name="f")
+    scenes, skipped = cut_blocks(*leave_out_flagged(echogram, layers), name="f")
     # Blocks begin at 0, 250, 500, 750: the second has lines 499 to 505, the third 500 to 511.
     assert [scene.name for scene in scenes] == ["f_000", "f_003"]
     assert skipped == {
-        "f_001": "7 of 256 range lines flagged unfit",
-        "f_002": "12 of 256 range lines flagged unfit",
+        "f_001": "7 of 256 range lines flagged",
+        "f_002": "12 of 256 range lines flagged",
     }
     untouched, _ = cut_blocks(*frame, name="f")
     for scene, same in zip(scenes, (untouched[0], untouched[3]), strict=True):

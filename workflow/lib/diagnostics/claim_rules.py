@@ -1,42 +1,42 @@
-"""What a verdict on a claim is, and how it follows from differences."""
+"""What becomes of a claim, and how that follows from differences."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
-CONFIRMED, CONTRADICTED, OPEN, MISSING = "confirmed", "contradicted", "not resolved", "no evidence"
+CONFIRMED, CONTRADICTED, OPEN, MISSING = "confirmed", "contradicted", "not resolved", "no table"
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Claim:
     """What a run says of one claim."""
 
-    verdict: str
-    evidence: str  # the numbers
-    rule: str  # how the verdict follows from them
-    caveat: str = ""  # what makes the evidence weaker than it looks
+    outcome: str
+    numbers: str
+    rule: str  # how the outcome follows from them
+    caveat: str = ""  # what makes the numbers say less than they seem to
     claim: str = ""
     tables: tuple = ()  # names of those it was computed from
     by_construction: bool = False  # it could hardly have come out otherwise: no confirmation
 
 
 def side_of_zero(low, high):
-    """Verdict on "positive" from the ends of an interval."""
+    """Outcome of the claim "positive" from the ends of an interval."""
     if low > 0:
         return CONFIRMED
     return CONTRADICTED if high < 0 else OPEN
 
 
-def all_of(verdicts):
-    """Verdict on a claim that needs every one of several: contradicted by one, confirmed by all."""
-    if CONTRADICTED in verdicts:
+def all_of(outcomes):
+    """Outcome of a claim that needs every one of several: contradicted by one, confirmed by all."""
+    if CONTRADICTED in outcomes:
         return CONTRADICTED
-    return CONFIRMED if set(verdicts) == {CONFIRMED} else OPEN
+    return CONFIRMED if set(outcomes) == {CONFIRMED} else OPEN
 
 
-def paired_verdict(differences, unit=""):
-    """Verdict on a positive mean difference, and its evidence as text, from differences scene by scene."""
+def paired_outcome(differences, unit=""):
+    """Outcome of the claim of a positive mean difference, and its numbers as text, from differences scene by scene."""
     mean, low, high = mean_interval(differences)
     n = np.isfinite(np.asarray(differences, dtype=float)).sum()
     text = f"{signed(mean)} [{signed(low)}, {signed(high)}]{unit and ' ' + unit}, {n} scenes"

@@ -4,7 +4,7 @@ import pandas as pd
 from job import progress, run
 from render_phy import render_scene
 
-from lib.diagnostics.tracker_studies import level_scene, stress_tracking, stress_training
+from lib.diagnostics.tracker_studies import level_scene, tracking_atlas, training_atlas
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
@@ -12,8 +12,8 @@ from snowsim.seeding import random_stream
 from snowsim.tracker import Settings, trained_network
 
 
-def stress_tracker(train, scenes, network, statistics, table, *, seed, settings, phy, stability):
-    short = Settings(**{**settings, "n_steps": stability["n_steps"]})
+def atlas_tracker(train, scenes, network, statistics, table, *, seed, settings, phy, atlas):
+    short = Settings(**{**settings, "n_steps": atlas["n_steps"]})
     weights, metadata = read_model(network, {"kind": "tracker"})
     trained = Settings(**metadata["settings"])
     flight = read_dataset(statistics)
@@ -23,12 +23,12 @@ def stress_tracker(train, scenes, network, statistics, table, *, seed, settings,
         return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:
-        trainings = stress_training(real, short, stability["learning_rates"], stability["n_seeds"])
+        trainings = training_atlas(real, short, atlas["learning_rates"], atlas["n_seeds"])
         rows = list(progress(trainings, "trainings"))
         pairs = [(scene.image, scene.mask()) for scene in held_out]
-    tracked = stress_tracking(trained_network(weights, trained), trained.precision, pairs, stability, render_level)
+    tracked = tracking_atlas(trained_network(weights, trained), trained.precision, pairs, atlas, render_level)
     rows += progress(tracked, "tracking")
     write_table(table, pd.DataFrame(rows))
 
 
-run(stress_tracker)
+run(atlas_tracker)

@@ -18,7 +18,7 @@ def study(train, table, *, seed, settings, statistics, n_held, n_seeds, learning
         train_scenes, held_scenes = parts
     rows = []
     runs = list(product(range(n_seeds), learning_rates, l1_weights))
-    for number, learning_rate, l1_weight in progress(runs, "stability"):
+    for number, learning_rate, l1_weight in progress(runs, "atlas"):
         here = dataclasses.replace(Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight)
         judged = judge_training(here, seed + number, train_scenes, held_scenes, statistics)
         rows.append({"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight, **judged})
