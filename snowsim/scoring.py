@@ -66,7 +66,7 @@ def score_folders(
     >>> [round(float(table[column][0]), 2) for column in ("ods", "mean_absolute_error_bins", "n_missed_layers")]
     [1.0, 1.0, 0.0]
     """
-    pairs = pair_files(predictions, truth, output=output)
+    pairs = pair_files(predictions, truth, output=output, picks=picks)
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 

@@ -19,6 +19,8 @@ def test_conda_pins_equal_the_lock_file():
 
 
 def test_every_dependency_of_the_package_is_in_the_conda_environment():
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    declared = [*project["dependencies"], *extras["learn"], *extras["workflow"]]
     names = {re.match(r"[A-Za-z0-9-]+", entry)[0].lower() for entry in declared} - {"snakemake"}
     assert names <= set(PINS)

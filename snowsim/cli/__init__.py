@@ -44,8 +44,10 @@ def main(arguments=None):
         from snowsim.io.guard import one_line
 
         usage, aborted = isinstance(error, click.ClickException), isinstance(error, click.Abort)
-        message = error.format_message() if usage else "interrupted" if aborted else one_line(error)
+        message = error.format_message() if usage else "interrupted" if aborted else error
         click.echo(f"error: {one_line(message)}", err=True)
-        # What a full disk did not take must not be tried again, and complained of, while Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        try:
+            sys.stdout.flush()
+        except OSError:  # a full disk: not to be tried again, and complained of, while Python ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(2 if usage else 130 if aborted else 1)

@@ -14,7 +14,7 @@ EXISTING = click.Path(exists=True, path_type=Path)
 @click.option("--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes.")
 @click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
 def command(sources, folder, layers, netcdf):
-    r"""Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image pairs, or of one
+    """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image pairs, or of one
     echogram with its --layers, which is levelled and cut into blocks of 256 range lines.
 
     \b
@@ -22,7 +22,7 @@ def command(sources, folder, layers, netcdf):
       snowsim export results/phy/labels/*.nc for_training/
       snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
       snowsim export my_scenes/ as_netcdf/ --netcdf
-    """  # noqa: D205
+    """  # noqa: D205, D301
     from snowsim.io.export import export_netcdf, export_pairs
     from snowsim.io.frame_table import read_frame, scenes_of_frame
     from snowsim.io.png_pairs import PairSet

@@ -27,7 +27,7 @@ NOT_NEGATIVE, POSITIVE = click.FloatRange(0), click.FloatRange(0, min_open=True)
 @click.option("-j", "--processes", type=click.IntRange(1), default=1)
 @click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
 def command(predictions, truth, form, **settings):
-    r"""Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of PNG, NPY or NetCDF
+    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of PNG, NPY or NetCDF
     files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false layers, of every image
     and, with 95 % intervals by the bootstrap over images, of all.
 
@@ -41,7 +41,7 @@ def command(predictions, truth, form, **settings):
       snowsim score predictions/ test/ --output side_3 -j 4 --format csv > side_3.csv
       snowsim score --picks my_layers/ test/ --within-bins 1
       snowsim score map.npy layers.npy --tolerance-bins 3
-    """  # noqa: D205
+    """  # noqa: D205, D301
     from tqdm import tqdm
 
     from snowsim.scoring import score_folders

@@ -1,5 +1,6 @@
 """What a tracker made and what is true, in other people's files: edge maps, picks, masks; which belong together."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,52 +10,54 @@ from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io.containers import read_netcdf
 from snowsim.io.guard import check_size, existing, library_errors, numeric, one_line, refusal
 from snowsim.io.images import read_image
-from snowsim.io.png_pairs import layers_of_mask, layers_of_numbers, png_labels, scene_name
+from snowsim.io.png_pairs import layers_of_mask, layers_of_numbers, png_labels
 
 ENDINGS = (".png", ".npy", ".nc")
 PICTURES = ("merge", "jpg_out")  # of the published predictor, beside its outputs: sums and strips of them
-TRUTH_NAMES = ("layer_binary_{}", "layer_{}", "scene_{}", "{}", "data_{}")
+LABELLED = ("layer_binary_", "layer_", "scene_", "", "data_")  # how names of files begin, those of labels first
+NAME = re.compile(f"({'|'.join(sorted(LABELLED, reverse=True))})(.*)")
 MAPS, LABELS = ("probability", "prediction", "edges"), ("layer_bins", "mask")  # variables of NetCDF files
 AXES = (("range_bin", "range_line"), ("twtt", "slow_time"), ("layer", "range_line"), ("layer", "slow_time"))
 
 
-def pair_files(predictions, truth, *, output=None):
+def pair_files(predictions, truth, *, output=None, picks=False):
     """Every prediction with its truth, a list of (name, path, path of the truth) by name; ValueError if one has none.
 
     Both are folders of .png, .npy or .nc files, or a file each. In a folder that holds the published predictor's, the
-    one of `output` is taken, by default `fuse`; never `merge` or `jpg_out`. To `data_<name>` or `<name>` belongs
-    `layer_binary_<name>`, `layer_<name>`, `scene_<name>` or a file called the same, in this order.
+    one of `output` is taken, by default `fuse`; never `merge` or `jpg_out`. Files are paired by what follows `data_`,
+    `layer_binary_`, `layer_` or `scene_`; of several, truth (and `picks`) is the first of `LABELLED`, a map the last.
     """
     predictions, truth = Path(predictions), Path(truth)
     if predictions.is_file() and truth.is_file():
-        return [(scene_name(predictions), predictions, truth)]
+        return [(NAME.match(predictions.stem)[2], predictions, truth)]
     inside = predictions / (output or "fuse")
     if predictions.name in PICTURES or (output is not None and not inside.is_dir()):
         expected = f"a folder {output}" if output else f"maps of one output ({', '.join(OUTPUTS)})"
         raise refusal(predictions, "predictions", expected, "none" if output else "pictures of several")
-    made, truths = _by_stem(inside if inside.is_dir() else predictions), _by_stem(truth)
-    pairs = []
-    for name, path in sorted((scene_name(path), path) for path in made.values()):
-        stems = [form.format(name) for form in TRUTH_NAMES]
-        pairs += [(name, path, truths[stem]) for stem in stems if stem in truths][:1]
-    if len(pairs) < len(made) or not pairs:
-        alone = sorted({scene_name(path) for path in made.values()} - {name for name, _, _ in pairs})
-        found = one_line(f"{len(pairs)} pairs; without truth: {', '.join(alone) or 'no files at all'}", 200)
-        raise refusal(
-            predictions, "pairs", f"files {', '.join(ENDINGS)}, each with a truth of its name in {truth}", found
-        )
-    return pairs
+    made = _by_name(inside if inside.is_dir() else predictions, LABELLED if picks else LABELLED[::-1])
+    truths = _by_name(truth, LABELLED)
+    alone = sorted(set(made) - set(truths))
+    if alone or not made:
+        expected = f"files {', '.join(ENDINGS)}, each with a truth of its name in {truth}"
+        found = f"{len(made)}, without truth: {', '.join(alone)}" if made else "no file"
+        raise refusal(predictions, "pairs", expected, one_line(found, 200))
+    return [(name, made[name], truths[name]) for name in sorted(made)]
 
 
-def _by_stem(folder):
-    """Files of a folder by their name without its ending; ValueError if it is none, or two are called the same."""
+def _by_name(folder, order):
+    """Files of a folder by name, of each the one whose prefix comes first in `order`; ValueError if two have it."""
     if not folder.is_dir():
         raise refusal(folder, "path", "a folder", "a file" if folder.exists() else "nothing")
-    paths = [path for path in sorted(folder.iterdir()) if path.suffix in ENDINGS and not path.name.startswith(".")]
-    files = {path.stem: path for path in paths}
-    if len(files) < len(paths):
-        twice = next(path for path in paths if files[path.stem] != path)
-        raise refusal(folder, "files", "names that differ", f"{twice.name} and {files[twice.stem].name}")
+    files = {}
+    for path in sorted(folder.iterdir()):
+        if path.suffix in ENDINGS and not path.name.startswith("."):
+            prefix, name = NAME.match(path.stem).groups()
+            files.setdefault(name, []).append((order.index(prefix), path))
+    for name, found in files.items():
+        best = [path for rank, path in found if rank == min(found)[0]]
+        if len(best) > 1:
+            raise refusal(folder, "files", "names that differ", f"{best[0].name} and {best[1].name}")
+        files[name] = best[0]
     return files
 
 
@@ -89,8 +92,7 @@ def read_labels(path, shape=None):
     path = existing(path)
     where, numbers, is_image = path, None, path.suffix == ".png"
     if is_image and path.stem.startswith("layer_"):
-        name = path.name.removeprefix("layer_").removeprefix("binary_")
-        where, numbers, mask = png_labels(path.with_name(f"data_{name}"), shape)
+        where, numbers, mask = png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"), shape)
         mask = numbers > 0 if mask is None else mask
     else:
         name, values = ("mask", read_image(path, binary=None)[0]) if is_image else _array(path, LABELS)
