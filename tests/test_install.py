@@ -97,7 +97,7 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(built, tmp_path, 
     for name in "abc":
         write_image(tmp_path / f"test/layer_binary_{name}.png", layer_mask(layers, 300))
         write_image(tmp_path / f"predictions/fuse/data_{name}.png", (200 * layer_mask(layers + 1, 300)).astype("u1"))
-    settings = checked_settings({"radar": {"n_range_bins": 600}})
+    settings = checked_settings({"radar": {"n_range_bins": 1000}})
     common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
     rows = ["frame\techogram\tlayers\trole"]
     for index, role in enumerate(("statistics", "test")):

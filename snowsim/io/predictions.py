@@ -48,16 +48,12 @@ def _by_name(folder, order):
     """Files of a folder by name, of each the one whose prefix comes first in `order`; ValueError if two have it."""
     if not folder.is_dir():
         raise refusal(folder, "path", "a folder", "a file" if folder.exists() else "nothing")
-    files = {}
-    for path in sorted(folder.iterdir()):
-        if path.suffix in ENDINGS and not path.name.startswith("."):
-            prefix, name = NAME.match(path.stem).groups()
-            files.setdefault(name, []).append((order.index(prefix), path))
-    for name, found in files.items():
-        best = [path for rank, path in found if rank == min(found)[0]]
-        if len(best) > 1:
-            raise refusal(folder, "files", "names that differ", f"{best[0].name} and {best[1].name}")
-        files[name] = best[0]
+    paths = [path for path in folder.iterdir() if path.suffix in ENDINGS and not path.name.startswith(".")]
+    files, stems = {}, {}
+    for path in sorted(paths, key=lambda path: (order.index(NAME.match(path.stem)[1]), path)):
+        if stems.setdefault(path.stem, path) != path:
+            raise refusal(folder, "files", "names that differ", f"{stems[path.stem].name} and {path.name}")
+        files.setdefault(NAME.match(path.stem)[2], path)
     return files
 
 
@@ -70,9 +66,7 @@ def read_map(path):
     values = read_image(path, binary=None)[0] if path.suffix == ".png" else _array(path, MAPS)[1]
     if values.dtype == np.uint8:
         if values.max() == 1:
-            raise refusal(
-                path, "map", "8-bit numbers up to 255, or booleans or floats up to 1", "8-bit numbers up to 1"
-            )
+            raise refusal(path, "map", "8-bit numbers up to 255, or floats up to 1", "8-bit numbers up to 1")
         values = values / 255
     outside = ~((values >= 0) & (values <= 1))  # NaN, too
     if outside.any():

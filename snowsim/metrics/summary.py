@@ -9,7 +9,6 @@ from snowsim.metrics.pick_tables import SUMS, errors_of_sums
 
 PICK_SCORES = ["mean_absolute_error_bins", "bias_bins", "share_within", "share_found"]
 PICK_SCORES += ["n_layers", "n_missed_layers", "n_false_layers"]
-SET = ("all", "low", "high")  # the last rows of a table of scores
 
 
 def check_polarity(prediction, truth, where="image"):
@@ -41,7 +40,7 @@ def tabulate_scores(names, counts, picks, *, thresholds, n_bootstrap, rng):
         parts = [pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)]
     ends = parts[2].quantile([0.025, 0.975]) if len(names) > 1 else pd.DataFrame(index=range(2))
     table = pd.concat([*parts[:2], ends], ignore_index=True)
-    table.insert(0, "image", [*names, *SET])
+    table.insert(0, "image", [*names, "all", "low", "high"])
     return table
 
 
