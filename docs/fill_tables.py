@@ -62,6 +62,22 @@ def intervals(results):
     return title + "\n\n" + markdown(["", *added.values()], rows)
 
 
+def picks(results):
+    """Errors of picks followed through the fused output."""
+    table = read(results, "picks").groupby("training_set", sort=False).mean(numeric_only=True).loc[list(SETS)]
+    shown = {
+        "mean absolute error [bins]": [f"{value:.2f}" for value in table["mean_absolute_error_bins"]],
+        "share of errors within 2 bins": [share(value) for value in table["share_within"]],
+        "share of layer pixels picked": [share(value) for value in table["share_found"]],
+        "layers missed, of {:.0f}".format(*table["n_layers"]): [f"{n:.0f}" for n in table["n_missed_layers"]],
+        "false layers": [f"{n:.0f}" for n in table["n_false_layers"]],
+    }
+    title = (
+        "**Picks** followed through the fused output, at the threshold of its ODS (`picks.csv`), means of trainings:"
+    )
+    return title + "\n\n" + markdown(["", *SETS.values()], [[name, *cells] for name, cells in shown.items()])
+
+
 def two_sample(results):
     """How often classifiers tell observed scenes from others."""
     table = read(results, "two_sample")
@@ -76,7 +92,7 @@ def two_sample(results):
 
 def tables(results):
     """What README shows of results."""
-    return "\n\n".join(block(results) for block in (similarity, trackers, intervals))
+    return "\n\n".join(block(results) for block in (similarity, trackers, intervals, picks))
 
 
 def closed_loop(results):
@@ -178,7 +194,7 @@ def cost(results):
 
 
 BLOCKS = (
-    *(tables, similarity, trackers, intervals, two_sample, closed_loop, conventions),
+    *(tables, similarity, trackers, intervals, picks, two_sample, closed_loop, conventions),
     *(waveforms, speckle, scenes, plans, atlas, realism, cost),
     *STUDY_BLOCKS,
 )

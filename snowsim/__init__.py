@@ -1,3 +1,16 @@
 """Simulation of airborne Snow Radar echograms, and what it does for tracking annual snow layers."""
 
+import importlib
+
 __version__ = "0.1.0"
+
+# What people script with, by the module it is in; loaded when asked for, so that importing the package imports nothing.
+FRONT = {"score_folders": "snowsim.scoring"}
+
+
+def __getattr__(name):
+    """A function of `FRONT`."""
+    if name not in FRONT:
+        msg = f"module 'snowsim' has no attribute {name!r}"
+        raise AttributeError(msg)
+    return getattr(importlib.import_module(FRONT[name]), name)

@@ -29,3 +29,10 @@ def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
         n_replicas=2,
         n_images=60,
     )
+
+
+def picks():
+    """Errors of picks of two trainings a set: 0.5 and 1.5 bins, the same counts."""
+    rows = [(name, replica, 0.5 + replica, 0.9, 0.75, 40, 5, 7) for name, replica in product(SETS, range(2))]
+    names = ["training_set", "replica", "mean_absolute_error_bins", "share_within", "share_found"]
+    return pd.DataFrame(rows, columns=[*names, "n_layers", "n_missed_layers", "n_false_layers"])

@@ -16,6 +16,8 @@ def test_conda_pins_equal_the_lock_file_and_hold_every_dependency():
     # A post-release rebuilds the same source; conda numbers builds apart.
     locked = {name: version.split(".post")[0] for name, version in pins} | {"torch": torch[1], "python": "3.11"}
     assert {name: locked[name] for name in {*PINS, "python"}} == PINS
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    declared = [*project["dependencies"], *extras["learn"], *extras["workflow"]]
     names = {re.match(r"[A-Za-z0-9-]+", entry)[0].lower() for entry in declared} - {"snakemake"}
     assert names <= set(PINS)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32, 0.6 GB.
 MAXIMUM_BYTES = 2**30
@@ -92,7 +93,7 @@ def matrix(path, what, array, n_rows, n_columns):
 def container_of(path):
     """How a file keeps its variables, by its first bytes."""
     if path.is_dir():
-        if any((path / name).is_file() for name in (".zgroup", ".zmetadata", "zarr.json")):
+        if any((path / name).is_file() for name in ZARR_FILES):
             return "zarr"
         raise refusal(path, "path", "a file or a Zarr store", "a directory")
     try:

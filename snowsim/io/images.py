@@ -17,8 +17,8 @@ NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
 def read_image(path, *, binary=False):
     """Grey PNG image as uint8 (range_bin, range_line), and the `NUMBERS_IN_TEXT` its text chunks hold.
 
-    With `binary`, a mask is expected, 1-bit or of two grey levels of which one is 0, and returned as bool. What is no
-    whole, grey PNG image of a bearable size is refused.
+    With `binary`, a mask is expected, 1-bit or of two grey levels of which one is 0, and returned as bool; with None,
+    what there is, 1-bit or 8-bit. What is no whole, grey PNG image of a bearable size is refused.
     """
     path = existing(path)
     with library_errors(path, "PNG", "a whole grey image"), warnings.catch_warnings():
@@ -28,8 +28,8 @@ def read_image(path, *, binary=False):
                 columns, rows = file.size
                 if not 0 < columns * rows <= MAXIMUM_PIXELS:
                     raise refusal(path, "PNG", f"1 to {MAXIMUM_PIXELS} pixels", f"{rows} rows of {columns}")
-                if file.mode not in (("1", "L") if binary else ("L",)):
-                    what = "1-bit or 8-bit grey" if binary else "8-bit grey"
+                if file.mode not in (("L",) if binary is False else ("1", "L")):
+                    what = "8-bit grey" if binary is False else "1-bit or 8-bit grey"
                     raise refusal(path, "PNG", what, f"mode {file.mode}")
                 values = np.array(file)
                 texts = _numbers_in_text(path, file.text)

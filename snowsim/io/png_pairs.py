@@ -100,7 +100,7 @@ def read_pair(path, *, data_scale=None):
     path = existing(path)
     if container_of(path) == "png":
         image, texts = read_image(path)
-        where, numbers, mask = _png_labels(path, image.shape)
+        where, numbers, mask = png_labels(path, image.shape)
     else:
         image, texts = _mat_image(path, data_scale)
         where, numbers, mask = _mat_labels(path, image.shape)
@@ -138,10 +138,10 @@ def layers_of_numbers(numbers, where="labels"):
 def layers_of_mask(mask, where="mask"):
     """Layers of a binary mask, (layer, range_line) in range bins: the k-th run from the top of a column is layer k.
 
-    More than half of the pixels on, as in an inverted mask, are refused.
+    More than half of the pixels on, as in an inverted mask, are refused, but for images one range bin high.
     """
     mask = np.asarray(mask, dtype=bool)
-    if mask.size and mask.mean() > MAXIMUM_SHARE_ON:
+    if len(mask) > 1 and mask.mean() > MAXIMUM_SHARE_ON:
         raise refusal(where, "mask", "layers on a dark ground", f"{100 * mask.mean():.0f} % of pixels on: inverted?")
     edge = np.zeros((1, mask.shape[1]), dtype=np.int8)
     steps = np.diff(np.concatenate([edge, mask.astype(np.int8), edge]), axis=0)
@@ -171,14 +171,15 @@ def _beside(path, prefix):
     return label if path.name.startswith("data_") and label.is_file() else None
 
 
-def _png_labels(path, shape):
-    """File the labels are from, layer numbers or None, mask."""
+def png_labels(path, shape):
+    """File the PNG labels of an image of this shape, or of any, are from; layer numbers or None, mask or None."""
     numbered, binary = _beside(path, "layer_"), _beside(path, "layer_binary_")
     if numbered is None and binary is None:
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
     numbers = mask = None
     if binary is not None:
         mask = _as_large(binary, read_image(binary, binary=True)[0], shape)
+        shape = mask.shape
     if numbered is not None:
         numbers = _as_large(numbered, read_image(numbered)[0], shape)
     if numbers is not None and mask is not None and ((numbers > 0) != mask).any():
@@ -225,6 +226,6 @@ def _mat_labels(path, shape):
 
 def _as_large(path, labels, shape):
     """The labels, if their image is as large as that of the echogram."""
-    if labels.shape != shape:
+    if shape is not None and labels.shape != tuple(shape):
         raise refusal(path, "size", f"that of the image, {shape}", labels.shape)
     return labels

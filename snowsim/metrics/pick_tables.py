@@ -84,9 +84,14 @@ def pool_picks(rows, by, *, bin_size_m):
         msg = f"expected rows of picks and bin_size_m above 0, got {len(rows)} and {bin_size_m}"
         raise ValueError(msg)
     sums = rows.groupby(by, sort=False)[list(SUMS)].sum().reset_index()
+    return errors_of_sums(sums, bin_size_m)
+
+
+def errors_of_sums(sums, bin_size_m):
+    """Columns of `pool_picks` beside the others of a table, from its columns `SUMS`."""
     # NaN, not a warning, where a group has none.
     n_found, n_thickness, n_true = (sums[n].where(sums[n] > 0) for n in ("n_found", "n_thickness", "n_true"))
-    table = sums[by].copy()
+    table = sums.drop(columns=list(SUMS))
     for name, total, n in (
         ("mean_absolute_error", "absolute_error", n_found),
         ("bias", "error", n_found),

@@ -7,7 +7,7 @@ import fill_tables
 import pandas as pd
 import pytest
 import yaml
-from result_tables import SETS, table2, table3_intervals
+from result_tables import SETS, picks, table2, table3_intervals
 from runs import CONFIG, SCHEMA
 
 
@@ -43,6 +43,7 @@ def results(tmp_path):
     table2([1, 2, 3], [2, 4, 6]).to_csv(folder / "tables/table2.csv", index=False)
     intervals = table3_intervals({("fuse", name): -0.25 for name in SETS}, 0.25, outputs=["fuse"])
     intervals.to_csv(folder / "tables/table3_intervals.csv", index=False)
+    picks().to_csv(folder / "tables/picks.csv", index=False)
     for name, seconds in (("a/0", 30.0), ("a/1", 60.0)):
         run = pd.DataFrame({"s": [seconds], "max_rss": [seconds]})
         run.to_csv(folder / f"benchmarks/train/{name}.tsv", sep="\t", index=False)
@@ -61,11 +62,13 @@ def test_a_block_is_replaced_by_its_table_and_the_rest_is_kept(results):
 
 
 def test_filling_twice_changes_nothing_more(results):
-    text = "<!-- intervals -->\n<!-- /intervals -->\n<!-- cost -->\n<!-- /cost -->\n"
+    text = "".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in ("intervals", "picks", "cost"))
     once, _ = fill_tables.fill(text, results)
     assert fill_tables.fill(once, results)[0] == once
     assert "| ODS | -0.2500 [-0.5000, +0.0000] |" in once
     assert "2 trainings a set are too few" in once
+    assert "| mean absolute error [bins] | 1.00 | 1.00 | 1.00 | 1.00 |" in once
+    assert "| layers missed, of 40 | 5 | 5 | 5 | 5 |" in once
     assert "| `train` | 2 | 90 | 100 % | 60 |" in once
 
 

@@ -14,7 +14,9 @@ from lib.imports import ROOT
 def test_citation_names_this_version_and_licence():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["version"] == snowsim.__version__
-    assert citation["license"] == "BSD-3-Clause"
+    zenodo = yaml.safe_load((ROOT / ".zenodo.json").read_text())
+    assert zenodo["version"] == citation["version"]
+    assert zenodo["license"] == citation["license"] == "BSD-3-Clause"
     assert {"cff-version", "message", "title", "authors"} <= set(citation)
     assert all({"title", "authors", "year"} <= set(reference) for reference in citation["references"])
 

@@ -12,6 +12,7 @@ import pytest
 from lib.imports import ROOT
 
 PUBLIC = (
+    "snowsim.score_folders",
     "snowsim.phy.mean_power",
     "snowsim.phy.render",
     "snowsim.phy.draw_speckle",

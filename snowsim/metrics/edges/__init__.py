@@ -5,14 +5,13 @@ images may be counted in any order, in shards, and pooled later by `score`.
 """
 
 from snowsim.metrics.edges.counts import THRESHOLDS, match_counts
-from snowsim.metrics.edges.scores import COUNTS, average_precision_bsds, precision_recall, score, stack_counts
+from snowsim.metrics.edges.scores import COUNTS, precision_recall, score, stack_counts
 from snowsim.metrics.edges.suppression import suppress
 from snowsim.metrics.edges.thinning import thin
 
 __all__ = [
     "COUNTS",
     "THRESHOLDS",
-    "average_precision_bsds",
     "match_counts",
     "precision_recall",
     "score",

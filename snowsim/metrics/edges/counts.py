@@ -9,7 +9,7 @@ from snowsim.metrics.edges.thinning import DELETABLE, check_thin, neighbour_step
 THRESHOLDS = np.linspace(0.01, 0.99, 99)
 
 
-def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, where="image"):
+def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pixels=None, thin=True, where="image"):
     """Count predicted and true pixels of one image that pair up, at every threshold.
 
     No suppression is done here: pass `suppress(prediction)` for the usual scores.
@@ -24,6 +24,8 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, w
         In any order; counts come back in the same one.
     max_dist : float
         Largest distance of a pair, as a share of the image diagonal.
+    max_dist_pixels : float, optional
+        The same in pixels, whatever the size of the image; takes the place of `max_dist`.
     thin : bool or "full"
         Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True stops where the
         Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are those of published scores; "full"
@@ -41,7 +43,7 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, w
     ------
     ValueError
         If the prediction is empty, not a number or outside [0, 1]; if sizes differ; if the truth is not binary; if
-        there is no threshold or one is not finite; if `max_dist` is negative or not finite; if `thin` is something
+        there is no threshold or one is not finite; if the distance is negative or not finite; if `thin` is something
         else.
 
     Notes
@@ -65,13 +67,15 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, thin=True, w
     prediction = check_prediction(prediction, where)
     truth = _check_truth(truth, prediction.shape, where)
     thresholds = _check_thresholds(thresholds, where)
-    if not (np.isfinite(max_dist) and max_dist >= 0):
-        msg = f"{where}: max_dist must be finite and not negative, got {max_dist}"
+    name, distance = ("max_dist", max_dist) if max_dist_pixels is None else ("max_dist_pixels", max_dist_pixels)
+    if not (np.isfinite(distance) and distance >= 0):
+        msg = f"{where}: {name} must be finite and not negative, got {distance}"
         raise ValueError(msg)
+    radius = distance * np.hypot(*truth.shape) if max_dist_pixels is None else distance
     early = check_thin(thin, where)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
     # One frame of empty pixels serves the thinning and, so that both count pixels alike, the matching.
-    matching = Matching(np.pad(truth, 1), max_dist * np.hypot(*truth.shape))
+    matching = Matching(np.pad(truth, 1), radius)
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
     n_on = 0

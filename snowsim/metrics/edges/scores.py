@@ -72,7 +72,7 @@ def score(counts, thresholds=None):
 
     AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest threshold stays,
     precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the recalls seen are dropped, and the
-    sum is divided by 100. It can reach 1.01 where recall spans 0 to 1. `average_precision_bsds` is the other rule.
+    sum is divided by 100. It can reach 1.01 where recall spans 0 to 1.
 
     Examples
     --------
@@ -110,17 +110,6 @@ def precision_recall(counts):
     pooled = {name: values.sum(axis=0) for name, values in stack_counts(counts).items()}
     precision, recall = _precision_and_recall(pooled)
     return {"precision": precision, "recall": recall, "f": f_measure(precision, recall)}
-
-
-def average_precision_bsds(counts):
-    """Mean precision by the rule of the Python port of the Berkeley benchmark; counts as for `score`.
-
-    As the 101-point rule of `score`, but at the 100 recalls 0, 0.01 ... 0.99, with zero outside the recalls seen.
-    """
-    recalls, precisions = _curve({name: values.sum(axis=0) for name, values in stack_counts(counts).items()})
-    if recalls.size < 2:
-        return 0.0
-    return float(np.interp(EVERY_HUNDREDTH[:-1], recalls, precisions, left=0, right=0).sum() / 100)
 
 
 def f_measure(precision, recall):

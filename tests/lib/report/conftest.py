@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from result_tables import OUTPUTS, SETS, table2, table3_intervals
+from result_tables import OUTPUTS, SETS, picks, table2, table3_intervals
 
 from lib.figures.style import METHODS, new_figure, write_figure
 from lib.imports import ROOT
@@ -38,6 +38,7 @@ def planted_tables(tmp_path_factory):
     told = [(name, how, -1, 0.8, 0.7, 0.9) for name in ("observed", "phy", "cgan") for how in ("network", "texture")]
     columns = ["scenes", "classifier", "first_row", "accuracy", "low", "high"]
     write_table(folder / "two_sample.csv", pd.DataFrame(told, columns=columns))
+    write_table(folder / "picks.csv", picks())
     long_names = {f"a_column_with_quite_a_long_name_{k}": np.arange(30) / 7 for k in range(12)}
     write_table(folder / "wide.csv", pd.DataFrame(long_names))
     return folder

@@ -64,6 +64,14 @@ def test_the_run_as_printed_stands_beside_the_run(planted_page):
     assert "indicative only" in text
 
 
+def test_errors_of_picks_stand_beside_edge_scores(planted_page):
+    rows = re.findall(r'<th scope="row">([^<]*)</th>((?:<td class="num">[^<]*</td>)+)</tr>', planted_page.read_text())
+    cells = {name: re.findall(r">([^<]+)<", found) for name, found in rows}
+    assert cells["Mean absolute error [range bins]"] == ["1.00"] * 4
+    assert cells["Share of errors within 2 range bins"] == ["0.900"] * 4
+    assert cells["Layers missed, of 40"] == ["5"] * 4
+
+
 def test_table3_marks_what_is_resolved():
     intervals = table3_intervals({("fuse", "rd_gd"): 0.02, ("fuse", "rd_pd_gd"): -0.02}, 0.01, outputs=["fuse"])
     compared = compare_table3(intervals, {"fuse": {name: [0.1, 0.2, 0.3] for name in SETS}})

@@ -46,6 +46,7 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "table2": compare_table2(by_name["table2"], paper["table2"], printed.get("table2")),
         "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
         "as_printed": bool(printed),
+        "picks": errors_of_picks(by_name["picks"]),
         "two_sample": told_apart(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
         "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
@@ -177,6 +178,19 @@ def compare_table3(intervals, paper, printed=None):
                 cells.append({**row, "resolved": resolved, **beside})
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
     return rows
+
+
+def errors_of_picks(picks):
+    """Rows of texts on picks followed through the fused output: a name, then means over trainings for every set."""
+    means = picks.groupby("training_set").mean(numeric_only=True).loc[list(TRAINING_SETS)]
+    shown = {
+        "Mean absolute error [range bins]": ("mean_absolute_error_bins", "{:.2f}"),
+        "Share of errors within 2 range bins": ("share_within", "{:.3f}"),
+        "Share of layer pixels picked": ("share_found", "{:.3f}"),
+        f"Layers missed, of {means['n_layers'].iloc[0]:.0f}": ("n_missed_layers", "{:.0f}"),
+        "False layers": ("n_false_layers", "{:.0f}"),
+    }
+    return [(name, [text.format(value) for value in means[column]]) for name, (column, text) in shown.items()]
 
 
 def told_apart(two_sample):

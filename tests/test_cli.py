@@ -1,0 +1,161 @@
+"""Every command ends bad input in one line and an exit code; good input is told or written."""
+
+import resource
+import subprocess
+import sys
+
+import formats
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from toy_scenes import toy_scenes
+
+from snowsim.cli import commands, main
+from snowsim.io.images import write_image
+from snowsim.io.png_pairs import PairSet
+from snowsim.io.scenes import write_scenes
+from snowsim.io.sniff import SUPPLEMENT_FLAGS
+
+RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
+TRUTH = np.zeros((50, 20), dtype=bool)
+TRUTH[[10, 30]] = True
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """Folder to work in, with an image's map, its truth, a scene set, and what is wrong with others."""
+    monkeypatch.chdir(tmp_path)
+    for folder in ("made/fuse", "made/merge", "true", "empty"):
+        (tmp_path / folder).mkdir(parents=True)
+    write_image(tmp_path / "made/fuse/data_a.png", (255 * TRUTH).astype(np.uint8))
+    write_image(tmp_path / "true/layer_binary_a.png", TRUTH)
+    arrays = {"nan": np.where(TRUTH, np.nan, 0), "loud": 2.0 * TRUTH, "dim": TRUTH.astype(np.uint8), "none": 0 * RAMP}
+    arrays |= {"dark": 1.0 - TRUTH, "other": TRUTH[:40], "flat": TRUTH[0], "object": np.array([{}]), "shades": RAMP}
+    arrays |= {"crossing": np.array([[9.0], [3.0]]) + np.zeros(20), "one": TRUTH.astype(float), "narrow": RAMP[:2, :9]}
+    for name, values in arrays.items():
+        np.save(tmp_path / f"{name}.npy", values)
+    (tmp_path / "text.png").write_text("no image")
+    (tmp_path / "text.nc").write_text("no dataset")
+    (tmp_path / "cut.npy").write_bytes((tmp_path / "one.npy").read_bytes()[:-1])
+    write_scenes(tmp_path / "scenes.nc", toy_scenes(2))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        ("score", 2, "Missing argument 'PREDICTIONS'"),
+        ("score nowhere true", 2, "'nowhere' does not exist"),
+        ("score made true --tolerance -1", 2, "--tolerance"),
+        ("scores made true", 2, "No such command 'scores'"),
+        ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
+        ("score made empty", 1, "without truth: a"),
+        ("score made true --output side_2", 1, "made: predictions: expected a folder side_2"),
+        ("score made/merge true", 1, "found pictures of several"),
+        ("score made one.npy", 1, "one.npy: path: expected a folder, found a file"),
+        ("score other.npy one.npy", 1, "one.npy: size: expected that of the prediction, (40, 20), found (50, 20)"),
+        ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
+        ("score one.npy shades.npy", 1, "shades.npy: mask: expected 0 and 1"),
+        ("score one.npy dark.npy", 1, "inverted?"),
+        ("score one.npy narrow.npy", 1, "narrow.npy: size: expected 20 range lines"),
+        ("score nan.npy one.npy", 1, "nan.npy: map: expected 8-bit numbers, or numbers in [0, 1], found nan"),
+        ("score loud.npy one.npy", 1, "found 2 at range_bin 10, range_line 0"),
+        ("score dim.npy one.npy", 1, "dim.npy: map: expected 8-bit numbers up to 255"),
+        ("score dark.npy one.npy", 1, "dark.npy: expected bright layers on a dark ground"),
+        ("score flat.npy one.npy", 1, "flat.npy: array: expected two axes"),
+        ("score object.npy one.npy", 1, "object.npy: NPY: expected a whole array of numbers"),
+        ("score cut.npy one.npy", 1, "cut.npy: NPY: expected a whole array of numbers"),
+        ("score text.png one.npy", 1, "text.png: PNG: expected a whole grey image"),
+        ("score text.nc one.npy", 1, "text.nc: content: expected"),
+        ("score scenes.nc one.npy", 1, "scenes.nc: variables: expected one of probability"),
+        ("score --picks crossing.npy one.npy", 1, "crossing.npy: layers must increase strictly"),
+        ("score --picks narrow.npy one.npy", 1, "narrow.npy: size: expected 20 range lines as one.npy has"),
+        ("info nowhere", 2, "'nowhere' does not exist"),
+        ("info text.nc", 1, "text.nc: content: expected"),
+        ("info cut.npy", 1, "cut.npy: NPY: expected a whole array"),
+        ("info empty", 1, "empty: scenes: expected files data_*.png"),
+        ("export scenes.nc", 2, "Missing argument 'SOURCES...'"),
+        ("export nowhere.nc out", 2, "'nowhere.nc' does not exist"),
+        ("export scenes.nc text.nc", 2, "'text.nc' is a file"),
+        ("export text.nc out", 1, "text.nc: expected a scene file"),
+        ("export empty out", 1, "empty: scenes: expected files data_*.png"),
+        ("export scenes.nc out", 1, "expected a plain file name"),  # "toy 0"
+        ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
+        ("export text.nc out --layers one.npy", 1, "text.nc: content: expected"),
+    ],
+)
+def test_bad_input_ends_in_one_line(place, capsys, arguments, code, told):
+    with pytest.raises(SystemExit) as end:
+        main(arguments.split())
+    assert end.value.code == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1
+    assert told in err
+
+
+@pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", "export frames out"])
+def test_no_room_ends_in_one_line(place, rng, arguments):
+    for name in "ab":
+        write_image(place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8))
+        write_image(place / f"frames/layer_binary_{name}.png", TRUTH)
+    command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
+    # Standard output is a full disk; and no file may grow beyond 500 bytes.
+    with open("/dev/full", "w") as full:
+        limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))) if "export" in arguments else None
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, preexec_fn=limit)
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: ")
+    assert done.stderr.count("\n") == 1
+    assert not list(place.glob("out/*"))
+
+
+def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    content = formats.truth(rng)
+    content["Surface"][3] = np.nan
+    shifted = formats.compensated(content, np.arange(formats.N_LINES) % 5, n_kept=formats.N_BINS, truncate_time=True)
+    formats.write_nsidc("nsidc.nc", shifted, extra={"Elevation_Correction": shifted["Elevation_Correction"]})
+    formats.write_mat5("layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"]))
+    write_scenes("scenes.nc", toy_scenes(2))
+    told = {}
+    for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
+        main(["info", name])
+        told[name] = capsys.readouterr().out
+    for part in (
+        "IRSNO1B",
+        "range bins of 0.2886 ns",
+        "40 range lines",
+        "undone",
+        "dB",
+        "Surface is unknown on 1 ",
+        "no supp",
+    ):
+        assert part in told["nsidc.nc"], part
+    assert "id 1: 97.5% picked" in told["layers.mat"]
+    assert "no organizer file" in told["layers.mat"]
+    assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in told["scenes.nc"]
+    formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
+    main(["info", "nsidc.nc"])
+    assert "no supplement" not in capsys.readouterr().out
+
+
+def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    formats.write_nsidc_flight(tmp_path, rng, ["test"], 300)
+    main(["export", "test.nc", "--layers", formats.LAYERS_FILE, "pairs"])
+    main(["export", "pairs", "datasets", "--netcdf"])
+    assert capsys.readouterr().out.splitlines() == ["n_scenes 1, n_merged_pixels 0", "n_scenes 1"]
+    (scene,) = PairSet("pairs")
+    assert np.isfinite(scene.layer_bins).all()
+    # What was exported is truth: of itself, without an error.
+    main(["score", "--picks", "datasets", "pairs", "--format", "csv"])
+    assert "test_000,0,0,1,1,2,0,0" in capsys.readouterr().out
+
+
+def test_help_has_examples_of_every_command():
+    for name in commands.list_commands(None):
+        told = CliRunner().invoke(commands, [name, "--help"]).output
+        assert f"\n    snowsim {name} " in told
+    assert {"score", "info", "export"} <= set(commands.list_commands(None))

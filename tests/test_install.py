@@ -1,0 +1,112 @@
+"""The package builds, installs bare, and does there what its examples and the README's scripts show."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+import numpy as np
+import pytest
+from test_site import PUBLIC
+from test_tutorial import NOT_COPIED, blocks
+
+from lib.imports import ROOT
+from snowsim.echogram import layer_mask
+from snowsim.io.files import write_dataset
+from snowsim.io.images import write_image
+from snowsim.reference import checked_settings, draw_climate, draw_frame
+
+EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]
+NETWORKS = ("snowsim.cgan", "snowsim.tracker", "snowsim.patches", "snowsim.training", "snowsim.io.models")
+# With these modules not to be had, import all others, then run the examples of the public functions.
+EXAMPLES = """
+import doctest, importlib, pkgutil, sys
+class Blocked:
+    def find_spec(name, path=None, target=None):
+        if name.partition(".")[0] in {blocked}:
+            raise ModuleNotFoundError("blocked: " + name)
+sys.meta_path.insert(0, Blocked)
+import snowsim
+for module in pkgutil.walk_packages(snowsim.__path__, "snowsim.", onerror=lambda name: None):
+    if not module.name.startswith({networks}):
+        importlib.import_module(module.name)
+runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+for name in {public}:
+    module, _, function = name.rpartition(".")
+    public = getattr(importlib.import_module(module), function)
+    home = importlib.import_module(public.__module__)
+    runner.run(*doctest.DocTestFinder(recurse=False).find(public, name, module=home))
+sys.exit(runner.summarize().failed)
+"""
+
+
+def run_in(folder, *command):
+    done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{command}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+    return done.stdout
+
+
+def examples(blocked=()):
+    return EXAMPLES.format(blocked=list(blocked), networks=NETWORKS, public=PUBLIC)
+
+
+def test_the_core_needs_none_of_the_extras(tmp_path):
+    names = [re.match(r"[\w-]+", entry)[0] for entry in EXTRAS["learn"] + EXTRAS["workflow"]]
+    assert {"torch", "snakemake", "tensorboard", "pyarrow", "zarr", "matplotlib"} <= set(names)
+    blocked = [{"pyyaml": "yaml"}.get(name, name) for name in names]
+    run_in(tmp_path, sys.executable, "-c", examples(blocked))
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Folder of the wheel and the source archive, made from a copy of the project."""
+    folder = tmp_path_factory.mktemp("build") / "snowsim"
+    shutil.copytree(ROOT, folder, ignore=NOT_COPIED, symlinks=True)
+    made = "from setuptools import build_meta as b; b.build_wheel('made'); b.build_sdist('made')"
+    run_in(folder, sys.executable, "-c", made)
+    return folder / "made"
+
+
+def bare(folder, what):
+    """Python of a new environment that holds what is named and its requirements."""
+    run_in(folder, sys.executable, "-m", "venv", "bare")
+    run_in(folder, "bare/bin/python", "-m", "pip", "install", "--quiet", what)
+    return folder / "bare/bin/python"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["whl", "tar.gz"])
+def test_what_is_built_works_in_a_bare_environment(built, tmp_path, monkeypatch, ending):
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    python = bare(tmp_path, next(built.glob(f"*.{ending}")))
+    assert "torch" not in run_in(tmp_path, python, "-m", "pip", "list")
+    run_in(tmp_path, python, "-I", "-c", examples())
+    assert "all 1 images" in run_in(tmp_path, "bare/bin/snowsim", "score", "map.npy", "truth.npy")  # of an example
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(len(SCRIPTS)))
+def test_the_readme_s_scripts_run_with_what_they_say_they_need(built, tmp_path, monkeypatch, number):
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    needed, *lines = SCRIPTS[number].splitlines()
+    assert sum(bool(line.strip()) for line in lines) <= 10
+    extra = re.fullmatch(r"# pip install \"?\.(\[\w+\])?\"?", needed)[1] or ""
+    layers = 60 + 30 * np.arange(4)[:, None] + np.round(3 * np.sin(np.arange(256) / 20))
+    for name in "abc":
+        write_image(tmp_path / f"test/layer_binary_{name}.png", layer_mask(layers, 300))
+        write_image(tmp_path / f"predictions/fuse/data_{name}.png", (200 * layer_mask(layers + 1, 300)).astype("u1"))
+    settings = checked_settings({"radar": {"n_range_bins": 1000}})
+    common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
+    rows = ["frame\techogram\tlayers\trole"]
+    for index, role in enumerate(("statistics", "test")):
+        for kind, drawn in zip(
+            "el", draw_frame(index, 2, 1024, **common, rng=np.random.default_rng(index)), strict=True
+        ):
+            write_dataset(tmp_path / f"{role}_{kind}.nc", drawn)
+        rows.append(f"{role}\t{role}_e.nc\t{role}_l.nc\t{role}")
+    (tmp_path / "frames.tsv").write_text("\n".join(rows))
+    python = bare(tmp_path, f"{next(built.glob('*.whl'))}{extra}")
+    (tmp_path / "script.py").write_text(SCRIPTS[number])
+    assert run_in(tmp_path, python, "-I", "script.py").strip()
