@@ -1,5 +1,9 @@
 """Layers and their parameters to one scene's power after M looks."""
 
+import dataclasses
+
+from snowsim.echogram import to_uint8
+from snowsim.phy.parameters import scene_parameters
 from snowsim.phy.plan import plan
 from snowsim.phy.power import planned_power
 from snowsim.phy.speckle import draw_speckle
@@ -61,3 +65,23 @@ def render_plan(scene_plan, *, rng):
     power = planned_power(scene_plan, added_power=scene_plan.noise_power)
     options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
     return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)
+
+
+def render_scene(scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn):
+    """The scene of some layers with its image, and what its plan left out in its notes.
+
+    `drawn` are options of `scene_parameters`, the others those of `render`.
+    """
+    layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
+    options = {"tolerance_db": tolerance_db, "speckle": speckle, "normalise": normalise, "align": align}
+    scene_plan = plan(layer_bins, parameters, scene.n_range_bins, **options)
+    image, noise_floor_db, maximum_db = to_uint8(render_plan(scene_plan, rng=rng))
+    return dataclasses.replace(
+        scene,
+        image=image,
+        noise_floor_db=noise_floor_db,
+        maximum_db=maximum_db,
+        complete_layer_bins=None,
+        peak_power=None,
+        notes=scene.notes | scene_plan.notes(),
+    )
