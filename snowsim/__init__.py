@@ -3,12 +3,14 @@
 import importlib
 
 __version__ = "0.1.0"
-FRONT = ("Climate", "Radar", "Snowpack", "scenes", "simulate")
+
+# What people script with, by the module it is in; loaded when asked for, so that importing the package imports nothing.
+FRONT = dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
 
 
 def __getattr__(name):
-    # Imported when asked for: jobs that need one stage do not wait for the others.
+    """A name of `FRONT`."""
     if name not in FRONT:
         msg = f"module 'snowsim' has no attribute {name!r}"
         raise AttributeError(msg)
-    return getattr(importlib.import_module("snowsim.front"), name)
+    return getattr(importlib.import_module(FRONT[name]), name)

@@ -6,7 +6,5 @@ from snowsim.phy.power import mean_power
 from snowsim.phy.render import render, render_plan, render_scene
 from snowsim.phy.speckle import draw_speckle
 
-__all__ = [
-    *("Plan", "draw_parameters", "draw_speckle", "mean_power", "plan"),
-    *("render", "render_plan", "render_scene", "scene_parameters"),
-]
+__all__ = ["Plan", "draw_parameters", "draw_speckle", "mean_power", "plan", "render", "render_plan", "render_scene"]
+__all__ += ["scene_parameters"]

@@ -68,20 +68,11 @@ def render_plan(scene_plan, *, rng):
 
 
 def render_scene(scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn):
-    """The scene of some layers with its image, and what its plan left out in its notes.
-
-    `drawn` are options of `scene_parameters`, the others those of `render`.
-    """
+    """The scene with its image and its plan's notes; `drawn` are options of `scene_parameters`, others of `render`."""
     layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
     options = {"tolerance_db": tolerance_db, "speckle": speckle, "normalise": normalise, "align": align}
-    scene_plan = plan(layer_bins, parameters, scene.n_range_bins, **options)
-    image, noise_floor_db, maximum_db = to_uint8(render_plan(scene_plan, rng=rng))
-    return dataclasses.replace(
-        scene,
-        image=image,
-        noise_floor_db=noise_floor_db,
-        maximum_db=maximum_db,
-        complete_layer_bins=None,
-        peak_power=None,
-        notes=scene.notes | scene_plan.notes(),
-    )
+    planned = plan(layer_bins, parameters, scene.n_range_bins, **options)
+    image, *scale = to_uint8(render_plan(planned, rng=rng))
+    shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
+    notes = scene.notes | planned.notes()
+    return dataclasses.replace(scene, **shown, complete_layer_bins=None, peak_power=None, notes=notes)

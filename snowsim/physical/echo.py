@@ -17,7 +17,7 @@ def physical_parameters(snowpack, radar):
     that the beam takes in of what slopes scatter. Width: a Gaussian of the range response's height and area, wider by
     the roughness, ``2 n r / c``. Tail: `Radar.decay_per_s`.
     """
-    index = 1 + KOVACS_M3_KG * np.concatenate([np.zeros((1, snowpack.shape[1])), snowpack.density_kg_m3])
+    index = 1 + KOVACS_M3_KG * np.r_[0 * snowpack.density_kg_m3[:1], snowpack.density_kg_m3]
     above, below = index[:-1], index[1:]
     depth_m = snowpack.depth_m
     slab_m = np.diff(depth_m, axis=0)

@@ -8,46 +8,25 @@ from scipy.signal import get_window
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
+TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
-UNCORRELATED = 0.01  # correlation of power from which on lags are left out
 
 
 @dataclass(frozen=True, kw_only=True)
 class Radar:
-    """An airborne radar that looks straight down.
+    """An airborne radar that looks straight down; `preset` has some that fly.
 
-    Parameters
-    ----------
-    centre_hz, bandwidth_hz : float
-        Of the processed sweep [Hz].
-    bin_s : float
-        Two-way travel time of a range bin [s].
-    window : str or tuple, optional
-        Of the sweep, as `scipy.signal.get_window` names it.
-    widening : float, optional
-        Of the range response over that of the window [1].
-    height_m : float, optional
-        Antenna over the snow surface [m].
-    beamwidth_deg : float, optional
-        Two-sided, 3 dB, of one antenna, Gaussian, transmitting and receiving [degrees].
-    n_looks : float, optional
-        Independent looks averaged into a range line.
-    line_spacing_m : float, optional
-        Along track [m].
-    surface_to_noise_db : float, optional
-        Peak of the mean surface echo over thermal noise [dB].
-
-    Raises
-    ------
-    ValueError
-        If a value is not positive or out of range, the sweep reaches zero frequency, or bins are so fine that speckle
-        is alike over more than 16 of them.
+    Of the processed sweep `centre_hz`, `bandwidth_hz` [Hz] and `window`, as `scipy.signal.get_window` names it; two-way
+    travel time of a range bin `bin_s` [s]; `widening` of the range response over the window's; antenna over the snow
+    `height_m` [m]; its two-sided 3 dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a
+    range line; `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB]. ValueError where
+    one is not positive, or bins are so short that speckle is alike over 16 of them.
     """
 
     centre_hz: float
     bandwidth_hz: float
     bin_s: float
-    window: str | tuple = "hann"
+    window: str = "hann"
     widening: float = 1.0
     height_m: float = 500.0
     beamwidth_deg: float = 40.0
@@ -56,20 +35,16 @@ class Radar:
     surface_to_noise_db: float = 27.0
 
     def __post_init__(self):
-        limits = {"centre_hz": (0, np.inf), "bandwidth_hz": (0, 2 * self.centre_hz), "bin_s": (0, np.inf)}
-        limits |= {"widening": (0, np.inf), "height_m": (0, np.inf), "beamwidth_deg": (0, 120), "n_looks": (0, np.inf)}
-        limits |= {"line_spacing_m": (0, np.inf), "surface_to_noise_db": (-np.inf, np.inf)}
-        for name, (low, high) in limits.items():
-            if not low < getattr(self, name) < high:
-                msg = f"radar: {name} must lie between {low:g} and {high:g}, got {getattr(self, name)}"
+        most = {"bandwidth_hz": 2 * self.centre_hz, "beamwidth_deg": 120}
+        for name, value in vars(self).items():
+            if name != "window" and not 0 < value < most.get(name, np.inf):
+                msg = f"radar: {name} must be positive and below {most.get(name, np.inf):g}, got {value}"
                 raise ValueError(msg)
-        if self._correlation()[-1] > UNCORRELATED:
-            msg = f"radar: speckle must be uncorrelated over {MOST_LAGS} bins, is not: bin_s {self.bin_s:g} is too short"
-            raise ValueError(msg)
+        self.speckle_correlation()
 
     @classmethod
     def preset(cls, name, **changes):
-        """One of `PRESETS`, with changes; ValueError with their names where there is none."""
+        """One of `PRESETS` with changes; ValueError with their names where there is none."""
         if name not in PRESETS:
             msg = f"radar must be one of {', '.join(PRESETS)}, got {name!r}"
             raise ValueError(msg)
@@ -77,9 +52,9 @@ class Radar:
 
     @property
     def cell_s(self):
-        """Equivalent width of the range response to power [s], the range cell: 1.5 / B for a Hann window.
+        """Range cell [s]: equivalent width of the response to power, ``mean(w^2) / mean(w)^2 / B``, Hann 1.5 / B.
 
-        ``widening * mean(w^2) / mean(w)^2 / B``: Harris (1978), Proc. IEEE 66, 51-83.
+        Harris (1978), Proc. IEEE 66, 51-83.
         """
         weight = get_window(self.window, N_FREQUENCIES)
         return float(self.widening * (weight**2).mean() / weight.mean() ** 2 / self.bandwidth_hz)
@@ -87,13 +62,15 @@ class Radar:
     def decay_per_s(self, slope, height_m):
         """Rate [1/s] at which the echo of an interface of Gaussian slopes falls behind its nadir point; broadcasts.
 
-        ``(c / H) (8 ln 2 / beam^2 + 1 / 2 slope^2 - 1/2)``: the logarithmic slope at nadir of the annuli that a pulse
-        lights up, ``G(theta)^2 exp(-tan^2 / 2 s^2) / cos^4 / R^3`` with ``cos theta = H / (H + c t / 2)``: Brown (1977),
-        IEEE Trans. Antennas Propag. 25, 67-74, with geometric optics. Neglected: diffuse scattering, and that the angle
-        grows slower than the root of the delay, which is 1 dB over the first 20 where the beam alone ends the tail.
+        The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2 s^2) / (cos^4 R^3)``
+        with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, and geometric
+        optics; at nadir ``(c / H) (8 ln 2 / beam^2 + 1 / 2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB
+        the annuli leave it by 0.01 dB on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
         """
         beam, facets = self._narrowness(slope)
-        return SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5)
+        fall_s = TAIL_DB * np.log(10) / 10 / (SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5))
+        stretch = 1 + SPEED_OF_LIGHT_M_S * fall_s / (2 * height_m)
+        return (beam * np.arccos(1 / stretch) ** 2 + facets * (stretch**2 - 1) - np.log(stretch)) / fall_s
 
     def beam_share(self, slope):
         """Share of a rough interface's reflected power that the beam takes in; a mirror has 1."""
@@ -104,25 +81,21 @@ class Radar:
         return 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2, 1 / (2 * np.asarray(slope, dtype=float) ** 2)
 
     def speckle_correlation(self):
-        """Autocorrelation of power down range where scatterers are many and alike, (lag,), to the last above 1 %.
-
-        ``|integral w^2 exp(2 pi i f lag)|^2``: the field's autocorrelation is the transform of the sweep's spectrum.
-        """
-        correlation = self._correlation()
-        return correlation[: np.flatnonzero(correlation > UNCORRELATED)[-1] + 1]
-
-    def _correlation(self):
+        """Autocorrelation of power of many alike scatterers, |transform of w^2|^2, (lag,), to the last above 1 %."""
         weight = get_window(self.window, N_FREQUENCIES) ** 2
         frequency_hz = (np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5) * self.bandwidth_hz / self.widening
-        lag_s = np.arange(MOST_LAGS + 1) * self.bin_s
-        return np.abs(np.exp(2j * np.pi * np.outer(lag_s, frequency_hz)) @ weight / weight.sum()) ** 2
+        turn = np.exp(2j * np.pi * self.bin_s * np.outer(np.arange(MOST_LAGS + 1), frequency_hz))
+        held = np.trim_zeros(np.where((power := np.abs(turn @ weight / weight.sum()) ** 2) > 0.01, power, 0), "b")
+        if held.size > MOST_LAGS:
+            msg = f"radar: bin_s must be longer, speckle is alike over {MOST_LAGS} bins of {self.bin_s:g} s"
+            raise ValueError(msg)
+        return held
 
 
 def _sweep(start_hz, stop_hz, **others):
     """`Radar` of a sweep, with two bins to the 3 dB width of its Hann window, 1.44 / B, where none are given."""
-    bandwidth_hz = stop_hz - start_hz
-    own = {"centre_hz": (start_hz + stop_hz) / 2, "bandwidth_hz": bandwidth_hz, "bin_s": 0.72 / bandwidth_hz}
-    return Radar(**own | others)
+    width_hz = stop_hz - start_hz
+    return Radar(centre_hz=start_hz + width_hz / 2, bandwidth_hz=width_hz, **{"bin_s": 0.72 / width_hz} | others)
 
 
 # Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the reference flight's, see
