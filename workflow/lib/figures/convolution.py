@@ -90,6 +90,9 @@ def plot_simulated(ax, table, sweep, xlabel):
             ax.plot(line["value"], line[column].clip(LEAST_DB), style, color=SERIES[number], label=label)
             ax.axhline(claimed, color="0.5", linestyle=":", linewidth=1)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="power [dB], dashed: delay [bins]")
+    ticks = sorted(rows["value"].unique())[:: 2 if sweep == "contrast" else 1]
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.minorticks_off()
     ax.set_ylim(LEAST_DB / 2, 20)
 
 
