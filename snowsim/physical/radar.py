@@ -81,7 +81,7 @@ class Radar:
         return 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2, 1 / (2 * np.asarray(slope, dtype=float) ** 2)
 
     def speckle_correlation(self):
-        """Autocorrelation of power of many alike scatterers, the square of w^2's transform, (lag,), to the last above 1 %."""
+        """Autocorrelation of power where scatterers are many and alike, (lag,): the squared transform of w^2."""
         weight = get_window(self.window, N_FREQUENCIES) ** 2
         frequency_hz = (np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5) * self.bandwidth_hz / self.widening
         turn = np.exp(2j * np.pi * self.bin_s * np.outer(np.arange(MOST_LAGS + 1), frequency_hz))
