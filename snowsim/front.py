@@ -39,9 +39,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Parameters
     ----------
     snowpack : Snowpack or Climate
-        Snow, or what it is drawn from.
     radar : Radar or str
-        A radar, or the name of a preset.
+        Or the name of a preset.
     n_range_lines : int, optional
         By default the snowpack's, whose one range line may be repeated; 256 of a climate.
     rng : numpy.random.Generator
@@ -61,9 +60,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 
     Notes
     -----
-    `snowsim.physical.physical_parameters` says what powers, widths and tails are; PHY renders them. Against a coherent
-    solver, contrasts of 30-250 kg m-3 at least three range cells apart, delays are within 0.1 bin and mean powers
-    within 0.5 dB; figure *convolution_accuracy* of the report shows where not.
+    Powers, widths and tails: `snowsim.physical.echo.physical_parameters`; PHY renders them. Against a coherent solver,
+    contrasts of 30-250 kg m-3 three range cells apart or more, delays are within 0.1 bin and mean powers within 0.5
+    dB; figure *convolution_accuracy* of the report shows where not.
 
     Examples
     --------
@@ -116,9 +115,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 class Scenes(Sequence):
     """Scenes drawn and rendered when asked for: image and mask, uint8 (range_bin, range_line), 1 on a layer."""
 
-    def __init__(self, n, model, statistics, *, seed, n_range_bins, n_looks, tolerance_db):
+    def __init__(self, n, model, statistics, seed, n_range_bins, options):
         self._indices, self._model, self._statistics, self._seed = range(n), model, statistics, seed
-        self._n_range_bins, self._options = n_range_bins, {"n_looks": n_looks, "tolerance_db": tolerance_db}
+        self._n_range_bins, self._options = n_range_bins, options
 
     def __len__(self):
         return len(self._indices)
@@ -132,8 +131,7 @@ class Scenes(Sequence):
         number = self._indices[index]
         rng = random_stream(self._seed, "scenes", number)
         scene = draw_scene(self._model, self._model.n_range_lines, name=f"scene_{number:06d}", rng=rng)
-        if self._n_range_bins is not None:
-            scene = dataclasses.replace(scene, n_range_bins=self._n_range_bins)
+        scene = dataclasses.replace(scene, n_range_bins=self._n_range_bins or scene.n_range_bins)
         return render_scene(scene, self._statistics, rng=rng, **self._options)
 
     def write(self, folder, format="pairs", *, indices=None):
@@ -153,11 +151,10 @@ def scenes(
     statistics="reference",
     renderer="phy",
     rng,
-    n_range_lines=BLOCK_LINES,
+    n_range_lines=256,
     n_range_bins=None,
     radiometry="constant",
-    n_looks=16,
-    tolerance_db=0.05,
+    **phy,
 ):
     """Scenes to train on, as a sequence that `torch.utils.data.DataLoader` takes as it is.
 
@@ -165,8 +162,7 @@ def scenes(
     ----------
     n : int
     statistics : "reference", path_like or xarray.Dataset, optional
-        Of a flight: the synthetic reference flight's, which come with the package, a file, or what
-        `snowsim.statistics.fit` returned.
+        Of a flight: the synthetic reference flight's, which come with the package, or others of `snowsim.statistics`.
     renderer : {"phy"}, optional
     rng : int or numpy.random.Generator
         Seed of all. Each scene has a stream of its own: scene 7 is the same in any order and for any `n`.
@@ -174,8 +170,8 @@ def scenes(
         Size of all images; by default each is as high as its layers ask for, and stacks with no other.
     radiometry : {"constant", "measured"}, optional
         See `snowsim.labels.prepare`.
-    n_looks, tolerance_db : float, optional
-        See `snowsim.phy.render`.
+    **phy
+        Of `snowsim.phy.render_scene`; by default ``n_looks=16, tolerance_db=0.05``.
 
     Returns
     -------
@@ -193,16 +189,12 @@ def scenes(
     >>> len(drawn), image.shape, image.dtype, int(mask.max())
     (1500, (400, 256), dtype('uint8'), 1)
     """
-    if n < 1:
-        msg = f"n must be at least 1, got {n}"
-        raise ValueError(msg)
-    if renderer != "phy":
-        msg = f"renderer must be phy, got {renderer!r}"
+    if n < 1 or renderer != "phy":
+        msg = f"n must be at least 1 and renderer phy, got {n} and {renderer!r}"
         raise ValueError(msg)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     n_range_bins = None if n_range_bins is None else checked_height(n_range_bins)
     model = prepare(statistics, n_range_lines, radiometry=radiometry)
     seed = int(np.random.default_rng(rng).integers(2**63))
-    options = {"seed": seed, "n_range_bins": n_range_bins, "n_looks": n_looks, "tolerance_db": tolerance_db}
-    return Scenes(n, model, statistics, **options)
+    return Scenes(n, model, statistics, seed, n_range_bins, {"n_looks": 16, "tolerance_db": 0.05} | phy)

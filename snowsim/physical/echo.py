@@ -15,13 +15,12 @@ def physical_parameters(snowpack, radar):
     Interfaces are incoherent with each other, multiples are left out. Power: Fresnel at normal incidence with ``n = 1 +
     0.845 rho``, Kovacs et al. (1995), losses at the interfaces above, attenuation, spherical spreading, and the share
     that the beam takes in of what slopes scatter. Width: a Gaussian of the range response's height and area, wider by
-    the roughness, ``2 n r / c``. Tail: `Radar.decay_per_s`.
+    the roughness, ``2 n r / c``. Tail: `Radar.tail`.
     """
     index = 1 + KOVACS_M3_KG * np.r_[0 * snowpack.density_kg_m3[:1], snowpack.density_kg_m3]
     above, below = index[:-1], index[1:]
     depth_m = snowpack.depth_m
-    slab_m = np.diff(depth_m, axis=0)
-    below_s = 2 / SPEED_OF_LIGHT_M_S * (depth_m[:1] + np.cumsum(np.r_[0 * depth_m[:1], above[1:] * slab_m], axis=0))
+    below_s = 2 / SPEED_OF_LIGHT_M_S * np.cumsum(np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)], axis=0)
 
     reflected = ((above - below) / (above + below)) ** 2
     passed = np.cumprod(np.r_[np.ones_like(reflected[:1]), (1 - reflected[:-1]) ** 2], axis=0)
@@ -30,8 +29,9 @@ def physical_parameters(snowpack, radar):
 
     response = (radar.cell_s / radar.bin_s) ** 2 / (2 * np.pi)
     rough = (2 * above.mean(axis=1) * snowpack.roughness_m / SPEED_OF_LIGHT_M_S / radar.bin_s) ** 2
-    decay = radar.decay_per_s(snowpack.slope, radar.height_m + depth_m.mean(axis=1)) * radar.bin_s
-    height = radar.beam_share(snowpack.slope) * decay * np.sqrt(response / (response + rough))
+    decay_per_s, share = radar.tail(snowpack.slope, radar.height_m + depth_m.mean(axis=1))
+    decay = decay_per_s * radar.bin_s
+    height = share * decay * np.sqrt(response / (response + rough))
     parameters = {
         "peak_power": reflected * passed * lost * height[:, None],
         "variance_bins2": response + rough,

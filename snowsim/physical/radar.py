@@ -59,26 +59,19 @@ class Radar:
         weight = get_window(self.window, N_FREQUENCIES)
         return float(self.widening * (weight**2).mean() / weight.mean() ** 2 / self.bandwidth_hz)
 
-    def decay_per_s(self, slope, height_m):
-        """Rate [1/s] at which the echo of an interface of Gaussian slopes falls behind its nadir point; broadcasts.
+    def tail(self, slope, height_m):
+        """Decay rate [1/s] of the echo of an interface of Gaussian slopes, and the share of it that the beam takes in.
 
         The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2 s^2) / (cos^4 R^3)``
         with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, and geometric
         optics; at nadir ``(c / H) (8 ln 2 / beam^2 + 1 / 2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB
         the annuli leave it by 0.01 dB on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
         """
-        beam, facets = self._narrowness(slope)
+        beam, facets = 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2, 1 / (2 * np.square(slope, dtype=float))
         fall_s = TAIL_DB * np.log(10) / 10 / (SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5))
         stretch = 1 + SPEED_OF_LIGHT_M_S * fall_s / (2 * height_m)
-        return (beam * np.arccos(1 / stretch) ** 2 + facets * (stretch**2 - 1) - np.log(stretch)) / fall_s
-
-    def beam_share(self, slope):
-        """Share of a rough interface's reflected power that the beam takes in; a mirror has 1."""
-        beam, facets = self._narrowness(slope)
-        return facets / (beam + facets)
-
-    def _narrowness(self, slope):
-        return 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2, 1 / (2 * np.asarray(slope, dtype=float) ** 2)
+        fallen = beam * np.arccos(1 / stretch) ** 2 + facets * (stretch**2 - 1) - np.log(stretch)
+        return fallen / fall_s, facets / (beam + facets)
 
     def speckle_correlation(self):
         """Autocorrelation of power where scatterers are many and alike, (lag,): the squared transform of w^2."""

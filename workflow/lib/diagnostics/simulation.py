@@ -103,7 +103,7 @@ def _peaks(profile, delay_s, layers_s, cell_s):
 
 def tail_error_db(radar, slope, *, diffuse_share=0.0, tail_db=TAIL_DB):
     """Largest error [dB] of the exponential tail against the annuli, until these have fallen by `tail_db`."""
-    rate = radar.decay_per_s(slope, radar.height_m)
+    rate, _ = radar.tail(slope, radar.height_m)
     delay_s = np.linspace(0, 3 * tail_db / 4.34 / rate, 3000)
     annuli = annulus_power(delay_s, radar.height_m, slope, diffuse_share, radar.beamwidth_deg)
     level_db = 10 * np.log10(annuli / annuli[0])
