@@ -132,6 +132,7 @@ def test_commands_write_what_the_functions_give(tmp_path):
         xr.testing.assert_equal(read_dataset(tmp_path / name), dataset)
     done = CliRunner().invoke(simulate_command.command, [*asked, "--set", "colour", "1"])
     assert (done.exit_code, "a radar has no number colour" in done.output) == (2, True)
+    assert "\n    snowsim simulate echogram.nc" in CliRunner().invoke(simulate_command.command, ["--help"]).output
     done = CliRunner().invoke(scenes_command.command, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2

@@ -18,7 +18,7 @@ import click
 @click.option("--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel.")
 @click.option("--seed", type=click.IntRange(0), default=0)
 def command(folder, n, statistics, form, seed, **settings):
-    r"""Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER: as image pairs in
+    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER: as image pairs in
     the published benchmark's layout, or as NetCDF or Zarr.
 
     \b
@@ -26,7 +26,7 @@ def command(folder, n, statistics, form, seed, **settings):
       snowsim scenes for_training/
       snowsim scenes few/ -n 20 --range-bins 512 --format netcdf --seed 1
       snowsim scenes mine/ --statistics results/statistics.nc
-    """  # noqa: D205
+    """  # noqa: D205, D301
     from tqdm import tqdm
 
     from snowsim.front import scenes

@@ -20,14 +20,14 @@ PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 @click.option("--range-lines", "n_range_lines", type=click.IntRange(1), default=256)
 @click.option("--seed", type=click.IntRange(0), default=0)
 def command(echogram, radar, changes, n_range_lines, seed, **climate):
-    r"""Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar dataset (NetCDF), and
+    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar dataset (NetCDF), and
     its layers beside it, as NAME_layers.nc.
 
     \b
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10 --set height_m 300
-    """  # noqa: D205
+    """  # noqa: D205, D301
     import numpy as np
 
     from snowsim.front import Climate, Radar, simulate
