@@ -116,10 +116,11 @@ def test_what_cannot_be_is_refused_in_one_line(call, message):
 
 def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
     assert REFERENCE.stat().st_size < 4e6
-    run = ROOT / "results/statistics.nc"
-    if not run.is_file():
+    run, kept = ROOT / "results/statistics.nc", read_dataset(REFERENCE)
+    if not run.is_file() or (made := read_dataset(run)).attrs["n_range_lines"] != kept.attrs["n_range_lines"]:
         pytest.skip("no finished run of the default configuration under results")
-    xr.testing.assert_identical(read_dataset(REFERENCE), shipped(read_dataset(run)))
+    # Sums of float32 echoes: the same on one machine type, else to some 1e-6 of what the flight tells to 1e-3.
+    xr.testing.assert_allclose(kept, shipped(made), rtol=1e-4)
 
 
 def test_commands_write_what_the_functions_give(tmp_path):
