@@ -12,8 +12,8 @@ import pytest
 from lib.imports import ROOT
 
 PUBLIC = (
-    "snowsim.front.simulate",
-    "snowsim.front.scenes",
+    "snowsim.simulate",
+    "snowsim.scenes",
     "snowsim.phy.mean_power",
     "snowsim.phy.render",
     "snowsim.phy.draw_speckle",

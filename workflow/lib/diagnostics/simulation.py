@@ -14,7 +14,7 @@ from snowsim.physical.snowpack import Snowpack
 from snowsim.reference.firn import refractive_index_kovacs95
 from snowsim.reference.radar import annulus_power
 
-N_LOOKS, N_INTERFACES, N_SHIFTS = 1024, 6, 8
+N_LOOKS, N_INTERFACES, N_SHIFTS = 512, 6, 8
 MEAN_DENSITY_KG_M3 = 450.0
 CONTRASTS_KG_M3 = (3, 10, 30, 100, 170, 250, 350, 500, 700)
 SPACINGS = (0.75, 1, 1.5, 2, 3, 5, 8)
