@@ -26,5 +26,4 @@ for i in range(2):
 
 flight = ((read_echogram(folder / f"echogram_{i}.nc"), read_layers(folder / f"layers_{i}.nc")) for i in range(2))
 image, mask = snowsim.scenes(10, statistics=fit(flight), rng=1)[0]
-plt.imshow(image, cmap="gray", aspect="auto")
-plt.gca().set(xlabel="range line", ylabel="range bin")
+plt.imshow(image, cmap="gray", aspect="auto").axes.set(xlabel="range line", ylabel="range bin")
