@@ -6,7 +6,7 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run test test-all test-machine setup lint format clean benchmarks docs
+.PHONY: run test test-all test-machine setup lint format clean benchmarks docs package-data
 
 run: setup
 	$(SNAKEMAKE)
@@ -49,10 +49,16 @@ format: setup
 benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_scenes.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
+
+# Statistics of the default run's flight, to where they are read without a run.
+package-data: setup
+	$(SNAKEMAKE) ship_statistics
+	cp results/shipped/reference_flight.nc snowsim/data/
 
 # The documentation, to build/docs/index.html; a warning fails.
 docs: setup
@@ -60,5 +66,5 @@ docs: setup
 
 # Results, logs and caches; `git clean -fdx` also removes .venv.
 clean:
-	rm -rf results logs .snakemake .pytest_cache .ruff_cache .hypothesis .benchmarks build
+	rm -rf results logs .snakemake .pytest_cache .ruff_cache .hypothesis .benchmarks build docs/gallery
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +

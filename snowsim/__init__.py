@@ -6,10 +6,11 @@ __version__ = "0.1.0"
 
 # What people script with, by the module it is in; loaded when asked for, so that importing the package imports nothing.
 FRONT = {"score_folders": "snowsim.scoring"}
+FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
 
 
 def __getattr__(name):
-    """A function of `FRONT`."""
+    """A name of `FRONT`."""
     if name not in FRONT:
         msg = f"module 'snowsim' has no attribute {name!r}"
         raise AttributeError(msg)

@@ -11,10 +11,11 @@ import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echogram", "seeding", "patches", "training"}
-FRONT = {"cli", "scoring"}  # for people who script: may import any stage; nothing imports them
+FRONT = {"cli", "front", "scoring"}  # for people who script: may import any stage; nothing imports them
 # A stage never imports another stage, but for these.
 ALLOWED = {
     *(("io", "frames"), ("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")),
+    *(("physical", "reference.firn"), ("physical", "reference.climate")),  # the firn's physics is written once
     *(("labels", "phy.power"), ("labels", "phy.parameters")),  # a layer is labelled where its mean power shows it
 }
 ONLY = {

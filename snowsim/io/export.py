@@ -1,5 +1,6 @@
-"""Scenes for other people's code: the published benchmark's layout, layer-number images, xarray NetCDF."""
+"""Scenes for other people's code: the published benchmark's layout, layer-number images, NetCDF or Zarr for xarray."""
 
+import importlib.util
 import json
 import re
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from snowsim.io.files import write_dataset, written_whole
+from snowsim.io.files import write_dataset, write_store, written_whole
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
 FORMAT = "snowsim scene 1"
@@ -80,13 +81,25 @@ def export_netcdf(folder, scenes, *, list_name="all.lst"):
     `image` (range_bin, range_line), `layer_bins` and perhaps `complete_layer_bins` (layer, range_line), `mask`; what
     grey levels mean, zone and notes are attributes. Scenes, with or without images, are held one at a time.
     """
+    return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
+
+
+def export_zarr(folder, scenes, *, list_name="all.lst"):
+    """The same as one Zarr store each, `scene_<name>.zarr`; ValueError where the package zarr is missing."""
+    if importlib.util.find_spec("zarr") is None:
+        msg = f"{folder}: expected package zarr to write Zarr stores, it is not installed: pip install 'zarr>=3'"
+        raise ValueError(msg)
+    return _export_datasets(folder, scenes, list_name, "zarr", write_store)
+
+
+def _export_datasets(folder, scenes, list_name, ending, write):
     folder = Path(folder)
     names = []
     for scene in scenes:
         _check_name(scene, names, folder)
-        write_dataset(folder / f"scene_{scene.name}.nc", _dataset(scene))
+        write(folder / f"scene_{scene.name}.{ending}", _dataset(scene))
         names.append(scene.name)
-    _write_list(folder, list_name, [f"scene_{name}.nc" for name in names])
+    _write_list(folder, list_name, [f"scene_{name}.{ending}" for name in names])
     return {"n_scenes": len(names)}
 
 

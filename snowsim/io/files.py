@@ -39,11 +39,27 @@ def written_whole(path):
         aside.unlink(missing_ok=True)
 
 
-def write_dataset(path, dataset):
+def write_dataset(path, dataset, *, compress=False):
     """Write an xarray dataset as NetCDF-4, whole or not at all; floats keep their type, no fill value is added."""
-    encoding = {name: {"_FillValue": None} for name, v in dataset.variables.items() if v.dtype.kind == "f"}
+    packed = {"zlib": True, "shuffle": True, "complevel": 9} if compress else {}
+    floats = {name: v for name, v in dataset.variables.items() if v.dtype.kind == "f"}
+    encoding = {name: {"_FillValue": None} | (packed if v.ndim else {}) for name, v in floats.items()}
     with written_whole(path) as aside:
         dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
+
+
+def write_store(path, dataset):
+    """Write an xarray dataset as a Zarr store, whole or not at all; one that is there is replaced."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        dataset.to_zarr(aside, mode="w", consolidated=False)
+        if path.exists():
+            shutil.rmtree(path)
+        aside.replace(path)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
 
 
 def read_dataset(path):

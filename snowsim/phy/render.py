@@ -1,5 +1,9 @@
 """Layers and their parameters to one scene's power after M looks."""
 
+import dataclasses
+
+from snowsim.echogram import to_uint8
+from snowsim.phy.parameters import scene_parameters
 from snowsim.phy.plan import plan
 from snowsim.phy.power import planned_power
 from snowsim.phy.speckle import draw_speckle
@@ -69,3 +73,14 @@ def render_plan(scene_plan, *, rng):
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)
     options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
     return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)
+
+
+def render_scene(scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn):
+    """The scene with its image and its plan's notes; `drawn` are options of `scene_parameters`, others of `render`."""
+    layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
+    options = {"tolerance_db": tolerance_db, "speckle": speckle, "normalise": normalise, "align": align}
+    planned = plan(layer_bins, parameters, scene.n_range_bins, **options)
+    image, *scale = to_uint8(render_plan(planned, rng=rng))
+    shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
+    notes = scene.notes | planned.notes()
+    return dataclasses.replace(scene, **shown, complete_layer_bins=None, peak_power=None, notes=notes)

@@ -13,6 +13,8 @@ from lib.imports import ROOT
 
 PUBLIC = (
     "snowsim.score_folders",
+    "snowsim.simulate",
+    "snowsim.scenes",
     "snowsim.phy.mean_power",
     "snowsim.phy.render",
     "snowsim.phy.draw_speckle",
@@ -64,7 +66,8 @@ class Outside(HTMLParser):
         for name in ("src", "href"):
             if name in given and tag != "a" and re.match(r"(https?:)?//", given[name] or ""):
                 self.fetched.append((tag, given[name]))
-        if tag == "img" and not given.get("alt"):
+        # Thumbnails of the gallery stand beside their title, and have none on purpose.
+        if tag == "img" and not given.get("alt") and not given.get("src", "").endswith("_thumb.png"):
             self.without_text.append(given.get("src"))
 
 

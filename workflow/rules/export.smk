@@ -49,3 +49,19 @@ rule export:
     localrule: True
     message:
         "scenes for other code"
+
+
+rule ship_statistics:
+    input:
+        statistics="results/statistics.nc",
+        code=imported_by("ship_statistics.py"),
+    output:
+        data="results/shipped/reference_flight.nc",
+    log:
+        "logs/ship_statistics.log",
+    benchmark:
+        "results/benchmarks/ship_statistics/all.tsv"
+    message:
+        "statistics in the form in which they come with the package"
+    script:
+        "../scripts/ship_statistics.py"

@@ -2,12 +2,12 @@
 
 import pandas as pd
 from job import progress, run
-from render_phy import render_scene
 
 from lib.diagnostics.tracker_studies import level_scene, tracking_atlas, training_atlas
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
+from snowsim.phy import render_scene
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings, trained_network
 
@@ -19,7 +19,7 @@ def atlas_tracker(train, scenes, network, statistics, table, *, seed, settings, 
     flight = read_dataset(statistics)
 
     def render_level(n_layers):
-        scene = render_scene(level_scene(n_layers), flight, phy, random_stream(seed, "stress_tracker", n_layers))
+        scene = render_scene(level_scene(n_layers), flight, **phy, rng=random_stream(seed, "stress_tracker", n_layers))
         return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:

@@ -3,11 +3,11 @@
 from functools import partial
 
 from job import run
-from render_phy import render_scene
 
 from lib.diagnostics.cgan_studies import time_widths
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
+from snowsim.phy import render_scene
 from snowsim.seeding import random_stream
 
 N_SCENES = 8  # of the train set, timed in turn
@@ -18,7 +18,7 @@ def measure(train, statistics, table, *, seed, settings, widths, n_rounds, phy):
         scenes = [held[number] for number in range(min(N_SCENES, len(held)))]
     flight = read_dataset(statistics)
     stream = partial(random_stream, seed, "study_cgan_speed")
-    by_phy = partial(render_scene, statistics=flight, phy=phy, rng=stream("phy"))
+    by_phy = partial(render_scene, statistics=flight, **phy, rng=stream("phy"))
     write_table(table, time_widths(scenes, widths, settings, by_phy, n_rounds, seed=seed, stream=stream))
 
 

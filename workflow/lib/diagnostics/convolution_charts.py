@@ -13,6 +13,7 @@ import pandas as pd
 from lib.diagnostics import coherent
 from lib.diagnostics.phy_alternatives import render_literal
 from lib.diagnostics.phy_errors import fit_waveform, planted_scene
+from lib.diagnostics.simulation import simulation_rows
 from lib.machine import device_name, time_rounds
 from snowsim.constants import START_FREQUENCY_HZ
 from snowsim.phy import render
@@ -23,7 +24,7 @@ from snowsim.reference.radar import interface_waveform, range_response
 
 COLUMNS = [
     *("part", "sweep", "value", "unit", "method", "reference"),
-    *("error_db", "layer_error_db", "bias_db", "seconds", "device"),
+    *("error_db", "layer_error_db", "bias_db", "seconds", "device", "delay_error_bins"),
 ]
 CONTRASTS_KG_M3 = (3, 10, 30, 50, 100, 170, 240, 300, 450, 600)
 N_LAYERS = (1, 2, 5, 10, 20, 50, 100)
@@ -48,10 +49,11 @@ SCENE_LAYERS, SCENE_TOLERANCE_DB = 15, 0.05
 
 
 def convolution_table(settings, climate, n_looks, stream):
-    """A row a model and stack, a tail, and a timed scene; `stream` gives the random generator of some keys."""
+    """A row a model and stack, a tail, a timed scene, a simulated stack; `stream` gives the generator of some keys."""
     rows = [row for stack in planted_stacks(settings, stream) for row in stack_rows(*stack, settings.radar)]
     rows += tail_rows(settings.radar)
     rows += scene_rows(settings, climate, n_looks, rows, stream("scenes"))
+    rows += simulation_rows(stream)
     return pd.DataFrame(rows, columns=COLUMNS).assign(device=device_name())
 
 

@@ -1,0 +1,22 @@
+"""
+A training set
+==============
+
+Scenes drawn from the statistics of the synthetic reference flight, which come with the package, each with its mask. A
+``torch.utils.data.DataLoader`` takes them as they are; ``write`` puts them on disk in the published benchmark's layout.
+"""
+
+import matplotlib.pyplot as plt
+
+import snowsim
+
+scenes = snowsim.scenes(1500, rng=7, n_range_bins=400)
+
+figure, axes = plt.subplots(2, 4, sharex=True, sharey=True, layout="constrained")
+for number, (above, below) in enumerate(axes.T):
+    image, mask = scenes[number]
+    above.imshow(image, cmap="gray", aspect="auto")
+    below.imshow(mask, cmap="gray_r", aspect="auto", interpolation="none")
+    above.set_title(f"scene {number}")
+axes[0, 0].set_ylabel("range bin")
+axes[1, 0].set(ylabel="range bin", xlabel="range line")

@@ -1,0 +1,139 @@
+"""What people script with: a radar simulated, and scenes without a run."""
+
+import pickle
+
+import numpy as np
+import pytest
+import torch
+import xarray as xr
+from click.testing import CliRunner
+from numpy.testing import assert_allclose, assert_array_equal
+from ship_statistics import shipped
+
+import snowsim
+from lib.imports import ROOT
+from snowsim.cli import scenes as scenes_command
+from snowsim.cli import simulate as simulate_command
+from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.front import REFERENCE
+from snowsim.io import read_echogram, read_layers
+from snowsim.io.files import read_dataset
+from snowsim.io.png_pairs import PairSet
+from snowsim.phy.waveform import waveform_peak
+from snowsim.physical.echo import physical_parameters
+from snowsim.physical.radar import PRESETS
+
+SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
+
+
+def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
+    echogram, layers = snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=rng)
+    echogram.to_netcdf(tmp_path / "echogram.nc")
+    layers.to_netcdf(tmp_path / "layers.nc")
+    xr.testing.assert_equal(read_echogram(tmp_path / "echogram.nc")["Data"], echogram["Data"])
+    twtt = read_layers(tmp_path / "layers.nc")["twtt"].values
+    path_m = 500 + np.cumsum([0, 1 + 0.845 * 0.34, 1.5 * (1 + 0.845 * 0.4)])
+    assert_allclose(twtt, np.tile(2 * path_m[:, None] / SPEED_OF_LIGHT_M_S, 5), rtol=1e-12)
+
+
+def test_layers_are_as_bright_as_eq_1_and_noise_as_deep_as_the_radar_says(rng):
+    # Slopes so small that no tail hides a layer.
+    snow, radar = snowsim.Snowpack(**SNOW, slope=0.001), snowsim.Radar.preset("ku-12-18", n_looks=400)
+    echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=rng)
+    profile = echogram["Data"].mean("slow_time").values
+    _, given = physical_parameters(snow, radar)
+    _, height = waveform_peak(given["variance_bins2"], given["decay_rate"])
+    at = np.rint((layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])) / radar.bin_s).astype(int)
+    noise = profile[:20].mean()
+    # The nearest bin is off the peak by half a bin at most: below 0.4 dB; 400 lines of 400 looks: 0.01 dB.
+    assert_allclose(10 * np.log10(profile[at] / (given["peak_power"][:, 0] * height + noise)), 0, atol=0.4)
+    assert_allclose(10 * np.log10(profile[at[0]] / noise), 27, atol=0.4)
+
+
+def test_a_climate_draws_its_accumulation_and_its_variability(rng):
+    snow = snowsim.Climate(accumulation_m=0.3, n_years=60, density_sd_kg_m3=0.0).draw(2, 5.2, rng=rng)
+    density = (snow.density_kg_m3[:-1] + snow.density_kg_m3[1:]) / 2
+    water_m = (np.diff(snow.depth_m, axis=0) * density / 1000).mean(axis=1)
+    # 60 years of log s.d. 0.22, of years and drift: four of their standard errors.
+    assert_allclose(water_m.mean(), 0.3, rtol=4 * 0.22 / np.sqrt(60))
+    assert_allclose(np.log(water_m).std(), np.hypot(0.2, 0.1), rtol=4 / np.sqrt(2 * 60))
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    return snowsim.scenes(6, rng=1, n_range_bins=320, n_range_lines=64)
+
+
+def test_a_scene_is_the_same_in_any_order_number_and_process(drawn):
+    more = pickle.loads(pickle.dumps(snowsim.scenes(100, rng=1, n_range_bins=320, n_range_lines=64)))
+    for number in (5, 2):
+        assert_array_equal(drawn[number], more[number])
+    assert (drawn[0][0] != drawn[1][0]).any()
+    assert len(list(drawn)) == 6
+
+
+def test_a_loader_of_torch_takes_scenes_as_they_are(drawn):
+    (images, masks), *_ = torch.utils.data.DataLoader(drawn, batch_size=4)
+    assert images.shape == masks.shape == (4, 320, 64)
+    assert set(masks.unique().tolist()) == {0, 1}
+
+
+@pytest.mark.parametrize("radiometry", ["constant", "measured"])
+def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometry):
+    some = snowsim.scenes(2, rng=2, n_range_lines=32, radiometry=radiometry)
+    for form in ("pairs", "netcdf", "zarr", "zarr"):
+        assert some.write(tmp_path / form, form)["n_scenes"] == 2
+    scene = some.scene(1)
+    with xr.open_dataset(tmp_path / "netcdf/scene_scene_000001.nc") as kept:
+        assert_array_equal(kept["image"], scene.image)
+    with xr.open_zarr(tmp_path / "zarr/scene_scene_000001.zarr", consolidated=False) as kept:
+        assert_array_equal(kept["layer_bins"], scene.layer_bins)
+    assert_array_equal(PairSet(tmp_path / "pairs")[1].image, scene.image)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: snowsim.scenes(2, rng=1, renderer="cgan"), "renderer phy, got 2 and 'cgan'"),
+        (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
+        (lambda: snowsim.scenes(2, rng=1).write("x", "gif"), "format must be one of pairs, netcdf, zarr, got 'gif'"),
+        (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
+        (lambda: snowsim.Radar.preset("snow-2-8", bandwidth_hz=11e9), "bandwidth_hz must be positive and below 1e"),
+        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
+        (lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]), "depth_m must be finite and increase with layer, got 1"),
+        (lambda: snowsim.Snowpack([0, 1], [300, 950]), "density_kg_m3 must .* between 0 and 917, got 950"),
+        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0).draw(2, 5, rng=None), "n_years must be at least 1"),
+        (
+            lambda: snowsim.simulate(snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None),
+            "n_range_lines must be the 7 of the snowpack, got 8",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
+    assert REFERENCE.stat().st_size < 4e6
+    run, kept = ROOT / "results/statistics.nc", read_dataset(REFERENCE)
+    if not run.is_file() or (made := read_dataset(run)).attrs["n_range_lines"] != kept.attrs["n_range_lines"]:
+        pytest.skip("no finished run of the default configuration under results")
+    # Sums of float32 echoes: the same on one machine type, else to some 1e-6 of what the flight tells to 1e-3.
+    xr.testing.assert_allclose(kept, shipped(made), rtol=1e-4)
+
+
+def test_commands_write_what_the_functions_give(tmp_path):
+    assert set(simulate_command.PRESETS) == set(PRESETS)
+    asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
+    assert CliRunner().invoke(simulate_command.command, asked).exit_code == 0
+    climate, radar = snowsim.Climate(accumulation_m=0.3), snowsim.Radar.preset("snow-2-8", height_m=400.0)
+    found = snowsim.simulate(climate, radar, n_range_lines=4, rng=np.random.default_rng(0))
+    for name, dataset in zip(("a.nc", "a_layers.nc"), found, strict=True):
+        xr.testing.assert_equal(read_dataset(tmp_path / name), dataset)
+    done = CliRunner().invoke(simulate_command.command, [*asked, "--set", "colour", "1"])
+    assert (done.exit_code, "a radar has no number colour" in done.output) == (2, True)
+    assert "\n    snowsim simulate echogram.nc" in CliRunner().invoke(simulate_command.command, ["--help"]).output
+    done = CliRunner().invoke(scenes_command.command, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
+    assert done.output.startswith("n_scenes 2")
+    assert len(list((tmp_path / "s").glob("data_*.png"))) == 2
