@@ -153,7 +153,7 @@ def scenes(
     rng,
     n_range_lines=256,
     n_range_bins=None,
-    radiometry="constant",
+    radiometry="measured",
     **phy,
 ):
     """Scenes to train on, as a sequence that `torch.utils.data.DataLoader` takes as it is.
@@ -168,7 +168,7 @@ def scenes(
         Seed of all. Each scene has a stream of its own: scene 7 is the same in any order and for any `n`.
     n_range_lines, n_range_bins : int, optional
         Size of all images; by default each is as high as its layers ask for, and stacks with no other.
-    radiometry : {"constant", "measured"}, optional
+    radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
         Of `snowsim.phy.render_scene`; by default ``n_looks=16, tolerance_db=0.05``.
