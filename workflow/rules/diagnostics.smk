@@ -203,6 +203,7 @@ for part, conventions in enumerate(TRIED_PARTS):
             phy=config["phy"],
             n_scenes=LOOP_TRIED,
             stride=LOOP_STRIDE,
+            varies=config["labels"]["radiometry"] == "measured",
         message:
             "statistics of renders by {params.conventions}"
         script:
@@ -230,6 +231,7 @@ rule tabulate_closed_loop:
         mem_mb=2000,
     params:
         tried=LOOP_CONVENTIONS,
+        varies=config["labels"]["radiometry"] == "measured",
     message:
         "statistics of renders of all label sets, tables of the closed loop"
     script:

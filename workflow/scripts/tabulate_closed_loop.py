@@ -8,10 +8,11 @@ from snowsim.statistics import merge, summary_from_dataset
 
 
 def tabulate_closed_loop(
-    summaries, statistics, tried_tables, tried_statistics, recovered, errors, table, summary, conventions, *, tried
+    summaries, statistics, tried_tables, tried_statistics, recovered, errors, table, summary, conventions,
+    *, tried, varies,
 ):  # fmt: skip
     merged = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
-    found, compared = recover(merged, read_dataset(statistics))
+    found, compared = recover(merged, read_dataset(statistics), varies=varies)
     write_dataset(recovered, found)
     for path in (errors, table):
         write_table(path, compared)

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.closed_loop import BOUNDS, COLUMNS, as_frame, compare, largest_errors, summarise_loop, thinned
+from lib.diagnostics.closed_loop import (
+    BOUNDS,
+    COLUMNS,
+    VARIES,
+    as_frame,
+    compare,
+    largest_errors,
+    summarise_loop,
+    thinned,
+)
 from snowsim import statistics
 from snowsim.statistics import estimate, merge, summarise
 
@@ -24,7 +33,9 @@ def spoiled(dataset, **factors):
 def test_statistics_equal_themselves_and_other_zones_cannot_be_compared(fitted):
     table = compare(fitted, fitted)
     assert list(table.columns) == list(COLUMNS)
-    assert set(table["quantity"]) == set(BOUNDS) - {"surface_fraction"}  # zero: this flight is not levelled
+    # Zero: this flight is not levelled, has no texture, and is too short for spreads.
+    assert set(table["quantity"]) >= set(BOUNDS) - {"surface_fraction", *VARIES}
+    assert not set(compare(fitted, fitted, varies=False)["quantity"]) & set(VARIES)
     assert (table["error"] == 0).all()
     assert table["within"].all()
     assert (table["reason"] == "").all()

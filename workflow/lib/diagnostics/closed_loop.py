@@ -36,19 +36,33 @@ BOUNDS = {
     "thickness_trend_variance_bins2": Bound(("zone", "slab"), "relative", 0.15),
     "surface_fraction": Bound((), "relative", 0.05),
     "surface_trend_variance_bins2": Bound((), "relative", 0.15),
+    "noise_spread_db": Bound((), "relative", 0.15),
+    "surface_to_noise_spread_db": Bound((), "relative", 0.15),
+    "common_spread_db": Bound((), "relative", 0.15),
+    "layer_spread_db": Bound((), "relative", 0.15),
+    "fading_spread_db": Bound(("interface",), "relative", 0.15),
+    "fading_length_lines": Bound(("interface",), "relative", 0.15),
+    "line_gain_spread_db": Bound((), "relative", 0.15),
+    "texture_variance": Bound((), "relative", 0.15),
+    "texture_length_bins": Bound((), "relative", 0.15),
+    "texture_length_lines": Bound((), "relative", 0.15),
 }
+# What renders of label sets with one radiometry for all do not show.
+VARIES = [name for name in BOUNDS if name.endswith(("_spread_db", "_length_lines")) or name.startswith("texture_")]
 COLUMNS = (
-    *("quantity", "layer", "zone", "slab", "band"),
+    *("quantity", "layer", "zone", "slab", "band", "interface"),
     *("given", "given_standard_error", "recovered", "recovered_standard_error"),
     *("error", "error_standard_error", "unit", "bound", "within", "reason"),
 )
 
 
-def compare(given, recovered):
+def compare(given, recovered, *, varies=True):
     """What comes back of the statistics that went into renders, a row a value that was measured, with `COLUMNS`.
 
-    `layer`, `zone`, `slab` and `band` of wavenumber are -1 where a quantity has none; `error` is recovered against
-    given, in `unit`, its standard error that of sampling the renders. Different zones or bands are refused.
+    `layer`, `zone`, `slab`, `band` of wavenumber and `interface` (surface or buried) are -1 where a quantity has none;
+    `error` is recovered against given, in `unit`, its standard error that of sampling the renders. Where label sets
+    have one radiometry, nothing `varies` and the quantities of `VARIES` are left out. Different zones or bands are
+    refused.
     """
     for name in ("zone_edge_bins", "band_edge_wavenumber"):
         ours, theirs = given[name].values, recovered[name].values
@@ -57,7 +71,8 @@ def compare(given, recovered):
             raise ValueError(msg)
     rows = []
     for quantity, bound in BOUNDS.items():
-        if quantity not in given or quantity not in recovered:  # of trends, by `paper` and version 0.1
+        absent = quantity not in given or quantity not in recovered  # trends, by `paper` and version 0.1
+        if absent or (quantity in VARIES and not varies):
             continue
         values = [_values(dataset, quantity, bound.dims) for dataset in (given, recovered)]
         shape = tuple(np.minimum(values[0][0].shape, values[1][0].shape))
@@ -140,7 +155,7 @@ def _bands(statistics):
 def _measured(recovered, quantity, shape):
     """Where a recovered value is a measurement of its own: not substituted, not pooled, not slab 0 over itself."""
     measured = np.ones(shape, dtype=bool)
-    if not shape:
+    if "layer" not in BOUNDS[quantity].dims and "slab" not in BOUNDS[quantity].dims:
         return measured
     if len(shape) == 1:
         return measured & (recovered["substituted"].values[: shape[0]] == 0)
@@ -165,8 +180,8 @@ def _row(quantity, bound, where, numbers, given):
     within = abs(error) <= bound.largest
     return {
         "quantity": quantity,
-        **{dim: where.get(dim, -1) for dim in ("layer", "zone", "slab", "band")},
-        **dict(zip(COLUMNS[5:9], numbers, strict=True)),
+        **{dim: where.get(dim, -1) for dim in COLUMNS[1:6]},
+        **dict(zip(COLUMNS[6:10], numbers, strict=True)),
         "error": error,
         "error_standard_error": sampling,
         "unit": bound.unit,
@@ -254,10 +269,12 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
     return merge(summaries)
 
 
-def recover(summary, given):
-    """Statistics of renders, zone by zone as the flight's, and their table beside those that were to be `given`."""
+def recover(summary, given, *, varies):
+    """Statistics of renders, zone by zone as the flight's, and their table of `compare` beside those `given`."""
     recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
-    return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), compare(given, recovered)
+    return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), compare(
+        given, recovered, varies=varies
+    )
 
 
 def convention_table(tried):
