@@ -5,13 +5,13 @@ from functools import partial
 import pandas as pd
 from job import progress, run
 from render_cgan import scene_renderer
-from render_phy import render_scene
 
 from lib.diagnostics import similarity
 from lib.diagnostics.renders import air_texture, position_errors, shape_edges, texture_by_region
 from snowsim.cgan import held_out
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
+from snowsim.phy import render_scene
 from snowsim.seeding import random_stream
 
 
@@ -50,7 +50,7 @@ def compare_renders(
     render_by_cgan, flight = scene_renderer(generator, device, normalisation), read_dataset(statistics)
     renderers = {
         "cgan": lambda scene: render_by_cgan(scene, stream("cgan", scene.name)),
-        "phy": lambda scene: render_scene(scene, flight, conventions, stream("phy", scene.name)).image,
+        "phy": lambda scene: render_scene(scene, flight, **conventions, rng=stream("phy", scene.name)).image,
     }
     with SceneSet(train) as scenes:
         _, numbers = held_out(len(scenes), n_held, seed=seed)
