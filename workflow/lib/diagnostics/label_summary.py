@@ -29,10 +29,14 @@ def summarise_labels(scenes, statistics, summary=()):
         if scene.n_range_lines != n_lines:
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
             raise ValueError(msg)
-        thickness = np.diff(labelled_or_not(scene), axis=0)[:n_slabs]
+        counts.append(scene.notes["n_layers"])
+        layers = labelled_or_not(scene)[: n_slabs + 1]
+        thickness = np.diff(layers, axis=0)
         held, zone = len(thickness), scene.zone
+        if held == 0:
+            continue
         mean = thickness.mean(axis=1)
-        for of, rows in (("slab", thickness), ("layer", scene.layer_bins[: n_slabs + 1])):
+        for of, rows in (("slab", thickness), ("layer", layers)):
             structure[of][0, zone, : len(rows)] += mean_square_differences(rows)
             structure[of][1, zone, : len(rows)] += 1
         spectrum = fourier(thickness, tapered)
@@ -50,11 +54,10 @@ def summarise_labels(scenes, statistics, summary=()):
         )
         anomaly = (relative - expected) / np.sqrt(np.where(variance > 0, variance, np.inf))
         _add_pairs(pairs[:, -1], anomaly[1:, None])
-        counts.append(scene.notes["n_layers"])
         histograms.append(_histogram(thickness, zone))
         rules.append({"zone": zone} | {key: value for key, value in scene.notes.items() if key != "n_layers"})
-    if not counts:
-        msg = "a summary of labels needs at least one scene, got none"
+    if not rules:
+        msg = f"a summary of labels needs at least one scene with a layer, got none of {len(counts)}"
         raise ValueError(msg)
     return {
         "layers": pd.Series(counts).value_counts().sort_index().rename_axis("n_layers").reset_index(name="n_scenes"),
