@@ -48,11 +48,11 @@ class ClimateSettings:
     """Accumulation along the line; spreads are standard deviations of its logarithm."""
 
     accumulation_factor: float = 0.85
-    anomaly_sd: float = 0.19
-    undulation_sd: float = 0.08
+    anomaly_sd: float = 0.18
+    undulation_sd: float = 0.07
     undulation_min_km: float = 3.0
     undulation_max_km: float = 20.0
-    drift_sd: float = 0.1
+    drift_sd: float = 0.085
     drift_length_m: float = 3000.0
     relief_sd: float = 0.045
     relief_length_m: float = 45.0
@@ -75,7 +75,7 @@ class FirnSettings:
 
     surface_density_kg_m3: float = 340.0
     horizon_jump_kg_m3: float = 160.0
-    horizon_year_sd: float = 0.35
+    horizon_year_sd: float = 0.42
     horizon_local_sd: float = 0.3
     local_length_m: float = 900.0
     crusts_per_year: float = 1.2
@@ -147,7 +147,7 @@ class RadarSettings:
     sidelobe_db: float = -34.0
     sidelobe_fall_s: float = 1.8e-09
     band_spacing_s: float = 2.5e-8
-    band_noise_db: float = -7.0
+    band_noise_db: float = -4.0
     band_width_s: float = 5e-10
     line_gain_sd_db: float = 0.4
     quantisation_db: float = 0.25
