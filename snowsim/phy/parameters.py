@@ -206,6 +206,7 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
     if "texture_variance" in statistics:
         own["line_gain_spread_db"] = float(statistics["line_gain_spread_db"])
+        own["textured_layers"] = np.array(scene.notes["waveform_row"]) < 0
         own["texture"] = [float(statistics[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
     return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
 

@@ -1,6 +1,6 @@
 """What a scene needs: from a tolerance in dB, which parts of eq. (1) are computed, how well and at what cost."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from snowsim.phy.tables import Supports, allowed_error, find_supports
 from snowsim.phy.texture import checked_texture
 
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
-OPTIONAL = {"speckle_correlation", "texture", "line_gain_spread_db"}
+OPTIONAL = {"speckle_correlation", "texture", "textured_layers", "line_gain_spread_db"}
 
 # Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to other machines.
 COST_NORMAL = 8.6
@@ -31,7 +31,7 @@ class Plan:
     `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
     in draws of one float32 normal. `correlation` (lag,) of speckle down range is None where range bins are independent;
     no lag of what is drawn is further than `correlation_error` from it. `texture` is None or what `draw_texture` takes,
-    and range lines differ in gain by `line_gain_spread_db`: neither is an error of the mean.
+    the echo of `textured_layers` has it, and range lines differ in gain by `line_gain_spread_db`: no error of the mean.
     """
 
     waveforms: Waveforms
@@ -46,6 +46,7 @@ class Plan:
     correlation: np.ndarray | None = None
     correlation_error: float = 0.0
     texture: tuple | None = None
+    textured_layers: np.ndarray | None = None
     line_gain_spread_db: float = 0.0
 
     @property
@@ -102,19 +103,19 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     check_method(speckle, n_looks, correlation)
     gain_db = checked_power("line_gain_spread_db", parameters.get("line_gain_spread_db", 0.0))
     texture = checked_texture(parameters.get("texture"))
-    return plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation, texture, gain_db)
+    layers = np.asarray(parameters.get("textured_layers", np.ones(waveforms.amplitude.size)), dtype=bool)
+    if layers.shape != waveforms.amplitude.shape:
+        msg = f"textured_layers: expected one for each of {waveforms.amplitude.size} layers, got shape {layers.shape}"
+        raise ValueError(msg)
+    planned = plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
+    if texture is None:
+        return replace(planned, line_gain_spread_db=gain_db)
+    cost = planned.cost_normals + COST_TEXTURE / COST_NORMAL
+    with_texture = {"texture": texture, "textured_layers": np.flatnonzero(layers), "cost_normals": cost}
+    return replace(planned, line_gain_spread_db=gain_db, **with_texture)
 
 
-def plan_power(
-    waveforms,
-    noise_power,
-    tolerance_db,
-    n_looks=np.nan,
-    speckle="gamma",
-    correlation=None,
-    texture=None,
-    line_gain_spread_db=0.0,
-):
+def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None):
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
@@ -133,16 +134,12 @@ def plan_power(
         cost += n_pixels * COST_SPECKLE["correlated"]
     elif np.isfinite(n_looks):
         cost += n_pixels * COST_SPECKLE.get(speckle, COST_LOOK * n_looks)
-    if texture is not None:
-        cost += n_pixels * COST_TEXTURE
     cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
     correlation_error = 0.0 if correlation is None else correlating_taps(correlation, n_looks)[1]
     return Plan(
         *(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals),
         correlation=correlation,
         correlation_error=correlation_error,
-        texture=texture,
-        line_gain_spread_db=line_gain_spread_db,
     )
 
 

@@ -108,6 +108,25 @@ def exact_power(waveforms):
 
 
 @np.errstate(under="ignore")
+def tail_power(waveforms, layers):
+    """Power that some layers have below their centre, all of it tail, float32 (range_bin, range_line).
+
+    Of eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``: a product of a row's factor and a line's.
+    """
+    variance, decay = (getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate"))
+    centre, rows = waveforms.centre_bins[layers], np.arange(waveforms.n_range_bins)
+    share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
+    scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance) * np.exp(decay**2 * variance / 2)
+    power = np.zeros(waveforms.shape, dtype=np.float32)
+    for first in np.unique(np.nan_to_num(np.ceil(centre), nan=waveforms.n_range_bins).astype(int)):
+        lines = np.ceil(centre) == first
+        start = max(first, 0)
+        by_line = np.where(lines, scale * share * np.exp(decay * (np.nan_to_num(centre) - start)), 0)
+        power[start:] += (np.exp(-decay * (rows[start:] - start)).T @ by_line).astype(np.float32)
+    return power
+
+
+@np.errstate(under="ignore")
 def _least_largest_power(waveforms):
     """Power that the scene's largest pixel has at least: of each layer alone, at the pixel nearest to its peak."""
     peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]

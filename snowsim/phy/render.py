@@ -5,7 +5,7 @@ import dataclasses
 from snowsim.echogram import to_uint8
 from snowsim.phy.parameters import scene_parameters
 from snowsim.phy.plan import plan
-from snowsim.phy.power import planned_power
+from snowsim.phy.power import planned_power, tail_power
 from snowsim.phy.speckle import draw_speckle
 from snowsim.phy.texture import draw_gain, draw_texture
 
@@ -20,7 +20,8 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     parameters : mapping
         `peak_power` (layer) or (layer, range_line), `variance_bins2`, `decay_rate` (layer), `noise_power` and
         `n_looks`; where speckle is to be correlated down range, `speckle_correlation` (lag), see `draw_speckle`; where
-        snow has a `texture` (variance, length in bins, in lines), see `snowsim.phy.texture`; `line_gain_spread_db`.
+        snow has a `texture` (variance, length in bins, in lines), see `snowsim.phy.texture`, the `textured_layers`
+        (layer) whose tail it is, by default all; `line_gain_spread_db`.
     n_range_bins : int
         Height of the scene.
     tolerance_db : float or None
@@ -64,11 +65,12 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
 
 def render_plan(scene_plan, *, rng):
     """Power of a planned scene after M looks, (range_bin, range_line)."""
-    textured = scene_plan.texture is not None
-    power = planned_power(scene_plan, added_power=0.0 if textured else scene_plan.noise_power)
-    if textured:
-        power *= draw_texture(*power.shape, scene_plan.texture, rng=rng)
-        power += power.dtype.type(scene_plan.noise_power)
+    power = planned_power(scene_plan, added_power=scene_plan.noise_power)
+    if scene_plan.texture is not None:
+        texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
+        texture -= 1
+        texture *= tail_power(scene_plan.waveforms, scene_plan.textured_layers)
+        power += texture
     if scene_plan.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)
     options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
