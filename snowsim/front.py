@@ -19,9 +19,7 @@ from snowsim.labels import draw_scene, prepare
 from snowsim.phy import plan, render_plan, render_scene
 from snowsim.phy.parameters import checked_height
 from snowsim.phy.waveform import waveform_peak
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import Radar
-from snowsim.physical.snowpack import Climate, Snowpack
+from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
 from snowsim.seeding import random_stream
 
 __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
@@ -60,7 +58,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 
     Notes
     -----
-    Powers, widths and tails: `snowsim.physical.echo.physical_parameters`; PHY renders them. Against a coherent solver,
+    Powers, widths and tails: `snowsim.physical.physical_parameters`; PHY renders them. Against a coherent solver,
     contrasts of 30-250 kg m-3 three range cells apart or more, delays are within 0.1 bin and mean powers within 0.5
     dB; figure *convolution_accuracy* of the report shows where not.
 

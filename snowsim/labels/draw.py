@@ -3,9 +3,8 @@
 import numpy as np
 
 from snowsim.echogram import Scene, scene_height
-from snowsim.labels.nonstationary import draw_beyond
 from snowsim.labels.prepare import LabelModel, prepare
-from snowsim.labels.process import draw_series
+from snowsim.labels.process import draw_beyond, draw_series
 from snowsim.labels.radiometry import add_radiometry
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel

@@ -5,16 +5,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW
-from snowsim.labels.nonstationary import Beyond
 from snowsim.labels.process import (
+    Beyond,
     correlation_factor,
     draw_series,
     lengthened,
     line_variances,
     plain_variances,
 )
-from snowsim.labels.radiometry import RadiometryModel, radiometry_model
-from snowsim.labels.values import values_of
+from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so

@@ -1,10 +1,9 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork, track, trained_network
 from snowsim.tracker.sampling import Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
-from snowsim.tracker.track import track, trained_network
 from snowsim.tracker.train import Training, annotated_pixels, train_steps
 
 __all__ = [

@@ -8,9 +8,9 @@ from scipy.special import ndtri
 from lib.diagnostics import coherent
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.phy import mean_power
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import PRESETS
-from snowsim.physical.snowpack import Snowpack
+from snowsim.physical import physical_parameters
+from snowsim.physical import PRESETS
+from snowsim.physical import Snowpack
 from snowsim.reference.firn import refractive_index_kovacs95
 from snowsim.reference.radar import annulus_power
 
