@@ -5,14 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW
-from snowsim.labels.process import (
-    Beyond,
-    correlation_factor,
-    draw_series,
-    lengthened,
-    line_variances,
-    plain_variances,
-)
+from snowsim.labels.process import Beyond, correlation_factor, draw_series, lengthened, line_variances, plain_variances
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B

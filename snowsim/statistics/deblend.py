@@ -6,14 +6,7 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from snowsim.statistics.departures import clustered, departing, lasting_misfit
-from snowsim.statistics.lines import (
-    background_columns,
-    describe,
-    prepare_line,
-    rescale,
-    solve_powers,
-    waveform_columns,
-)
+from snowsim.statistics.lines import background_columns, describe, prepare_line, rescale, solve_powers, waveform_columns
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
