@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import SURFACE_ROW, scene_height
+from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
@@ -137,9 +137,7 @@ class Scenes(Sequence):
 
         `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for another.
         """
-        if format not in EXPORTS:
-            msg = f"format must be one of {', '.join(EXPORTS)}, got {format!r}"
-            raise ValueError(msg)
+        check_choice("format", format, EXPORTS)
         return EXPORTS[format](folder, map(self.scene, self._indices if indices is None else indices))
 
 

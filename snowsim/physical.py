@@ -6,6 +6,7 @@ import numpy as np
 from scipy.signal import get_window
 
 from snowsim.constants import ICE_DENSITY_KG_M3, KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
+from snowsim.echogram import check_choice
 from snowsim.reference.climate import draw_along_track
 from snowsim.reference.firn import density_herron_langway80, depth_herron_langway80
 
@@ -49,9 +50,7 @@ class Radar:
     @classmethod
     def preset(cls, name, **changes):
         """One of `PRESETS` with changes; ValueError with their names where there is none."""
-        if name not in PRESETS:
-            msg = f"radar must be one of {', '.join(PRESETS)}, got {name!r}"
-            raise ValueError(msg)
+        check_choice("radar", name, PRESETS)
         return replace(PRESETS[name], **changes)
 
     @property

@@ -3,13 +3,5 @@
 from snowsim.frames.blocks import cut_blocks, frame_of_scene
 from snowsim.frames.flatten import FLAGGED_BY, align_layers, count_flagged, flatten, leave_out_flagged, resample_range
 
-__all__ = [
-    "FLAGGED_BY",
-    "align_layers",
-    "count_flagged",
-    "cut_blocks",
-    "flatten",
-    "frame_of_scene",
-    "leave_out_flagged",
-    "resample_range",
-]
+__all__ = ["FLAGGED_BY", "align_layers", "count_flagged", "cut_blocks", "flatten", "frame_of_scene"]
+__all__ += ["leave_out_flagged", "resample_range"]

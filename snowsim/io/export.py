@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from snowsim.echogram import check_choice
 from snowsim.io.files import write_dataset, write_store, written_whole
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
@@ -31,9 +32,7 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     Names that the loader would trip over, scenes without an image and more than 255 layers are refused.
     """
     folder = Path(folder)
-    if layers not in LAYERS:
-        msg = f"layers must be one of {', '.join(LAYERS)}, got {layers}"
-        raise ValueError(msg)
+    check_choice("layers", layers, LAYERS)
     if "data_" in folder.name:
         msg = f"{folder}: the folder's name must not contain data_, which loaders replace along with the file's"
         raise ValueError(msg)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from snowsim.echogram import SURFACE_ROW
+from snowsim.echogram import SURFACE_ROW, check_choice
 from snowsim.labels.process import Beyond, correlation_factor, draw_series, lengthened, line_variances, plain_variances
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
@@ -165,9 +165,7 @@ def prepare(
     choices = ("correlation", correlation, "none"), ("first_slab", first_slab, "uniform"), ("surface", surface, "flat")
     choices += (("radiometry", radiometry, "constant"),)
     for name, value, other in choices:
-        if value not in ("measured", other):
-            msg = f"{name} must be one of measured, {other}, got {value!r}"
-            raise ValueError(msg)
+        check_choice(name, value, ("measured", other))
     # The paper's slabs have nothing in common but slab 0.
     held = {"by_separation": np.array([1.0, 0.0]), "by_band": np.array([[1.0, 0.0]]), "edges": np.array([0, 0.5])}
     held |= {"trends": held["by_separation"]}

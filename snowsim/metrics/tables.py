@@ -79,7 +79,7 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
     first = counts[training_sets[0], outputs[0]]
     n_replicas, n_images = len(first), len(first[0])
-    n_without_truth = score(first[0])["n_without_truth"]
+    sizes = {"n_replicas": n_replicas, "n_images": n_images, "n_without_truth": score(first[0])["n_without_truth"]}
     draws = [
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images)) for _ in range(n_bootstrap)
     ]
@@ -92,22 +92,12 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
                 here, base = (_means(resampled[s], index) for s in (training_set, training_sets[0]))
                 mean, base_mean = _means([point[training_set], point[training_sets[0]]], index)
                 low, high = np.percentile(here, [2.5, 97.5])
-                difference_low, difference_high = np.percentile(here - base, [2.5, 97.5])
+                ends = dict(
+                    zip(("difference_low", "difference_high"), np.percentile(here - base, [2.5, 97.5]), strict=True)
+                )
                 rows.append(
-                    {
-                        "output": output,
-                        "training_set": training_set,
-                        "metric": metric,
-                        "mean": mean,
-                        "low": low,
-                        "high": high,
-                        "difference": mean - base_mean,
-                        "difference_low": difference_low,
-                        "difference_high": difference_high,
-                        "n_replicas": n_replicas,
-                        "n_images": n_images,
-                        "n_without_truth": n_without_truth,
-                    }
+                    {"output": output, "training_set": training_set, "metric": metric, "mean": mean, "low": low}
+                    | {"high": high, "difference": mean - base_mean, **ends, **sizes}
                 )
     return pd.DataFrame(rows)
 

@@ -11,9 +11,8 @@ from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
 SHAPE_GROUPS = 60  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1.5 %
-CAUCHY = (
-    2.385  # residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827
-)
+# Residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827.
+CAUCHY = 2.385
 CLUSTER_GROUPS = 13  # averaged lines, about a block, within which what the model leaves out stays the same
 FEWEST_CLUSTERS = 8  # of a flight; a shorter one has shorter ones
 MAX_STEPS = 25

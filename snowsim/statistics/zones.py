@@ -28,11 +28,8 @@ DIMENSIONS = {
     "zone_edge_bins": ("edge",),
     "thickness_psd": ("zone", "slab", "wavenumber"),
     "thickness_correlation": ("band", "separation"),
-    "relative_thickness_correlation": ("separation",),
-    "trend_correlation": ("separation",),
-    "n_gap_blocks": ("slab",),
-    "pick_noise_bins2": ("layer",),
-    "n_blocks_by_layers": ("zone", "n_layers"),
+    **dict.fromkeys(("relative_thickness_correlation", "trend_correlation"), ("separation",)),
+    **{"n_gap_blocks": ("slab",), "pick_noise_bins2": ("layer",), "n_blocks_by_layers": ("zone", "n_layers")},
     "first_thickness_quantile_bins": ("quantile",),
 }  # of the others zone and slab
 

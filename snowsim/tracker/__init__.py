@@ -6,19 +6,5 @@ from snowsim.tracker.sampling import Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.train import Training, annotated_pixels, train_steps
 
-__all__ = [
-    "OUTPUTS",
-    "Completed",
-    "LightNetwork",
-    "MultiScaleNetwork",
-    "PublishedNetwork",
-    "Settings",
-    "Training",
-    "TrainingSet",
-    "Uppermost",
-    "annotated_pixels",
-    "published",
-    "track",
-    "train_steps",
-    "trained_network",
-]
+__all__ = ["OUTPUTS", "Completed", "LightNetwork", "MultiScaleNetwork", "PublishedNetwork", "Settings", "Training"]
+__all__ += ["TrainingSet", "Uppermost", "annotated_pixels", "published", "track", "train_steps", "trained_network"]

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from snowsim.echogram import check_choice
+
 CHOICES = {
     "optimiser": ("adamw", "sgd"),
     "schedule": ("one_cycle", "steps", "updates"),
@@ -88,9 +90,7 @@ class Settings:
             msg = f"scales must be one or more in (0, 1], got {self.scales}"
             raise ValueError(msg)
         for name, choices in CHOICES.items():
-            if getattr(self, name) not in choices:
-                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
-                raise ValueError(msg)
+            check_choice(name, getattr(self, name), choices)
 
     @property
     def n_copies(self):
