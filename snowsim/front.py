@@ -81,12 +81,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     layer_bins = np.broadcast_to(SURFACE_ROW + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
     surface_power = parameters["peak_power"][0].mean() * height[0]
-    parameters |= {
-        "peak_power": np.broadcast_to(parameters["peak_power"], shape),
-        "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
-        "n_looks": radar.n_looks,
-        "speckle_correlation": radar.speckle_correlation(),
-    }
+    parameters["peak_power"] = np.broadcast_to(parameters["peak_power"], shape)
+    parameters["noise_power"] = surface_power * 10 ** (-radar.surface_to_noise_db / 10)
+    parameters |= {"n_looks": radar.n_looks, "speckle_correlation": radar.speckle_correlation()}
     options = {"tolerance_db": tolerance_db, "normalise": "none", "align": "gaussian"}
     power = render_plan(plan(layer_bins, parameters, scene_height(layer_bins), **options), rng=rng)
 
@@ -142,16 +139,9 @@ class Scenes(Sequence):
 
 
 def scenes(
-    n,
-    *,
-    statistics="reference",
-    renderer="phy",
-    rng,
-    n_range_lines=256,
-    n_range_bins=None,
-    radiometry="measured",
+    n, *, statistics="reference", renderer="phy", rng, n_range_lines=256, n_range_bins=None, radiometry="measured",
     **phy,
-):
+):  # fmt: skip
     """Scenes to train on, as a sequence that `torch.utils.data.DataLoader` takes as it is.
 
     Parameters

@@ -207,9 +207,5 @@ def physical_parameters(snowpack, radar):
     decay_per_s, share = radar.tail(snowpack.slope, radar.height_m + depth_m.mean(axis=1))
     decay = decay_per_s * radar.bin_s
     height = share * decay * np.sqrt(response / (response + rough))
-    parameters = {
-        "peak_power": reflected * passed * lost * height[:, None],
-        "variance_bins2": response + rough,
-        "decay_rate": decay,
-    }
-    return below_s, parameters
+    power = reflected * passed * lost * height[:, None]
+    return below_s, {"peak_power": power, "variance_bins2": response + rough, "decay_rate": decay}

@@ -85,7 +85,7 @@ def score_folders(
         follow = {"max_distance_bins": max_distance_bins, "within_bins": within_bins}
         rows = each(_pick, suppressed=suppressed, threshold=threshold, follow=follow)
     names, rng = [name for name, _, _ in pairs], np.random.default_rng(seed)
-    return tabulate_scores(names, counts, rows, thresholds=THRESHOLDS, n_bootstrap=n_bootstrap, rng=rng)
+    return _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
 
 
 def _edges_and_truth(prediction, truth, suppressed):
@@ -93,7 +93,11 @@ def _edges_and_truth(prediction, truth, suppressed):
     mask, layer_bins = read_labels(truth, probability.shape)
     if not mask.any():
         raise refusal(truth, "truth", "at least one layer in the image", "none")
-    check_polarity(probability, mask, str(prediction))
+    on, off = probability[mask], probability[~mask]
+    if off.size and np.median(probability) > 0.5 and on.mean() < off.mean():
+        found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
+        msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
+        raise ValueError(msg)
     return probability if suppressed else suppress(probability, where=str(prediction)), mask, layer_bins
 
 
@@ -119,21 +123,11 @@ def _pick(pair, *, suppressed, threshold, follow):
     return layer_rows(picks, layer_bins, **follow)
 
 
-def check_polarity(prediction, truth, where="image"):
-    """Refuse an edge map with dark layers on a bright ground, told by what lies under the true ones."""
-    on, off = prediction[truth], prediction[~truth]
-    if on.size and off.size and np.median(prediction) > 0.5 and on.mean() < off.mean():
-        found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
-        msg = f"{where}: expected bright layers on a dark ground, got {found}"
-        raise ValueError(msg)
+def _tabulated(names, counts, picks, *, n_bootstrap, rng):
+    """Table of `score_folders` from what `match_counts` (or None) and `layer_rows` give of each image.
 
-
-def tabulate_scores(names, counts, picks, *, thresholds, n_bootstrap, rng):
-    """Scores of images, a row for each of `names`, and of all of them: rows `all`, `low` and `high`.
-
-    `counts` is of each image what `match_counts` gives (None: no edge scores), `picks` what `layer_rows` gives. `low`
-    and `high` are the 2.5 and 97.5 percentiles of `n_bootstrap` resamples of the images, drawn with replacement; NaN
-    for one image alone. Columns as `snowsim.score_folders` has them; `ods` and `ois` of one image are its best F.
+    `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with replacement, NaN for one
+    image alone, whose `ods` and `ois` are its best F.
     """
     sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
     draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
@@ -143,7 +137,7 @@ def tabulate_scores(names, counts, picks, *, thresholds, n_bootstrap, rng):
     parts = [errors_of_sums(part, bin_size_m=1)[PICK_SCORES] for part in parts]
     if counts is not None:
         stacked = stack_counts(counts)
-        edges = [[_of_edges([image], thresholds) for image in counts], [_of_edges(stacked, thresholds)]]
+        edges = [[_of_edges([image]) for image in counts], [_of_edges(stacked)]]
         edges.append([dict(zip(METRICS, replica_scores([stacked], draw)[0], strict=True)) for draw in draws])
         parts = [pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)]
     ends = parts[2].quantile([0.025, 0.975]) if len(names) > 1 else pd.DataFrame(index=range(2))
@@ -152,6 +146,6 @@ def tabulate_scores(names, counts, picks, *, thresholds, n_bootstrap, rng):
     return table
 
 
-def _of_edges(counts, thresholds):
-    scores = score(counts, thresholds)
+def _of_edges(counts):
+    scores = score(counts, THRESHOLDS)
     return {name: scores[name] for name in METRICS} | {"threshold": scores["ods_threshold"]}

@@ -83,9 +83,8 @@ def measure_renders(generator, scenes, *, dropout, statistics="training", precis
 def checkerboard(image):
     """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
 
-    The strongest of the periods: the standard deviation of the median over all cells of a grid of that period, each
-    less its own mean, and less what is the same all along a row, which might be snow. Layers and edges, bright in few
-    cells, do not move a median.
+    The strongest of the periods: standard deviation of the median over all cells of a grid of that period, each less
+    its mean and what is the same along a row, which might be snow. Layers and edges, bright in few, move no median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []

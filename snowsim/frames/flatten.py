@@ -44,15 +44,11 @@ def align_layers(layers, echogram, where="layers"):
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
     _check_window(twtt, echogram, where)
     flags = {name: layers[name].transpose("layer", "slow_time") for name in ("quality", "type")}
-    aligned = xr.Dataset(
-        {
-            "twtt": (("layer", "slow_time"), twtt, {"units": "s"}),
-            **{name: (("layer", "slow_time"), flag.values[:, nearer], flag.attrs) for name, flag in flags.items()},
-            "Elevation": ("slow_time", echogram["Elevation"].values, {"units": "m"}),
-        },
-        coords={"slow_time": ours, **{name: c for name, c in layers.coords.items() if c.dims == ("layer",)}},
-        attrs=layers.attrs,
-    )
+    variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
+    variables |= {name: (("layer", "slow_time"), f.values[:, nearer], f.attrs) for name, f in flags.items()}
+    variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
+    coordinates = {"slow_time": ours} | {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
+    aligned = xr.Dataset(variables, coordinates, layers.attrs)
     check_layers(aligned, where)
     return aligned
 
@@ -79,10 +75,8 @@ def _check_window(twtt, echogram, where):
     outside = (twtt < window[0] - half_bin) | (twtt > window[-1] + half_bin)  # NaN is not outside
     if outside.any():
         layer, line = np.argwhere(outside)[0]
-        msg = (
-            f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
-            f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
-        )
+        msg = f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
+        msg += f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
         raise ValueError(msg)
 
 
@@ -149,8 +143,7 @@ def resample_range(echogram, bin_s):
     """Echogram at another bin size in two-way travel time [s], two of which must fit into it.
 
     Larger bins hold the mean power of what they cover, smaller ones the power interpolated between bin centres; the
-    first bin keeps its travel time. NaN spreads to every bin it touches. A file that has the bin size to within a
-    millionth comes back as it is.
+    first bin keeps its travel time. NaN spreads to every bin it touches. Within a millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
     if not bin_s > 0:

@@ -111,14 +111,9 @@ def _dataset(scene):
     if scene.image is not None:
         variables["image"] = (rows, scene.image, {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"})
     variables["mask"] = (rows, scene.mask().astype(np.uint8), {"long_name": "1 on a layer"})
-    attributes = {
-        "format": FORMAT,
-        "name": scene.name,
-        "n_range_bins": scene.n_range_bins,
-        **{name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()},
-        "notes": json.dumps(scene.notes, sort_keys=True),
-    }
-    return xr.Dataset(variables, attrs=attributes)
+    attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
+    attributes |= {name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()}
+    return xr.Dataset(variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)})
 
 
 def _check_name(scene, names, folder):

@@ -93,8 +93,7 @@ def scene_name(path):
 def read_pair(path, *, data_scale=None):
     """Scene of one `data_*` file and the labels beside it; see `PairSet`.
 
-    Refused are labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; damaged or
-    oversized images.
+    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; bad images.
     """
     path = existing(path)
     if container_of(path) == "png":

@@ -183,9 +183,8 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     `options` are those of `draw_parameters`. With `background` ``measured`` the flight's mean power of what nobody
     picked lies below the surface of a scene without powers of its own, one row for each of its e-folds; ``none``: eq.
     (1) of the layers alone, as printed, and of statistics made before it was measured. A scene that was drawn with
-    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and which
-    layer of the flight gives a row its waveform, or, by -1 - k, that it is the background's e-fold k; and the flight's
-    texture and gain by line.
+    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and the layer
+    that gives a row its waveform (-1 - k: it is the background's e-fold k); texture and gain by line are the flight's.
     """
     check_choice("background", background, BACKGROUNDS)
     if scene.peak_power is None:

@@ -106,14 +106,7 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
 
 
 def plan_power(
-    waveforms,
-    noise_power,
-    tolerance_db,
-    n_looks=np.nan,
-    speckle="gamma",
-    correlation=None,
-    texture=None,
-    line_gain_spread_db=0.0,
+    waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None, texture=None, gain_db=0.0
 ):
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
@@ -142,7 +135,7 @@ def plan_power(
         correlation=correlation,
         correlation_error=correlation_error,
         texture=texture,
-        line_gain_spread_db=line_gain_spread_db,
+        line_gain_spread_db=gain_db,
     )
 
 

@@ -139,10 +139,8 @@ def fading_products(summary, powers, frame_of):
                 value = np.where(known, value - value[known].mean(), 0)
                 square = min(share, 1.0) ** 2
                 for j, lag in enumerate(lags):
-                    product, n = (
-                        value[: BLOCK_LINES - lag] @ value[lag:],
-                        (known[: BLOCK_LINES - lag] & known[lag:]).sum(),
-                    )
+                    product = value[: BLOCK_LINES - lag] @ value[lag:]
+                    n = (known[: BLOCK_LINES - lag] & known[lag:]).sum()
                     products[i, min(layer, 1), j] += product / (square if lag else 1), n, n * square
     return products
 
