@@ -19,8 +19,7 @@ from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
 from snowsim.phy.waveform import waveform_peak
-from snowsim.physical import physical_parameters
-from snowsim.physical import PRESETS
+from snowsim.physical import PRESETS, physical_parameters
 
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
