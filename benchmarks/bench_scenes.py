@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 import snowsim
-from snowsim.physical.radar import PRESETS
+from snowsim.physical import PRESETS
 
 N_SCENES, N_LINES = 1500, 1000
 say = sys.stdout.write

@@ -59,6 +59,13 @@ class Scene:
         return layer_mask(self.layer_bins, self.n_range_bins)
 
 
+def check_choice(name, value, choices):
+    """Raise ValueError, with all `choices`, unless the value called `name` is one of them."""
+    if value not in choices:
+        msg = f"{name} must be one of {', '.join(choices)}, got {value!r}"
+        raise ValueError(msg)
+
+
 def scene_height(layer_bins):
     """Height in range bins of a scene with these layers: max(300, deepest + 100), as in the published benchmark."""
     if not np.isfinite(layer_bins).any():

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import SURFACE_ROW, scene_height
+from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
@@ -19,9 +19,7 @@ from snowsim.labels import draw_scene, prepare
 from snowsim.phy import plan, render_plan, render_scene
 from snowsim.phy.parameters import checked_height
 from snowsim.phy.waveform import waveform_peak
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import Radar
-from snowsim.physical.snowpack import Climate, Snowpack
+from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
 from snowsim.seeding import random_stream
 
 __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
@@ -60,7 +58,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 
     Notes
     -----
-    Powers, widths and tails: `snowsim.physical.echo.physical_parameters`; PHY renders them. Against a coherent solver,
+    Powers, widths and tails: `snowsim.physical.physical_parameters`; PHY renders them. Against a coherent solver,
     contrasts of 30-250 kg m-3 three range cells apart or more, delays are within 0.1 bin and mean powers within 0.5
     dB; figure *convolution_accuracy* of the report shows where not.
 
@@ -83,12 +81,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     layer_bins = np.broadcast_to(SURFACE_ROW + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
     surface_power = parameters["peak_power"][0].mean() * height[0]
-    parameters |= {
-        "peak_power": np.broadcast_to(parameters["peak_power"], shape),
-        "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
-        "n_looks": radar.n_looks,
-        "speckle_correlation": radar.speckle_correlation(),
-    }
+    parameters["peak_power"] = np.broadcast_to(parameters["peak_power"], shape)
+    parameters["noise_power"] = surface_power * 10 ** (-radar.surface_to_noise_db / 10)
+    parameters |= {"n_looks": radar.n_looks, "speckle_correlation": radar.speckle_correlation()}
     options = {"tolerance_db": tolerance_db, "normalise": "none", "align": "gaussian"}
     power = render_plan(plan(layer_bins, parameters, scene_height(layer_bins), **options), rng=rng)
 
@@ -139,23 +134,14 @@ class Scenes(Sequence):
 
         `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for another.
         """
-        if format not in EXPORTS:
-            msg = f"format must be one of {', '.join(EXPORTS)}, got {format!r}"
-            raise ValueError(msg)
+        check_choice("format", format, EXPORTS)
         return EXPORTS[format](folder, map(self.scene, self._indices if indices is None else indices))
 
 
 def scenes(
-    n,
-    *,
-    statistics="reference",
-    renderer="phy",
-    rng,
-    n_range_lines=256,
-    n_range_bins=None,
-    radiometry="measured",
+    n, *, statistics="reference", renderer="phy", rng, n_range_lines=256, n_range_bins=None, radiometry="measured",
     **phy,
-):
+):  # fmt: skip
     """Scenes to train on, as a sequence that `torch.utils.data.DataLoader` takes as it is.
 
     Parameters

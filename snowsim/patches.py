@@ -43,8 +43,7 @@ def _order(n, seed, *keys):
 def scaled(image, layer_bins, scale):
     """A scene at another size, its layers still one pixel thick.
 
-    The image is averaged down; layers are moved as curves and drawn again: a mask resized like an image loses or
-    thickens them.
+    The image is averaged down, layers are moved as curves: a mask resized like an image loses or thickens them.
 
     Parameters
     ----------
@@ -89,9 +88,8 @@ def whole_copy(scene, scale, mirrored):
     if scale != 1:
         size = [int(n * scale) for n in both.shape[1:]]
         values = functional.interpolate(torch.from_numpy(both)[None].double(), size=size, mode="bilinear")[0]
-        both = (
-            torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
-        )  # half a level goes up, however it was rounded
+        # Half a level goes up, however it was rounded.
+        both = torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
 

@@ -5,13 +5,17 @@ from contextlib import ExitStack
 from functools import partial
 
 import numpy as np
+import pandas as pd
 
 from snowsim.io.guard import refusal
 from snowsim.io.predictions import pair_files, read_labels, read_map
-from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
-from snowsim.metrics.pick_tables import layer_rows
+from snowsim.metrics.comparison import METRICS, replica_scores
+from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
+from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
 from snowsim.metrics.picks import pick_layers
-from snowsim.metrics.summary import check_polarity, tabulate_scores
+
+PICK_SCORES = ["mean_absolute_error_bins", "bias_bins", "share_within", "share_found"]
+PICK_SCORES += ["n_layers", "n_missed_layers", "n_false_layers"]
 
 
 def score_folders(
@@ -81,7 +85,7 @@ def score_folders(
         follow = {"max_distance_bins": max_distance_bins, "within_bins": within_bins}
         rows = each(_pick, suppressed=suppressed, threshold=threshold, follow=follow)
     names, rng = [name for name, _, _ in pairs], np.random.default_rng(seed)
-    return tabulate_scores(names, counts, rows, thresholds=THRESHOLDS, n_bootstrap=n_bootstrap, rng=rng)
+    return _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
 
 
 def _edges_and_truth(prediction, truth, suppressed):
@@ -89,7 +93,11 @@ def _edges_and_truth(prediction, truth, suppressed):
     mask, layer_bins = read_labels(truth, probability.shape)
     if not mask.any():
         raise refusal(truth, "truth", "at least one layer in the image", "none")
-    check_polarity(probability, mask, str(prediction))
+    on, off = probability[mask], probability[~mask]
+    if off.size and np.median(probability) > 0.5 and on.mean() < off.mean():
+        found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
+        msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
+        raise ValueError(msg)
     return probability if suppressed else suppress(probability, where=str(prediction)), mask, layer_bins
 
 
@@ -113,3 +121,31 @@ def _pick(pair, *, suppressed, threshold, follow):
     if picks.shape[1] != layer_bins.shape[1]:
         raise refusal(prediction, "size", f"{layer_bins.shape[1]} range lines as {truth} has", picks.shape[1])
     return layer_rows(picks, layer_bins, **follow)
+
+
+def _tabulated(names, counts, picks, *, n_bootstrap, rng):
+    """Table of `score_folders` from what `match_counts` (or None) and `layer_rows` give of each image.
+
+    `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with replacement, NaN for one
+    image alone, whose `ods` and `ois` are its best F.
+    """
+    sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
+    draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
+    times = np.array([np.bincount(draw, minlength=len(names)) for draw in draws])
+    # Every image once, all of them, and each as often as a resample has it.
+    parts = [sums, sums.sum().to_frame().T, pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns)]
+    parts = [errors_of_sums(part, bin_size_m=1)[PICK_SCORES] for part in parts]
+    if counts is not None:
+        stacked = stack_counts(counts)
+        edges = [[_of_edges([image]) for image in counts], [_of_edges(stacked)]]
+        edges.append([dict(zip(METRICS, replica_scores([stacked], draw)[0], strict=True)) for draw in draws])
+        parts = [pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)]
+    ends = parts[2].quantile([0.025, 0.975]) if len(names) > 1 else pd.DataFrame(index=range(2))
+    table = pd.concat([*parts[:2], ends], ignore_index=True)
+    table.insert(0, "image", [*names, "all", "low", "high"])
+    return table
+
+
+def _of_edges(counts):
+    scores = score(counts, THRESHOLDS)
+    return {name: scores[name] for name in METRICS} | {"threshold": scores["ods_threshold"]}

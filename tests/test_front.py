@@ -12,16 +12,14 @@ from ship_statistics import shipped
 
 import snowsim
 from lib.imports import ROOT
-from snowsim.cli import scenes as scenes_command
-from snowsim.cli import simulate as simulate_command
+from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
 from snowsim.phy.waveform import waveform_peak
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import PRESETS
+from snowsim.physical import PRESETS, physical_parameters
 
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
@@ -124,16 +122,16 @@ def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
 
 
 def test_commands_write_what_the_functions_give(tmp_path):
-    assert set(simulate_command.PRESETS) == set(PRESETS)
+    assert set(cli.PRESETS) == set(PRESETS)
     asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
-    assert CliRunner().invoke(simulate_command.command, asked).exit_code == 0
+    assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
     climate, radar = snowsim.Climate(accumulation_m=0.3), snowsim.Radar.preset("snow-2-8", height_m=400.0)
     found = snowsim.simulate(climate, radar, n_range_lines=4, rng=np.random.default_rng(0))
     for name, dataset in zip(("a.nc", "a_layers.nc"), found, strict=True):
         xr.testing.assert_equal(read_dataset(tmp_path / name), dataset)
-    done = CliRunner().invoke(simulate_command.command, [*asked, "--set", "colour", "1"])
+    done = CliRunner().invoke(cli.simulate, [*asked, "--set", "colour", "1"])
     assert (done.exit_code, "a radar has no number colour" in done.output) == (2, True)
-    assert "\n    snowsim simulate echogram.nc" in CliRunner().invoke(simulate_command.command, ["--help"]).output
-    done = CliRunner().invoke(scenes_command.command, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
+    assert "\n    snowsim simulate echogram.nc" in CliRunner().invoke(cli.simulate, ["--help"]).output
+    done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2

@@ -58,18 +58,13 @@ def measure_renders(generator, scenes, *, dropout, statistics="training", precis
         raise ValueError(msg)
     height = min(scene.n_range_bins for scene in scenes)
     width = min(scene.n_range_lines for scene in scenes)
+    masks = [scene.mask()[:height, :width] for scene in scenes]
+    how = {"dropout": dropout, "statistics": statistics, "precision": precision}
 
     def rendered(draw):
         try:
-            return np.stack(
-                [
-                    render(
-                        generator, scene.mask()[:height, :width], dropout=dropout, statistics=statistics,
-                        precision=precision, rng=random_stream(seed, "cgan", "health", draw),
-                    )
-                    for scene in scenes
-                ]
-            ).astype(float)  # fmt: skip
+            images = [render(generator, mask, **how, rng=random_stream(seed, "cgan", "health", draw)) for mask in masks]
+            return np.stack(images).astype(float)
         except FloatingPointError:
             return np.full((len(scenes), height, width), np.nan)
 
@@ -88,9 +83,8 @@ def measure_renders(generator, scenes, *, dropout, statistics="training", precis
 def checkerboard(image):
     """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
 
-    The strongest of the periods: the standard deviation of the median over all cells of a grid of that period, each
-    less its own mean, and less what is the same all along a row, which might be snow. Layers and edges, bright in few
-    cells, do not move a median.
+    The strongest of the periods: standard deviation of the median over all cells of a grid of that period, each less
+    its mean and what is the same along a row, which might be snow. Layers and edges, bright in few, move no median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []
@@ -108,8 +102,7 @@ def checkerboard(image):
 def faults(numbers, *, dropout):
     """What is wrong by the limits of this module, a phrase each; empty for a healthy training.
 
-    `numbers` of `measure_losses` and `measure_renders`; those missing are not judged. Without dropout draws may be
-    equal.
+    `numbers` of `measure_losses` and `measure_renders`, missing ones not judged. Without dropout draws may be equal.
     """
     found = []
     ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)

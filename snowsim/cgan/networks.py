@@ -31,7 +31,7 @@ class UNetGenerator(nn.Module):
         )
         self.up = nn.ModuleList(
             # The innermost stage has no skip; every other joins what came up with what went down.
-            _doubling(c[stage] * (1 if stage == depth - 1 else 2), c[stage - 1])
+            nn.ConvTranspose2d(c[stage] * (1 + (stage < depth - 1)), c[stage - 1], 4, stride=2, padding=1, bias=False)
             for stage in range(1, depth)
         )
         self.out = nn.ConvTranspose2d(2 * c[0], 1, 4, stride=2, padding=1)
@@ -131,10 +131,6 @@ def initialise(network, *, rng):
 
 def _halving(n_in, n_out, *, bias=False):
     return nn.Conv2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
-
-
-def _doubling(n_in, n_out):
-    return nn.ConvTranspose2d(n_in, n_out, 4, stride=2, padding=1, bias=False)
 
 
 def _norm(n_channels):

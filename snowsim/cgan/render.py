@@ -4,6 +4,7 @@ import numpy as np
 import torch
 
 from snowsim.cgan.networks import UNetGenerator
+from snowsim.echogram import check_choice
 from snowsim.metrics.image import similarity
 from snowsim.patches import draw_index, from_signed, to_signed
 from snowsim.seeding import random_stream
@@ -38,9 +39,7 @@ def render(generator, mask, *, dropout=0.5, statistics="training", precision="fl
     if not mask.any():
         msg = f"mask without layers: expected at least one annotated pixel in {mask.shape}"
         raise ValueError(msg)
-    if statistics not in STATISTICS:
-        msg = f"statistics must be one of {', '.join(STATISTICS)}, got {statistics!r}"
-        raise ValueError(msg)
+    check_choice("statistics", statistics, STATISTICS)
     if statistics == "training" and not generator.is_settled:
         msg = "generator has no statistics of its training to normalise by: they are set by settle_statistics"
         raise ValueError(msg)
@@ -80,16 +79,8 @@ def validate(generator, scenes, *, dropout, statistics, precision, seed):
 
     `dropout`, `statistics` and `precision` as for `render`.
     """
-    images = [
-        render(
-            generator,
-            scene.mask(),
-            dropout=dropout,
-            statistics=statistics,
-            precision=precision,
-            rng=random_stream(seed, "cgan", "validation", scene.name),
-        )
-        for scene in scenes
-    ]
+    how = {"dropout": dropout, "statistics": statistics, "precision": precision}
+    streams = (random_stream(seed, "cgan", "validation", scene.name) for scene in scenes)
+    images = [render(generator, s.mask(), **how, rng=rng) for s, rng in zip(scenes, streams, strict=True)]
     scores = [similarity(image, scene.image) for image, scene in zip(images, scenes, strict=True)]
     return {name: float(np.mean([score[name] for score in scores])) for name in ("rmse", "psnr", "ssim")}, images

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from snowsim.echogram import check_choice
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -57,6 +59,4 @@ class Settings:
             msg = f"expected l1_weight >= 0 and learning_rate > 0, got {self.l1_weight} and {self.learning_rate}"
             raise ValueError(msg)
         for name, choices in (("adversarial", ("bce", "lsgan")), ("precision", ("float32", "bfloat16"))):
-            if getattr(self, name) not in choices:
-                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
-                raise ValueError(msg)
+            check_choice(name, getattr(self, name), choices)

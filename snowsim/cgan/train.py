@@ -29,10 +29,8 @@ class Training:
         initialise(self.discriminator, rng=random_stream(seed, "cgan", "discriminator"))
         for network in (self.generator, self.discriminator):
             network.to(device=device, memory_format=torch.channels_last)
-        self._optimisers = {
-            "generator_adam": _adam(self.generator, settings),
-            "discriminator_adam": _adam(self.discriminator, settings),
-        }
+        networks = {"generator_adam": self.generator, "discriminator_adam": self.discriminator}
+        self._optimisers = {name: _adam(network, settings) for name, network in networks.items()}
 
     def state(self):
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""

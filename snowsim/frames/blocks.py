@@ -64,19 +64,10 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         if missing.any():
             skipped[scene_name] = f"{int(missing.sum())} pixels without a measurement"
             continue
-        image, noise_floor_db, maximum_db = to_uint8(block_power)
+        image, *scale = to_uint8(block_power)
+        shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
         notes = {"first_line": start, "first_twtt_s": first_s + top * bin_s, "bin_size_s": bin_s}
-        scenes.append(
-            Scene(
-                name=scene_name,
-                n_range_bins=bottom - top,
-                layer_bins=bins,
-                image=image,
-                noise_floor_db=noise_floor_db,
-                maximum_db=maximum_db,
-                notes=notes,
-            )
-        )
+        scenes.append(Scene(scene_name, bottom - top, bins, **shown, notes=notes))
     return scenes, skipped
 
 
@@ -114,22 +105,13 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
     milliseconds = 60_000 * minute + np.arange(n_lines)
     slow_time = np.datetime64("2012-01-01", "ns") + milliseconds * np.timedelta64(1, "ms")
     twtt = layer_bins * bin_s
-    along = {
-        "Latitude": latitude,
-        "Longitude": np.full(n_lines, -40.0),
-        "Elevation": np.zeros(n_lines),
-        "Surface": twtt[0],
-    }
+    along = {"Latitude": latitude, "Longitude": np.full(n_lines, -40.0), "Elevation": np.zeros(n_lines)}
+    along["Surface"] = twtt[0]
     echogram = xr.Dataset(
         {"Data": (("twtt", "slow_time"), power), **{key: ("slow_time", values) for key, values in along.items()}},
         coords={"twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}), "slow_time": slow_time},
     )
-    layers = xr.Dataset(
-        {
-            "twtt": (("layer", "slow_time"), twtt, {"units": "s"}),
-            "quality": (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)),
-            "type": (("layer", "slow_time"), np.full(twtt.shape, 2, dtype=np.uint8)),
-        },
-        coords={"slow_time": slow_time},
-    )
-    return echogram, layers
+    picks = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
+    for name, code in (("quality", 1), ("type", 2)):
+        picks[name] = (("layer", "slow_time"), np.full(twtt.shape, code, dtype=np.uint8))
+    return echogram, xr.Dataset(picks, {"slow_time": slow_time})

@@ -1,4 +1,4 @@
-"""Frames made comparable: layers on the lines of an echogram, level surface or aircraft, one bin size."""
+"""Frames made comparable: layers on the lines of an echogram, flagged lines out, level, one bin size."""
 
 import numpy as np
 import xarray as xr
@@ -7,6 +7,17 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
 
 METHODS = ("surface", "elevation", "none")
+# Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each. Not here by
+# default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB below a bright echo: layers stay
+# where they are, and the same supplement lies beside the plain product; `low_SNR`, weak, but measured: without such
+# lines the mean power would come out too high; `land_ice`, what is on the ground, no defect.
+FLAGGED_BY = (
+    "coh_noise_removal_artifact",  # power that is no echo, in the air that gives the noise and under the picks
+    "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
+    "missing_data",  # the range gate clips the echogram
+    "no_good_data",  # not to be trusted
+    "unclassified_artifact",  # not to be trusted
+)
 
 
 def align_layers(layers, echogram, where="layers"):
@@ -33,15 +44,11 @@ def align_layers(layers, echogram, where="layers"):
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
     _check_window(twtt, echogram, where)
     flags = {name: layers[name].transpose("layer", "slow_time") for name in ("quality", "type")}
-    aligned = xr.Dataset(
-        {
-            "twtt": (("layer", "slow_time"), twtt, {"units": "s"}),
-            **{name: (("layer", "slow_time"), flag.values[:, nearer], flag.attrs) for name, flag in flags.items()},
-            "Elevation": ("slow_time", echogram["Elevation"].values, {"units": "m"}),
-        },
-        coords={"slow_time": ours, **{name: c for name, c in layers.coords.items() if c.dims == ("layer",)}},
-        attrs=layers.attrs,
-    )
+    variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
+    variables |= {name: (("layer", "slow_time"), f.values[:, nearer], f.attrs) for name, f in flags.items()}
+    variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
+    coordinates = {"slow_time": ours} | {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
+    aligned = xr.Dataset(variables, coordinates, layers.attrs)
     check_layers(aligned, where)
     return aligned
 
@@ -68,10 +75,8 @@ def _check_window(twtt, echogram, where):
     outside = (twtt < window[0] - half_bin) | (twtt > window[-1] + half_bin)  # NaN is not outside
     if outside.any():
         layer, line = np.argwhere(outside)[0]
-        msg = (
-            f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
-            f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
-        )
+        msg = f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
+        msg += f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
         raise ValueError(msg)
 
 
@@ -138,8 +143,7 @@ def resample_range(echogram, bin_s):
     """Echogram at another bin size in two-way travel time [s], two of which must fit into it.
 
     Larger bins hold the mean power of what they cover, smaller ones the power interpolated between bin centres; the
-    first bin keeps its travel time. NaN spreads to every bin it touches. A file that has the bin size to within a
-    millionth comes back as it is.
+    first bin keeps its travel time. NaN spreads to every bin it touches. Within a millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
     if not bin_s > 0:
@@ -184,3 +188,47 @@ def _interpolated(power, centres):
     weight = (centres - left)[:, None]
     low, high = power[left], power[left + 1]
     return np.where(weight == 0, low, (1 - weight) * low + weight * high)
+
+
+def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
+    """Echogram, with `flagged (slow_time)`, and layers without the power and picks of lines that have one of `flags`.
+
+    Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines stay, so that their
+    neighbours keep their distance. The echogram's `quality_mask (slow_time)` holds one bit a flag, named by its
+    attributes `flag_masks` and `flag_meanings` (CF conventions, section 3.5); it need not know them all. Without a
+    mask, echogram and layers come back as they are.
+    """
+    held = flagged_lines(echogram)
+    if held is None:
+        return echogram, layers
+    flagged = np.zeros(echogram.sizes["slow_time"], dtype=bool)
+    for name in flags:
+        flagged |= held.get(name, False)
+    echogram = echogram.assign(flagged=("slow_time", flagged))
+    if flagged.any():
+        fit = xr.DataArray(~flagged, dims="slow_time")
+        echogram["Data"] = echogram["Data"].where(fit)
+        layers = layers.assign(twtt=layers["twtt"].where(fit))
+    return echogram, layers
+
+
+def flagged_lines(echogram):
+    """Which range lines have each flag, {name: bool (range_line,)}; None for an echogram without a mask of flags."""
+    mask = echogram.get("quality_mask")
+    if mask is None or mask.dtype.kind not in "iu" or not {"flag_masks", "flag_meanings"} <= set(mask.attrs):
+        return None
+    names, bits = str(mask.attrs["flag_meanings"]).split(), np.atleast_1d(mask.attrs["flag_masks"])
+    return {name: (mask.values & bit) != 0 for name, bit in zip(names, bits, strict=True)}
+
+
+def count_flagged(echogram):
+    """How many range lines `leave_out_flagged` left out, and all flags in words, such as "low_SNR 12; land_ice 512".
+
+    Words are "none" where there is a mask without a flag, and empty where there is no mask.
+    """
+    held = flagged_lines(echogram)
+    n_flagged = int(echogram["flagged"].sum()) if "flagged" in echogram else 0
+    if held is None:
+        return n_flagged, ""
+    counts = {name: int(lines.sum()) for name, lines in held.items()}
+    return n_flagged, "; ".join(f"{name} {n}" for name, n in counts.items() if n) or "none"

@@ -14,8 +14,7 @@ def read_echogram(path, *, compensated=False):
     path : path_like
         IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar dataset (NetCDF, Zarr).
     compensated : bool
-        Keep elevation compensation where a file has it; by default it is undone, so that travel times are those to
-        the antenna at `Elevation`.
+        Keep elevation compensation where a file has it; by default travel times are those to the antenna's `Elevation`.
 
     Returns
     -------

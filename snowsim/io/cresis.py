@@ -14,26 +14,16 @@ ALONG_TRACK_IF_ANY = ("Roll", "Pitch", "Heading", "Bottom")
 CODES = ("Elevation_Correction", "Truncate_Bins", "minData", "maxData")
 # Parameter structs by age; the newest that has a name is believed.
 PARAMETER_STRUCTS = (
-    "param_records",
-    "param_qlook",
-    "param_get_heights",
-    "param_array",
-    "param_sar",
-    "param_csarp",
-    "param_combine_wf_chan",
-    "param_combine",
-    "param_vectors",
-    "param_radar",
-    "param",
+    *("param_records", "param_qlook", "param_get_heights", "param_array", "param_sar", "param_csarp"),
+    *("param_combine_wf_chan", "param_combine", "param_vectors", "param_radar", "param"),
 )
 
 
 def read_cresis(path, *, compensated=False):
     """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
 
-    `Data` is taken as linear power; where `minData` and `maxData` stand beside integers it is
-    ``dB = Data / intmax * maxData + minData``. `Time` may be a row or a column, attitude and `Bottom` may be missing.
-    GPS seconds lose their leap seconds.
+    `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax * maxData +
+    minData``. `Time` may be row or column, attitude and `Bottom` may be missing. GPS seconds lose their leap seconds.
     """
     path = existing(path)
     values = read_matlab(path, (*NEEDED, *TIMES, *ALONG_TRACK_IF_ANY, *CODES, *PARAMETER_STRUCTS))

@@ -10,42 +10,17 @@ from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.io.containers import read_netcdf
 from snowsim.io.guard import check_present, check_size, existing, library_errors, refusal
 
-UNITS = {
-    "Data": "W (uncalibrated)",
-    "Latitude": "degrees_north",
-    "Longitude": "degrees_east",
-    "Elevation": "m",
-    "Surface": "s",
-    "Bottom": "s",
-    "Roll": "radian",
-    "Pitch": "radian",
-    "Heading": "radian",
-}
+UNITS = {"Data": "W (uncalibrated)", "Latitude": "degrees_north", "Longitude": "degrees_east", "Elevation": "m"}
+UNITS |= {"Surface": "s", "Bottom": "s", "Roll": "radian", "Pitch": "radian", "Heading": "radian"}
 UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
 RANGES = {"Latitude": 90, "Longitude": 360}
 PARAMETERS = ("season_name", "radar_name", "day_seg")  # of all that a file tells, this much goes with the dataset
 FIRST_DAY, LAST_YEAR = "1980-01-06", 2100
 SECONDS_OF_DAY = 86400
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and Reference Systems Service.
-LEAP_DAYS = (
-    "1981-07-01",
-    "1982-07-01",
-    "1983-07-01",
-    "1985-07-01",
-    "1988-01-01",
-    "1990-01-01",
-    "1991-01-01",
-    "1992-07-01",
-    "1993-07-01",
-    "1994-07-01",
-    "1996-01-01",
-    "1997-07-01",
-    "1999-01-01",
-    "2006-01-01",
-    "2009-01-01",
-    "2012-07-01",
-    "2015-07-01",
-    "2017-01-01",
+LEAP_DAYS = sorted(
+    [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
+    + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
 )
 
 

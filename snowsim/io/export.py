@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from snowsim.echogram import check_choice
 from snowsim.io.files import write_dataset, write_store, written_whole
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
@@ -31,9 +32,7 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     Names that the loader would trip over, scenes without an image and more than 255 layers are refused.
     """
     folder = Path(folder)
-    if layers not in LAYERS:
-        msg = f"layers must be one of {', '.join(LAYERS)}, got {layers}"
-        raise ValueError(msg)
+    check_choice("layers", layers, LAYERS)
     if "data_" in folder.name:
         msg = f"{folder}: the folder's name must not contain data_, which loaders replace along with the file's"
         raise ValueError(msg)
@@ -112,14 +111,9 @@ def _dataset(scene):
     if scene.image is not None:
         variables["image"] = (rows, scene.image, {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"})
     variables["mask"] = (rows, scene.mask().astype(np.uint8), {"long_name": "1 on a layer"})
-    attributes = {
-        "format": FORMAT,
-        "name": scene.name,
-        "n_range_bins": scene.n_range_bins,
-        **{name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()},
-        "notes": json.dumps(scene.notes, sort_keys=True),
-    }
-    return xr.Dataset(variables, attrs=attributes)
+    attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
+    attributes |= {name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()}
+    return xr.Dataset(variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)})
 
 
 def _check_name(scene, names, folder):

@@ -76,11 +76,9 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
         usual = usual.sort_values("size", kind="stable")["first"].iloc[-1]
         for row in found[(found["bin_size_s"] / usual - 1).abs() > 1e-6].itertuples():
             failed.append((row.frame, f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s"))
-    failed += [
-        (name, "layer_names: expected layers that some frame has, found it in none")
-        for name in names
-        if name not in picked and not failed
-    ]
+    if not failed:
+        reason = "layer_names: expected layers that some frame has, found it in none"
+        failed = [(name, reason) for name in names if name not in picked]
     _report("frames", failed, len(table))
     return table.merge(found, on="frame", validate="one_to_one")
 

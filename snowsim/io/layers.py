@@ -184,13 +184,9 @@ def _entry(path, number, entry, n_lines):
             raise refusal(path, f"{where}.name", "a name", "none")
         name = OLD_NAMES[number]
     group = entry.get("group_name")
-    return {
-        "twtt": picks,
-        "quality": _flags(path, f"{where}.quality", quality),
-        "type": np.where(np.isfinite(manual), 1, 2).astype(np.uint8),
-        "names": name,
-        "groups": group if isinstance(group, str) else "",
-    }
+    kind = np.where(np.isfinite(manual), 1, 2).astype(np.uint8)
+    found = {"twtt": picks, "quality": _flags(path, f"{where}.quality", quality), "type": kind}
+    return found | {"names": name, "groups": group if isinstance(group, str) else ""}
 
 
 def _layers_dataset(path, content, values, positions, source):

@@ -21,8 +21,7 @@ def read_nsidc(path, *, compensated=False):
 
     `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes NaN; `time`
     (seconds of day, UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes `twtt`; degrees of attitude
-    become radians. If there is a supplement beside the file, bit i of `quality_mask` (slow_time) stands for flag i of
-    its attribute `flag_meanings`.
+    become radians. With a supplement beside it, bit i of `quality_mask` (slow_time) is flag i of its `flag_meanings`.
     """
     path = existing(path)
     # As stored: no fill value is set in these files, and a default one must not hide a value.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from snowsim.echogram import Scene, check_layer_bins, to_uint8
+from snowsim.echogram import Scene, check_choice, check_layer_bins, to_uint8
 from snowsim.io.guard import container_of, existing, library_errors, numeric, one_line, refusal
 from snowsim.io.images import read_image
 from snowsim.io.matlab import read_matlab
@@ -33,9 +33,8 @@ class PairSet(Sequence):
 
     def __init__(self, path, *, data_scale=None):
         path = existing(path, directory=True)
-        if data_scale not in (None, *DATA_SCALES):
-            msg = f"data_scale must be one of {', '.join(DATA_SCALES)}, got {data_scale}"
-            raise ValueError(msg)
+        if data_scale is not None:
+            check_choice("data_scale", data_scale, DATA_SCALES)
         self._data_scale = data_scale
         if path.is_dir():
             self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
@@ -94,8 +93,7 @@ def scene_name(path):
 def read_pair(path, *, data_scale=None):
     """Scene of one `data_*` file and the labels beside it; see `PairSet`.
 
-    Refused are labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; damaged or
-    oversized images.
+    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; bad images.
     """
     path = existing(path)
     if container_of(path) == "png":

@@ -62,10 +62,8 @@ def _define(file, scene):
 def _append(file, scene, path):
     held = [name for name in ARRAYS if name in file.variables]
     if _present(scene) != held or scene.n_range_lines != len(file.dimensions["range_line"]):
-        msg = (
-            f"{path}: scene {scene.name}: expected {held} of {len(file.dimensions['range_line'])} range lines as in "
-            f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
-        )
+        msg = f"{path}: scene {scene.name}: expected {held} of {len(file.dimensions['range_line'])} range lines as in "
+        msg += f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
         raise ValueError(msg)
     # Before anything is written: that makes the dimensions longer.
     starts = {name: len(dimension) for name, dimension in file.dimensions.items()}

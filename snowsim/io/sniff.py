@@ -6,16 +6,9 @@ from snowsim.io.guard import container_of, existing, one_line, refusal
 from snowsim.io.matlab import names_in_mat5
 
 SUPPLEMENT_FLAGS = (
-    "coh_noise_removal_artifact",
-    "deconvolution_artifact",
-    "vertical_stripes_artifact",
-    "missing_data",
-    "no_good_data",
-    "low_SNR",
-    "unclassified_artifact",
-    "land_ice",
+    *("coh_noise_removal_artifact", "deconvolution_artifact", "vertical_stripes_artifact", "missing_data"),
+    *("no_good_data", "low_SNR", "unclassified_artifact", "land_ice"),
 )
-
 # In words, and the variables that make it; a file is what it has the largest share of, earlier entries winning a tie.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),

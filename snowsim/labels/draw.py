@@ -3,9 +3,8 @@
 import numpy as np
 
 from snowsim.echogram import Scene, scene_height
-from snowsim.labels.nonstationary import draw_beyond
 from snowsim.labels.prepare import LabelModel, prepare
-from snowsim.labels.process import draw_series
+from snowsim.labels.process import draw_beyond, draw_series
 from snowsim.labels.radiometry import add_radiometry
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -96,9 +95,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     thickness = _mirrored(drawn)
     layer_bins = np.cumsum(np.concatenate([model.draw_surface(rng=rng), thickness]), axis=0)
     notes = {
-        "n_layers": n_layers,
-        "n_slabs_beyond": max(n_layers - model.n_slabs, 0),
-        "n_samples": drawn.size,
+        **{"n_layers": n_layers, "n_slabs_beyond": max(n_layers - model.n_slabs, 0), "n_samples": drawn.size},
         "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
         "n_means_touched": int((first * factor[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
         "first_thickness_bins": float(first),

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
+from snowsim.echogram import check_choice
+
 FAINTEST = 1e-8  # of the largest density: below it lie no undulations that a scene shows, but rounding and leakage
 LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: beyond a block it is not told from none
 
@@ -62,9 +64,7 @@ def fit_family(name, psd):
     those 80 dB below the largest density. What is fitted is the expected periodogram of blocks, as the tabulated
     density is; where that is plain, leakage and all.
     """
-    if name not in FAMILIES:
-        msg = f"psd must be one of {', '.join(FAMILIES)}, got {name!r}"
-        raise ValueError(msg)
+    check_choice("psd", name, FAMILIES)
     family = FAMILIES[name]
     wavenumber = np.arange(psd.size) / (2 * (psd.size - 1))
     inside = psd > FAINTEST * psd.max()

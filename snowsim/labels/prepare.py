@@ -4,17 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from snowsim.echogram import SURFACE_ROW
-from snowsim.labels.nonstationary import Beyond
-from snowsim.labels.process import (
-    correlation_factor,
-    draw_series,
-    lengthened,
-    line_variances,
-    plain_variances,
-)
-from snowsim.labels.radiometry import RadiometryModel, radiometry_model
-from snowsim.labels.values import values_of
+from snowsim.echogram import SURFACE_ROW, check_choice
+from snowsim.labels.process import Beyond, correlation_factor, draw_series, lengthened, line_variances, plain_variances
+from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
 ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so
@@ -157,8 +149,7 @@ def prepare(
     Raises
     ------
     ValueError
-        If statistics needed are missing or not finite, a scene is narrower than 2 lines, a range is not one, or a
-        choice is none.
+        If statistics are missing or not finite, a scene is narrower than 2 lines, a range or a choice is none.
     """
     if n_range_lines < 2:
         msg = f"a scene needs at least 2 range lines, got {n_range_lines}"
@@ -173,21 +164,13 @@ def prepare(
     choices = ("correlation", correlation, "none"), ("first_slab", first_slab, "uniform"), ("surface", surface, "flat")
     choices += (("radiometry", radiometry, "constant"),)
     for name, value, other in choices:
-        if value not in ("measured", other):
-            msg = f"{name} must be one of measured, {other}, got {value!r}"
-            raise ValueError(msg)
+        check_choice(name, value, ("measured", other))
     # The paper's slabs have nothing in common but slab 0.
-    held = {"by_separation": np.array([1.0, 0.0]), "by_band": np.array([[1.0, 0.0]]), "edges": np.array([0, 0.5])}
-    held |= {"trends": held["by_separation"]}
+    alone, correlated = np.array([1.0, 0.0]), correlation == "measured"
     trends = "thickness_trend_variance_bins2" in statistics
-    if correlation == "measured":
-        held["by_band"] = values_of(statistics, "thickness_correlation", ("band", "separation"))
-        held["by_separation"] = values_of(statistics, "relative_thickness_correlation", ("separation",))
-        held["edges"] = values_of(statistics, "band_edge_wavenumber", ("band_edge",))
-        held["trends"] = values_of(statistics, "trend_correlation", ("separation",)) if trends else None
 
-    def measured(choice, name, *dims):
-        return values_of(statistics, name, dims) if choice else None
+    def measured(choice, name, *dims, other=None):
+        return values_of(statistics, name, dims) if choice else other
 
     by_layers = measured(n_layers == "measured", "n_blocks_by_layers", "zone", "n_layers")
     if by_layers is not None and not by_layers[:, 1:].any():
@@ -203,14 +186,14 @@ def prepare(
         relative_mean=values_of(statistics, "relative_thickness_mean", ("zone", "slab")),
         relative_deviation=np.sqrt(values_of(statistics, "relative_thickness_variance", ("zone", "slab"))),
         psd=values_of(statistics, "thickness_psd", ("zone", "slab", "wavenumber")),
-        relative_correlation=held["by_separation"],
-        band_correlation=held["by_band"],
-        band_edge_wavenumber=held["edges"],
+        relative_correlation=measured(correlated, "relative_thickness_correlation", "separation", other=alone),
+        band_correlation=measured(correlated, "thickness_correlation", "band", "separation", other=alone[None]),
+        band_edge_wavenumber=measured(correlated, "band_edge_wavenumber", "band_edge", other=np.array([0, 0.5])),
         blocks_by_layers=by_layers,
         share_without_layers=statistics.attrs.get("n_blocks_without_layers", 0) / statistics.attrs.get("n_blocks", 1),
         first_quantile_bins=measured(first_slab == "measured", "first_thickness_quantile_bins", "quantile"),
         trend_variance=measured(trends, "thickness_trend_variance_bins2", "zone", "slab"),
-        trend_correlation=held["trends"],
+        trend_correlation=measured(trends, "trend_correlation", "separation") if correlated else alone,
         surface=spectra if rough else None,
         beyond=beyond or Beyond(),
         radiometry=radiometry_model(statistics) if radiometry == "measured" else None,

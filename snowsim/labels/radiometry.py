@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
-from snowsim.labels.values import values_of
 from snowsim.phy.parameters import row_waveforms
 from snowsim.phy.power import mean_power
 
@@ -189,3 +188,15 @@ def _labelled(scene, model):
     shows = np.flatnonzero(2 * (rise >= model.spread["end_contrast_db"]).sum(axis=1) >= n_lines)
     layer_bins[2 + shows[-1] if shows.size else 1 :] = np.nan
     return layer_bins, rise if rise.size else np.zeros((1, n_lines))
+
+
+def values_of(statistics, name, dims):
+    """A variable or coordinate of the statistics as float array on `dims`, finite."""
+    if name not in statistics:
+        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
+        raise ValueError(msg)
+    values = statistics[name].transpose(*dims).values.astype(float)
+    if values.size == 0 or not np.isfinite(values).all():
+        msg = f"flight statistics: {name} must be finite and not empty, got shape {values.shape} with NaN or infinity"
+        raise ValueError(msg)
+    return values

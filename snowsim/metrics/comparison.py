@@ -75,19 +75,11 @@ def paired_difference(differences, image_error, n_images):
     errors = spread, n, image_error, n_images
     reach = float(_reach([1 - LEVEL / 2], *errors))
     verdict = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
-    return {
-        "difference": mean,
-        "low": mean - reach,
-        "high": mean + reach,
-        "p_value": _p_value(abs(mean), *errors),
-        "verdict": verdict,
-        "seed_spread": spread,
-        "image_error": image_error,
-        "detectable": float(_reach([1 - LEVEL / 2, POWER], *errors)),
-        "seeds_to_resolve": _seeds_to_resolve(abs(mean), spread, image_error, n_images),
-        "n_replicas": n,
-        "n_images": n_images,
-    }
+    found = {"difference": mean, "low": mean - reach, "high": mean + reach, "p_value": _p_value(abs(mean), *errors)}
+    found |= {"verdict": verdict, "seed_spread": spread, "image_error": image_error}
+    found["detectable"] = float(_reach([1 - LEVEL / 2, POWER], *errors))
+    found["seeds_to_resolve"] = _seeds_to_resolve(abs(mean), spread, image_error, n_images)
+    return found | {"n_replicas": n, "n_images": n_images}
 
 
 def holm(p_values):

@@ -8,18 +8,9 @@ from snowsim.metrics.picks import match_picks
 
 ZONES = ("none", "shallow", "medium", "high", "very high")  # of zone -1, 0, 1, 2, 3
 SUMS = (
-    "n_true",
-    "n_found",
-    "error",
-    "absolute_error",
-    "n_within",
-    "n_thickness",
-    "thickness_error",
-    "thickness_absolute_error",
-    "n_picks",
-    "n_layers",
-    "n_missed_layers",
-    "n_false_layers",
+    *("n_true", "n_found", "error", "absolute_error", "n_within"),
+    *("n_thickness", "thickness_error", "thickness_absolute_error"),
+    *("n_picks", "n_layers", "n_missed_layers", "n_false_layers"),
 )
 
 
@@ -29,9 +20,8 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present. Columns `layer`
     (-1: a picked layer of which less than half belongs to any true one), `depth_bins` (mean below the surface) and
     `SUMS`: true pixels, those with a pick, sum of errors (pick less truth) and of their absolute values [range bins],
-    errors of at most `within_bins`; the same of the thickness of the slab above the layer, where both of its bounds
-    have a pick; picks of false layers; 1 or 0 for a layer, for one missed (a pick in less than half of its range lines)
-    and for a false one.
+    errors of at most `within_bins`; the same of the thickness of the slab above, where both of its bounds have a pick;
+    picks of false layers; 1 or 0 for a layer, one missed (a pick in less than half of its range lines), a false one.
     """
     picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
     error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
@@ -47,29 +37,14 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
             continue
         found = error_bins[layer][np.isfinite(error_bins[layer])]
         thickness = thickness_error[layer][np.isfinite(thickness_error[layer])]
-        rows.append(
-            {
-                "layer": layer,
-                "depth_bins": np.nanmean(truth) - surface_bin,
-                "n_true": n_true,
-                "n_found": found.size,
-                "error": found.sum(),
-                "absolute_error": np.abs(found).sum(),
-                "n_within": int((np.abs(found) <= within_bins).sum()),
-                "n_thickness": thickness.size,
-                "thickness_error": thickness.sum(),
-                "thickness_absolute_error": np.abs(thickness).sum(),
-                "n_picks": 0,
-                "n_layers": 1,
-                "n_missed_layers": int(2 * found.size < n_true),
-                "n_false_layers": 0,
-            }
-        )
+        of_layer = (n_true, found.size, found.sum(), np.abs(found).sum(), int((np.abs(found) <= within_bins).sum()))
+        of_slab = (thickness.size, thickness.sum(), np.abs(thickness).sum())
+        sums = (*of_layer, *of_slab, 0, 1, int(2 * found.size < n_true), 0)
+        rows.append((layer, np.nanmean(truth) - surface_bin, *sums))
     picked = np.isfinite(picks)
     for pick in np.flatnonzero(2 * used.sum(axis=1) < picked.sum(axis=1)):
-        depth_bins = np.nanmean(picks[pick]) - surface_bin
         none = dict.fromkeys(SUMS, 0) | {"n_picks": int(picked[pick].sum()), "n_false_layers": 1}
-        rows.append({"layer": -1, "depth_bins": depth_bins, **none})
+        rows.append((-1, np.nanmean(picks[pick]) - surface_bin, *none.values()))
     return pd.DataFrame(rows, columns=["layer", "depth_bins", *SUMS])
 
 

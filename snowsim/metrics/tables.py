@@ -1,5 +1,7 @@
 """Scores of images and trainings to the paper's tables: Table II, SSIM against depth, Table III with intervals."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 
@@ -13,15 +15,10 @@ def similarity_table(images):
 
     `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and the methods.
     """
-    rows = [
-        {
-            "metric": metric,
-            "statistic": statistic,
-            **{method: getattr(group[metric], statistic)() for method, group in images.groupby("method")},
-        }
-        for metric in ("ssim", "psnr", "rmse")
-        for statistic in ("min", "mean", "max")
-    ]
+    rows = []
+    for metric, statistic in product(("ssim", "psnr", "rmse"), ("min", "mean", "max")):
+        row = {method: getattr(group[metric], statistic)() for method, group in images.groupby("method")}
+        rows.append({"metric": metric, "statistic": statistic, **row})
     return pd.DataFrame(rows)
 
 
@@ -79,42 +76,30 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
     first = counts[training_sets[0], outputs[0]]
     n_replicas, n_images = len(first), len(first[0])
-    n_without_truth = score(first[0])["n_without_truth"]
+    sizes = {"n_replicas": n_replicas, "n_images": n_images, "n_without_truth": score(first[0])["n_without_truth"]}
     draws = [
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images)) for _ in range(n_bootstrap)
     ]
     rows = []
     for output in outputs:
         point = {s: replica_scores(stacked[s, output]) for s in training_sets}
-        resampled = {s: _resampled(stacked[s, output], draws) for s in training_sets}
+        resampled = {
+            s: [replica_scores([stacked[s, output][i] for i in chosen], images) for chosen, images in draws]
+            for s in training_sets
+        }
         for training_set in training_sets:
             for index, metric in enumerate(METRICS):
                 here, base = (_means(resampled[s], index) for s in (training_set, training_sets[0]))
                 mean, base_mean = _means([point[training_set], point[training_sets[0]]], index)
                 low, high = np.percentile(here, [2.5, 97.5])
-                difference_low, difference_high = np.percentile(here - base, [2.5, 97.5])
+                ends = dict(
+                    zip(("difference_low", "difference_high"), np.percentile(here - base, [2.5, 97.5]), strict=True)
+                )
                 rows.append(
-                    {
-                        "output": output,
-                        "training_set": training_set,
-                        "metric": metric,
-                        "mean": mean,
-                        "low": low,
-                        "high": high,
-                        "difference": mean - base_mean,
-                        "difference_low": difference_low,
-                        "difference_high": difference_high,
-                        "n_replicas": n_replicas,
-                        "n_images": n_images,
-                        "n_without_truth": n_without_truth,
-                    }
+                    {"output": output, "training_set": training_set, "metric": metric, "mean": mean, "low": low}
+                    | {"high": high, "difference": mean - base_mean, **ends, **sizes}
                 )
     return pd.DataFrame(rows)
-
-
-def _resampled(replicas, draws):
-    """Scores of every draw of replicas and images."""
-    return [replica_scores([replicas[i] for i in chosen], images) for chosen, images in draws]
 
 
 def _means(scores, index):

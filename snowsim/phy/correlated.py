@@ -37,8 +37,7 @@ def correlating_taps(correlation, n_looks):
     correlation r give power of correlation ``sum_n a_n^2 r^n / sum_n a_n^2``, ``a_n`` the Hermite coefficients of the
     quantile function (Mehler 1866, J. reine angew. Math. 66, 161-176); this grows with r and is inverted. The filter is
     symmetric and its transform the root of the spectrum. No process has a spectrum with a negative part, as sampling
-    may leave one: it is dropped, and the correlation then is a neighbouring one. ValueError where that is more than
-    `LARGEST_ERROR` off.
+    may leave: it is dropped, for a neighbouring correlation. ValueError where that is more than `LARGEST_ERROR` off.
     """
     asked = np.asarray(correlation, dtype=float)
     if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1 or not (np.abs(asked) <= 1).all():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from snowsim.echogram import check_layer_bins
+from snowsim.echogram import check_choice, check_layer_bins
 from snowsim.phy.waveform import waveform_peak
 
 NORMALISE = ("peak", "none")
@@ -57,9 +57,7 @@ def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_rang
     per_layer = {name: _per_layer(name, value, layer_bins.shape[0]) for name, value in given.items()}
     peak_power, variance_bins2, decay_rate = per_layer.values()
     for name, value, options in (("normalise", normalise, NORMALISE), ("align", align, ALIGN)):
-        if value not in options:
-            msg = f"{name} must be one of {', '.join(options)}, got {value!r}"
-            raise ValueError(msg)
+        check_choice(name, value, options)
     offset_bins, unit_peak = waveform_peak(variance_bins2, decay_rate)
     with np.errstate(over="ignore"):
         amplitude = peak_power / unit_peak if normalise == "peak" else peak_power
@@ -146,12 +144,8 @@ def draw_parameters(
     the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed;
     statistics that were made before it was measured give none.
     """
-    if width not in WIDTHS:
-        msg = f"width must be one of {', '.join(WIDTHS)}, got {width!r}"
-        raise ValueError(msg)
-    if speckle_correlation not in SPECKLE_CORRELATIONS:
-        msg = f"speckle_correlation must be one of {', '.join(SPECKLE_CORRELATIONS)}, got {speckle_correlation!r}"
-        raise ValueError(msg)
+    check_choice("width", width, WIDTHS)
+    check_choice("speckle_correlation", speckle_correlation, SPECKLE_CORRELATIONS)
     n_layers = int(n_layers)
     if n_layers < 1:
         msg = f"n_layers must be at least 1, got {n_layers}"
@@ -189,13 +183,10 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     `options` are those of `draw_parameters`. With `background` ``measured`` the flight's mean power of what nobody
     picked lies below the surface of a scene without powers of its own, one row for each of its e-folds; ``none``: eq.
     (1) of the layers alone, as printed, and of statistics made before it was measured. A scene that was drawn with
-    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and which
-    layer of the flight gives a row its waveform, or, by -1 - k, that it is the background's e-fold k; and the flight's
-    texture and gain by line.
+    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and the layer
+    that gives a row its waveform (-1 - k: it is the background's e-fold k); texture and gain by line are the flight's.
     """
-    if background not in BACKGROUNDS:
-        msg = f"background must be one of {', '.join(BACKGROUNDS)}, got {background!r}"
-        raise ValueError(msg)
+    check_choice("background", background, BACKGROUNDS)
     if scene.peak_power is None:
         parameters = draw_parameters(statistics, scene.layer_bins.shape[0], **options)
         if background == "none" or "background_power" not in statistics:

@@ -11,17 +11,9 @@ DEFAULT_RELATIVE_NOISE = 1e-4
 
 
 def mean_power(
-    layer_bins,
-    peak_power,
-    variance_bins2,
-    decay_rate,
-    n_range_bins,
-    *,
-    tolerance_db=None,
-    noise_power=None,
-    normalise="peak",
-    align="peak",
-):
+    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, *,
+    tolerance_db=None, noise_power=None, normalise="peak", align="peak",
+):  # fmt: skip
     """Mean power of layered snow, without noise.
 
     Neglected: correlation between layers, off-nadir energy beyond what the decay stands for, surface roughness.
@@ -43,8 +35,7 @@ def mean_power(
     noise_power : float, optional
         What the tolerance is measured against; by default 1e-4 of the scene's largest P_s. Not added.
     normalise : {"peak", "none"}
-        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian does before it is
-        convolved.
+        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian does, unconvolved.
     align : {"peak", "gaussian"}
         ``peak``: the waveform's peak lies on the layer; ``gaussian``: as printed, the Gaussian's does.
 
@@ -55,8 +46,7 @@ def mean_power(
     Raises
     ------
     ValueError
-        If a power is negative or not finite, a variance or a rate not positive, a shape wrong, a tolerance not
-        positive, or if layers cross.
+        If a power is negative or not finite, a variance, rate or tolerance not positive, a shape wrong, layers cross.
 
     Notes
     -----

@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.special import gammainc, gammaincinv
 
+from snowsim.echogram import check_choice
 from snowsim.phy.correlated import draw_correlated
 
 METHODS = ("looks", "gamma", "cube", "quantile")
@@ -97,9 +98,7 @@ def checked_looks(n_looks):
 
 def check_method(method, n_looks, correlation=None):
     """Raise ValueError unless `method` exists and can draw this number of looks, correlated where asked."""
-    if method not in METHODS:
-        msg = f"speckle method must be one of {', '.join(METHODS)}, got {method!r}"
-        raise ValueError(msg)
+    check_choice("speckle method", method, METHODS)
     if method == "looks" and n_looks != np.floor(n_looks):
         msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
         raise ValueError(msg)

@@ -50,8 +50,7 @@ def waveform_peak(variance_bins2, decay_rate):
 def waveform_width(variance_bins2, decay_rate):
     """Distance [bins] from the waveform's peak to where it has fallen to 1/e on the trailing side; broadcasts.
 
-    Newton's method on ``log w``, which is concave, started to the right of the root: it converges from one side,
-    quadratically.
+    Newton's method on the concave ``log w``, started right of the root, converges from one side, quadratically.
     """
     variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
     deviation = np.sqrt(variance_bins2)

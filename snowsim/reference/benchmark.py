@@ -61,22 +61,9 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     truth = truth[truth.max(axis=1) < n_rows - ROWS_BELOW_LAST_LAYER - 1]
     height = scene_height(truth)
     power = echo.cropped(height).draw(n_looks, rng=rng)
-    image, noise_floor_db, maximum_db = to_uint8(power)
+    image, *scale = to_uint8(power)
+    shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
     picked = pick_peaks(power, truth, settings.picks) if split == "train" else truth
-    return Scene(
-        name=f"{split}_{index:04d}",
-        n_range_bins=height,
-        layer_bins=picked,
-        image=image,
-        complete_layer_bins=truth,
-        noise_floor_db=noise_floor_db,
-        maximum_db=maximum_db,
-        notes={
-            "track": track,
-            "start_km": start_km,
-            "accumulation_m": column.place.accumulation_m,
-            "percolation": column.percolation,
-            "fade_depth_m": column.fade_depth_m,
-            "n_looks": n_looks,
-        },
-    )
+    notes = {"track": track, "start_km": start_km, "accumulation_m": column.place.accumulation_m, "n_looks": n_looks}
+    notes |= {"percolation": column.percolation, "fade_depth_m": column.fade_depth_m}
+    return Scene(f"{split}_{index:04d}", height, picked, complete_layer_bins=truth, **shown, notes=notes)

@@ -33,8 +33,7 @@ class Column:
     """Firn under a stretch of range lines; see `draw_column`.
 
     `place` is its middle; `percolation` 0 (dry) to 1; density steps fall to 1/e over `fade_depth_m`. Autumn `horizons`
-    are the layers; `crusts` and `lenses` may be taken for them. `table_*` (node,): mean depth and density against range
-    bins below the surface.
+    are the layers; `crusts` and `lenses` may be taken for them. `table_*` (node,): mean depth, density by bins below.
     """
 
     place: Place

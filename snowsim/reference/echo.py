@@ -9,11 +9,7 @@ from scipy.signal import lfilter
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.reference.climate import draw_along_track
-from snowsim.reference.firn import (
-    KOVACS_M3_KG,
-    refractive_index_kovacs95,
-    surface_reflectivity,
-)
+from snowsim.reference.firn import KOVACS_M3_KG, refractive_index_kovacs95, surface_reflectivity
 from snowsim.reference.radar import (
     SATURATION_LEVEL,
     SATURATION_NOISE,

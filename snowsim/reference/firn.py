@@ -16,8 +16,7 @@ CRITICAL_DENSITY_KG_M3 = 550.0  # between the two stages of Herron & Langway (19
 def rates_herron_langway80(temperature_k):
     """Rate constants of the two stages of densification, k0 [per m w.e.] and k1 [per m w.e.^1/2 yr^1/2].
 
-    ``k0 = 11 exp(-10160 / RT)``, ``k1 = 575 exp(-21400 / RT)``, densities in Mg m-3: Herron & Langway (1980),
-    J. Glaciol. 25, 373-385.
+    ``k0 = 11 exp(-10160 / RT)``, ``k1 = 575 exp(-21400 / RT)``, Mg m-3: Herron & Langway (1980), J. Glaciol. 25, 373.
     """
     if np.any(np.asarray(temperature_k) <= 0):
         msg = f"temperature_k must be positive, got {np.min(temperature_k):g}"

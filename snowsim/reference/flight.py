@@ -35,10 +35,8 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
         msg = f"frame must lie in [0, {n_frames - 1}], got {frame}"
         raise ValueError(msg)
     if n_range_lines < 2 or n_frames * length_km > line_length_km():
-        msg = (
-            f"{n_frames} frames of {n_range_lines} range lines must fit on the line of {line_length_km():.0f} km, "
-            f"they have {n_frames * length_km:.1f} km"
-        )
+        msg = f"{n_frames} frames of {n_range_lines} range lines must fit on the line of {line_length_km():.0f} km, "
+        msg += f"they have {n_frames * length_km:.1f} km"
         raise ValueError(msg)
     start_km = (frame + 0.5) / n_frames * line_length_km() - length_km / 2
     position_km = start_km + np.arange(n_range_lines) * radar.line_spacing_m / 1e3
@@ -52,12 +50,8 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     n_windows = max(1, n_range_lines // WINDOW_LINES)
     picked = pick_visible(rise_db(mean_power, layer_bins, n_windows), layer_bins, settings.picks.gap_db)
     picked[:, echo.without_echo] = np.nan
-    attributes = {
-        **_attributes(column, position_km, settings),
-        "frame": frame,
-        "n_looks": radar.n_looks,
-        "line_spacing_m": radar.line_spacing_m,
-    }
+    attributes = _attributes(column, position_km, settings)
+    attributes |= {"frame": frame, "n_looks": radar.n_looks, "line_spacing_m": radar.line_spacing_m}
     twtt_s, along_track = _along_track(position_km, surface_row, radar, radar.n_range_bins)
     echogram = xr.Dataset(
         {"Data": (("twtt", "slow_time"), echo.draw(radar.n_looks, rng=rng), {"units": "1", "long_name": "power"})},
@@ -154,13 +148,7 @@ def _layers_dataset(picked, twtt_s, radar, slow_time, attributes):
     """Layer dataset of picks in range bins; layers that no range line shows at the bottom are left out."""
     deepest = int(np.flatnonzero(np.isfinite(picked).any(axis=1)).max(initial=0))
     picked = picked[: deepest + 1]
-    shape = picked.shape
-    return xr.Dataset(
-        {
-            "twtt": (("layer", "slow_time"), twtt_s[0] + picked * radar.bin_size_s, {"units": "s"}),
-            "quality": (("layer", "slow_time"), np.full(shape, GOOD, dtype=np.int8)),
-            "type": (("layer", "slow_time"), np.full(shape, AUTOMATIC, dtype=np.int8)),
-        },
-        coords={"layer": np.arange(shape[0]), "slow_time": slow_time},
-        attrs=attributes,
-    )
+    picks = {"twtt": (("layer", "slow_time"), twtt_s[0] + picked * radar.bin_size_s, {"units": "s"})}
+    for name, code in (("quality", GOOD), ("type", AUTOMATIC)):
+        picks[name] = (("layer", "slow_time"), np.full(picked.shape, code, dtype=np.int8))
+    return xr.Dataset(picks, {"layer": np.arange(len(picked)), "slow_time": slow_time}, attributes)

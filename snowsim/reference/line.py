@@ -41,14 +41,9 @@ def place_at(position_km, accumulation_factor=1.0):
         raise ValueError(msg)
     latitude, longitude = (float(x) for x in line_coordinates(position_km))
     elevation_m = float(PchipInterpolator(PROFILE_FRACTION, ELEVATION_M)(position_km / length_km))
-    return Place(
-        position_km=float(position_km),
-        latitude=latitude,
-        longitude=longitude,
-        elevation_m=elevation_m,
-        accumulation_m=float(accumulation_factor * accumulation_m(position_km)),
-        temperature_k=temperature_fausto09(elevation_m, latitude, longitude),
-    )
+    mean_m = float(accumulation_factor * accumulation_m(position_km))
+    temperature_k = temperature_fausto09(elevation_m, latitude, longitude)
+    return Place(float(position_km), latitude, longitude, elevation_m, mean_m, temperature_k)
 
 
 def accumulation_m(position_km):

@@ -169,17 +169,14 @@ class RadarSettings:
             raise ValueError(msg)
         # A sample every 1 / bandwidth is the coarsest that holds the response of the sweep.
         if self.bin_size_s / self.n_sub_bins > 1 / self.bandwidth_hz:
-            msg = (
-                f"radar.n_sub_bins must be at least {self.bin_size_s * self.bandwidth_hz:.2f} to sample "
-                f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
-            )
+            msg = f"radar.n_sub_bins must be at least {self.bin_size_s * self.bandwidth_hz:.2f} to sample "
+            msg += f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
             raise ValueError(msg)
         check_within(self, 1, 3, "response_widening")
         check_within(self, 1, 180, "beamwidth_deg")
         check_within(self, 0.005, 1, "surface_slope", "horizon_slope")
-        check_within(
-            self, 0, 1, "diffuse_share", "roll_enter", "roll_leave", "jump_rate", "saturated_rate", "missing_rate"
-        )
+        check_within(self, 0, 1, "diffuse_share", "roll_enter", "roll_leave")
+        check_within(self, 0, 1, "jump_rate", "saturated_rate", "missing_rate")
         check_within(self, 0, 0.2, "roughness_m")
         check_within(self, 0, 10, "attenuation_db_m", "sensitivity_sd_db", "surface_sd_db", "jump_sd_db", "jitter_m")
         check_within(self, 0, 5, "tracking_sd_bins")
@@ -243,10 +240,8 @@ def _check_window(settings):
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
     if radar.n_range_bins < least:
-        msg = (
-            f"radar.n_range_bins must be at least {least}, the surface's row {radar.surface_bin}, a first year of up "
-            f"to {bins:.0f} bins and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
-        )
+        msg = f"radar.n_range_bins must be at least {least}, the surface's row {radar.surface_bin}, a first year of up "
+        msg += f"to {bins:.0f} bins and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
         raise ValueError(msg)
 
 

@@ -4,16 +4,8 @@ from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
 
-__all__ = [
-    "ESTIMATORS",
-    "doppler_spectra",
-    "estimate",
-    "fit",
-    "merge",
-    "summarise",
-    "summary_from_dataset",
-    "summary_to_dataset",
-]
+__all__ = ["ESTIMATORS", "doppler_spectra", "estimate", "fit", "merge", "summarise"]
+__all__ += ["summary_from_dataset", "summary_to_dataset"]
 
 
 def fit(frames, *, estimator="deblended"):
@@ -26,8 +18,7 @@ def fit(frames, *, estimator="deblended"):
     frames : iterable of (xarray.Dataset, xarray.Dataset)
         Echogram and layers of each frame (Open Polar Radar convention), one bin size throughout.
     estimator : {"deblended", "paper"}
-        `deblended` solves for overlapping layers and noise jointly; `paper` is the recipe of Yari et al. (2021) as
-        printed.
+        `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021) as printed.
 
     Returns
     -------

@@ -27,21 +27,14 @@ def paper_values(measured):
     """Values by layer of the recipe as printed; its 1/e width stands for a variance, as in the paper."""
     decay, decay_error, no_decay = _layer_means(measured.decay[:, :-1])
     width, width_error, no_width = _layer_means(measured.width)
-    none = np.full(1, np.nan)
-    power, power_error = _bridged(measured.tracked_power, measured.tracked_error, measured.n_picks > 0)
-    return {
-        "peak_power": power,
-        "peak_power_standard_error": power_error,
-        "decay_rate": np.concatenate([decay, none]),
-        "decay_rate_standard_error": np.concatenate([decay_error, none]),
-        "width_bins": width,
-        "width_bins_standard_error": width_error,
-        "variance_bins2": width,
-        "variance_bins2_standard_error": width_error,
-        "offset_bins": np.zeros(width.size),
-        "offset_bins_standard_error": np.zeros(width.size),
-        "substituted": (no_width | np.append(no_decay, False) | (measured.n_picks == 0)).astype(np.int64),
+    values = {
+        "peak_power": _bridged(measured.tracked_power, measured.tracked_error, measured.n_picks > 0),
+        "decay_rate": (np.append(decay, np.nan), np.append(decay_error, np.nan)),
+        **dict.fromkeys(("width_bins", "variance_bins2"), (width, width_error)),
+        "offset_bins": np.zeros((2, width.size)),
     }
+    substituted = no_width | np.append(no_decay, False) | (measured.n_picks == 0)
+    return _with_errors(values) | {"substituted": substituted.astype(np.int64)}
 
 
 def deblended_values(measured, groups):
@@ -54,7 +47,7 @@ def deblended_values(measured, groups):
     # Faint layers keep what deblending leaves of the others, never zero or less: only positive power can be rendered.
     share = np.median(power[reliable] / above_noise[reliable]) if (reliable & (above_noise > 0)).any() else 1.0
     floor = np.where(above_noise > 0, above_noise, measured.tracked_error + groups.noise_power)
-    peak_power, peak_error = _bridged(
+    peak_power = _bridged(
         np.where(reliable, power, share * floor),
         np.where(reliable, power_error, np.maximum(power_error, share * floor)),
         measured.n_picks > 0,
@@ -67,24 +60,28 @@ def deblended_values(measured, groups):
     observed, modelled = _mean_waveforms(groups, model_lines(shape, groups))
     peak_offset, peak_value = waveform_peak(variance, decay)
     lag = LAGS - (shape[:, 2] - peak_offset)[:, None]
-    alone = peak_power[:, None] * waveform_exact(lag, variance[:, None], decay[:, None]) / peak_value[:, None]
-    return {
+    alone = peak_power[0][:, None] * waveform_exact(lag, variance[:, None], decay[:, None]) / peak_value[:, None]
+    values = {
         "peak_power": peak_power,
-        "peak_power_standard_error": peak_error,
-        "decay_rate": decay,
-        "decay_rate_standard_error": decay * error[:, 0],
-        "width_bins": width,
-        "width_bins_standard_error": width_error,
-        "variance_bins2": variance,
-        "variance_bins2_standard_error": variance * error[:, 1],
-        "offset_bins": shape[:, 2],
-        "offset_bins_standard_error": error[:, 2],
+        "decay_rate": (decay, decay * error[:, 0]),
+        "width_bins": (width, width_error),
+        "variance_bins2": (variance, variance * error[:, 1]),
+        "offset_bins": (shape[:, 2], error[:, 2]),
+    }
+    return _with_errors(values) | {
         "substituted": (~reliable).astype(np.int64),
         "own_shape": own_shape.astype(np.int64),
         "mean_waveform": observed,
         "model_waveform": modelled,
         "layer_waveform": alone,
     }, powers
+
+
+def _with_errors(values):
+    """Values and their standard errors, each under a name of its own."""
+    return {
+        f"{name}{end}": v for name, both in values.items() for end, v in zip(("", "_standard_error"), both, strict=True)
+    }
 
 
 def _bridged(power, error, known):

@@ -6,21 +6,13 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from snowsim.statistics.departures import clustered, departing, lasting_misfit
-from snowsim.statistics.lines import (
-    background_columns,
-    describe,
-    prepare_line,
-    rescale,
-    solve_powers,
-    waveform_columns,
-)
+from snowsim.statistics.lines import background_columns, describe, prepare_line, rescale, solve_powers, waveform_columns
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
 SHAPE_GROUPS = 60  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1.5 %
-CAUCHY = (
-    2.385  # residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827
-)
+# Residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827.
+CAUCHY = 2.385
 CLUSTER_GROUPS = 13  # averaged lines, about a block, within which what the model leaves out stays the same
 FEWEST_CLUSTERS = 8  # of a flight; a shorter one has shorter ones
 MAX_STEPS = 25
@@ -123,8 +115,7 @@ def _solve(start, kind, lines, n_steps=MAX_STEPS):
         line.scale = line.smooth
     deviation = np.inf
     for _ in range(n_steps):
-        equations = _normal_equations(shape[kind], lines, deviation)
-        hessian, gradient, scores, leverage, deviation, loss = equations
+        hessian, gradient, scores, leverage, deviation, loss = _normal_equations(shape[kind], lines, deviation)
         information = deviation**2 / np.tile(PRIOR_DEVIATION, len(shape)) ** 2
         matrix = spread.T @ hessian @ spread
         matrix[np.diag_indices_from(matrix)] += information
@@ -160,13 +151,18 @@ def _with_covariance(solution, cluster, kind):
 def model_lines(shape, groups):
     """Averaged lines of the fitted model with its noise, (group, row), in the rows the fit used; NaN elsewhere."""
     lines = np.full(groups.power.shape, np.nan)
+    for group, line, columns in _columns(shape, groups):
+        lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
+    return lines
+
+
+def _columns(shape, groups):
+    """Yield the number of each group that can be fitted, its `Line` and the linear model of that."""
     described = describe(shape)
-    for group in range(len(lines)):
+    for group in range(len(groups.power)):
         line = prepare_line(groups, group)
         if line is not None:
-            columns = np.concatenate([waveform_columns(described, line), background_columns(line)])
-            lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
-    return lines
+            yield group, line, np.concatenate([waveform_columns(described, line), background_columns(line)])
 
 
 def _spread_out(present):
@@ -225,12 +221,7 @@ def _normal_equations(shape, lines, deviation):
 def _powers(shape, groups):
     """Peak powers of all groups, (group, layer), NaN where a layer was not picked."""
     powers = np.full(groups.present.shape, np.nan)
-    described = describe(shape)
-    for group in range(len(powers)):
-        line = prepare_line(groups, group)
-        if line is None:
-            continue
-        columns = np.concatenate([waveform_columns(described, line), background_columns(line)])
+    for group, line, columns in _columns(shape, groups):
         first, _ = solve_powers(columns, line)
         rescale(line, first @ columns)
         powers[group, line.layers] = solve_powers(columns, line)[0][: line.layers.size]

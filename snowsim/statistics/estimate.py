@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from snowsim.echogram import check_choice
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
 from snowsim.statistics.lines import Groups
@@ -57,9 +58,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     layers. The power of a layer never picked lies, in dB, between its neighbours'.
     Only the decay rate of the deepest layer in `paper` is NaN.
     """
-    if estimator not in ESTIMATORS:
-        msg = f"estimator must be one of {', '.join(ESTIMATORS)}, got {estimator!r}"
-        raise ValueError(msg)
+    check_choice("estimator", estimator, ESTIMATORS)
     if not any(np.isfinite(frame.depth_bins).any() for frame in summary):
         msg = f"a flight needs layers, none of its {len(summary)} frames has the surface picked"
         raise ValueError(msg)

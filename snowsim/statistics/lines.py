@@ -74,8 +74,7 @@ def waveform_columns(described, line, *, with_slopes=False):
 
     The slopes follow from eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its Gaussian g, and
     ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g = a w``, they give
-    its height, ``d log w0 / d log a = -a x0`` and ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its
-    movement.
+    its height, ``d log w0 / d log a = -a x0``, ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its movement.
     """
     columns = np.zeros((4 if with_slopes else 1, line.layers.size, line.rows.size))
     for position, spread in zip(line.position.T, line.spread.T, strict=True):

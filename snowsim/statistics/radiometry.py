@@ -7,8 +7,8 @@ from scipy.special import polygamma
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.ends import echoes_below, end_contrasts
-from snowsim.statistics.fading import fading, fading_products
 from snowsim.statistics.lines import BACKGROUND_RISE
+from snowsim.statistics.speckle import fading, fading_products
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, stacked, stacked_tracked
 from snowsim.statistics.texture import NAMES as TEXTURE
 from snowsim.statistics.texture import texture

@@ -18,12 +18,12 @@ ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
 BY_LINE = ("depth_bins", "tracked_power")
-BY_TRACK = ("surface_bins",)
 BY_GROUP = (
     *("power", "position", "spread", "n_picks"),
     *("air_sum", "air_square", "air_count", "air_products", "air_pairs", "texture_terms"),
 )
 DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag", "texture_terms": "term"}  # else layer
+FIXED = {"air_lag": AIR_LAGS, "term": N_TERMS}
 CONTENT = "snowsim flight summary 4"
 
 
@@ -221,21 +221,15 @@ def merge(summaries):
 def summary_to_dataset(summary):
     """A summary as a dataset for `snowsim.io.files.write_dataset`: frames one after the other, padded with NaN."""
     n_layers = max(frame.depth_bins.shape[0] for frame in summary)
-    widths = {"layer": n_layers, "row": max(frame.power.shape[1] for frame in summary), "air_lag": AIR_LAGS}
-    widths["term"] = N_TERMS
+    widths = FIXED | {"layer": n_layers, "row": max(frame.power.shape[1] for frame in summary)}
     variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME}
-    shape = {
-        "n_lines": [frame.depth_bins.shape[1] for frame in summary],
-        "n_groups": [frame.power.shape[0] for frame in summary],
-        "n_layers": [frame.depth_bins.shape[0] for frame in summary],
-        "n_rows": [frame.power.shape[1] for frame in summary],
-    }
-    variables |= {name: ("frame", np.array(values, dtype=np.int64)) for name, values in shape.items()}
+    shapes = [(f.depth_bins.shape[1], len(f.power), len(f.depth_bins), f.power.shape[1]) for f in summary]
+    for name, sizes in zip(("n_lines", "n_groups", "n_layers", "n_rows"), np.array(shapes).T, strict=True):
+        variables[name] = ("frame", sizes.astype(np.int64))
     for name in BY_LINE:
         parts = [_widened(getattr(frame, name).T, n_layers) for frame in summary]
         variables[name] = (("range_line", "layer"), np.concatenate(parts))
-    for name in BY_TRACK:
-        variables[name] = ("range_line", np.concatenate([getattr(frame, name) for frame in summary]))
+    variables["surface_bins"] = ("range_line", np.concatenate([frame.surface_bins for frame in summary]))
     for name in BY_GROUP:
         parts = [getattr(frame, name) for frame in summary]
         if parts[0].ndim == 1:
@@ -257,11 +251,10 @@ def summary_from_dataset(dataset):
     for i in range(dataset.sizes["frame"]):
         lines = slice(line, line + int(variables["n_lines"][i]))
         groups = slice(group, group + int(variables["n_groups"][i]))
-        widths = {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i]), "air_lag": AIR_LAGS}
-        widths["term"] = N_TERMS
+        widths = FIXED | {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i])}
         parts = {name: variables[name][i].item() for name in BY_FRAME}
         parts |= {name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T) for name in BY_LINE}
-        parts |= {name: variables[name][lines] for name in BY_TRACK}
+        parts["surface_bins"] = variables["surface_bins"][lines]
         for name in BY_GROUP:
             part = variables[name][groups]
             parts[name] = part if part.ndim == 1 else part[:, : widths[DIMENSIONS.get(name, "layer")]]

@@ -10,14 +10,13 @@ HARMONICS = np.arange(1, 9)[:, None]  # of the fraction; the next adds less than
 
 
 def surface_statistics(summary, minimum):
-    """Statistics of the surface's row, name to (dimensions, values), each with a standard error.
+    """Statistics of the surface's row in stretches without gaps: (dimensions, values) by name, standard errors too.
 
     A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow error comes on top.
     As increments of m change by less than half a bin a line, they are those of the row less whole bins:
     `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin steps over that
     which rounding such a movement makes, 1 where a product does so, else 0. `surface_psd (wavenumber)` is the spectrum
-    of the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` that trend's. Of stretches
-    without gaps.
+    of the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` that trend's.
     """
     whole = [frame.surface_bins[: frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES] for frame in summary]
     rows = stretches(np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES), minimum)[:, 0]
@@ -31,13 +30,14 @@ def surface_statistics(summary, minimum):
     jumps = np.abs(np.rint(step - movement)).sum(axis=1)
     expected = np.sqrt(2 / np.pi * (movement**2).mean()) * movement.shape[1]
     share = jumps / expected if expected > 0 else 0 * jumps
+    density, moving = (
+        (("wavenumber",), on_wavenumbers(periodogram(series, tapered=True), BLOCK_LINES))
+        for series in (rows, movement[:, 1:])
+    )
     values = {
         "surface_fraction": ((), share),
-        "surface_movement_psd": (
-            ("wavenumber",),
-            on_wavenumbers(periodogram(movement[:, 1:], tapered=True), BLOCK_LINES),
-        ),
-        "surface_psd": (("wavenumber",), on_wavenumbers(periodogram(rows, tapered=True), BLOCK_LINES)),
+        "surface_movement_psd": moving,
+        "surface_psd": density,
         "surface_trend_variance_bins2": ((), rises(rows) ** 2 * (BLOCK_LINES / rows.shape[1])),
     }
     result = {}

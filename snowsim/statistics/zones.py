@@ -28,11 +28,8 @@ DIMENSIONS = {
     "zone_edge_bins": ("edge",),
     "thickness_psd": ("zone", "slab", "wavenumber"),
     "thickness_correlation": ("band", "separation"),
-    "relative_thickness_correlation": ("separation",),
-    "trend_correlation": ("separation",),
-    "n_gap_blocks": ("slab",),
-    "pick_noise_bins2": ("layer",),
-    "n_blocks_by_layers": ("zone", "n_layers"),
+    **dict.fromkeys(("relative_thickness_correlation", "trend_correlation"), ("separation",)),
+    **{"n_gap_blocks": ("slab",), "pick_noise_bins2": ("layer",), "n_blocks_by_layers": ("zone", "n_layers")},
     "first_thickness_quantile_bins": ("quantile",),
 }  # of the others zone and slab
 
@@ -219,9 +216,8 @@ def zone_models(summary, n_layers, counts, *, tapered=True):
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
     blocks for values of their own add nothing. `means_aic_penalty` is that of Hurvich & Tsai (1989), Biometrika 76,
-    297-307, cell by cell, for cells hold few blocks: ``2 k n / (n - k - 1)``. Dispersion is the mean over cells and
-    wavenumbers of the variance of periodograms over their squared mean: 1 for a Gaussian process, more where blocks of
-    one cell differ in level.
+    297-307, by cell, for cells hold few blocks: ``2 k n / (n - k - 1)``. Dispersion: variance of periodograms over
+    their squared mean, averaged: 1 for a Gaussian process, more where blocks of one cell differ in level.
     """
     counts = list(counts)
     if min(counts) < 1:

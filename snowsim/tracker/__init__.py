@@ -1,25 +1,10 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork
+from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNetwork, track, trained_network
 from snowsim.tracker.sampling import Completed, TrainingSet, Uppermost
 from snowsim.tracker.settings import Settings, published
-from snowsim.tracker.track import track, trained_network
 from snowsim.tracker.train import Training, annotated_pixels, train_steps
 
-__all__ = [
-    "OUTPUTS",
-    "Completed",
-    "LightNetwork",
-    "MultiScaleNetwork",
-    "PublishedNetwork",
-    "Settings",
-    "Training",
-    "TrainingSet",
-    "Uppermost",
-    "annotated_pixels",
-    "published",
-    "track",
-    "train_steps",
-    "trained_network",
-]
+__all__ = ["OUTPUTS", "Completed", "LightNetwork", "MultiScaleNetwork", "PublishedNetwork", "Settings", "Training"]
+__all__ += ["TrainingSet", "Uppermost", "annotated_pixels", "published", "track", "train_steps", "trained_network"]

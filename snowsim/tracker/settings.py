@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from snowsim.echogram import check_choice
+
 CHOICES = {
     "optimiser": ("adamw", "sgd"),
     "schedule": ("one_cycle", "steps", "updates"),
@@ -88,9 +90,7 @@ class Settings:
             msg = f"scales must be one or more in (0, 1], got {self.scales}"
             raise ValueError(msg)
         for name, choices in CHOICES.items():
-            if getattr(self, name) not in choices:
-                msg = f"{name} must be one of {', '.join(choices)}, got {getattr(self, name)!r}"
-                raise ValueError(msg)
+            check_choice(name, getattr(self, name), choices)
 
     @property
     def n_copies(self):
@@ -100,20 +100,8 @@ class Settings:
 
 def published(n_steps, width=64, **other):
     """Settings of the published tracker code, github.com/BinaLab/MultiScale; its epochs are 15."""
-    recipe = {
-        "n_accumulated": 10,
-        "n_range_bins": None,
-        "n_range_lines": None,
-        "scales": (1.0, 0.75, 0.5, 0.25),
-        "optimiser": "sgd",
-        "learning_rate": 1e-6,
-        "weight_decay": 2e-4,
-        "schedule": "updates",
-        "published_multipliers": True,
-        "reduction": "sum",
-        "precision": "float32",
-        "network": "published",
-        "augmentation": "copies",
-        "loss": "sigmoids",
-    }
+    recipe = {"n_accumulated": 10, "n_range_bins": None, "n_range_lines": None, "scales": (1.0, 0.75, 0.5, 0.25)}
+    recipe |= {"optimiser": "sgd", "learning_rate": 1e-6, "weight_decay": 2e-4, "schedule": "updates"}
+    recipe |= {"published_multipliers": True, "reduction": "sum", "precision": "float32", "network": "published"}
+    recipe |= {"augmentation": "copies", "loss": "sigmoids"}
     return Settings(n_steps=n_steps, width=width, **(recipe | other))

@@ -78,13 +78,9 @@ class Training:
 
     def state(self):
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
-        return on_cpu(
-            {
-                "network": self.network.state_dict(),
-                "optimiser": moments_of(self._optimiser),
-                "gradient": {name: p.grad for name, p in self.network.named_parameters() if p.grad is not None},
-            }
-        )
+        gradient = {name: p.grad for name, p in self.network.named_parameters() if p.grad is not None}
+        networks = {"network": self.network.state_dict(), "optimiser": moments_of(self._optimiser)}
+        return on_cpu(networks | {"gradient": gradient})
 
     def restore(self, state, step):
         """Take over a `state`, read back as arrays, after `step` steps; ValueError if other settings made it."""
@@ -113,8 +109,7 @@ def train_steps(training, scenes):
     step : int
         Gradients taken, counted from 1.
     losses : dict of float
-        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`, their sum; FloatingPointError if that
-        is not finite.
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`; FloatingPointError if not finite.
     """
     settings = training.settings
     copies = settings.augmentation == "copies"
@@ -150,10 +145,8 @@ def _patches(training, scenes):
     batch = [scenes[position] for position in drawn]
     rng = random_stream(training.seed, "tracker", "step", training.step)
     scale = settings.scales[rng.integers(len(settings.scales))]
-    known = annotated_pixels if settings.mask_unannotated else None
-    return draw_patches(
-        batch, settings.n_range_bins, settings.n_range_lines, scale=scale, flip=settings.flip, known=known, rng=rng
-    )
+    how = {"scale": scale, "flip": settings.flip, "known": annotated_pixels if settings.mask_unannotated else None}
+    return draw_patches(batch, settings.n_range_bins, settings.n_range_lines, **how, rng=rng)
 
 
 def _copy(training, scenes):

@@ -23,10 +23,8 @@ def check_reference(reference, flight):
     n_frames, n_range_lines = flight["n_frames"], flight["n_range_lines"]
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
     if length_km > line_length_km():
-        msg = (
-            f"config: flight.n_frames: expected frames that fit on the line of {line_length_km():.0f} km, "
-            f"got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
-        )
+        msg = f"config: flight.n_frames: expected frames that fit on the line of {line_length_km():.0f} km, "
+        msg += f"got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
         raise ValueError(msg)
 
 
@@ -62,10 +60,8 @@ def own_pairs(folder, lists, data_scale):
     for split, scenes in pairs.items():
         for scene in scenes.names:
             if scene in seen:
-                msg = (
-                    f"{folder}: {lists[split]}: expected scenes that are in no other list, "
-                    f"found {scene} in {lists[seen[scene]]} too"
-                )
+                msg = f"{folder}: {lists[split]}: expected scenes that are in no other list, "
+                msg += f"found {scene} in {lists[seen[scene]]} too"
                 raise ValueError(msg)
             seen[scene] = split
     return pairs
@@ -91,10 +87,8 @@ def check_lists(lists, *, data_scale, contrast_db):
     table = pd.DataFrame(rows)
     mute = table[(table["split"] == "train") & ~table["tells_db"]]
     if contrast_db is None and len(mute):
-        msg = (
-            f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not tell what their grey levels stand "
-            "for: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
-        )
+        msg = f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not tell what their grey levels stand "
+        msg += "for: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
         raise ValueError(msg)
     widths = table.groupby("split")["n_range_lines"].first()
     if widths.nunique() > 1:

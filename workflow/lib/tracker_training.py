@@ -14,9 +14,8 @@ def compose(
     if labels == "complete":
         real = Completed(real)
     if zones is not None:
-        added = [
-            Subset(scenes, [place for place, zone in enumerate(scenes.zones) if zone in zones]) for scenes in added
-        ]
+        places = ([place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added)
+        added = list(map(Subset, added, places))
     if n_layers is not None:
         added = [Uppermost(scenes, n_layers) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)

@@ -22,13 +22,8 @@ from lib.sources import check_disk, check_folders
 from lib.imports import closure
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
-for variable in (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "NUMBA_NUM_THREADS",
-):
-    os.environ[variable] = "1"
+for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
+    os.environ[f"{library}_NUM_THREADS"] = "1"
 
 
 def or_refused(function, *arguments):
@@ -81,19 +76,13 @@ include: "sources.smk"
 
 
 # What is added to the train scenes in Table III's training sets; then what is trained on alone, without them.
-TRAINING_SETS = {
-    "rd": [],
-    "rd_gd": ["cgan"],
-    "rd_pd": ["phy"],
-    "rd_pd_gd": ["phy", "cgan"],
-}
+TRAINING_SETS = {"rd": [], "rd_gd": ["cgan"], "rd_pd": ["phy"]}
+TRAINING_SETS["rd_pd_gd"] = ["phy", "cgan"]
 ALONE = {"gd": ["cgan"], "pd": ["phy"]}
 METHODS = ("cgan", "phy")
 N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
-SHARD_SIZE = {
-    **dict.fromkeys(SPLITS, OBSERVED_PER_SHARD),
-    "labels": config["labels"]["shard_size"],
-}
+SHARD_SIZE = dict.fromkeys(SPLITS, OBSERVED_PER_SHARD)
+SHARD_SIZE["labels"] = config["labels"]["shard_size"]
 SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 
@@ -242,12 +231,8 @@ def describe_targets():
 
 
 # What scenes and frames take on disk [bytes], from a run of the default configuration: see docs/scale.md. The rest is small.
-BYTES_PER_SCENE = {
-    "draw_labels": 18e3,
-    "render_phy": 220e3,
-    "render_cgan": 220e3,
-    "reference_scenes": 110e3,
-}
+BYTES_PER_SCENE = {"render_phy": 220e3, "render_cgan": 220e3}
+BYTES_PER_SCENE |= {"draw_labels": 18e3, "reference_scenes": 110e3}
 BYTES_PER_FRAME_LINE = 3.7e3
 SMALL_FILES_BYTES = 20e6
 

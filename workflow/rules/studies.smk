@@ -314,10 +314,7 @@ rule study_cgan_width:
         width=lambda wildcards: int(wildcards.cgan_width),
         n_steps=CGAN_STUDY["n_steps"],
         seconds=CGAN_STUDY["seconds"],
-        training={
-            **dict(rules.train_cgan.params.items()),
-            "on_collapse": "go_on",
-        },
+        training={**dict(rules.train_cgan.params.items()), "on_collapse": "go_on"},
         checkpoint="results/checkpoints/study_cgan_width/{cgan_mode}_{cgan_width}.safetensors",
         events="logs/tensorboard/study_cgan_width/{cgan_mode}_{cgan_width}",
     message:
@@ -363,10 +360,7 @@ rule study_cgan_atlas:
         mem_mb=2000,
     params:
         seed=config["seed"],
-        settings={
-            **config["cgan"]["training"],
-            **CGAN_STUDY["atlas"]["training"],
-        },
+        settings={**config["cgan"]["training"], **CGAN_STUDY["atlas"]["training"]},
         statistics=config["cgan"]["statistics"],
         n_held=config["cgan"]["validation"]["n_scenes"],
         n_seeds=CGAN_STUDY["atlas"]["n_seeds"],

@@ -14,13 +14,9 @@ def train_width(
 ):  # fmt: skip
     if mode == "equal_time":
         n_steps = steps_in(seconds, read_table(speed), width)
-    options = {
-        **training,
-        "settings": {**training["settings"], "width": width, "n_steps": n_steps},
-        "validation": {**training["validation"], "every_steps": max(1, n_steps // N_VALIDATIONS)},
-        "checkpoint": checkpoint,
-        "events": events,
-    }
+    options = {**training, "checkpoint": checkpoint, "events": events}
+    options["settings"] = {**training["settings"], "width": width, "n_steps": n_steps}
+    options["validation"] = {**training["validation"], "every_steps": max(1, n_steps // N_VALIDATIONS)}
     train_cgan(train, generator, losses, scores, samples, **options)
 
 

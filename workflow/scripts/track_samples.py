@@ -32,15 +32,10 @@ def track_samples(scenes, networks, samples, *, training_sets, device, n_scenes)
     dims = ("training_set", "scene", "output", "range_bin", "range_line")
     images = np.stack([scene.image[:N_ROWS] for scene in chosen])
     masks = np.stack([scene.mask()[:N_ROWS] for scene in chosen]).astype(np.uint8)
-    found = xr.Dataset(
-        {
-            "probability": (dims, np.stack(maps), {"units": "1/255"}),
-            "image": (("scene", *dims[3:]), images),
-            "mask": (("scene", *dims[3:]), masks),
-        },
-        coords={"training_set": training_sets, "scene": [scene.name for scene in chosen], "output": list(OUTPUTS)},
-    )
-    write_dataset(samples, found)
+    found = {"probability": (dims, np.stack(maps), {"units": "1/255"})}
+    found |= {name: (("scene", *dims[3:]), values) for name, values in (("image", images), ("mask", masks))}
+    names = {"training_set": training_sets, "scene": [scene.name for scene in chosen], "output": list(OUTPUTS)}
+    write_dataset(samples, xr.Dataset(found, names))
 
 
 run(track_samples)

@@ -19,13 +19,8 @@ def train(
     *, seed, device, settings, statistics, validation, on_collapse, source, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
     settings = Settings(**settings)
-    made_of = {
-        "settings": dataclasses.asdict(settings),
-        "seed": seed,
-        "data": fingerprint(scenes),
-        "validation": validation,
-        "statistics": statistics,
-    }
+    made_of = {"settings": dataclasses.asdict(settings), "seed": seed, "data": fingerprint(scenes)}
+    made_of |= {"validation": validation, "statistics": statistics}
     what = f"a cGAN of width {settings.width}"
     check_memory(least_bytes(settings), what)
     with SceneSet(scenes) as observed, enough_memory(what):
@@ -36,9 +31,8 @@ def train(
         training = Training(settings, seed=seed, device=device)
         judge = Judge(training, held_scenes, train_scenes, statistics, validation, goes_on=on_collapse == "go_on")
         unfinished = {"kind": "unfinished cgan training", **made_of}
-        with TrainingRun(
-            training, checkpoint, unfinished, every_steps=checkpoint_steps, path_to_events=events, validation=judge
-        ) as taken:
+        kept = {"every_steps": checkpoint_steps, "path_to_events": events, "validation": judge}
+        with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
             judge.run, collapse = taken, None
             try:
                 taken.take(train_steps(training, train_scenes), settings.n_steps, "cGAN")
@@ -53,13 +47,8 @@ def train(
             if best["n_faults"] > 0:
                 collapse = f"step {taken.best_step}: {'; '.join(faults(best.to_dict(), dropout=settings.dropout))}"
                 logger.warning("collapsed at %s; these weights are kept all the same", collapse)
-            metadata = {
-                "kind": "cgan generator",
-                **made_of,
-                "step": taken.best_step,
-                "steps_taken": training.step,
-                "collapse": collapse,
-            }
+            metadata = {"kind": "cgan generator", **made_of, "step": taken.best_step}
+            metadata |= {"steps_taken": training.step, "collapse": collapse}
             write_table(losses, taken.losses())
             write_table(scores, taken.scores())
             write_scenes(samples, sample_scenes(held_scenes, taken.samples), {"synthetic": source})

@@ -9,13 +9,4 @@ from snowsim.metrics.edges.scores import COUNTS, precision_recall, score, stack_
 from snowsim.metrics.edges.suppression import suppress
 from snowsim.metrics.edges.thinning import thin
 
-__all__ = [
-    "COUNTS",
-    "THRESHOLDS",
-    "match_counts",
-    "precision_recall",
-    "score",
-    "stack_counts",
-    "suppress",
-    "thin",
-]
+__all__ = ["COUNTS", "THRESHOLDS", "match_counts", "precision_recall", "score", "stack_counts", "suppress", "thin"]

@@ -36,15 +36,13 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
     Returns
     -------
     dict of ndarray of int64, (threshold,)
-        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`; as pairs are one-to-one, the two matched
-        counts are equal.
+        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`; pairs are one-to-one: equally many match.
 
     Raises
     ------
     ValueError
-        If the prediction is empty, not a number or outside [0, 1]; if sizes differ; if the truth is not binary; if
-        there is no threshold or one is not finite; if the distance is negative or not finite; if `thin` is something
-        else.
+        If the prediction is empty, not a number or outside [0, 1]; sizes differ; the truth is not binary; there is no
+        threshold or one is not finite; the distance is negative or not finite; `thin` is something else.
 
     Notes
     -----
@@ -94,7 +92,8 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
 def _changes(framed, levels, thin, early):
     """Yield, from the highest level down, level, pixels that leave the map and pixels that join it (flat indices)."""
     values = framed.ravel()
-    pixels = np.flatnonzero(framed >= levels[0]) if levels[0] > 0 else _inside(framed.shape)
+    inside = np.pad(np.ones(np.subtract(framed.shape, 2), dtype=bool), 1)  # all pixels but the frame
+    pixels = np.flatnonzero(framed >= levels[0] if levels[0] > 0 else inside)
     n_levels_reached = np.searchsorted(levels, values[pixels], side="right").astype(np.uint16)
     pixels = pixels[np.argsort(levels.size - n_levels_reached, kind="stable")]
     ends = np.cumsum(np.bincount(n_levels_reached, minlength=levels.size + 1)[::-1])  # [0]: those above every level
@@ -115,13 +114,6 @@ def _changes(framed, levels, thin, early):
         joined = thinned[changed] == 1
         was_on = thinned
         yield level, changed[~joined], changed[joined]
-
-
-def _inside(framed_shape):
-    """Flat indices of all pixels but the frame."""
-    inside = np.zeros(framed_shape, dtype=bool)
-    inside[1:-1, 1:-1] = True
-    return np.flatnonzero(inside)
 
 
 def _check_truth(truth, shape, where):

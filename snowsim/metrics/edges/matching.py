@@ -32,26 +32,16 @@ class Matching:
         # `first[line, row]` is the first one at or below a row.
         first_of_line = np.concatenate([[0], np.cumsum(truth.sum(axis=0))[:-1]])
         above = np.concatenate([np.zeros((1, n_lines), dtype=int), np.cumsum(truth, axis=0)])
-        self._first = np.ascontiguousarray((above + first_of_line).T.astype(np.int32))
+        first = np.ascontiguousarray((above + first_of_line).T.astype(np.int32))
         lines, rows = np.nonzero(truth.T)
-        self._pixel_of_truth = (rows * n_lines + lines).astype(np.int32)
-        self._reach = reach_by_column(radius, n_lines)
-        self._mate_of_pixel = np.full(truth.size, ABSENT, dtype=np.int32)
-        self._mate_of_truth = np.full(self.n_truth, FREE, dtype=np.int32)
-        self._saturated = np.zeros(self.n_truth, dtype=np.uint8)
+        pixel_of_truth = (rows * n_lines + lines).astype(np.int32)
+        mates = (np.full(n, what, dtype=np.int32) for n, what in ((truth.size, ABSENT), (self.n_truth, FREE)))
+        saturated = np.zeros(self.n_truth, dtype=np.uint8)
+        self._state = (first, pixel_of_truth, reach_by_column(radius, n_lines), *mates, saturated)
 
     def update(self, removed, added):
         """Take predicted pixels away, then add others (flat indices), and return the number of matched pairs."""
-        self.n_matched += _update(
-            removed.astype(np.int32),
-            added.astype(np.int32),
-            self._first,
-            self._pixel_of_truth,
-            self._reach,
-            self._mate_of_pixel,
-            self._mate_of_truth,
-            self._saturated,
-        )
+        self.n_matched += _update(removed.astype(np.int32), added.astype(np.int32), *self._state)
         return self.n_matched
 
 

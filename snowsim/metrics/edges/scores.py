@@ -119,18 +119,12 @@ def f_measure(precision, recall):
 
 
 def _average_precision(pooled):
-    recalls, precisions = _curve(pooled)
+    precision, recall = _precision_and_recall(pooled)
+    recalls, lowest = np.unique(recall, return_index=True)  # and the precision at the lowest threshold of each
     if recalls.size < 2:
         return 0.0
-    interpolated = np.interp(EVERY_HUNDREDTH, recalls, precisions, left=np.nan, right=np.nan)
+    interpolated = np.interp(EVERY_HUNDREDTH, recalls, precision[lowest], left=np.nan, right=np.nan)
     return float(np.nansum(interpolated) / 100)
-
-
-def _curve(pooled):
-    """Distinct recalls, ascending, and the precision at the lowest threshold of each."""
-    precision, recall = _precision_and_recall(pooled)
-    recalls, lowest = np.unique(recall, return_index=True)
-    return recalls, precision[lowest]
 
 
 def _precision_and_recall(counts):

@@ -32,9 +32,8 @@ def thin(mask, *, early=False):
     """Thin a binary map (range_bin, range_line) to lines of one pixel, until nothing changes.
 
     Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14, and in
-    ``skimage.morphology.thin``, with which it agrees pixel for pixel. With `early` it stops as soon as one of the two
-    half-steps removes nothing, as the Python port of the Berkeley benchmark (py-bsds500), which so keeps a few pixels
-    more.
+    ``skimage.morphology.thin``, with which it agrees pixel for pixel. With `early` it stops once one of the two
+    half-steps removes nothing, as the Python port of the Berkeley benchmark (py-bsds500): a few pixels more are kept.
     """
     framed = np.pad(np.asarray(mask, dtype=bool), 1)
     pixels = np.flatnonzero(framed)

@@ -6,9 +6,7 @@ from numpy.testing import assert_allclose
 
 from lib.diagnostics.simulation import SPACING, solver_errors, tail_error_db
 from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import PRESETS
-from snowsim.physical.snowpack import Snowpack
+from snowsim.physical import PRESETS, Snowpack, physical_parameters
 from snowsim.reference import checked_settings
 from snowsim.reference.firn import surface_reflectivity
 from snowsim.reference.radar import interface_waveform, range_response

@@ -111,21 +111,13 @@ def summarise_loop(table):
         part = table[table["quantity"] == quantity]
         reasons = part.loc[~part["within"], "reason"].value_counts()
         resolved = _is_resolved(part)
-        rows.append(
-            {
-                "quantity": quantity,
-                "unit": BOUNDS[quantity].unit,
-                "bound": BOUNDS[quantity].largest,
-                "n": len(part),
-                "n_within": int(part["within"].sum()),
-                "n_resolved": int(resolved.sum()),
-                "n_resolved_within": int(part.loc[resolved, "within"].sum()),
-                "median": errors[f"{quantity}_median"],
-                "median_standard_error": part["error_standard_error"].median(),
-                "largest": errors[f"{quantity}_largest"],
-                "reasons": "; ".join(f"{reason}: {n}" for reason, n in sorted(reasons.items())),
-            }
-        )
+        row = {"quantity": quantity, "unit": BOUNDS[quantity].unit, "bound": BOUNDS[quantity].largest}
+        row |= {"n": len(part), "n_within": int(part["within"].sum()), "n_resolved": int(resolved.sum())}
+        row["n_resolved_within"] = int(part.loc[resolved, "within"].sum())
+        row["median"] = errors[f"{quantity}_median"]
+        row["median_standard_error"] = part["error_standard_error"].median()
+        row["largest"] = errors[f"{quantity}_largest"]
+        rows.append(row | {"reasons": "; ".join(f"{reason}: {n}" for reason, n in sorted(reasons.items()))})
     return pd.DataFrame(rows)
 
 
@@ -182,10 +174,7 @@ def _row(quantity, bound, where, numbers, given):
         "quantity": quantity,
         **{dim: where.get(dim, -1) for dim in COLUMNS[1:6]},
         **dict(zip(COLUMNS[6:10], numbers, strict=True)),
-        "error": error,
-        "error_standard_error": sampling,
-        "unit": bound.unit,
-        "bound": bound.largest,
+        **{"error": error, "error_standard_error": sampling, "unit": bound.unit, "bound": bound.largest},
         "within": within,
         "reason": "" if within else _reason(quantity, where, found, abs(error) - bound.largest, sampling, given),
     }

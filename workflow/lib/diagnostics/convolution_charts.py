@@ -6,6 +6,7 @@ above; looks differ in where each interface lies, by more than a wavelength ther
 
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -99,17 +100,13 @@ def stack_rows(sweep, value, unit, density, thickness_m, radar):
     at_layers = at_layers[at_layers < N_BINS]
     noise_power = surface_reflectivity(density[0, 0]) * 10 ** (-radar.surface_to_noise_db / 10)
     about = {"part": "stacks", "sweep": sweep, "value": value, "unit": unit, "reference": "transfer matrix"}
-    return [
-        about
-        | {
-            "method": name,
-            "error_db": coherent.error_db(powers[name][inside], reference[inside], noise_power),
-            "layer_error_db": coherent.error_db(powers[name][at_layers], reference[at_layers]),
-            "bias_db": coherent.bias_db(powers[name][inside], reference[inside]),
-            "seconds": seconds[name],
-        }
-        for name in coherent.MODELS
-    ]
+    rows = []
+    for name in coherent.MODELS:
+        row = about | {"method": name, "seconds": seconds[name]}
+        row["error_db"] = coherent.error_db(powers[name][inside], reference[inside], noise_power)
+        row["layer_error_db"] = coherent.error_db(powers[name][at_layers], reference[at_layers])
+        rows.append(row | {"bias_db": coherent.bias_db(powers[name][inside], reference[inside])})
+    return rows
 
 
 def received(radar, rms_slope):
@@ -122,11 +119,8 @@ def received(radar, rms_slope):
 def tail_rows(radar):
     """What eq. (1) leaves of the nature run's off-nadir tail, by how far down it is followed, and by what shapes it."""
     slopes = {"horizon": radar.horizon_slope, "surface": radar.surface_slope}
-    sweeps = [
-        (name, tail_db, "dB below the peak", radar, slope, tail_db)
-        for name, slope in slopes.items()
-        for tail_db in TAILS_DB
-    ]
+    tails = product(slopes.items(), TAILS_DB)
+    sweeps = [(name, tail_db, "dB below the peak", radar, slope, tail_db) for (name, slope), tail_db in tails]
     sweeps += [
         (sweep, value, unit, replace(radar, **{name: value}), radar.horizon_slope, SHAPING_DB)
         for sweep, (name, unit, values) in SHAPED_BY.items()

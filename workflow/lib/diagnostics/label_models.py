@@ -24,17 +24,10 @@ def tabulate_models(zone_models):
         for psd in MODELS:
             likelihood, n_parameters, penalty = _spectra_likelihood(model, psd)
             total = model.attrs["means_log_likelihood"] + likelihood / dispersion
-            rows.append(
-                {
-                    "n_zones": model.sizes["zone"],
-                    "psd": psd,
-                    "n_parameters": model.attrs["means_n_parameters"] + n_parameters,
-                    "log_likelihood": total,
-                    "aic": model.attrs["means_aic_penalty"] + penalty["aic"] - 2 * total,
-                    "bic": model.attrs["means_bic_penalty"] + penalty["bic"] - 2 * total,
-                    "dispersion": dispersion,
-                }
-            )
+            row = {"n_zones": model.sizes["zone"], "psd": psd}
+            row |= {"n_parameters": model.attrs["means_n_parameters"] + n_parameters, "log_likelihood": total}
+            row |= {name: model.attrs[f"means_{name}_penalty"] + penalty[name] - 2 * total for name in CRITERIA}
+            rows.append(row | {"dispersion": dispersion})
     return pd.DataFrame(rows)
 
 

@@ -131,14 +131,8 @@ def _histogram(thickness, zone):
     width = whole.max() + 1
     counts = np.bincount((whole + width * np.arange(len(whole))[:, None]).ravel())
     held = np.flatnonzero(counts)
-    return pd.DataFrame(
-        {
-            "zone": zone,
-            "slab": np.append(held // width, -1),
-            "low_bins": np.append(held % width, int(thickness[0].mean())),
-            "n": np.append(counts[held], 1),
-        }
-    )
+    slab, low_bins = np.append(held // width, -1), np.append(held % width, int(thickness[0].mean()))
+    return pd.DataFrame({"zone": zone, "slab": slab, "low_bins": low_bins, "n": np.append(counts[held], 1)})
 
 
 def _add_pairs(totals, values):
@@ -157,20 +151,14 @@ def _moment_table(moments, spectra, statistics):
     mean = total / n
     psd = statistics["thickness_psd"].values[zone, slab]
     n_lines = 2 * (psd.shape[1] - 1)
-    return pd.DataFrame(
-        {
-            "zone": zone,
-            "slab": slab,
-            "n_scenes": n.astype(int),
-            "relative_mean_observed": statistics["relative_thickness_mean"].values[zone, slab],
-            "relative_mean_synthetic": mean,
-            "relative_variance_observed": statistics["relative_thickness_variance"].values[zone, slab],
-            # Of slab 0 it is zero but for rounding.
-            "relative_variance_synthetic": np.maximum((square - n * mean**2) / (n - 1), 0.0),
-            "variance_observed": psd.sum(axis=1) / n_lines,
-            "variance_synthetic": spectra[zone, slab].sum(axis=1) / n / n_lines,
-        }
-    )
+    observed = {kind: statistics[f"relative_thickness_{kind}"].values[zone, slab] for kind in ("mean", "variance")}
+    columns = {"zone": zone, "slab": slab, "n_scenes": n.astype(int)}
+    columns |= {"relative_mean_observed": observed["mean"], "relative_mean_synthetic": mean}
+    columns["relative_variance_observed"] = observed["variance"]
+    # Of slab 0 it is zero but for rounding.
+    columns["relative_variance_synthetic"] = np.maximum((square - n * mean**2) / (n - 1), 0.0)
+    columns["variance_observed"] = psd.sum(axis=1) / n_lines
+    return pd.DataFrame(columns | {"variance_synthetic": spectra[zone, slab].sum(axis=1) / n / n_lines})
 
 
 def _rule_table(rules):

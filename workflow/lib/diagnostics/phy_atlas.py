@@ -65,10 +65,8 @@ def sweeps():
     yield "tolerance [dB]", tolerances_db, lambda x: replace(PLAIN, tolerance_db=x), ("table32",)
     # One column of a layer whose tail hardly decays, from one pixel to a million.
     slow = replace(PLAIN, decay_rate=np.array([1e-6]))
-    heights, methods = (
-        [1, 2, 3, *(10**power for power in range(1, 7))],
-        ("wrapped", "cut", "recursive32", "recursive64"),
-    )
+    heights = [1, 2, 3, *(10**power for power in range(1, 7))]
+    methods = ("wrapped", "cut", "recursive32", "recursive64")
     yield "height [bins]", heights, lambda x: replace(slow, layer_bins=np.array([[0.3 * x]]), n_range_bins=x), methods
 
 

@@ -90,14 +90,8 @@ def outcome(error_db, limit_db):
 def row(setting, value, method, verdict):
     """One row of the atlas; errors keep three digits, the rest is rounding that differs between machines."""
     error_db, limit_db, result = verdict
-    return {
-        "setting": setting,
-        "value": value,
-        "method": method,
-        "error_db": float(f"{error_db:.3g}"),
-        "limit_db": limit_db,
-        "outcome": result,
-    }
+    about = {"setting": setting, "value": value, "method": method}
+    return about | {"error_db": float(f"{error_db:.3g}"), "limit_db": limit_db, "outcome": result}
 
 
 def judged(setting, values, case_of, methods):

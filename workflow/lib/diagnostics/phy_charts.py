@@ -24,12 +24,8 @@ N_LOOKS = (16, 100)
 CORRELATION = (1, 0.16, 0.02)  # down range, of bins somewhat finer than a range response; others cost the same
 MOVEMENTS_DB = (1.0, 3.0, 6.0, 10.0, 20.0)
 TIMED_MOVEMENT_DB = 6.0  # the time does not depend on how far the mean moves
-DISTANCE = {
-    "looks": lambda n_looks: 0.0,
-    "gamma": lambda n_looks: 0.0,
-    "cube": phy_errors.cube_distance,
-    "quantile": phy_errors.quantile_distance,
-}
+DISTANCE = dict.fromkeys(("looks", "gamma"), lambda n_looks: 0.0)
+DISTANCE |= {"cube": phy_errors.cube_distance, "quantile": phy_errors.quantile_distance}
 SCATTERER_LINES = 4  # of the scatterers' scene: its cost is the same for every range line
 RANGE_LINES = (16, 64, 256, 1024, 4096)
 LAYERS = (1, 2, 5, 10, 20, 40, 80)

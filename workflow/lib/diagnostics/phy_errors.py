@@ -23,13 +23,9 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
     spacing = 0.7 * n_range_bins / max(n_layers - 1, 1)
     phase = 2 * np.pi * np.arange(n_range_lines) / 64 + 2.4 * np.arange(n_layers)[:, None]
     first = np.array([1, 0.3, 0.2, 0.15, 0.1])
-    parameters = {
-        "peak_power": np.concatenate([first, 0.1 * 0.85 ** np.arange(1, max(n_layers - 4, 1))])[:n_layers],
-        "variance_bins2": np.full(n_layers, 12.0),
-        "decay_rate": np.linspace(0.1, 0.05, n_layers),
-        "noise_power": 1e-3,
-        "n_looks": n_looks,
-    }
+    power = np.concatenate([first, 0.1 * 0.85 ** np.arange(1, max(n_layers - 4, 1))])[:n_layers]
+    parameters = {"peak_power": power, "variance_bins2": np.full(n_layers, 12.0), "noise_power": 1e-3}
+    parameters |= {"decay_rate": np.linspace(0.1, 0.05, n_layers), "n_looks": n_looks}
     return depth + min(2, 0.2 * spacing) * np.sin(phase), parameters
 
 
@@ -163,12 +159,7 @@ def fit_waveform(x_bins, power, tail_db):
     fits = [least_squares(residual, start, bounds=limits, xtol=1e-12, ftol=1e-12) for start in starts]
     best = min(fits, key=lambda fit: fit.cost)
     offset, log_variance, log_decay, amplitude_db = best.x
-    return WaveformFit(
-        offset_bins=float(x_bins[top] + offset),
-        variance_bins2=float(np.exp(log_variance)),
-        decay_rate=float(np.exp(log_decay)),
-        amplitude=float(power[top] * 10 ** (amplitude_db / 10)),
-        rms_db=float(np.sqrt(np.mean(best.fun**2))),
-        largest_db=float(np.abs(best.fun).max()),
-        n_bins=float(x[-1] - x[0]),
-    )
+    amplitude = power[top] * 10 ** (amplitude_db / 10)
+    errors_db = np.sqrt(np.mean(best.fun**2)), np.abs(best.fun).max()
+    found = (x_bins[top] + offset, np.exp(log_variance), np.exp(log_decay), amplitude, *errors_db, x[-1] - x[0])
+    return WaveformFit(*map(float, found))

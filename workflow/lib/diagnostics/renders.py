@@ -50,18 +50,10 @@ def position_errors(image, layer_bins, edges):
         for shape_class, (low, high) in enumerate(zip(edges[name][:-1], edges[name][1:], strict=True)):
             chosen = (np.abs(found[name]) >= low) & (np.abs(found[name]) < high)
             peaks = error[chosen & np.isfinite(error)]
-            rows.append(
-                {
-                    "against": name,
-                    "shape_class": shape_class,
-                    "shape_low": low,
-                    "shape_high": high,
-                    "n": int(chosen.sum()),
-                    "n_found": peaks.size,
-                    "mean_abs_error_bins": peaks.mean() if peaks.size else np.nan,
-                }
-            )
-    return pd.DataFrame(rows)
+            mean = peaks.mean() if peaks.size else np.nan
+            rows.append((name, shape_class, low, high, int(chosen.sum()), peaks.size, mean))
+    columns = "against shape_class shape_low shape_high n n_found mean_abs_error_bins"
+    return pd.DataFrame(rows, columns=columns.split())
 
 
 def surface_regions(layer_bins, n_range_bins):

@@ -8,9 +8,7 @@ from scipy.special import ndtri
 from lib.diagnostics import coherent
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.phy import mean_power
-from snowsim.physical.echo import physical_parameters
-from snowsim.physical.radar import PRESETS
-from snowsim.physical.snowpack import Snowpack
+from snowsim.physical import PRESETS, Snowpack, physical_parameters
 from snowsim.reference.firn import refractive_index_kovacs95
 from snowsim.reference.radar import annulus_power
 
@@ -40,13 +38,8 @@ def simulation_rows(stream):
     tails += [("beam", "degrees", b, replace(wide, beamwidth_deg=b), ROUGH_SLOPE) for b in BEAMS_DEG]
     for sweep, unit, value, radar, slope in tails:
         for share in DIFFUSE_SHARES:
-            about = {
-                "part": "decay",
-                "sweep": sweep,
-                "value": value,
-                "unit": unit,
-                "method": f"diffuse share {share:g}",
-            }
+            about = {"part": "decay", "sweep": sweep, "value": value, "unit": unit}
+            about["method"] = f"diffuse share {share:g}"
             errors = {"error_db": tail_error_db(radar, slope, diffuse_share=share)}
             rows.append(about | errors | {"reference": "annuli integral"})
     return rows

@@ -74,12 +74,8 @@ def snowpacks(smrt, settings):
 
 def waveform(smrt, emmodel, pack, sensor):
     """SMRT's mean echo on its oversampled gates."""
-    options = {
-        "oversampling_time": OVERSAMPLING,
-        "return_oversampled": True,
-        "theta_inc_sampling": N_ANGLES,
-        "compute_coherent_reflection": False,  # no specular part, as in the other models
-    }
+    options = {"oversampling_time": OVERSAMPLING, "return_oversampled": True, "theta_inc_sampling": N_ANGLES}
+    options["compute_coherent_reflection"] = False  # no specular part, as in the other models
     model = smrt.make_model(emmodel, "nadir_lrm_altimetry", rtsolver_options=options)
     return np.maximum(np.asarray(model.run(sensor, pack).data).squeeze(), 0)
 

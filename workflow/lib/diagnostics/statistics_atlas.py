@@ -132,12 +132,9 @@ def _compared(fitted, quantity, true):
     largest = float(np.abs(error).max())
     # Three digits: beyond them results differ between machines.
     numbers = {"error": error.mean(), "largest": largest, "standard_error": (claimed / scale).mean()}
-    return {name: float(f"{number:.3g}") for name, number in numbers.items()} | {
-        "quantity": quantity,
-        "unit": bound.unit,
-        "bound": bound.largest,
-        "outcome": "within" if largest <= bound.largest else "beyond",
-    }
+    row = {name: float(f"{number:.3g}") for name, number in numbers.items()}
+    row |= {"quantity": quantity, "unit": bound.unit, "bound": bound.largest}
+    return row | {"outcome": "within" if largest <= bound.largest else "beyond"}
 
 
 # Values of each sweep, and the flight planted for one.

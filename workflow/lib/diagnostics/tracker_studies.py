@@ -34,17 +34,11 @@ def time_tracking(networks, images, n_rounds):
     works = {name: partial(track_all, network, precision) for name, (network, precision, _) in networks.items()}
     n_pixels = sum(image.size for image in images) / len(images)
     rows = [
-        {
-            "setting": name,
-            **networks[name][2],
-            "repeat": repeat,
-            "seconds": seconds / len(images),
-            "ns_per_pixel": 1e9 * seconds / len(images) / n_pixels,
-            "device": device_name(),
-        }
+        {"setting": name, **networks[name][2], "repeat": repeat, "seconds": seconds / len(images)}
         for name, repeat, seconds in time_rounds(works, n_rounds)
     ]
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    return table.assign(ns_per_pixel=1e9 * table["seconds"] / n_pixels, device=device_name())
 
 
 def training_atlas(real, settings, learning_rates, n_seeds):

@@ -31,12 +31,11 @@ def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
     label_layers, label_histograms = labels
     edges = np.asarray(zone_edge_bins, dtype=float)
     thickness = thickness_blocks(summary, statistics.sizes["layer"])
+    distributions = [_layer_counts(statistics, label_layers), _width_counts(statistics, rendered)]
     return {
         "thickness": _thickness_histograms(thickness, edges, label_histograms),
         "tests": pd.DataFrame(thickness_tests(thickness, edges, rng=rng), columns=list(TEST_COLUMNS)),
-        "distributions": pd.concat(
-            [_layer_counts(statistics, label_layers), _width_counts(statistics, rendered)], ignore_index=True
-        ),
+        "distributions": pd.concat(distributions, ignore_index=True),
     }
 
 
@@ -120,9 +119,8 @@ def independence(summary, statistics):
     it and the law of the flight's own looks, on the quantiles that are kept; NaN where a layer has too few lines.
     """
     tracked = stacked_tracked(summary)
-    residual = (
-        10 * np.log10(statistics["mean_waveform"] / statistics["model_waveform"]).transpose("layer", "lag").values
-    )
+    ratio = (statistics["mean_waveform"] / statistics["model_waveform"]).transpose("layer", "lag").values
+    residual = 10 * np.log10(ratio)
     n_looks = float(statistics.attrs["n_looks"])
     rows = []
     for layer, decibels in enumerate(residual):

@@ -5,24 +5,13 @@ import numpy as np
 from lib.figures.style import COLOURS, GREEN, ORANGE, PLANTED, RED, new_figure, note_source
 
 PUBLIC = ("exact", "planned", "render", "looks", "gamma", "cube", "quantile")
-METHOD_NAMES = {
-    "exact": "mean_power exact",
-    "planned": "mean_power with a tolerance",
-    "render": "render",
-    "looks": "speckle looks",
-    "gamma": "speckle gamma",
-    "cube": "speckle cube",
-    "quantile": "speckle quantile",
-    "naive": "closed form as usually written",
-    "sampled": "sampled convolution (FFT)",
-    "wrapped": "FFT without padding",
-    "cut": "support cut at -5 s.d., +150 bins",
-    "nearest": "table, nearest of 16 per bin",
-    "recursive32": "recursive filter, float32",
-    "recursive64": "recursive filter, float64",
-    "table32": "table forced into float32",
-    "cube_open": "cube below 10 looks",
-}
+METHOD_NAMES = {"exact": "mean_power exact", "planned": "mean_power with a tolerance", "render": "render"}
+METHOD_NAMES |= {name: f"speckle {name}" for name in ("looks", "gamma", "cube", "quantile")}
+METHOD_NAMES |= {"naive": "closed form as usually written", "sampled": "sampled convolution (FFT)"}
+METHOD_NAMES |= {"wrapped": "FFT without padding", "cut": "support cut at -5 s.d., +150 bins"}
+METHOD_NAMES |= {"nearest": "table, nearest of 16 per bin", "recursive32": "recursive filter, float32"}
+METHOD_NAMES |= {"recursive64": "recursive filter, float64", "table32": "table forced into float32"}
+METHOD_NAMES |= {"cube_open": "cube below 10 looks"}
 LEAST_ERROR, MOST_ERROR_DB = 1e-14, 1e2  # of PHY's atlas; beyond, drawn at the border
 # Where sweeps across zero turn linear, and ticks where matplotlib would write too many.
 LINEAR_FROM = {"position [bins]": 10.0, "spacing of two layers [bins]": 1e-16}
@@ -34,13 +23,8 @@ QUANTITIES = {"peak_power": "peak power [%]", "decay_rate": "decay rate [%]", "w
 MOST_BOUNDS = 300  # errors of estimators beyond so many bounds are drawn there
 LOGARITHMIC = ("slab thickness [bins]", "looks of a range line", "range lines of a flight")
 # Marks of outcomes, in the order of how bad they are.
-OUTCOMES = {
-    "within": ("o", GREEN),
-    "beyond": ("o", ORANGE),
-    "refused": ("_", "0.4"),
-    "wrong": ("x", RED),
-    "not finite": ("x", RED),
-}
+OUTCOMES = {"within": ("o", GREEN), "beyond": ("o", ORANGE), "refused": ("_", "0.4")}
+OUTCOMES |= dict.fromkeys(("wrong", "not finite"), ("x", RED))
 
 
 def atlas_phy(atlas_phy):

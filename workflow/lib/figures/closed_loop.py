@@ -7,13 +7,8 @@ from lib.figures.style import BLACK, BLUE, GREEN, ORANGE, RED, WHITE, ZONE_COLOU
 
 UNITS = {"relative": "%", "bins": "range bins", "dB": "dB"}
 MOST_BOUNDS = 6  # errors beyond so many bounds are arrows at the border
-CONVENTION_MARKS = {
-    "peak_power": (BLUE, "o"),
-    "decay_rate": (RED, "s"),
-    "width_bins": (GREEN, "^"),
-    "offset_bins": (ORANGE, "v"),
-    "noise_power": (BLACK, "x"),
-}
+CONVENTION_MARKS = {"peak_power": (BLUE, "o"), "decay_rate": (RED, "s"), "width_bins": (GREEN, "^")}
+CONVENTION_MARKS |= {"offset_bins": (ORANGE, "v"), "noise_power": (BLACK, "x")}
 OBSERVED = "0.65"  # grey of the flight's bars
 SHOWN_SLABS = (0, 4)
 DRAWN_BELOW_NOISE_DB = 15

@@ -52,9 +52,8 @@ def plot_curve(ax, table, real, name):
     for frame, points in observed.groupby("frame", sort=False):
         ax.plot(points["x"], points["value"], "o--", color=BLUE, markersize=3, linewidth=0.7, label=f"real, {frame}")
     reach = [flight["value"] - flight["low"], flight["high"] - flight["value"]]
-    ax.errorbar(
-        flight["x"], flight["value"], yerr=np.maximum(reach, 0), fmt="o-", color=BLACK, markersize=3, label="flight"
-    )
+    style = {"fmt": "o-", "color": BLACK, "markersize": 3, "label": "flight"}
+    ax.errorbar(flight["x"], flight["value"], yerr=np.maximum(reach, 0), **style)
     ax.axhline(0, color="0.5", linestyle=":", linewidth=1)
     ax.legend(fontsize=6)
 

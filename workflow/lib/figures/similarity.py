@@ -139,16 +139,11 @@ def worth(two_sample, drawn_scenes):
         whole, by_depth = rows.iloc[0], rows.iloc[1:]
         label = f"{'other half' if name == 'observed' else name_of(name)}, {classifier}: {whole['accuracy']:.2f}"
         dashes = "o-" if classifier == "network" else "o:"
-        axes[0, 0].plot(
-            by_depth["first_row"], by_depth["accuracy"], dashes, color=COLOURS[name], markersize=3, label=label
-        )
+        style = {"color": COLOURS[name], "markersize": 3, "label": label}
+        axes[0, 0].plot(by_depth["first_row"], by_depth["accuracy"], dashes, **style)
     axes[0, 0].axhline(0.5, color="0.5", linewidth=0.8)
-    axes[0, 0].set(
-        ylim=(0.4, 1.4),
-        yticks=np.arange(4, 11, 2) / 10,
-        xlabel="first range bin of the patch",
-        ylabel="share of right decisions",
-    )
+    axes[0, 0].set(xlabel="first range bin of the patch", ylabel="share of right decisions")
+    axes[0, 0].set(ylim=(0.4, 1.4), yticks=np.arange(4, 11, 2) / 10)
     axes[0, 0].legend(fontsize=6, loc="upper left")
     for ax, (quantity, (at, label, scales)) in zip(axes.flat[1:], SCENE_NUMBERS.items(), strict=True):
         for name, rows in drawn_scenes[drawn_scenes["quantity"] == quantity].groupby("scenes", sort=False):

@@ -18,9 +18,8 @@ def tracker_ablation(ablation):
     """Difference of every setting to the default of its training set."""
     figure, axes = new_figure(width=6, height=4)
     rows = ablation[(ablation["metric"] == METRIC) & (ablation["setting"] != "default")].iloc[::-1]
-    plot_intervals(
-        axes[0, 0], rows, [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
-    )
+    labels = [f"{name_of(row.setting)}, {NAMES[row.training_set]}" for row in rows.itertuples()]
+    plot_intervals(axes[0, 0], rows, labels)
     axes[0, 0].tick_params("y", labelsize=7)
     axes[0, 0].set_xlabel(f"{NAMES[METRIC]} less that of the default")
     return figure

@@ -33,42 +33,16 @@ COLOURS = {
     "table32": YELLOW,
 }
 # As figures write them; other names stand with spaces for underscores.
-NAMES = {
-    "cgan": "cGAN",
-    "phy": "PHY",
-    "rd": "RD",
-    "gd": "GD",
-    "pd": "PD",
-    "rd_gd": "RD+GD",
-    "rd_pd": "RD+PD",
-    "rd_pd_gd": "RD+PD+GD",
-    "rmse": "RMSE",
-    "psnr": "PSNR [dB]",
-    "ssim": "SSIM",
-    "ods": "ODS",
-    "ois": "OIS",
-    "ap": "AP",
-    "ar1": "AR(1)",
-    "matern": "Matérn",
-    "width_bins": "1/e width",
-    "noise_power": "noise",
-    "offset_bins": "offset",
-    "relative_thickness_mean": "thickness / slab 0",
-}
+NAMES = {"cgan": "cGAN", "phy": "PHY", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD", "psnr": "PSNR [dB]"}
+NAMES |= {name: name.upper() for name in ("rd", "gd", "pd", "rmse", "ssim", "ods", "ois", "ap")}
+NAMES |= {"ar1": "AR(1)", "matern": "Matérn", "width_bins": "1/e width", "noise_power": "noise"}
+NAMES |= {"offset_bins": "offset", "relative_thickness_mean": "thickness / slab 0"}
 STYLE = {
-    "font.size": 9,
-    "axes.titlesize": 9,
-    "axes.labelsize": 9,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
-    "lines.linewidth": 1.3,
-    "axes.linewidth": 0.8,
-    "axes.prop_cycle": mpl.cycler(color=SERIES),
-    "axes.spines.top": False,
-    "axes.spines.right": False,
+    **dict.fromkeys(("font.size", "axes.titlesize", "axes.labelsize"), 9),
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 8),
+    **{"lines.linewidth": 1.3, "axes.linewidth": 0.8, "axes.prop_cycle": mpl.cycler(color=SERIES)},
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
     "figure.constrained_layout.use": True,
-    "legend.frameon": False,
     "svg.hashsalt": "snowsim",  # otherwise names of SVG elements differ from run to run
 }
 mpl.use("Agg")

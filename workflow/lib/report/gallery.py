@@ -12,6 +12,7 @@ METRICS = ("ssim", "psnr", "rmse")
 def gallery_of(scenes, images, n_scenes):
     """Test scenes spread over their number of layers, as plain values; `images` is the table of similarity."""
     scores = images.set_index(["scene", "method"])[list(METRICS)].to_dict("index")
+    rounded = {key: {metric: round(float(score), 3) for metric, score in of.items()} for key, of in scores.items()}
     chosen = evenly_spaced([scene.layer_bins.shape[0] for scene in scenes["observed"]], n_scenes)
     return [
         {
@@ -21,10 +22,7 @@ def gallery_of(scenes, images, n_scenes):
             "n_layers": scene.layer_bins.shape[0] - 1,
             "layers": layer_lines(scene.layer_bins),
             "images": {name: image_uri(of[i].image) for name, of in scenes.items()},
-            "scores": {
-                method: {metric: round(float(score), 3) for metric, score in scores[scene.name, method].items()}
-                for method in METHODS
-            },
+            "scores": {method: rounded[scene.name, method] for method in METHODS},
         }
         for i, scene in ((int(i), scenes["observed"][int(i)]) for i in chosen)
     ]

@@ -18,13 +18,8 @@ MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
 
 def write_page(path, folder, template, context, filters):
     """Write a page from a Jinja2 template of a folder, whole or not at all; an undefined name is an error."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folder),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    options = {"autoescape": True, "undefined": jinja2.StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder), **options)
     environment.filters |= filters
     page = environment.get_template(template).render(context)
     with written_whole(path) as aside:

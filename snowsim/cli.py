@@ -1,0 +1,224 @@
+"""Command `snowsim`: a click command for each function here; what takes time is imported when it runs."""
+
+import json
+import os
+import sys
+from math import isnan
+from pathlib import Path
+from types import SimpleNamespace
+
+import click
+
+from snowsim import __version__
+from snowsim.constants import OUTPUTS
+
+EXISTING, FOLDER = click.Path(exists=True, path_type=Path), click.Path(file_okay=False, path_type=Path)
+NOT_NEGATIVE, POSITIVE = click.FloatRange(0), click.FloatRange(0, min_open=True)
+# Written out: importing the radars takes a second, and help should not.
+PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
+SHOWN = {"show_default": True}
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__)
+def commands():
+    """Simulate airborne snow radar, and score what tracks its layers; the workflow itself is Snakemake's.
+
+    Errors are one line; exit codes 1 bad data or no room, 2 bad usage, 130 interrupted.
+    """
+
+
+@commands.command(short_help="Scenes in the published benchmark's layout, or as NetCDF.")
+@click.argument("sources", nargs=-1, required=True, type=EXISTING)
+@click.argument("folder", type=FOLDER)
+@click.option("--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes.")
+@click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
+def export(sources, folder, layers, netcdf):
+    """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image pairs, or of one
+    echogram with its --layers, which is levelled and cut into blocks of 256 range lines.
+
+    \b
+    Examples:
+      snowsim export results/phy/labels/*.nc for_training/
+      snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
+      snowsim export my_scenes/ as_netcdf/ --netcdf
+    """  # noqa: D205, D301
+    from snowsim.io.export import export_netcdf, export_pairs
+    from snowsim.io.frame_table import read_frame, scenes_of_frame
+    from snowsim.io.png_pairs import PairSet
+    from snowsim.io.scenes import SceneSet
+
+    if layers is None:
+        sets = [PairSet(source) if source.is_dir() else SceneSet(source) for source in sources]
+        scenes = (scene for one in sets for scene in one)
+    elif len(sources) > 1:
+        msg = f"--layers are of one echogram, got {len(sources)}"
+        raise click.UsageError(msg)
+    else:
+        row = SimpleNamespace(frame=sources[0].stem, echogram=sources[0], layers=layers)
+        scenes, skipped = scenes_of_frame(row, *read_frame(row))
+        for name, reason in skipped.items():
+            click.echo(f"{name} is no scene: {reason}", err=True)
+    counts = export_netcdf(folder, scenes) if netcdf else export_pairs(folder, scenes)
+    click.echo(", ".join(f"{name} {count}" for name, count in counts.items()))
+
+
+@commands.command(short_help="What a file is: its axes, layers, and the traps found in it.")
+@click.argument("file", type=EXISTING)
+def info(file):
+    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes, an image or an array, or
+    a folder of image pairs; its axes and layers, and the traps found in it.
+
+    \b
+    Examples:
+      snowsim info Data_20120429_01_001.mat
+      snowsim info results/labels/0000.nc
+    """  # noqa: D205, D301
+    from snowsim.io.describe import describe
+
+    for what, lines in describe(file).items():
+        click.echo(f"{what:<7} " + ("\n" + 8 * " ").join(lines or ["none"]))
+
+
+@commands.command(short_help="Scenes to train a tracker on.", context_settings=SHOWN)
+@click.argument("folder", type=FOLDER)
+@click.option("-n", "n", type=click.IntRange(1), default=1500, help="Scenes.")
+@click.option(
+    "--statistics", type=click.Path(exists=True, dir_okay=False), help="Of a flight; the reference's if none."
+)
+@click.option("--format", "form", type=click.Choice(["pairs", "netcdf", "zarr"]), default="pairs")
+@click.option("--range-lines", "n_range_lines", type=click.IntRange(2), default=256)
+@click.option("--range-bins", "n_range_bins", type=click.IntRange(1), help="Of all; as layers need if not told.")
+@click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
+@click.option("--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel.")
+@click.option("--seed", type=click.IntRange(0), default=0)
+def scenes(folder, n, statistics, form, seed, **settings):
+    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER: as image pairs in
+    the published benchmark's layout, or as NetCDF or Zarr.
+
+    \b
+    Examples:
+      snowsim scenes for_training/
+      snowsim scenes few/ -n 20 --range-bins 512 --format netcdf --seed 1
+      snowsim scenes mine/ --statistics results/statistics.nc
+    """  # noqa: D205, D301
+    from tqdm import tqdm
+
+    from snowsim.front import scenes
+
+    drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
+    shown = tqdm(range(n), unit="scene", leave=False, disable=None)  # none where nobody looks
+    counts = drawn.write(folder, form, indices=shown)
+    click.echo(", ".join(f"{name} {count}" for name, count in counts.items()))
+
+
+@commands.command(short_help="Edge scores and errors of picks of a tracker.", context_settings=SHOWN)
+@click.argument("predictions", type=EXISTING)
+@click.argument("truth", type=EXISTING)
+@click.option("--output", type=click.Choice(OUTPUTS), help="Of the published predictor's folders; fuse if not told.")
+@click.option("--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores.")
+@click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
+@click.option("--tolerance", type=NOT_NEGATIVE, default=0.0075, help="Of matches, as a share of the diagonal.")
+@click.option("--tolerance-bins", type=NOT_NEGATIVE, help="Of matches, in pixels instead.")
+@click.option("--max-distance-bins", type=POSITIVE, default=10.0, help="Of a pick from its layer.")
+@click.option("--within-bins", type=NOT_NEGATIVE, default=2.0, help="Errors to count as small.")
+@click.option("--bootstrap", "n_bootstrap", type=click.IntRange(1), default=1000, help="Resamples of the images.")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Of the resamples.")
+@click.option("-j", "--processes", type=click.IntRange(1), default=1)
+@click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
+def score(predictions, truth, form, **settings):
+    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of PNG, NPY or NetCDF
+    files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false layers, of every image
+    and, with 95 % intervals by the bootstrap over images, of all.
+
+    Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask, layer numbers, or
+    layers in range bins. To data_NAME or NAME belongs layer_binary_NAME, layer_NAME, scene_NAME or NAME. The published
+    predictor's folder is taken as it stands.
+
+    \b
+    Examples:
+      snowsim score predictions/ test/
+      snowsim score predictions/ test/ --output side_3 -j 4 --format csv > side_3.csv
+      snowsim score --picks my_layers/ test/ --within-bins 1
+      snowsim score map.npy layers.npy --tolerance-bins 3
+    """  # noqa: D205, D301
+    from tqdm import tqdm
+
+    from snowsim.scoring import score_folders
+
+    def progress(steps, total):
+        return tqdm(steps, total=total, unit="image", leave=False, disable=None)  # none where nobody looks
+
+    table = score_folders(predictions, truth, **settings, progress=progress)
+    if form == "csv":
+        click.echo(table.to_csv(index=False, float_format="%.10g", lineterminator="\n"), nl=False)
+        return
+    if form == "json":
+        *images, found, low, high = json.loads(table.to_json(orient="records", double_precision=10))
+        click.echo(
+            json.dumps({"settings": settings, "all": found, "low": low, "high": high, "images": images}, indent=1)
+        )
+        return
+    images, (_, found), (_, low), (_, high) = table.iloc[:-3], *table.iloc[-3:].iterrows()
+    click.echo(images.to_string(index=False, na_rep="-", float_format="%.4g", max_rows=40))
+    click.echo(f"\nall {len(images)} images")
+    for name in table.columns[1:]:
+        interval = "" if isnan(low[name]) else f" [{low[name]:.4g}, {high[name]:.4g}]"
+        click.echo(f"  {name:<26} {found[name]:.4g}{interval}")
+
+
+@commands.command(short_help="Echogram and layers of a radar over annual snow.", context_settings=SHOWN)
+@click.argument("echogram", type=click.Path(dir_okay=False, path_type=Path))
+@click.option("--radar", type=click.Choice(PRESETS), default="snow-2-8")
+@click.option(
+    "--set", "changes", type=(str, float), multiple=True, help="A number of the radar, by its name in the API."
+)
+@click.option("--accumulation-m", type=float, default=0.3, help="Of a year, in metres of water.")
+@click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
+@click.option("--years", "n_years", type=int, default=20, help="Annual layers.")
+@click.option("--range-lines", "n_range_lines", type=click.IntRange(1), default=256)
+@click.option("--seed", type=click.IntRange(0), default=0)
+def simulate(echogram, radar, changes, n_range_lines, seed, **climate):
+    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar dataset (NetCDF), and
+    its layers beside it, as NAME_layers.nc.
+
+    \b
+    Examples:
+      snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
+      snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10 --set height_m 300
+    """  # noqa: D205, D301
+    import numpy as np
+
+    from snowsim.front import Climate, Radar, simulate
+    from snowsim.io.files import write_dataset
+
+    unknown = {name for name, _ in changes} - set(vars(Radar.preset(radar))) | {"window"} & dict(changes).keys()
+    if unknown:
+        msg = f"--set: a radar has no number {min(unknown)}"
+        raise click.UsageError(msg)
+    snow, radar = Climate(**climate), Radar.preset(radar, **dict(changes))
+    found = simulate(snow, radar, n_range_lines=n_range_lines, rng=np.random.default_rng(seed))
+    for path, dataset in zip((echogram, echogram.with_name(f"{echogram.stem}_layers.nc")), found, strict=True):
+        write_dataset(path, dataset)
+        click.echo(f"{path}: {', '.join(f'{size} {name}' for name, size in dataset.sizes.items())}")
+
+
+def main(arguments=None):
+    """Run a command; where it fails, one line on stderr and its exit code."""
+    try:
+        commands.main(arguments, prog_name="snowsim", standalone_mode=False)
+        sys.stdout.flush()
+    except click.exceptions.NoArgsIsHelpError as error:
+        error.show()
+        sys.exit(2)
+    except (click.ClickException, click.Abort, ValueError, OSError, MemoryError) as error:
+        from snowsim.io.guard import one_line
+
+        usage, aborted = isinstance(error, click.ClickException), isinstance(error, click.Abort)
+        message = error.format_message() if usage else "interrupted" if aborted else error
+        click.echo(f"error: {one_line(message)}", err=True)
+        try:
+            sys.stdout.flush()
+        except OSError:  # a full disk: not to be tried again, and complained of, while Python ends
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(2 if usage else 130 if aborted else 1)
