@@ -12,7 +12,7 @@ PICK_SCORES += ["n_layers", "n_missed_layers", "n_false_layers"]
 
 
 def check_polarity(prediction, truth, where="image"):
-    """Refuse an edge map with dark layers on a bright ground, told by what lies under the true ones."""
+    """Refuse an edge map with dark layers on a bright ground, found by what lies under the true ones."""
     on, off = prediction[truth], prediction[~truth]
     if on.size and off.size and np.median(prediction) > 0.5 and on.mean() < off.mean():
         found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
