@@ -71,10 +71,10 @@ def plain_steps(settings, scenes):
         adams[1].zero_grad()
         of_discriminator.backward()
         adams[1].step()
-        judged = discriminator(mask, fake)
+        decision = discriminator(mask, fake)
         l1 = functional.l1_loss(fake, image)
         adams[0].zero_grad()
-        (bce(judged, torch.ones_like(judged)) + settings.l1_weight * l1).backward()
+        (bce(decision, torch.ones_like(decision)) + settings.l1_weight * l1).backward()
         adams[0].step()
         yield step + 1, {"l1": l1.item(), "discriminator": of_discriminator.item()}
 

@@ -1,6 +1,6 @@
-"""PHY beside the literal form, one process and one thread: ``make benchmarks``.
+"""PHY beside its equations as printed, one process and one thread: ``make benchmarks``.
 
-Each group of the printed table holds the literal form and its faster ones; the numbers in brackets are ratios to the
+Each group of the printed table holds the form as printed and faster ones; the numbers in brackets are ratios to the
 fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include checks, plan and 8-bit scaling.
 """
 
@@ -11,7 +11,7 @@ from lib.diagnostics.phy_alternatives import (
     convolved_power,
     power_in_support,
     recursive_power,
-    render_literal,
+    render_as_printed,
     table_power,
     waveforms_of,
 )
@@ -50,7 +50,7 @@ def scene(rng):
 
 
 @pytest.mark.benchmark(group="whole scene, 8-bit scaling included")
-@pytest.mark.parametrize("method", ["one float32 normal per pixel", "literal", "gamma", "cube", "quantile"])
+@pytest.mark.parametrize("method", ["one float32 normal per pixel", "as printed", "gamma", "cube", "quantile"])
 def test_scene(benchmark, scene, rng, method):
     layer_bins, parameters = scene
     if method == "one float32 normal per pixel":
@@ -58,8 +58,8 @@ def test_scene(benchmark, scene, rng, method):
         return
 
     def make():
-        if method == "literal":
-            return to_uint8(render_literal(layer_bins, parameters, N_BINS, rng=rng))
+        if method == "as printed":
+            return to_uint8(render_as_printed(layer_bins, parameters, N_BINS, rng=rng))
         options = {"tolerance_db": TOLERANCE_DB, "speckle": method}
         return to_uint8(render(layer_bins, parameters, N_BINS, rng=rng, **options))
 

@@ -171,8 +171,8 @@ def realism(results):
         ours = digits(r.value) if single else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
         single = pd.isna(r.real_low) or r.real_low == r.real_high
         real = digits(r.real_low) if single else f"{digits(r.real_low)} to {digits(r.real_high)}"
-        verdict = r.agrees if r.comparable else f"not judged: {r.reason}"
-        rows.append([r.quantity, "" if r.unit == "1" else r.unit, ours, real, verdict])
+        agrees = r.agrees if r.comparable else f"not compared: {r.reason}"
+        rows.append([r.quantity, "" if r.unit == "1" else r.unit, ours, real, agrees])
     return markdown(["quantity", "unit", "here: value (95 % interval)", "real", "agrees"], rows)
 
 

@@ -24,12 +24,12 @@ def cgan_widths(results):
 
 
 def cgan_atlas(results):
-    """What the detectors say of short trainings, by learning rate and L1 weight."""
+    """What the detectors find in short trainings, by learning rate and L1 weight."""
     rows = []
     table = read(results, "atlas", "studies/cgan")
     for (rate, weight), runs in table.groupby(["learning_rate", "l1_weight"]):
-        faulty = runs.loc[runs["verdict"] != "healthy", "verdict"]
-        kinds = sorted({fault.split(":")[0] for verdict in faulty for fault in verdict.split("; ")})
+        faulty = runs.loc[runs["outcome"] != "healthy", "outcome"]
+        kinds = sorted({fault.split(":")[0] for outcome in faulty for fault in outcome.split("; ")})
         healthy = f"{len(runs) - len(faulty)} of {len(runs)}"
         means = [f"{runs['ssim'].mean():.2f}", f"{runs['psnr'].mean():.1f}"]
         rows.append([f"{rate:g}", f"{weight:g}", healthy, *means, ", ".join(kinds)])
@@ -45,8 +45,8 @@ def worth(results):
         names = [RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs]
         resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
         means = f"{share(r.mean)} - {share(r.base_mean)}"
-        rows.append([" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.verdict])
-    header = ["sets", "score", "means", "difference", "bootstrap", "verdict"]
+        rows.append([" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.outcome])
+    header = ["sets", "score", "means", "difference", "bootstrap", "outcome"]
     return counted(table, "worth", "a set", "test") + markdown(header, rows)
 
 
@@ -59,8 +59,8 @@ def ablation(results):
         if (r.setting, r.training_set) == (r.base, r.base_training_set):
             rows[-1] += ["", "", ""]
         else:
-            rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.verdict]
-    header = ["setting", "set", "ODS", "compared with", "difference", "verdict"]
+            rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.outcome]
+    header = ["setting", "set", "ODS", "compared with", "difference", "outcome"]
     return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 
 

@@ -1,4 +1,4 @@
-"""Every command ends bad input in one line and an exit code; good input is told or written."""
+"""Every command ends bad input in one line and an exit code; good input is described or written."""
 
 import resource
 import subprocess
@@ -42,7 +42,7 @@ def place(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "told"),
+    ("arguments", "code", "printed"),
     [
         ("score", 2, "Missing argument 'PREDICTIONS'"),
         ("score nowhere true", 2, "'nowhere' does not exist"),
@@ -84,7 +84,7 @@ def place(tmp_path, monkeypatch):
         ("export text.nc out --layers one.npy", 1, "text.nc: content: expected"),
     ],
 )
-def test_bad_input_ends_in_one_line(place, capsys, arguments, code, told):
+def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
     with pytest.raises(SystemExit) as end:
         main(arguments.split())
     assert end.value.code == code
@@ -92,7 +92,7 @@ def test_bad_input_ends_in_one_line(place, capsys, arguments, code, told):
     assert out == ""
     assert err.startswith("error: ")
     assert err.count("\n") == 1
-    assert told in err
+    assert printed in err
 
 
 @pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", "export frames out"])
@@ -119,10 +119,10 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     formats.write_nsidc("nsidc.nc", shifted, extra={"Elevation_Correction": shifted["Elevation_Correction"]})
     formats.write_mat5("layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"]))
     write_scenes("scenes.nc", toy_scenes(2))
-    told = {}
+    printed = {}
     for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
         main(["info", name])
-        told[name] = capsys.readouterr().out
+        printed[name] = capsys.readouterr().out
     for part in (
         "IRSNO1B",
         "range bins of 0.2886 ns",
@@ -132,10 +132,10 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
         "Surface is unknown on 1 ",
         "no supp",
     ):
-        assert part in told["nsidc.nc"], part
-    assert "id 1: 97.5% picked" in told["layers.mat"]
-    assert "no organizer file" in told["layers.mat"]
-    assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in told["scenes.nc"]
+        assert part in printed["nsidc.nc"], part
+    assert "id 1: 97.5% picked" in printed["layers.mat"]
+    assert "no organizer file" in printed["layers.mat"]
+    assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in printed["scenes.nc"]
     formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
     main(["info", "nsidc.nc"])
     assert "no supplement" not in capsys.readouterr().out
@@ -156,6 +156,6 @@ def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
 
 def test_help_has_examples_of_every_command():
     for name in commands.list_commands(None):
-        told = CliRunner().invoke(commands, [name, "--help"]).output
-        assert f"\n    snowsim {name} " in told
+        printed = CliRunner().invoke(commands, [name, "--help"]).output
+        assert f"\n    snowsim {name} " in printed
     assert {"score", "info", "export"} <= set(commands.list_commands(None))

@@ -80,7 +80,7 @@ print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagno
 
 
 @pytest.mark.parametrize("stage", ["reference", "phy", "coherent"])
-def test_the_nature_run_the_renderer_and_the_solver_that_judges_both_load_themselves_and_core_alone(stage):
+def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themselves_and_core_alone(stage):
     names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
     command = [sys.executable, "-c", CHILD, *(names or ["lib.diagnostics.coherent"])]
     done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)

@@ -40,14 +40,14 @@ def folders(tmp_path):
 
 def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys):
     main([*map(str, ["score", *folders]), "--format", "json", "--bootstrap", "20"])
-    told = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     counts = match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)
     chain = score([counts], THRESHOLDS)
-    assert [row["image"] for row in told["images"]] == [f"20120429_01_{number:03d}" for number in range(3)]
+    assert [row["image"] for row in printed["images"]] == [f"20120429_01_{number:03d}" for number in range(3)]
     # JSON has ten decimals. Images that are all the same leave nothing to chance.
     scores = {"ods": chain["ods"], "ap": chain["ap"], "share_within": 1, "n_missed_layers": 0, "n_false_layers": 0}
     for name, value in scores.items():
-        assert_allclose([told[row][name] for row in ("all", "low", "high")], value, atol=1e-10)
+        assert_allclose([printed[row][name] for row in ("all", "low", "high")], value, atol=1e-10)
     main([*map(str, ["score", *folders]), "--output", "side_1", "--format", "csv", "--bootstrap", "1"])
     assert "20120429_01_002,0,0," in capsys.readouterr().out  # 4 bins off: beyond 0.0075 diagonals of 210 pixels
 

@@ -19,11 +19,11 @@ ROOT = Path(__file__).resolve().parents[1]
 # Runs a script in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, {script} as script
-def told(training, scenes, steps=script.train_steps):
+def steps_shown(training, scenes, steps=script.train_steps):
     for step, losses in steps(training, scenes):
         print(step, flush=True)
         yield step, losses
-script.train_steps = told
+script.train_steps = steps_shown
 script.train(**eval(sys.argv[1]))
 """
 
@@ -63,12 +63,12 @@ def check_killed_training(script, arguments, whole):
             if int(line) >= 3.5 * every_steps:
                 child.send_signal(signal.SIGKILL)
                 break
-        last_told = max([int(line), *map(int, child.stdout.read().split())])
+        last_shown = max([int(line), *map(int, child.stdout.read().split())])
     assert child.returncode == -signal.SIGKILL
     assert not names & {path.name for path in checkpoint.parent.iterdir()}
     _, metadata = read_model(checkpoint)
     assert 3 * every_steps <= metadata["step"] < n_steps
-    assert last_told - metadata["step"] <= every_steps  # one interval lost at most
+    assert last_shown - metadata["step"] <= every_steps  # one interval lost at most
     import_module(script).train(**arguments)
     for name in names:
         assert (checkpoint.parent / name).read_bytes() == (whole / name).read_bytes()

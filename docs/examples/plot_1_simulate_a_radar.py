@@ -2,7 +2,7 @@
 Simulate a radar
 ================
 
-A radar in physical units over twenty years of snow. What a tracker should find is beside what the radar sees.
+A radar in physical units over twenty years of snow: its echogram, and the layers that a tracker should find.
 """
 
 import matplotlib.pyplot as plt

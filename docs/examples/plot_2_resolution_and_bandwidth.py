@@ -2,7 +2,7 @@
 Resolution against bandwidth
 ============================
 
-The same snow under three radars: what 300 MHz blur into one echo, 16 GHz resolve. Next to no noise, no speckle.
+The same snow under three radars: 16 GHz resolve layers that 300 MHz blur into one echo. Almost no noise or speckle.
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,7 @@ A training set
 ==============
 
 Scenes drawn from the statistics of the synthetic reference flight, which come with the package, each with its mask. A
-``torch.utils.data.DataLoader`` takes them as they are; ``write`` puts them on disk in the published benchmark's layout.
+``torch.utils.data.DataLoader`` accepts them directly; ``write`` saves them in the published benchmark's layout.
 """
 
 import matplotlib.pyplot as plt

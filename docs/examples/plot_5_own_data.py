@@ -2,8 +2,8 @@
 Own data
 ========
 
-From files to scenes like them: read a flight, learn its statistics, draw. Two simulated files stand in for yours; any
-format that `snowsim.io.read_echogram` and `snowsim.io.read_layers` know will do.
+From files to similar scenes: read a flight, learn its statistics, draw scenes. Two simulated files stand in for yours;
+any format that `snowsim.io.read_echogram` and `snowsim.io.read_layers` know works.
 """
 
 import tempfile

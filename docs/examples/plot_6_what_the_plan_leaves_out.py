@@ -2,8 +2,8 @@
 What the plan leaves out
 ========================
 
-PHY computes no more than a tolerance asks for: errors of one scene's mean power at three tolerances, with the share of
-layers times pixels that was computed, and the layers that noise hides anyway.
+PHY computes only what the tolerance requires: errors of one scene's mean power at three tolerances, with the share of
+layers times pixels that was computed, and the layers that are hidden by noise.
 """
 
 import matplotlib.pyplot as plt

@@ -1,4 +1,4 @@
-"""Signs that a training of the conditional GAN has collapsed, and the limits they are judged by.
+"""Signs that a training of the conditional GAN has collapsed, and the limits of each.
 
 Each limit was set before it was tried, for the reason stated beside it; where one had to be moved or added, that is
 said there, and the ten healthy trainings of the tests were drawn afterwards.
@@ -102,7 +102,7 @@ def checkerboard(image):
 def faults(numbers, *, dropout):
     """What is wrong by the limits of this module, a phrase each; empty for a healthy training.
 
-    `numbers` of `measure_losses` and `measure_renders`, missing ones not judged. Without dropout draws may be equal.
+    `numbers` of `measure_losses` and `measure_renders`, missing ones not checked. Without dropout draws may be equal.
     """
     found = []
     ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)

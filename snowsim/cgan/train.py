@@ -117,8 +117,8 @@ def _step(training, mask, image, rng):
     training._optimisers["discriminator_adam"].step()
     discriminator.requires_grad_(False)
     with arithmetic(training.device, settings.precision):
-        judged = discriminator(mask, rendered)
-    adversarial, l1 = _adversarial(judged, 1.0, settings), functional.l1_loss(rendered.float(), image)
+        decision = discriminator(mask, rendered)
+    adversarial, l1 = _adversarial(decision, 1.0, settings), functional.l1_loss(rendered.float(), image)
     (adversarial + settings.l1_weight * l1).backward()
     training._optimisers["generator_adam"].step()
     discriminator.requires_grad_(True)

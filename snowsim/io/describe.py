@@ -36,7 +36,7 @@ def describe(path):
         return _scenes(in_words(kind), scenes)
 
 
-def _told(what, axes, layers, traps):
+def _said(what, axes, layers, traps):
     """All of it; of the traps those that were found."""
     return {"format": [what], "axes": axes, "layers": layers, "traps": [trap for trap, found in traps.items() if found]}
 
@@ -60,9 +60,9 @@ def _echogram(what, echogram, stored):
         f"{n_empty} range lines hold no power at all": n_empty,
         f"{n_last} range lines are strongest in their last bin": n_last,
         f"Surface is unknown on {n_unknown} range lines": n_unknown,
-        "no supplement beside it tells of unfit lines": "amplitude" in stored and "quality_mask" not in echogram,
+        "no supplement beside it flags range lines": "amplitude" in stored and "quality_mask" not in echogram,
     }
-    return _told(what, axes, [], traps)
+    return _said(what, axes, [], traps)
 
 
 def _layers(what, layers):
@@ -74,7 +74,7 @@ def _layers(what, layers):
         "names are not known: no organizer file beside it": any(label.startswith("id ") for label in labels),
     }
     rows = [f"{label}: {row.mean():.1%} picked" for label, row in zip(labels, picked, strict=True)]
-    return _told(what, [f"{picked.shape[1]} range lines"], rows, traps)
+    return _said(what, [f"{picked.shape[1]} range lines"], rows, traps)
 
 
 def _scenes(what, scenes):
@@ -82,7 +82,7 @@ def _scenes(what, scenes):
     bins, lines, layers = (f"{low} to {high}" for low, high in zip(sizes.min(axis=0), sizes.max(axis=0), strict=True))
     n_mute = sum(s.image is not None and not np.isfinite([s.noise_floor_db, s.maximum_db]).all() for s in scenes)
     traps = {f"{n_mute} images do not tell their decibels": n_mute}
-    return _told(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
+    return _said(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
 
 
 def _image(path):
@@ -92,5 +92,5 @@ def _image(path):
     except ValueError:
         values = read_map(path)
         traps = {"mostly bright: dark layers on a bright ground?": np.median(values) > 0.5}
-        return _told("an image or edge map", ["{} range bins, {} range lines".format(*values.shape)], [], traps)
-    return _told("layers as an image or array", [], [f"{layers}"], {})
+        return _said("an image or edge map", ["{} range bins, {} range lines".format(*values.shape)], [], traps)
+    return _said("layers as an image or array", [], [f"{layers}"], {})

@@ -81,7 +81,7 @@ def read_labels(path, shape=None):
 
     An image is a mask (two levels) or holds layer numbers; for those of the published benchmark both are read where
     both are there. An array that has 0 and 1 (or 255) alone is a mask, any other holds range bins, as `layer_bins` of
-    a NetCDF file does; it has a mask where `shape` is told, which is that of the image the labels must fit.
+    a NetCDF file does; it has a mask where `shape` is given, which is that of the image the labels must fit.
     """
     path = existing(path)
     where, numbers, is_image = path, None, path.suffix == ".png"

@@ -2,6 +2,6 @@
 
 from snowsim.labels.draw import draw, draw_scene
 from snowsim.labels.prepare import LabelModel, prepare
-from snowsim.labels.process import Beyond
+from snowsim.labels.process import Nonstationary
 
-__all__ = ["Beyond", "LabelModel", "draw", "draw_scene", "prepare"]
+__all__ = ["LabelModel", "Nonstationary", "draw", "draw_scene", "prepare"]

@@ -4,7 +4,7 @@ import numpy as np
 
 from snowsim.echogram import Scene, scene_height
 from snowsim.labels.prepare import LabelModel, prepare
-from snowsim.labels.process import draw_beyond, draw_series
+from snowsim.labels.process import draw_nonstationary, draw_series
 from snowsim.labels.radiometry import add_radiometry
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
@@ -65,7 +65,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         `notes` holds `n_layers` below the surface, `n_slabs_beyond` (deeper than the flight shows), `n_samples` of
         thickness, `n_touched` and `n_means_touched` by the rule for thin slabs, `first_thickness_bins` drawn, and mean
         and variance of thickness before and after that rule, `thickness_{mean,variance}_{drawn,kept}`; with trends
-        and folds what `draw_beyond` notes.
+        and folds what `draw_nonstationary` notes.
     """
     model = statistics if isinstance(statistics, LabelModel) else prepare(statistics, n_range_lines)
     if model.n_range_lines != n_range_lines:
@@ -90,7 +90,8 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     series = draw_series(variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng)
     drawn = mean[:, None] + series
     # Last of all thickness: without trends and folds, scenes are those of the paper to the byte.
-    drawn, beyond = draw_beyond(drawn, model.beyond, rng=rng) if model.beyond.applies(zone) else (drawn, {})
+    extra = model.nonstationary
+    drawn, moved = draw_nonstationary(drawn, extra, rng=rng) if extra.applies(zone) else (drawn, {})
     drawn = drawn[:n_layers]
     thickness = _mirrored(drawn)
     layer_bins = np.cumsum(np.concatenate([model.draw_surface(rng=rng), thickness]), axis=0)
@@ -103,7 +104,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "thickness_variance_drawn": float(drawn.var()) if n_layers else 0.0,
         "thickness_mean_kept": float(thickness.mean()) if n_layers else 0.0,
         "thickness_variance_kept": float(thickness.var()) if n_layers else 0.0,
-        **beyond,
+        **moved,
     }
     scene = Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
     return scene if model.radiometry is None else add_radiometry(scene, model.radiometry, rng=rng)

@@ -1,4 +1,4 @@
-"""The label model in use: thickness spectra as tabulated, or of a family with few parameters fitted to them."""
+"""The label model in use: thickness spectra as tabulated, or a law of few parameters fitted to them."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from snowsim.echogram import check_choice
 
 FAINTEST = 1e-8  # of the largest density: below it lie no undulations that a scene shows, but rounding and leakage
-LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: beyond a block it is not told from none
+LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: longer than a block it has no effect
 
 
 def _white(wavenumber, _):
@@ -29,8 +29,8 @@ def _matern(wavenumber, shape):
 
 
 @dataclass(frozen=True)
-class Family:
-    """A shape of spectra: density over scale by wavenumber and shape, where its search starts, and between what."""
+class Spectrum:
+    """A law of spectra: density over scale by wavenumber and shape, where its search starts, and between what."""
 
     shape: object
     start: tuple = ()
@@ -42,45 +42,45 @@ class Family:
         return 1 + len(self.start)
 
 
-FAMILIES = {
-    "white": Family(_white),
-    "power_law": Family(_power_law, (2.0,), ((0.0, 8.0),)),
-    "ar1": Family(_ar1, (0.9,), ((0.0, 0.99999),)),
-    "matern": Family(_matern, (np.log(0.01), 1.0), ((-np.log(LONGEST_PERIOD), 0.0), (0.05, 8.0))),
+SPECTRA = {
+    "white": Spectrum(_white),
+    "power_law": Spectrum(_power_law, (2.0,), ((0.0, 8.0),)),
+    "ar1": Spectrum(_ar1, (0.9,), ((0.0, 0.99999),)),
+    "matern": Spectrum(_matern, (np.log(0.01), 1.0), ((-np.log(LONGEST_PERIOD), 0.0), (0.05, 8.0))),
 }
 TABULATED = "tabulated"
-MODELS = (TABULATED, *FAMILIES)
+MODELS = (TABULATED, *SPECTRA)
 
 
-def fit_family(name, psd):
-    """The density of a family most likely behind a mean periodogram, (wavenumber,), and its scale and shape.
+def fit_spectrum(name, psd):
+    """The density of a law most likely behind a mean periodogram, (wavenumber,), and its scale and shape.
 
     ``white``: a. ``power_law``: a k^-b. ``ar1``: a / |1 - r exp(2 pi i k)|^2. ``matern``: a (k0^2 + k^2)^-b. `psd` is
-    one-sided from wavenumber 0 to 1/2, as `snowsim.statistics` gives it; the density is 0 at 0 and half the family's
-    value at 1/2, as periodograms are, and 0 throughout where `psd` is. An unknown family is refused.
+    one-sided from wavenumber 0 to 1/2, as `snowsim.statistics` gives it; the density is 0 at 0 and half the law's
+    value at 1/2, as periodograms are, and 0 throughout where `psd` is. An unknown law is refused.
 
     Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P of n periodograms.
     The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out, and
     those 80 dB below the largest density. What is fitted is the expected periodogram of blocks, as the tabulated
     density is; where that is plain, leakage and all.
     """
-    check_choice("psd", name, FAMILIES)
-    family = FAMILIES[name]
+    check_choice("psd", name, SPECTRA)
+    spectrum = SPECTRA[name]
     wavenumber = np.arange(psd.size) / (2 * (psd.size - 1))
     inside = psd > FAINTEST * psd.max()
     inside[[0, -1]] = False
     if not inside.any():
-        return np.zeros(psd.size), np.zeros(family.n_parameters)
+        return np.zeros(psd.size), np.zeros(spectrum.n_parameters)
 
     def unlikelihood(shape):
-        unit = family.shape(wavenumber[inside], shape)
+        unit = spectrum.shape(wavenumber[inside], shape)
         return np.log(unit).mean() + np.log((psd[inside] / unit).mean())
 
-    shape = np.array(family.start)
-    if family.start:
-        shape = minimize(unlikelihood, shape, method="L-BFGS-B", bounds=family.bounds).x
+    shape = np.array(spectrum.start)
+    if spectrum.start:
+        shape = minimize(unlikelihood, shape, method="L-BFGS-B", bounds=spectrum.bounds).x
     unit = np.zeros(psd.size)
-    unit[1:] = family.shape(wavenumber[1:], shape)
+    unit[1:] = spectrum.shape(wavenumber[1:], shape)
     scale = (psd[inside] / unit[inside]).mean()
     unit[-1] /= 2
     return scale * unit, np.array([scale, *shape])
@@ -103,5 +103,5 @@ def densities_of(tabulated, psd):
         return tabulated
     densities = np.zeros(tabulated.shape)
     for at in np.ndindex(tabulated.shape[:2]):
-        densities[at] = fit_family(psd, tabulated[at])[0]
+        densities[at] = fit_spectrum(psd, tabulated[at])[0]
     return densities

@@ -5,7 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import SURFACE_ROW, check_choice
-from snowsim.labels.process import Beyond, correlation_factor, draw_series, lengthened, line_variances, plain_variances
+from snowsim.labels.process import (
+    Nonstationary,
+    correlation_factor,
+    draw_series,
+    lengthened,
+    line_variances,
+    plain_variances,
+)
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
@@ -34,7 +41,7 @@ class LabelModel:
     trend_variance: np.ndarray | None = None  # of the rise over a block, (zone, slab); None: `psd` is plain and leaks
     trend_correlation: np.ndarray | None = None  # of that rise, (separation,)
     surface: dict | None = None  # its statistics by name; None: flat
-    beyond: Beyond = Beyond()  # what leaves the paper's stationary process; by default nothing
+    nonstationary: Nonstationary = Nonstationary()  # trends and folds; by default none
     radiometry: RadiometryModel | None = None  # how powers vary; None: not at all, and every layer is labelled
     _kept: dict = field(default_factory=dict, repr=False, compare=False)
 
@@ -118,7 +125,7 @@ def prepare(
     correlation="measured",
     first_slab=None,
     surface=None,
-    beyond=None,
+    nonstationary=None,
     radiometry="constant",
 ):
     """Make flight statistics ready to draw many scenes.
@@ -137,7 +144,7 @@ def prepare(
         Mean thickness of slab 0: as in the flight, or evenly over its range as in the paper; default as of `n_layers`.
     surface : {"measured", "flat"}, optional
         Default as of `n_layers`.
-    beyond : Beyond, optional
+    nonstationary : Nonstationary, optional
         Trends and folds; by default none, as in the paper.
     radiometry : {"constant", "measured"}
         Whether scenes have powers of their own, unlabelled layers, and labels only where they show: `add_radiometry`.
@@ -195,6 +202,6 @@ def prepare(
         trend_variance=measured(trends, "thickness_trend_variance_bins2", "zone", "slab"),
         trend_correlation=measured(trends, "trend_correlation", "separation") if correlated else alone,
         surface=spectra if rough else None,
-        beyond=beyond or Beyond(),
+        nonstationary=nonstationary or Nonstationary(),
         radiometry=radiometry_model(statistics) if radiometry == "measured" else None,
     )

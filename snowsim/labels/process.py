@@ -126,8 +126,8 @@ def _interpolated(values, at):
 
 
 @dataclass(frozen=True)
-class Beyond:
-    """How layers of percolation and ablation zones leave the paper's stationary process; all zero: they do not.
+class Nonstationary:
+    """Trends and folds of layers in percolation and ablation zones, which the paper leaves to future work; zeros: none.
 
     ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no picks resolve.
     """
@@ -148,11 +148,11 @@ class Beyond:
             raise ValueError(msg)
 
     def applies(self, zone):
-        """Whether scenes of a zone are beyond the paper."""
+        """Whether scenes of a zone have trends and folds."""
         return self.zones is None or zone in self.zones
 
 
-def draw_beyond(thickness, beyond, *, rng):
+def draw_nonstationary(thickness, nonstationary, *, rng):
     """Thickness (slab, range_line) [bins] with a trend and folds, and notes; what is off takes no number from `rng`.
 
     The trend is a gradient of accumulation, one for all slabs: thickness times ``1 + g (x / (N - 1) - 1/2)``, g ~ N(0,
@@ -163,14 +163,14 @@ def draw_beyond(thickness, beyond, *, rng):
     """
     notes = {}
     lines = np.arange(thickness.shape[1])
-    if beyond.trend_sd > 0:
-        notes["trend"] = float(beyond.trend_sd * rng.standard_normal())
+    if nonstationary.trend_sd > 0:
+        notes["trend"] = float(nonstationary.trend_sd * rng.standard_normal())
         thickness = thickness * (1 + notes["trend"] * (lines / lines[-1] - 0.5))
-    if beyond.fold_sd_bins > 0:
-        notes["fold_bins"] = float(beyond.fold_sd_bins * rng.standard_normal())
+    if nonstationary.fold_sd_bins > 0:
+        notes["fold_bins"] = float(nonstationary.fold_sd_bins * rng.standard_normal())
         phase = rng.uniform(0, 2 * np.pi)
         mean = thickness.mean(axis=1)
         share = mean / mean.sum()
-        fold = np.sin(2 * np.pi * lines / beyond.fold_length_lines + phase)
+        fold = np.sin(2 * np.pi * lines / nonstationary.fold_length_lines + phase)
         thickness = thickness + notes["fold_bins"] * share[:, None] * fold
     return thickness, notes

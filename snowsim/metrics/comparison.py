@@ -59,7 +59,7 @@ def paired_difference(differences, image_error, n_images):
 
     `image_error` is the standard error of the mean that comes from the choice of images; of a single replica it is all
     that is known. Returns `difference`, `low`, `high`, `p_value` (two-sided: the level at which the interval just
-    reaches zero), `verdict` (`higher`, `lower` or `not resolved`), `seed_spread`, the standard deviation between
+    reaches zero), `outcome` (`higher`, `lower` or `not resolved`), `seed_spread`, the standard deviation between
     replicas (NaN for one), `image_error`, `detectable`, the smallest true difference found in 80 % of cases,
     `seeds_to_resolve`, the replicas that would find a true difference as large as this one in 80 % of cases (-1 where a
     hundred do not), `n_replicas`, `n_images`.
@@ -74,9 +74,9 @@ def paired_difference(differences, image_error, n_images):
     spread = float(differences.std(ddof=1)) if n > 1 else float("nan")
     errors = spread, n, image_error, n_images
     reach = float(_reach([1 - LEVEL / 2], *errors))
-    verdict = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
+    outcome = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
     found = {"difference": mean, "low": mean - reach, "high": mean + reach, "p_value": _p_value(abs(mean), *errors)}
-    found |= {"verdict": verdict, "seed_spread": spread, "image_error": image_error}
+    found |= {"outcome": outcome, "seed_spread": spread, "image_error": image_error}
     found["detectable"] = float(_reach([1 - LEVEL / 2, POWER], *errors))
     found["seeds_to_resolve"] = _seeds_to_resolve(abs(mean), spread, image_error, n_images)
     return found | {"n_replicas": n, "n_images": n_images}

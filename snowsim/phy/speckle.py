@@ -125,7 +125,7 @@ def quantile_table(n_looks):
 
 
 def draw_looks(mean_power, rng):
-    """Literal sum over the leading axis of `mean_power`, (look, range_bin, range_line), one look at a time."""
+    """Sum over the leading axis of `mean_power`, (look, range_bin, range_line), one look at a time."""
     total = np.zeros(mean_power.shape[1:])
     for look in mean_power:
         in_phase, quadrature = rng.standard_normal((2, *look.shape))

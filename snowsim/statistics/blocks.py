@@ -188,8 +188,8 @@ def undulation_correlation(series, served, density, *, tapered):
         first = max(low * series.shape[-1] // BLOCK_LINES, 1)
         band = slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1))
         within = density[..., band]
-        told = within > FAINT * within.max(axis=-1, keepdims=True)
-        rows.append(correlation_by_separation(spectrum[..., band] / np.sqrt(np.where(told, within, np.inf))))
+        usable = within > FAINT * within.max(axis=-1, keepdims=True)
+        rows.append(correlation_by_separation(spectrum[..., band] / np.sqrt(np.where(usable, within, np.inf))))
     return np.array(rows)
 
 

@@ -60,7 +60,7 @@ def deblend(groups, decay_rate):
     starts = _starts(decay_rate, kind)
     tried = (_solve(start, kind, lines, STEPS_TRIED) for start in starts)
     solution = _solve(min(tried, key=lambda found: found.loss).shape_of_kind, kind, lines)
-    # What no shape explains is told from shapes of their own.
+    # What no common shape explains is estimated from shapes of their own.
     lasting = lasting_misfit(
         _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind, lines
     )

@@ -131,7 +131,7 @@ def solve_powers(columns, line):
     """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
     weighted = columns / line.scale
     normal = weighted @ weighted.T
-    # Two layers under one another cannot be told apart: 1e-9 of the diagonal keeps the factor, far below the noise.
+    # Two layers under one another cannot be distinguished: 1e-9 of the diagonal keeps the factor, far below the noise.
     normal[np.diag_indices_from(normal)] *= 1 + 1e-9
     normal[np.diag_indices_from(normal)] += 1e-300
     factor = cho_factor(normal)

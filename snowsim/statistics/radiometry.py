@@ -153,12 +153,12 @@ def _two_spreads(power_db):
     The mean product of two layers of one block is the common variance. Means over n blocks take 1 / n of either.
     """
     n = np.isfinite(power_db).sum(axis=0)
-    told = power_db[:, n >= FEWEST]
-    if told.shape[1] == 0:
+    usable = power_db[:, n >= FEWEST]
+    if usable.shape[1] == 0:
         return np.nan, np.nan
     n = n[n >= FEWEST]
-    known = np.isfinite(told)
-    deviation = np.where(known, told - np.nanmean(told, axis=0), 0) * np.sqrt(n / (n - 1))
+    known = np.isfinite(usable)
+    deviation = np.where(known, usable - np.nanmean(usable, axis=0), 0) * np.sqrt(n / (n - 1))
     total = (deviation**2).sum() / known.sum()
     n_pairs = (known.sum(axis=1) ** 2).sum() - known.sum()
     if n_pairs < FEWEST:
@@ -174,9 +174,9 @@ def _block_decays(decay_rate, block_of):
     known = np.isfinite(logarithm)
     n = known.sum(axis=0)
     mean = np.where(known, logarithm, 0).sum(axis=0) / np.maximum(n, 1)
-    told = known & (n >= 2)
-    deviation = np.where(told, logarithm - mean, 0)
-    sums = np.column_stack([deviation.sum(axis=1), (deviation**2).sum(axis=1), told.sum(axis=1)])
+    usable = known & (n >= 2)
+    deviation = np.where(usable, logarithm - mean, 0)
+    sums = np.column_stack([deviation.sum(axis=1), (deviation**2).sum(axis=1), usable.sum(axis=1)])
     return _block_sums(sums, block_of)
 
 

@@ -188,8 +188,8 @@ def _spectra_by_zone(series, served, level, zone, typical, tapered):
             result[f"{name}_bins2"], result[f"{name}_bins2_standard_error"] = values
     at = np.rint(np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines).astype(int)
     # Where noise of picks is a tenth and more of a density, it bends what slabs have in common.
-    told = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
-    result["thickness_correlation"] = undulation_correlation(series, served, told, tapered=tapered)
+    usable = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
+    result["thickness_correlation"] = undulation_correlation(series, served, usable, tapered=tapered)
     return result | {"thickness_psd": density, "thickness_psd_standard_error": error}
 
 

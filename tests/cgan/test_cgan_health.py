@@ -106,12 +106,12 @@ def test_weights_that_are_not_finite_are_named():
 
 
 def trained_faults(settings, seed, *, freeze_discriminator=False):
-    """Train on toy scenes and judge half way, while the rate is still whole, and at the end: faults and numbers."""
+    """Train on toy scenes and examine half way, while the rate is still whole, and at the end: faults and numbers."""
     training, steps = begun(settings, seed, n_scenes=24)
     unseen = toy_scenes(28)[24:]
     if freeze_discriminator:
         training._optimisers["discriminator_adam"].step = lambda: None
-    losses, found, judged = [], [], []
+    losses, found, examined = [], [], []
     try:
         for step, step_losses in steps:
             losses.append(step_losses)
@@ -120,10 +120,10 @@ def trained_faults(settings, seed, *, freeze_discriminator=False):
                     training.generator, unseen, dropout=settings.dropout, statistics="scene", seed=seed
                 )
                 found += faults(numbers, dropout=settings.dropout)
-                judged.append(numbers)
+                examined.append(numbers)
     except FloatingPointError as error:
         found.append(f"values that are not finite: {error}")
-    return found, judged
+    return found, examined
 
 
 @pytest.mark.study
@@ -136,8 +136,8 @@ def test_ten_unseen_healthy_trainings_have_no_fault(seed):
 @pytest.mark.study
 def test_rates_a_hundred_times_too_high_are_found():
     settings = replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate)
-    judged = {seed: trained_faults(settings, seed) for seed in (200, *range(400, 410))}
-    missed = {seed: numbers for seed, (found, numbers) in judged.items() if not found}
+    examined = {seed: trained_faults(settings, seed) for seed in (200, *range(400, 410))}
+    missed = {seed: numbers for seed, (found, numbers) in examined.items() if not found}
     # Two of eleven are not found: they get worse (0.73 of the contrast, healthy ones 0.56) but do not collapse.
     assert set(missed) <= {200, 409}, missed
 

@@ -114,7 +114,7 @@ def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, 
 
 def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(collapse):
     with pytest.raises(ValueError, match="collapsed at step 80"):
-        collapse(0, "fall_back", every_steps=40)  # from step 20 on losses are judged: no weights count as good
+        collapse(0, "fall_back", every_steps=40)  # from step 20 on losses are checked: no weights count as good
 
 
 def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse, caplog):

@@ -80,7 +80,7 @@ def test_what_flagged_lines_hold_enters_no_statistics(frame):
     assert np.isfinite(expected["power"].values[[14, 16]]).any(axis=1).all()
 
 
-def test_a_block_with_one_flagged_line_is_skipped_and_told(frame):
+def test_a_block_with_one_flagged_line_is_skipped_and_counted(frame):
     echogram, layers = frame
     echogram = flagged(echogram, no_good_data=slice(499, 512))
     scenes, skipped = cut_blocks(*leave_out_flagged(echogram, layers), name="f")

@@ -46,7 +46,7 @@ def test_checked_frames_tell_their_sizes(table):
     assert_allclose(checked["bin_size_s"], formats.BIN_S, rtol=1e-9)
 
 
-def test_rows_that_fail_are_told_together_before_a_file_is_opened(flight):
+def test_rows_that_fail_are_named_together_before_a_file_is_opened(flight):
     rows = {
         "one\ta.nc\tnowhere.mat\ttrain": "layers: expected a file, found nothing at",
         f"two\ta.nc\t{LAYERS}\ttest": "echogram: expected a test frame to have no other role, found test and train",
@@ -61,14 +61,14 @@ def test_rows_that_fail_are_told_together_before_a_file_is_opened(flight):
         assert line.startswith(f"{row.partition(chr(9))[0]}: {message}")
 
 
-def test_files_that_fail_are_told_together(flight, table):
+def test_files_that_fail_are_named_together(flight, table):
     whole = (flight / "a.nc").read_bytes()
     (flight / "a.nc").write_bytes(whole[: len(whole) // 2])
     (flight / "c.mat").write_bytes(b"nothing")
     assert [line.split(":")[0] for line in failures(lambda: check_frames(table), 2, 3)] == ["one", "three"]
 
 
-def test_frames_of_another_bin_size_are_told(flight, table, content):
+def test_frames_of_another_bin_size_are_named(flight, table, content):
     content["Time"] = content["Time"][0] + (content["Time"] - content["Time"][0]) * 1.5
     formats.write_mat73(flight / "c.mat", content)
     with pytest.raises(ValueError, match="three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"):
@@ -94,7 +94,7 @@ def test_frames_of_another_source_and_names_that_no_frame_has_are_named(table):
     assert line == "Koenig_3: layer_names: expected layers that some frame has, found it in none"
 
 
-def test_frames_that_give_no_scene_are_told_with_the_others(flight, rng):
+def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     content = formats.truth(rng, n_bins=400, n_lines=520)
     layers = formats.layer_content([content["Surface"]], [9], content["GPS_time"])
     formats.write_mat5(flight / LAYERS, layers)

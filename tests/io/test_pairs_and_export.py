@@ -165,7 +165,7 @@ def test_wrong_labels_are_refused(tmp_path, labels, message):
     refused(lambda folder: read_pair(folder / "data_x.png"), tmp_path, message)
 
 
-def test_scenes_that_fail_and_those_of_another_width_are_told_together(exported, scenes):
+def test_scenes_that_fail_and_those_of_another_width_are_named_together(exported, scenes):
     narrow = Scene("narrow", 300, scenes[0].layer_bins[:, :200], image=scenes[0].image[:, :200])
     export_pairs(exported, [narrow], list_name="narrow.lst")
     mask = exported / f"layer_binary_{scenes[0].name}.png"

@@ -80,7 +80,7 @@ def test_frames_flagged_throughout_are_refused_by_name_all_in_one_go(flight, tab
     assert checked["flags"].tolist() == ["no_good_data 520", "", "unclassified_artifact 520; land_ice 520"]
 
 
-def test_a_frame_left_without_a_scene_is_told_with_the_reason(flight, table):
+def test_a_frame_left_without_a_scene_is_named_with_the_reason(flight, table):
     supplement(flight, 1, no_good_data=by_line(252))
     with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged"):
         check_frames(table, blocks=True)

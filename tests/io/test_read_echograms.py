@@ -30,7 +30,7 @@ def read_back(write, path, content, **options):
 
 @of_every_format
 def test_every_format_gives_the_same_echogram_brightest_at_the_surface(path, content, write):
-    # The name says nothing: the format is told from the content.
+    # The name says nothing: the format follows from the content.
     echogram = read_back(write, path, content)
     check_echogram(echogram)
     assert echogram["Data"].dims == ("twtt", "slow_time")
@@ -46,7 +46,7 @@ def test_every_format_gives_the_same_echogram_brightest_at_the_surface(path, con
 
 
 @pytest.mark.parametrize("n_bins", [formats.N_BINS, formats.N_LINES], ids=["oblong", "square"])
-def test_transposed_amplitude_is_told_by_its_dimensions_and_not_by_its_shape(path, rng, n_bins):
+def test_transposed_amplitude_is_recognised_by_its_dimensions_and_not_by_its_shape(path, rng, n_bins):
     content = formats.truth(rng, n_bins=n_bins)
     echogram = read_back(formats.write_nsidc, path, content)
     assert echogram.identical(read_back(formats.write_nsidc, path, content, transposed=True))

@@ -1,4 +1,4 @@
-"""Statistics of a flight with known spectra, and spectra of known families."""
+"""Statistics of a flight with known spectra, and spectra of known laws."""
 
 import numpy as np
 import xarray as xr

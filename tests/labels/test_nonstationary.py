@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
-from snowsim.labels import Beyond, draw_scene, prepare
+from snowsim.labels import Nonstationary, draw_scene, prepare
 
 
 def smooth(n_slabs=12):
@@ -16,15 +16,15 @@ def smooth(n_slabs=12):
     return statistics
 
 
-def scenes(statistics, beyond, n=200, seed=7):
-    model = prepare(statistics, N_LINES, n_layers=(5, 12), beyond=beyond)
+def scenes(statistics, nonstationary, n=200, seed=7):
+    model = prepare(statistics, N_LINES, n_layers=(5, 12), nonstationary=nonstationary)
     rng = np.random.default_rng(seed)
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
 
 
 def test_off_draws_the_same_bytes_as_ever():
     drawn = [scene.layer_bins for scene in scenes(planted(), None, n=5)]
-    off = [scene.layer_bins for scene in scenes(planted(), Beyond(0, 0, 30, (1,)), n=5)]
+    off = [scene.layer_bins for scene in scenes(planted(), Nonstationary(0, 0, 30, (1,)), n=5)]
     assert [one.tobytes() for one in drawn] == [one.tobytes() for one in off]
     # Frozen before trends and folds existed; rounded, for FFTs differ in the last digits between machines.
     rounded = np.concatenate([np.rint(1e6 * one).astype("<i8").ravel() for one in drawn])
@@ -33,7 +33,7 @@ def test_off_draws_the_same_bytes_as_ever():
 
 def test_a_trend_is_found_again_and_leaves_the_mean():
     line = np.arange(N_LINES) / (N_LINES - 1) - 0.5
-    with_trend = scenes(smooth(), Beyond(trend_sd=0.2))
+    with_trend = scenes(smooth(), Nonstationary(trend_sd=0.2))
     for scene in with_trend:
         thickness = np.diff(scene.layer_bins, axis=0)
         slope = thickness @ line / (line @ line) / thickness.mean(axis=1)
@@ -46,7 +46,7 @@ def test_a_trend_is_found_again_and_leaves_the_mean():
 
 def test_a_fold_bends_layers_in_proportion_to_their_depth():
     length = 48.0
-    for scene in scenes(smooth(), Beyond(fold_sd_bins=6.0, fold_length_lines=length), n=40):
+    for scene in scenes(smooth(), Nonstationary(fold_sd_bins=6.0, fold_length_lines=length), n=40):
         bend = scene.layer_bins - scene.layer_bins.mean(axis=1, keepdims=True)
         phase = 2 * np.pi * np.arange(N_LINES) / length
         wave = np.column_stack([np.sin(phase), np.cos(phase), np.ones(N_LINES)])
@@ -63,20 +63,20 @@ def test_a_fold_bends_layers_in_proportion_to_their_depth():
 
 
 def test_only_the_zones_asked_for_are_bent():
-    for scene in scenes(planted(), Beyond(trend_sd=0.1, fold_sd_bins=2, zones=(0, 3)), n=60):
+    for scene in scenes(planted(), Nonstationary(trend_sd=0.1, fold_sd_bins=2, zones=(0, 3)), n=60):
         assert ("trend" in scene.notes) == ("fold_bins" in scene.notes) == (scene.zone in (0, 3))
 
 
 def test_trends_and_folds_keep_layers_apart_and_are_counted():
-    bent = scenes(smooth(), Beyond(trend_sd=1.0, fold_sd_bins=80.0), n=60)
+    bent = scenes(smooth(), Nonstationary(trend_sd=1.0, fold_sd_bins=80.0), n=60)
     assert all(np.diff(scene.layer_bins, axis=0).min() >= 1 - 1e-9 for scene in bent)
     assert sum(scene.notes["n_touched"] for scene in bent) > 0
 
 
 def test_impossible_settings_are_refused():
     with pytest.raises(ValueError, match="trend_sd must be finite and not negative, got -1"):
-        Beyond(trend_sd=-1)
+        Nonstationary(trend_sd=-1)
     with pytest.raises(ValueError, match="fold_sd_bins must be finite"):
-        Beyond(fold_sd_bins=np.nan)
+        Nonstationary(fold_sd_bins=np.nan)
     with pytest.raises(ValueError, match="fold_length_lines must be at least 4 range lines, got 3"):
-        Beyond(fold_length_lines=3)
+        Nonstationary(fold_length_lines=3)

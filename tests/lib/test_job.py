@@ -68,8 +68,8 @@ def test_a_job_that_needs_more_memory_than_there_is_does_not_start(tmp_path, cap
     assert 0 < available_memory_mb() < installed_mb
     with pytest.raises(SystemExit), job(some_job(tmp_path, mem_mb=10**9)):
         pytest.fail("the job started")
-    told = capsys.readouterr().err
-    assert told.startswith("error: some_rule: memory: expected at least 1000000000 MB available, got ")
+    printed = capsys.readouterr().err
+    assert printed.startswith("error: some_rule: memory: expected at least 1000000000 MB available, got ")
 
 
 @pytest.mark.parametrize("error", [ValueError, OSError, ZeroDivisionError])

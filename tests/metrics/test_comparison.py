@@ -11,7 +11,7 @@ from snowsim.metrics.comparison import compare, holm, paired_difference
 def test_one_replica_leaves_the_images_error_alone():
     result = paired_difference([0.02], image_error=0.01, n_images=61)
     assert_allclose([result["low"], result["high"]], 0.02 + 0.01 * student.ppf([0.025, 0.975], 60))
-    assert result["verdict"] == "not resolved"
+    assert result["outcome"] == "not resolved"
     assert np.isnan(result["seed_spread"])
     assert result["seeds_to_resolve"] == -1
 
@@ -40,7 +40,7 @@ def test_intervals_cover_the_truth_and_detectable_differences_are_found(rng, n_r
         drawn = planted + image_error * rng.standard_normal() + spread * rng.standard_normal(n_replicas)
         result = paired_difference(drawn, image_error, 60)
         covered += result["low"] <= planted <= result["high"]
-        found += result["verdict"] == "higher"
+        found += result["outcome"] == "higher"
     # 95 % and 80 %, to 0.9 and 1.6 % by 600 trials; the power is that of a shifted central t: 6 % at three replicas.
     assert 0.93 < covered / n_trials < 0.99
     assert 0.70 < found / n_trials < 0.88
@@ -62,10 +62,10 @@ def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     pairs = [("a", "a"), ("b", "a")]
     table = compare({"a": worse, "b": better}, pairs, n_bootstrap=100, rng=rng).set_index(["name", "metric"])
     same = table.loc[("a", "ods")]
-    assert (same["difference"], same["detectable"], same["verdict"]) == (0, 0, "not resolved")
+    assert (same["difference"], same["detectable"], same["outcome"]) == (0, 0, "not resolved")
     assert same["p_value"] == 1
     ods = table.loc[("b", "ods")]
-    assert ods["verdict"] == "higher"
+    assert ods["outcome"] == "higher"
     # Best of three thresholds, each a mean of 6000 trials: 0.006 and some.
     assert_allclose(ods["difference"], 0.1, atol=0.02)
     # An image is 200 trials at one of three thresholds: sqrt(2 x 0.7 x 0.3 / 200 / 30) for a replica, / sqrt(3) for 3.

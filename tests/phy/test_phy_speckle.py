@@ -12,12 +12,12 @@ ROWS = np.ones((1000, N_VALUES // 1000))
 
 
 @pytest.mark.parametrize("n_looks", [1, 10, 30])
-def test_samplers_draw_what_the_literal_sum_draws(n_looks, rng):
-    literal = draw_speckle(ROWS, n_looks, method="looks", rng=rng).ravel()
+def test_samplers_draw_what_the_sum_of_looks_draws(n_looks, rng):
+    summed = draw_speckle(ROWS, n_looks, method="looks", rng=rng).ravel()
     for method in ("gamma", "quantile", "cube")[: 3 if n_looks >= 10 else 2]:
         values = draw_speckle(ROWS, n_looks, method=method, rng=rng).ravel()
         # Two samples of n from one distribution differ by more than 1.95 sqrt(2 / n) = 2.8e-3 once in 1000.
-        assert ks_2samp(literal, values, method="asymp").statistic < 1.95 * np.sqrt(2 / N_VALUES), method
+        assert ks_2samp(summed, values, method="asymp").statistic < 1.95 * np.sqrt(2 / N_VALUES), method
 
 
 @pytest.mark.parametrize("method", ["gamma", "quantile", "cube"])

@@ -38,7 +38,7 @@ def test_slopes_are_those_of_the_waveform(planted, rng):
         assert_allclose(numeric, slopes[i + 1], atol=1e-9, rtol=1e-6)
 
 
-def test_layers_closer_than_their_width_are_told_apart(planted, rng):
+def test_layers_closer_than_their_width_are_distinguished(planted, rng):
     groups = crowded(rng, planted)
     shape, error, powers, power_error, _ = solution(groups)
     # Four of the errors claimed, which count that layers so crowded may share a shape they do not have.

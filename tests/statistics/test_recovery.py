@@ -147,7 +147,7 @@ def test_zones_are_quartiles_of_first_slab_block_means(rng):
     assert_allclose(result["relative_thickness_variance"], 0, atol=1e-12)
 
 
-def test_undulations_that_persist_are_told_from_those_that_do_not(rng):
+def test_undulations_that_persist_are_distinguished_from_those_that_do_not(rng):
     phase = 2 * np.pi * rng.uniform(size=(2, 60, 1, 1))
     turn = 2 * np.pi * np.arange(256) / 256
     slow = np.sin(turn + phase[0]) + np.sin(2 * turn + phase[1])

@@ -76,12 +76,12 @@ def settings(folder, text):
 
 
 def text_of(done):
-    """All that a finished process told."""
+    """All that a finished process printed."""
     return done.stdout + done.stderr
 
 
 def lines_with(done, start):
-    """Lines that a finished process told and that start so."""
+    """Lines that a finished process printed and that start so."""
     return [line for line in text_of(done).splitlines() if line.startswith(start)]
 
 

@@ -86,5 +86,5 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
 
 
 def state_of(folder):
-    told = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
-    return (told.stdout + told.stderr).strip()
+    answer = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
+    return (answer.stdout + answer.stderr).strip()

@@ -38,7 +38,7 @@ def test_rules_that_use_a_gpu_ask_for_one(load_rules, device):
     rules = load_rules(cgan={"device": device}, tracker={"device": device})
     n_gpus = {rule.name: dict(rule.declared.resources.items()).get("gpu") for rule in rules}
     asking = {name for name, resource in n_gpus.items() if resource is not None and resource.value}
-    # Exactly the rules that are told a device.
-    told = {rule.name for rule in rules if "device" in dict(rule.declared.params.items())}
-    assert told >= {"train_cgan", "train_tracker"}
-    assert asking == (told if device == "cuda" else set())
+    # Exactly the rules that are given a device.
+    given = {rule.name for rule in rules if "device" in dict(rule.declared.params.items())}
+    assert given >= {"train_cgan", "train_tracker"}
+    assert asking == (given if device == "cuda" else set())

@@ -47,7 +47,7 @@ def test_moved_files_columns_and_small_differences_are_followed(folders, monkeyp
     moved.to_csv(new / "tables/by_zone.csv", index=False)
     assert len(reproducible.compare(old, new)) == 2
     monkeypatch.setitem(reproducible.MOVED_FILES, "tables/zones.csv", "tables/by_zone.csv")
-    monkeypatch.setitem(reproducible.MOVED_COLUMNS, "tables/by_zone.csv", {"mean": "average"})
+    monkeypatch.setitem(reproducible.MOVED_COLUMNS, "mean", "average")
     monkeypatch.setitem(reproducible.ALLOWED, "tables/by_zone.csv: average", 5e-13)
     assert reproducible.compare(old, new) == []
 

@@ -19,7 +19,7 @@ def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):
         check_disk(1e18, tmp_path / "results")
 
 
-def test_a_folder_is_judged_by_the_first_that_is_there(tmp_path, monkeypatch):
+def test_a_folder_is_checked_by_the_first_that_is_there(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     check_folders("results/a/b", "logs")
     monkeypatch.setattr("os.access", lambda folder, mode: folder != tmp_path)

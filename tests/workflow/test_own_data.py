@@ -264,7 +264,7 @@ def test_range_lines_flagged_enter_neither_statistics_nor_scenes(tiny_flight, tm
 
 
 @pytest.mark.slow
-def test_frames_that_fail_are_all_told_in_one_go(tmp_path, own_flight):
+def test_frames_that_fail_are_all_named_in_one_go(tmp_path, own_flight):
     configs = own_flight("nsidc", ("nsidc", "mat5", "nsidc"), False)
     first = tmp_path / "echogram_0"
     first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])

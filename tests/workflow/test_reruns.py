@@ -61,7 +61,7 @@ def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
         *(tiny_run / "results/phy").rglob("*.nc"),
         tiny_run / "results/statistics.nc",
     ]
-    # Snakemake compares contents below a size only, 1 MB unless told; the files of a run are larger.
+    # Snakemake compares contents below a size only, 1 MB by default; the files of a run are larger.
     assert max(path.stat().st_size for path in inputs) > 1e6
     for path in inputs:
         path.touch()

@@ -18,7 +18,7 @@ def examine(training, losses, scenes, statistics):
     return scores, numbers, images
 
 
-class Judge:
+class Validation:
     """Validation of a training by similarity on held-out scenes, and health; `run` is set once the run is open."""
 
     by = "fitness"

@@ -35,7 +35,7 @@ def or_refused(function, *arguments):
 
 
 # Settings of earlier versions and what they are called now.
-RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas"}
+RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas", "beyond": "nonstationary"}
 
 
 def check_config(config):
@@ -167,7 +167,7 @@ def tables(*names):
 def finished_study(path):
     """A study's table where it has been made, with a digest of it, and nothing where not.
 
-    No input of a rule: the default run must not start a study, nor judge whether one is up to date.
+    No input of a rule: the default run must not start a study, nor decide whether one is up to date.
     """
     if not Path(path).is_file():
         return {}

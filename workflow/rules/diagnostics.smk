@@ -1,7 +1,7 @@
 # Nothing on the way from flight to Table III depends on this file, but for the model of compare_label_models where
 # labels.n_zones or labels.psd ask for another than the paper's.
 
-# Numbers of zones that criteria choose from; the schema allows no others.
+# Numbers of zones to select from; the schema allows no others.
 ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
 
 
@@ -30,7 +30,7 @@ rule compare_label_models:
         n_range_lines=config["labels"]["n_range_lines"],
         n_scenes=min(300, config["labels"]["n_scenes"]),
     message:
-        "label models with fewer parameters, and what they save"
+        "model selection: label models with fewer parameters"
     script:
         "../scripts/compare_label_models.py"
 

@@ -58,7 +58,7 @@ rule draw_labels:
             name: config["labels"][name]
             for name in ("correlation", "first_slab", "surface", "radiometry")
         },
-        beyond=config["labels"]["beyond"],
+        nonstationary=config["labels"]["nonstationary"],
     message:
         "label sets, shard {wildcards.shard}"
     script:

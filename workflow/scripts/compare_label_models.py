@@ -1,4 +1,4 @@
-"""Label models with other zones and spectra: what criteria say of them, what they save, and the one asked for."""
+"""Label models with other zones and spectra: AIC and BIC, parameters saved, and the one in use."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Small trainings of the cGAN over seeds, learning rates and L1 weights, and what the detectors say of each."""
+"""Small trainings of the cGAN over seeds, learning rates and L1 weights, and what the detectors find in each."""
 
 import dataclasses
 from itertools import product
@@ -6,7 +6,7 @@ from itertools import product
 import pandas as pd
 from job import progress, run
 
-from lib.diagnostics.cgan_studies import judge_training
+from lib.diagnostics.cgan_studies import train_and_examine
 from snowsim.cgan import Settings, held_out
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
@@ -20,8 +20,8 @@ def study(train, table, *, seed, settings, statistics, n_held, n_seeds, learning
     runs = list(product(range(n_seeds), learning_rates, l1_weights))
     for number, learning_rate, l1_weight in progress(runs, "atlas"):
         here = dataclasses.replace(Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight)
-        judged = judge_training(here, seed + number, train_scenes, held_scenes, statistics)
-        rows.append({"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight, **judged})
+        outcome = train_and_examine(here, seed + number, train_scenes, held_scenes, statistics)
+        rows.append({"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight, **outcome})
     write_table(table, pd.DataFrame(rows))
 
 

@@ -5,7 +5,7 @@ import dataclasses
 from job import logger, run
 from torch.utils.data import Subset
 
-from lib.cgan_training import Judge, sample_scenes
+from lib.cgan_training import Validation, sample_scenes
 from lib.training import TrainingRun, check_memory, enough_memory
 from snowsim.cgan import Collapsed, Settings, Training, faults, held_out, least_bytes, train_steps
 from snowsim.io.files import write_table
@@ -29,11 +29,11 @@ def train(
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
-        judge = Judge(training, held_scenes, train_scenes, statistics, validation, goes_on=on_collapse == "go_on")
+        check = Validation(training, held_scenes, train_scenes, statistics, validation, goes_on=on_collapse == "go_on")
         unfinished = {"kind": "unfinished cgan training", **made_of}
-        kept = {"every_steps": checkpoint_steps, "path_to_events": events, "validation": judge}
+        kept = {"every_steps": checkpoint_steps, "path_to_events": events, "validation": check}
         with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
-            judge.run, collapse = taken, None
+            check.run, collapse = taken, None
             try:
                 taken.take(train_steps(training, train_scenes), settings.n_steps, "cGAN")
             except (Collapsed, FloatingPointError) as error:

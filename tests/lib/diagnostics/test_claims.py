@@ -90,7 +90,7 @@ def positions(cgan, phy):
     return pd.DataFrame(rows, columns=["scene", "method", "against", "shape_class", "mean_abs_error_bins"])
 
 
-def test_curvature_is_judged_where_layers_bend_most():
+def test_curvature_is_compared_where_layers_bend_most():
     assert claims.curvature(positions(cgan=2.0, phy=1.0)).outcome == CONFIRMED
     assert claims.curvature(positions(cgan=1.0, phy=2.0)).outcome == CONTRADICTED
 
@@ -160,15 +160,15 @@ def test_what_the_flight_was_built_to_have_is_no_confirmation():
 
     assert built(tables) == {"realism", "config"}
     assert built(tables, synthetic=False) == set()
-    # What came out otherwise all the same is told with the rest.
+    # What came out otherwise all the same is counted with the rest.
     assert built({"realism": doppler_table.assign(value=9.0), "config": config | {"phy": {"n_looks": 100}}}) == set()
 
 
 @pytest.mark.parametrize(("n_replicas", "few"), [(2, True), (5, False)])
 def test_differences_of_few_trainings_are_indicative(n_replicas, few):
     table = intervals().assign(n_replicas=n_replicas)
-    for judge in (partial(claims.augmentation, metric="ods"), claims.best_fuse, claims.best_sides, claims.fifth_side):
-        assert ("indicative" in judge(table).caveat) == few
+    for rule in (partial(claims.augmentation, metric="ods"), claims.best_fuse, claims.best_sides, claims.fifth_side):
+        assert ("indicative" in rule(table).caveat) == few
 
 
 def test_a_claim_without_its_table_says_which_is_missing():

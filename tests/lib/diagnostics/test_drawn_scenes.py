@@ -38,7 +38,7 @@ def speckled(rng, *, n_looks=16, rise=1.0, name="scene", wide=1):
     return Scene(name, 320, LEVEL, image, noise_floor_db=floor, maximum_db=maximum)
 
 
-def test_every_scene_is_judged_once_and_by_what_saw_none_of_its_crops():
+def test_every_scene_is_classified_once_and_by_what_saw_none_of_its_crops():
     one, other = ([np.full((n + 1, 1), 10 * side + n) for n in range(7)] for side in (0, 1))
 
     def fit(crops, truth):
@@ -54,7 +54,7 @@ def test_every_scene_is_judged_once_and_by_what_saw_none_of_its_crops():
     assert np.isnan(accuracy(None, rng=None)).all()
 
 
-def test_scenes_of_one_kind_are_not_told_apart_and_those_of_fewer_looks_are(rng):
+def test_scenes_of_one_kind_are_not_distinguished_and_those_of_fewer_looks_are(rng):
     sets = {
         "observed": [speckled(rng) for _ in range(12)],
         "phy": [speckled(rng) for _ in range(12)],

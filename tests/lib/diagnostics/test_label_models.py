@@ -1,4 +1,4 @@
-"""Label models compared: the planted family and number of zones are found, what is saved is counted."""
+"""Label models compared: the planted law and number of zones are found, what is saved is counted."""
 
 import numpy as np
 import pandas as pd
@@ -15,11 +15,11 @@ from lib.diagnostics.label_models import (
     whittle_log_likelihood,
 )
 from snowsim.labels import prepare
-from snowsim.labels.models import FAMILIES, label_model
+from snowsim.labels.models import SPECTRA, label_model
 
 
 def zone_model(name, n_zones, n_blocks, rng):
-    """A flight of 3 slabs with spectra of one family, level and scale by true zone of 2, divided into some zones."""
+    """A flight of 3 slabs with spectra of one law, level and scale by true zone of 2, divided into some zones."""
     unit = density_of(name)[1:-1]
     blocks = rng.exponential(unit, (2, n_blocks, 3, unit.size)) * np.array([1.0, 9])[:, None, None, None]
     shares = np.array([0.6, 1.0])[:, None, None] + 0.02 * rng.standard_normal((2, n_blocks, 3))
@@ -46,8 +46,8 @@ def zone_model(name, n_zones, n_blocks, rng):
     )
 
 
-@pytest.mark.parametrize("name", FAMILIES)
-def test_bic_finds_the_planted_family_and_number_of_zones(name, rng):
+@pytest.mark.parametrize("name", SPECTRA)
+def test_bic_finds_the_planted_law_and_number_of_zones(name, rng):
     seed = int(rng.integers(1 << 30))  # one flight, divided three ways
     models = [zone_model(name, n_zones, 40, np.random.default_rng(seed)) for n_zones in (1, 2, 4)]
     table = tabulate_models(models)
@@ -56,10 +56,10 @@ def test_bic_finds_the_planted_family_and_number_of_zones(name, rng):
     rows = table.set_index(["n_zones", "psd"])
     # A density a wavenumber and slab of each zone against a few numbers.
     assert rows.loc[(2, "tabulated"), "n_parameters"] == 2 * 3 * 127 + 8
-    assert rows.loc[(2, name), "n_parameters"] == 2 * 3 * FAMILIES[name].n_parameters + 8
+    assert rows.loc[(2, name), "n_parameters"] == 2 * 3 * SPECTRA[name].n_parameters + 8
 
 
-def test_a_spectrum_of_no_family_stays_tabulated(rng):
+def test_a_spectrum_of_no_law_stays_tabulated(rng):
     lumpy = zone_model("white", 2, 400, rng)
     comb = 1 + 0.9 * np.cos(40 * np.pi * WAVENUMBER)
     for part in ("thickness_psd", "block_psd"):
@@ -78,7 +78,7 @@ def test_penalty_of_a_tabulated_density_is_its_optimism(rng):
     assert_allclose(in_sample - out_of_sample, 127 * n / (n - 1), rtol=0.03)
 
 
-def test_choice_is_refused_where_it_is_none_and_families_are_tabulated_by_zone():
+def test_choice_is_refused_where_it_is_none_and_spectra_are_tabulated_by_zone():
     table = pd.DataFrame({"n_zones": [4], "psd": ["tabulated"], "aic": [0.0], "bic": [0.0]})
     assert choose(table, 4, "tabulated") == (4, "tabulated")
     with pytest.raises(ValueError, match="one criterion, got aic and bic"):
@@ -86,16 +86,16 @@ def test_choice_is_refused_where_it_is_none_and_families_are_tabulated_by_zone()
     with pytest.raises(ValueError, match="hold no 7 zones"):
         choose(table, 7, "tabulated")
     table = tabulate_spectra(np.array([density_of("ar1"), 4 * density_of("ar1")]))
-    assert list(table.columns) == ["zone", "wavenumber", "tabulated", *FAMILIES]
+    assert list(table.columns) == ["zone", "wavenumber", "tabulated", *SPECTRA]
     assert_allclose(table["ar1"], table["tabulated"], rtol=3e-3)
 
 
-def test_what_a_model_costs_is_told_beside_the_first():
+def test_what_a_model_costs_stands_beside_the_first():
     statistics = planted(n_slabs=6)
     n_parameters = {"tabulated": 9, "matern": 3, "white": 1}
-    criteria = pd.DataFrame({"n_zones": 4, "psd": list(n_parameters), "n_parameters": list(n_parameters.values())})
+    selection = pd.DataFrame({"n_zones": 4, "psd": list(n_parameters), "n_parameters": list(n_parameters.values())})
     models = {psd: (4, psd, prepare(label_model(statistics, psd), N_LINES)) for psd in n_parameters}
-    table = compare_models(models, criteria.assign(aic=0.0, bic=0.0), 60, lambda: np.random.default_rng(3)).set_index(
+    table = compare_models(models, selection.assign(aic=0.0, bic=0.0), 60, lambda: np.random.default_rng(3)).set_index(
         "model"
     )
     assert (table.loc["tabulated"].filter(like="_change") == 0).all()

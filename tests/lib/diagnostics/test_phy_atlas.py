@@ -1,4 +1,4 @@
-"""The atlas of PHY: judged by sums that share nothing with the closed form; public functions are never wrong."""
+"""The atlas of PHY: compared by sums that share nothing with the closed form; public functions are never wrong."""
 
 import numpy as np
 import pandas as pd

@@ -53,24 +53,24 @@ def test_distances_are_those_of_drawn_values(rng):
     moving = np.broadcast_to(means[:, None, None], (16, 400, 1000))
     matched = draw_moving_speckle(moving, method="gamma", rng=rng).ravel()
     table = np.linspace(1e-4, matched.max(), 3000)
-    literal = kstest(matched, lambda x: np.interp(x, table, phy_errors.mean_of_looks_below(table, means))).statistic
+    summed = kstest(matched, lambda x: np.interp(x, table, phy_errors.mean_of_looks_below(table, means))).statistic
     # 1.4e-2 here, several times the noise.
-    assert abs(literal - phy_errors.moving_distance(means)) < noise
+    assert abs(summed - phy_errors.moving_distance(means)) < noise
     assert phy_errors.moving_distance(means) > 4 * noise
 
 
-def test_moving_geometry_keeps_mean_and_variance_of_the_literal_sum_and_a_still_one_is_exact(rng):
+def test_moving_geometry_keeps_mean_and_variance_of_the_sum_of_looks_and_a_still_one_is_exact(rng):
     # A layer that leaves a pixel during the looks: means fall from 1 to 0.05.
     means = np.geomspace(1, 0.05, 20)[:, None, None] * np.ones((20, 400, 500))
-    literal = draw_moving_speckle(means, method="looks", rng=rng)
+    summed = draw_moving_speckle(means, method="looks", rng=rng)
     matched = draw_moving_speckle(means, method="gamma", rng=rng)
     expected_mean, expected_variance = means[:, 0, 0].mean(), (means[:, 0, 0] ** 2).sum() / 20**2
-    for power in (literal, matched):
+    for power in (summed, matched):
         # Known to 1 / sqrt(200_000) of a deviation, and about 2 sqrt(2 / 200_000): allow five of those.
         assert_allclose(power.mean(), expected_mean, rtol=5e-3)
         assert_allclose(power.var(), expected_variance, rtol=0.03)
     # Not the same distribution, but close: their distribution functions are 1.0e-2 apart here.
-    assert ks_2samp(literal.ravel(), matched.ravel(), method="asymp").statistic < 0.02
+    assert ks_2samp(summed.ravel(), matched.ravel(), method="asymp").statistic < 0.02
     mean_power = rng.uniform(0.1, 1, (30, 40))
     looks = np.broadcast_to(mean_power, (12, 30, 40))
     still = draw_moving_speckle(looks, method="gamma", rng=np.random.default_rng(5))

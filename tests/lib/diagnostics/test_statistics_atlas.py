@@ -7,9 +7,9 @@ from lib.diagnostics.statistics_atlas import (
     COLUMNS,
     SWEEPS,
     Planted,
+    compared,
     draw_atlas,
     is_finite,
-    judged,
     rules_applied,
     with_gaps,
 )
@@ -71,10 +71,10 @@ def test_gaps_take_the_share_asked_for(rng):
     assert with_gaps(next(planted.frames(rng)), 0.0, rng)[1]["twtt"].notnull().all()
 
 
-def test_what_is_not_finite_is_told(rng):
+def test_what_is_not_finite_is_reported(rng):
     planted = Planted(n_frames=1)
     frames = list(planted.frames(rng))
-    rows = judged("panel", 1.0, planted, frames, "paper")
+    rows = compared("panel", 1.0, planted, frames, "paper")
     assert {row["outcome"] for row in rows} <= {"within", "beyond"}
     fitted = fit(frames)
     assert is_finite(fitted)

@@ -28,7 +28,7 @@ def test_probabilities_of_gaussian_values_are_uniform(rng, n):
     assert kstest(p_values, "uniform").statistic < 0.09
 
 
-def test_other_laws_are_told_from_a_gaussian(rng):
+def test_other_laws_are_distinguished_from_a_gaussian(rng):
     assert lilliefors(rng.exponential(size=200))[1] < 0.001
     assert lilliefors(rng.uniform(size=500))[1] < 0.01
     with pytest.raises(ValueError, match="4 values that differ, got 3"):

@@ -35,9 +35,9 @@ def planted_tables(tmp_path_factory):
     write_table(folder / "table2.csv", table2([0.4] * 3, [0.5] * 3))
     differences = {(output, name): 0.01 * place for output in OUTPUTS for place, name in enumerate(SETS)}
     write_table(folder / "table3_intervals.csv", table3_intervals(differences))
-    told = [(name, how, -1, 0.8, 0.7, 0.9) for name in ("observed", "phy", "cgan") for how in ("network", "texture")]
+    rows = [(name, how, -1, 0.8, 0.7, 0.9) for name in ("observed", "phy", "cgan") for how in ("network", "texture")]
     columns = ["scenes", "classifier", "first_row", "accuracy", "low", "high"]
-    write_table(folder / "two_sample.csv", pd.DataFrame(told, columns=columns))
+    write_table(folder / "two_sample.csv", pd.DataFrame(rows, columns=columns))
     write_table(folder / "picks.csv", picks())
     long_names = {f"a_column_with_quite_a_long_name_{k}": np.arange(30) / 7 for k in range(12)}
     write_table(folder / "wide.csv", pd.DataFrame(long_names))

@@ -78,12 +78,12 @@ def widths_table(speed, bounds, validations):
     return pd.DataFrame([*rows, phy])
 
 
-def judge_training(settings, seed, train_scenes, held_scenes, statistics):
-    """Similarity, numbers of health and verdict of one training; a loss that is not finite ends it."""
+def train_and_examine(settings, seed, train_scenes, held_scenes, statistics):
+    """Similarity, numbers of health and outcome of one training; a loss that is not finite ends it."""
     training = Training(settings, seed=seed)
     try:
         losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
         scores, numbers, _ = examine(training, losses, held_scenes, statistics)
     except FloatingPointError as error:
-        return {"verdict": f"values that are not finite: {error}"}
-    return {**scores, **numbers, "verdict": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}
+        return {"outcome": f"values that are not finite: {error}"}
+    return {**scores, **numbers, "outcome": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from lib.diagnostics import coherent
-from lib.diagnostics.phy_alternatives import render_literal
+from lib.diagnostics.phy_alternatives import render_as_printed
 from lib.diagnostics.phy_errors import fit_waveform, planted_scene
 from lib.diagnostics.simulation import simulation_rows
 from lib.machine import device_name, time_rounds
@@ -140,7 +140,7 @@ def scene_rows(settings, climate, n_looks, rows, rng):
     layer_bins, parameters = planted_scene(SCENE_LAYERS, SCENE_LINES, SCENE_BINS, n_looks=n_looks)
     works = {
         "PHY": partial(render, layer_bins, parameters, SCENE_BINS, tolerance_db=SCENE_TOLERANCE_DB, rng=rng),
-        "PHY, literal": partial(render_literal, layer_bins, parameters, SCENE_BINS, rng=rng),
+        "PHY, as printed": partial(render_as_printed, layer_bins, parameters, SCENE_BINS, rng=rng),
     }
     runs = time_rounds(works, 3)
     scene = partial(draw_scene, 0, "test", climate=climate, settings=settings, n_looks=n_looks, rng=rng)
@@ -153,7 +153,7 @@ def scene_rows(settings, climate, n_looks, rows, rng):
 
     of_phases = errors("stacks", "layers", DEFAULT_SLABS, "convolution")["error_db"]
     of_phy = np.hypot(errors("tail", "horizon", SHAPING_DB, "PHY")["error_db"], of_phases)
-    known = {"PHY": of_phy, "PHY, literal": of_phy, "nature run": of_phases}
+    known = {"PHY": of_phy, "PHY, as printed": of_phy, "nature run": of_phases}
     scenes = [
         ("whole scene", repeat, name, known[name], seconds * share.get(name, 1.0)) for name, repeat, seconds in runs
     ]

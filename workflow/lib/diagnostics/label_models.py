@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.labels.draw import draw_scene
-from snowsim.labels.models import FAINTEST, FAMILIES, MODELS, TABULATED, densities_of, fit_family
+from snowsim.labels.models import FAINTEST, MODELS, SPECTRA, TABULATED, densities_of, fit_spectrum
 from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
 
 CRITERIA = ("aic", "bic")
@@ -14,7 +14,7 @@ def tabulate_models(zone_models):
     """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
 
     Means are Gaussian, periodograms exponential about their density (Whittle), cells independent; slabs undulate
-    together, so the flight tells less than is counted: both criteria lean to more parameters.
+    together, so the flight tells less than is counted: both AIC and BIC lean to more parameters.
     """
     # Quasi-likelihood, Burnham & Anderson (2002), section 2.5: neighbouring blocks scatter more than by Whittle's law.
     finest = max(zone_models, key=lambda model: model.sizes["zone"])
@@ -51,7 +51,7 @@ def _spectra_likelihood(model, psd):
         n_parameters, aic = round(n_wavenumbers * blocks.size), (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
         bic = (n_wavenumbers * np.log(blocks)).sum()
     else:
-        k = FAMILIES[psd].n_parameters
+        k = SPECTRA[psd].n_parameters
         n_parameters, aic, bic = k * blocks.size, 2.0 * k * blocks.size, (k * np.log(n_wavenumbers * blocks)).sum()
     return likelihood, n_parameters, {"aic": float(aic), "bic": float(bic)}
 
@@ -59,7 +59,7 @@ def _spectra_likelihood(model, psd):
 def whittle_log_likelihood(periodogram, density, n):
     """Log likelihood of mean periodograms (..., wavenumber) of `n` blocks (...) each.
 
-    Not of wavenumbers 0 and 1/2, nor where the periodogram is faint, as for `fit_family`.
+    Not of wavenumbers 0 and 1/2, nor where the periodogram is faint, as for `fit_spectrum`.
     """
     periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
     held = (density > 0) & (periodogram > FAINTEST * periodogram.max(axis=-1, keepdims=True, initial=0))
@@ -85,12 +85,12 @@ def choose(table, n_zones, psd):
 
 
 def tabulate_spectra(psd):
-    """Spectra of one slab (zone, wavenumber) beside what each family makes of them [bins^2 per cycle per line]."""
+    """Spectra of one slab (zone, wavenumber) beside each law fitted to them [bins^2 per cycle per line]."""
     parts = []
     for zone, tabulated in enumerate(psd):
         wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
         columns = {"zone": zone, "wavenumber": wavenumber, "tabulated": tabulated}
-        parts.append(pd.DataFrame(columns | {name: fit_family(name, tabulated)[0] for name in FAMILIES})[1:])
+        parts.append(pd.DataFrame(columns | {name: fit_spectrum(name, tabulated)[0] for name in SPECTRA})[1:])
     return pd.concat(parts, ignore_index=True)
 
 
@@ -120,14 +120,14 @@ def scene_statistics(model, n_scenes, *, rng):
     }
 
 
-def compare_models(models, criteria, n_scenes, stream):
+def compare_models(models, selection, n_scenes, stream):
     """Label models side by side, a row each, by what chose it: (number of zones, kind of spectrum, `LabelModel`).
 
     Shares saved and changes are relative to the first; `stream` gives the same random generator for every model.
     """
     rows = []
     for name, (n_zones, psd, model) in models.items():
-        criterion = criteria[(criteria["n_zones"] == n_zones) & (criteria["psd"] == psd)].iloc[0]
+        criterion = selection[(selection["n_zones"] == n_zones) & (selection["psd"] == psd)].iloc[0]
         row = {"model": name, "n_zones": n_zones, "psd": psd, "n_parameters": int(criterion["n_parameters"])}
         row |= {"aic": criterion["aic"], "bic": criterion["bic"]}
         rows.append(row | scene_statistics(model, n_scenes, rng=stream()))

@@ -7,7 +7,7 @@ from torch import nn
 from snowsim.patches import to_signed
 
 WIDTH, BATCH_SIZE, LEARNING_RATE, WEIGHT_DECAY = 8, 64, 1e-2, 1e-2
-N_JUDGED = 512  # patches at once
+N_CLASSIFIED = 512  # patches at once
 
 
 def patch_network():
@@ -46,7 +46,7 @@ def fit_network(patches, truth, *, n_steps, rng):
 
     def decide(of):
         with torch.no_grad():
-            parts = np.array_split(of, -(-len(of) // N_JUDGED))
+            parts = np.array_split(of, -(-len(of) // N_CLASSIFIED))
             return np.concatenate([network(to_signed(part))[:, 0].numpy() > 0 for part in parts])
 
     return decide

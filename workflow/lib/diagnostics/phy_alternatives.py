@@ -23,7 +23,7 @@ def waveforms_of(layer_bins, parameters, n_range_bins, normalise, align):
     return checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
 
 
-def render_literal(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
+def render_as_printed(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
     """What `render` gives, as printed: whole columns convolved, then M looks of 4 normals for every pixel, float64.
 
     Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
@@ -67,7 +67,7 @@ def render_scatterers(
 def draw_moving_speckle(mean_power, *, method, rng):
     """Power averaged over looks with means of their own, (look, range_bin, range_line): the geometry moves.
 
-    ``looks``: literal sum. ``gamma``: shape ``(sum m)^2 / sum m^2``, right in mean and variance, exact for equal means.
+    ``looks``: sum of looks. ``gamma``: shape ``(sum m)^2 / sum m^2``, right in mean and variance, exact if all equal.
     """
     if method == "looks":
         return draw_looks(mean_power, rng)

@@ -11,7 +11,7 @@ import pandas as pd
 from scipy.special import gammaincinv
 from scipy.stats import gamma
 
-from lib.diagnostics.phy_cases import Case, judged, noisy, outcome, row, verdict_on
+from lib.diagnostics.phy_cases import Case, compared, noisy, outcome, outcome_of, row
 from lib.diagnostics.phy_errors import largest_error_db
 from snowsim.phy.render import render
 from snowsim.phy.speckle import draw_speckle
@@ -22,7 +22,7 @@ SHORTCUTS = ("naive", "sampled", "wrapped", "cut", "nearest", "recursive32")
 LINES = np.array([[0.0, 0.26, 0.53, 0.77]])  # sub-bin positions
 # One layer, peaking at 6.7 with noise of 1e-3 under it.
 PLAIN = Case(100 + LINES, np.ones(1), np.full(1, 12.0), np.full(1, 0.07))
-# Speckle is drawn on this many pixels for every number of looks, and judged at these levels of its law.
+# Speckle is drawn on this many pixels for every number of looks, and compared at these levels of its law.
 LOOKS = (0.5, 1, 1.5, 2, 4, 9, 10, 16, 20, 100, 1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
 SHAPE, LEVELS = (512, 512), np.array([0.01, 0.1, 0.5, 0.9, 0.99])
 MOST_LOOKS_SUMMED = 20  # more take seconds
@@ -77,10 +77,10 @@ def sweep_looks(*, rng):
     """
     methods = ("looks", "gamma", "cube", "quantile", "cube_open")
     runs = [(n, method) for n in LOOKS for method in methods if method != "looks" or n <= MOST_LOOKS_SUMMED]
-    return [row("looks M", n_looks, method, _looks_verdict(method, n_looks, rng)) for n_looks, method in runs]
+    return [row("looks M", n_looks, method, _looks_outcome(method, n_looks, rng)) for n_looks, method in runs]
 
 
-def _looks_verdict(method, n_looks, rng):
+def _looks_outcome(method, n_looks, rng):
     """Quantiles are within when off by at most `LAW_LIMIT_DB` and five standard errors of the draws."""
     exact = gammaincinv(n_looks, LEVELS) / n_looks
     density = gamma.pdf(exact, n_looks, scale=1 / n_looks)
@@ -145,7 +145,7 @@ def refused_cases():
 def sweep_borders(*, rng):
     """Every border case by the public functions; a case that must be refused is wrong if it is not."""
     methods = ("exact", "planned", "render")
-    rows = [row("borders", name, m, _verdict(case, m, rng)) for name, case in border_cases().items() for m in methods]
+    rows = [row("borders", name, m, _outcome(case, m, rng)) for name, case in border_cases().items() for m in methods]
     for name, case in refused_cases().items():
         # The exact form is given neither tolerance nor noise.
         given = methods[1:] if name in ("tolerance zero", "noise negative") else methods
@@ -153,20 +153,20 @@ def sweep_borders(*, rng):
     return rows
 
 
-def _verdict(case, method, rng):
+def _outcome(case, method, rng):
     if method != "render":
-        return case.verdict(method)
+        return case.outcome(method)
 
     def error_db(power):
         return largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
 
-    return verdict_on(partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB)
+    return outcome_of(partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB)
 
 
 def _refusal(case, method, rng):
-    """Verdict on a case that has no right answer."""
+    """Outcome of a case that has no right answer."""
     work = partial(_rendered, case, rng) if method == "render" else partial(case.computed, method)
-    return verdict_on(work, lambda power: np.inf, case.tolerance_db)
+    return outcome_of(work, lambda power: np.inf, case.tolerance_db)
 
 
 def _rendered(case, rng):
@@ -178,7 +178,7 @@ def _rendered(case, rng):
 
 def draw_atlas(*, rng):
     """Rows of all sweeps as a table."""
-    rows = [row for sweep in sweeps() for row in judged(*sweep)]
+    rows = [row for sweep in sweeps() for row in compared(*sweep)]
     rows += [*sweep_looks(rng=rng), *sweep_borders(rng=rng)]
     return pd.DataFrame(rows)
 

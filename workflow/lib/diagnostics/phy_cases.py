@@ -1,4 +1,4 @@
-"""One scene of a sweep, the ways it is computed, and the verdict on each by an unrelated quadrature."""
+"""One scene of a sweep, the ways it is computed, and the outcome of each by an unrelated quadrature."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,7 +12,7 @@ from snowsim.phy.power import mean_power
 
 EXACT_LIMIT_DB = 1e-11  # closed form and quadrature lose 5e-13 each where exponents are large: 4e-12 dB
 SHORTCUT_LIMIT_DB = 0.5  # the speckle of 100 looks is 0.43 dB
-MOST_ROWS_JUDGED = 10_000
+MOST_ROWS_COMPARED = 10_000
 REACH_DEVIATIONS = 9.5  # beyond, a Gaussian is below 3e-20 of its peak
 REACH_DECAYS = 45  # beyond, an exponential is
 CHUNK = 20_000
@@ -23,7 +23,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(128)
 class Case:
     """One scene as `mean_power` is given it, with noise and tolerance.
 
-    As printed (``normalise="none", align="gaussian"``), so that the verdict does not rest on where a peak was found.
+    As printed (``normalise="none", align="gaussian"``), so that the outcome does not rest on where a peak was found.
     """
 
     layer_bins: np.ndarray
@@ -55,16 +55,16 @@ class Case:
         way |= {"cut": ways.cut_power, "nearest": ways.nearest_power}
         return way[method](self.waveforms())
 
-    def verdict(self, method):
-        """Verdict on a method: the exact form is held to a relative error, others to that of power plus noise."""
+    def outcome(self, method):
+        """Outcome of a method: the exact form is held to a relative error, others to that of power plus noise."""
         limits_db = {"exact": EXACT_LIMIT_DB, "planned": self.tolerance_db, "table32": self.tolerance_db}
 
         def error_db(power):
-            rows = np.linspace(0, self.n_range_bins - 1, min(self.n_range_bins, MOST_ROWS_JUDGED)).astype(int)
+            rows = np.linspace(0, self.n_range_bins - 1, min(self.n_range_bins, MOST_ROWS_COMPARED)).astype(int)
             noise_power = 0.0 if method == "exact" else self.noise_power
             return largest_error_db(power[rows], quadrature_power(self.waveforms(), rows), noise_power)
 
-        return verdict_on(partial(self.computed, method), error_db, limits_db.get(method, SHORTCUT_LIMIT_DB))
+        return outcome_of(partial(self.computed, method), error_db, limits_db.get(method, SHORTCUT_LIMIT_DB))
 
     def waveforms(self):
         """The same, checked."""
@@ -72,7 +72,7 @@ class Case:
 
 
 @np.errstate(all="ignore")
-def verdict_on(work, error_of, limit_db):
+def outcome_of(work, error_of, limit_db):
     """Error [dB], limit [dB] and outcome of a power that is computed; refusing is no error."""
     try:
         power = work()
@@ -87,18 +87,18 @@ def outcome(error_db, limit_db):
     return "within" if error_db <= limit_db else "wrong"
 
 
-def row(setting, value, method, verdict):
+def row(setting, value, method, found):
     """One row of the atlas; errors keep three digits, the rest is rounding that differs between machines."""
-    error_db, limit_db, result = verdict
+    error_db, limit_db, result = found
     about = {"setting": setting, "value": value, "method": method}
     return about | {"error_db": float(f"{error_db:.3g}"), "limit_db": limit_db, "outcome": result}
 
 
-def judged(setting, values, case_of, methods):
+def compared(setting, values, case_of, methods):
     """Rows of one sweep: the case of every value by `exact`, `planned` and every further method."""
     cases = [(value, case_of(value)) for value in values]
     methods = ("exact", "planned", *methods)
-    return [row(setting, value, method, case.verdict(method)) for value, case in cases for method in methods]
+    return [row(setting, value, method, case.outcome(method)) for value, case in cases for method in methods]
 
 
 def noisy(case, relative_noise=1e-3):

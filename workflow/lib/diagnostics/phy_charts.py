@@ -74,7 +74,7 @@ def look_means(movement_db, n_looks):
 
 
 def time_speckle(n_range_lines, n_range_bins, n_rounds, *, rng):
-    """Seconds of every speckle method, and how far its distribution function lies from that of the literal sum.
+    """Seconds of every speckle method, and how far its distribution function lies from that of the sum of looks.
 
     Where the mean moves within the looks, distances alone but for one movement.
     """
@@ -117,10 +117,10 @@ def phy_works(layer_bins, parameters, n_range_bins, rng):
     given, noise_power = (layer_bins, parameters, n_range_bins), parameters["noise_power"]
     waveforms = ways.waveforms_of(*given, "peak", "peak")
     exact = exact_power(waveforms)
-    literal, by_phy = (f"M = {parameters['n_looks']}", "literal"), partial(eight_bits, render, *given, rng=rng)
-    works = {literal: partial(eight_bits, ways.render_literal, *given, rng=rng)}
+    printed, by_phy = (f"M = {parameters['n_looks']}", "as printed"), partial(eight_bits, render, *given, rng=rng)
+    works = {printed: partial(eight_bits, ways.render_as_printed, *given, rng=rng)}
     works["exact", "PHY exact"] = partial(by_phy, tolerance_db=None)
-    means = {literal: ways.convolved_power(waveforms), ("exact", "PHY exact"): exact}
+    means = {printed: ways.convolved_power(waveforms), ("exact", "PHY exact"): exact}
     for tolerance_db in SCENE_TOLERANCES_DB:
         key = (f"{tolerance_db:g} dB", "PHY")
         works[key] = partial(by_phy, tolerance_db=tolerance_db)

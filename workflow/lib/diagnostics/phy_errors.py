@@ -68,7 +68,7 @@ def correlated_distance(n_looks):
 
 
 def moving_distance(look_means):
-    """Largest distance of the moment-matched Gamma from the literal sum over looks of these means, (look,)."""
+    """Largest distance of the moment-matched Gamma from the sum over looks of these means, (look,)."""
     look_means = np.asarray(look_means, dtype=float) / np.mean(look_means)
     n_matched = look_means.sum() ** 2 / (look_means**2).sum()
     level, matched = _levels(n_matched)

@@ -46,8 +46,8 @@ def realism_table(flight, real, known):
         difference, tolerated = compare(value, high - low, values) if not reason else (np.nan, np.nan)
         agrees = "" if reason else "yes" if abs(difference) <= tolerated else "no"
         source = known["sources"][row["source"]]
-        judged = (difference, tolerated, not reason, agrees, reason)
-        rows.append([quantity, row["unit"], value, low, high, *ends, frames, *judged, source])
+        compared = (difference, tolerated, not reason, agrees, reason)
+        rows.append([quantity, row["unit"], value, low, high, *ends, frames, *compared, source])
     return pd.DataFrame(rows, columns=COLUMNS.split())
 
 

@@ -90,7 +90,7 @@ def explain_annotation(scene, renderers):
         if layer_bins is None:
             continue
         annotated = dataclasses.replace(scene, layer_bins=layer_bins)
-        here = {"scenes": "train, set aside", "layers": layers}
+        here = {"scenes": "train, held out", "layers": layers}
         for method, render_one in renderers.items():
             numbers = similarity(render_one(annotated), scene.image)
             rows.append({**here, "method": method, "case": "as rendered", **numbers})

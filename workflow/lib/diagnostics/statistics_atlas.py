@@ -78,7 +78,7 @@ class Planted:
         return mean_power(layer_bins, self.peak_power, variance_bins2, self.decay_rate, n_range_bins) + self.noise_power
 
 
-def judged(panel, value, planted, frames, estimator, *, zone_edge_bins=None):
+def compared(panel, value, planted, frames, estimator, *, zone_edge_bins=None):
     """Rows of the atlas for one flight and one estimator."""
     row = {"panel": panel, "value": value, "estimator": estimator}
     try:
@@ -165,7 +165,7 @@ def sweep(panel, stream, *, share=1.0):
         if panel == "share of picks missing":
             frames = [with_gaps(frame, value, rng) for frame in frames]
         for estimator in ESTIMATORS:
-            rows += judged(panel, float(value), planted, frames, estimator)
+            rows += compared(panel, float(value), planted, frames, estimator)
     return rows
 
 
@@ -259,5 +259,5 @@ def draw_atlas(stream, *, share=1.0):
     rows = [row for panel in SWEEPS for row in sweep(panel, stream, share=share)]
     for name, planted, frames, edges in border_cases(stream):
         for estimator in ESTIMATORS:
-            rows += judged(PANEL, name, planted, frames, estimator, zone_edge_bins=edges)
+            rows += compared(PANEL, name, planted, frames, estimator, zone_edge_bins=edges)
     return pd.DataFrame(rows, columns=list(COLUMNS))

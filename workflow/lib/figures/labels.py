@@ -5,11 +5,11 @@ from matplotlib import colormaps
 
 from lib.figures.style import BLACK, COLOURS, name_of, new_figure
 
-FAMILIES = ("white", "power_law", "ar1", "matern")  # of spectra, beside those as tabulated
+SPECTRA = ("white", "power_law", "ar1", "matern")  # of spectra, beside those as tabulated
 
 
 def label_models(model_selection, model_selection_scenes, model_selection_spectra):
-    """BIC above its least by kind of spectrum and number of zones; spectra by family; how far statistics change."""
+    """BIC above its least by kind of spectrum and number of zones; spectra by law; how far statistics change."""
     figure, axes = new_figure(1, 3, width=10, height=3.4)
     ax, least = axes[0, 0], model_selection["bic"].min()
     for psd, rows in model_selection.groupby("psd", sort=False):
@@ -19,10 +19,10 @@ def label_models(model_selection, model_selection_scenes, model_selection_spectr
             ax.annotate(f"{row.n_zones}", (row.n_parameters, y), xytext=(2, 2), textcoords="offset points", fontsize=5)
     ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel="BIC above its least")
     ax.legend(fontsize=6)
-    # Observed as points, and what each family makes of it.
+    # Observed as points, and each law fitted to it.
     ax, rows = axes[0, 1], model_selection_spectra[model_selection_spectra["zone"] == 0]
     ax.loglog(rows["wavenumber"], rows["tabulated"], ".", color=COLOURS["tabulated"], markersize=2)
-    for name in FAMILIES:
+    for name in SPECTRA:
         ax.loglog(rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name))
     ax.set(xlabel="wavenumber [cycles per range line]", ylabel="PSD of slab 0, zone 0 [bins² line]")
     ax.legend(fontsize=6)

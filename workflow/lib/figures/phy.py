@@ -20,14 +20,14 @@ def speed_accuracy_speckle(speed_accuracy_speckle):
     """Every speckle method, and the moment-matched Gamma law where the mean moves within the looks."""
     runs = speed_accuracy_speckle
     figure, axes = new_figure(1, 2, width=9, height=3.4, width_ratios=(3, 2))
-    xlabel = "distance of distribution functions from the literal sum"
+    xlabel = "distance of distribution functions from the sum of looks"
     plot_speed_accuracy(axes[0, 0], runs[runs["seconds"].notna()], "distance", xlabel)
     ax, method = axes[0, 1], "gamma, moving"
     for n_looks, rows in runs[runs["method"] == method].groupby("n_looks"):
         rows = rows.drop_duplicates("movement_db").sort_values("movement_db")
         style = {"linestyle": "-" if n_looks == runs["n_looks"].min() else "--", "color": COLOURS[method]}
         ax.plot(rows["movement_db"], rows["distance"], "o", markersize=3, label=f"{n_looks:.0f} looks", **style)
-    ax.set(yscale="log", xlabel="change of the mean within the looks [dB]", ylabel="distance from the literal sum")
+    ax.set(yscale="log", xlabel="change of the mean within the looks [dB]", ylabel="distance from the sum of looks")
     ax.legend(fontsize=6)
     return note_source(figure, PLANTED)
 

@@ -38,9 +38,9 @@ def atlas_cgan(atlas):
     share = np.full((len(weights), len(rates)), np.nan)
     for (rate, weight), runs in atlas.groupby(["learning_rate", "l1_weight"]):
         at = weights.index(weight), rates.index(rate)
-        healthy = runs["verdict"] == "healthy"
+        healthy = runs["outcome"] == "healthy"
         share[at] = healthy.mean()
-        kinds = {fault.split(":")[0] for verdict in runs.loc[~healthy, "verdict"] for fault in verdict.split("; ")}
+        kinds = {fault.split(":")[0] for outcome in runs.loc[~healthy, "outcome"] for fault in outcome.split("; ")}
         text = "\n".join([f"{healthy.sum()} of {len(runs)}", *sorted(kinds)])
         ax.text(at[1], at[0], text, ha="center", va="center", fontsize=5.5)
     ax.imshow(share, vmin=0, vmax=1, cmap="PuOr", alpha=0.6, origin="lower", aspect="auto")

@@ -18,14 +18,14 @@ METHODS = ("cgan", "phy")
 # Sources, training sets, estimators and label models; then ways to compute waveforms, speckle and scenes.
 COLOURS = {
     **dict.fromkeys(("observed", "rd", "tabulated"), BLACK),
-    **dict.fromkeys(("looks", "literal", "convolved", "sampled", "transfer matrix"), BLACK),
+    **dict.fromkeys(("looks", "as printed", "convolved", "sampled", "transfer matrix"), BLACK),
     **dict.fromkeys(("cgan", "rd_gd", "gd", "paper", "ar1"), RED),
     **dict.fromkeys(("recursive float32", "recursive32", "cube_open", "scatterers", "Born"), RED),
     **dict.fromkeys(("phy", "rd_pd", "pd", "deblended", "power_law"), BLUE),
     **dict.fromkeys(("PHY", "table", "planned", "quantile", "convolution"), BLUE),
     **dict.fromkeys(("rd_pd_gd", "matern"), GREEN),
     **dict.fromkeys(("exact", "gamma", "closed form", "PHY exact", "single scattering"), GREEN),
-    **dict.fromkeys(("render", "gamma, moving", "nearest", "PHY, literal"), SKY),
+    **dict.fromkeys(("render", "gamma, moving", "nearest", "PHY, as printed"), SKY),
     **dict.fromkeys(("white", "looks, moving", "closed form in support", "wrapped", "nature run"), GREY),
     **dict.fromkeys(("cube", "naive", "naive closed form", "cGAN", "SMRT"), PINK),
     **dict.fromkeys(("recursive float64", "recursive64"), WINE),

@@ -47,7 +47,7 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
         "as_printed": bool(printed),
         "picks": errors_of_picks(by_name["picks"]),
-        "two_sample": told_apart(by_name["two_sample"]),
+        "two_sample": distinguished(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
         "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
         "enough_trainings": ENOUGH_TRAININGS,
@@ -193,7 +193,7 @@ def errors_of_picks(picks):
     return [(name, [text.format(value) for value in means[column]]) for name, (column, text) in shown.items()]
 
 
-def told_apart(two_sample):
+def distinguished(two_sample):
     """How often observed scenes are distinguished from others by each classifier, texts, a row a kind of scenes."""
     whole = two_sample[two_sample["first_row"] < 0]
     rows = []
