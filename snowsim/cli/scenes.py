@@ -13,7 +13,7 @@ import click
 )
 @click.option("--format", "form", type=click.Choice(["pairs", "netcdf", "zarr"]), default="pairs")
 @click.option("--range-lines", "n_range_lines", type=click.IntRange(2), default=256)
-@click.option("--range-bins", "n_range_bins", type=click.IntRange(1), help="Default: as layers need.")
+@click.option("--range-bins", "n_range_bins", type=click.IntRange(1), help="Of all; as layers need if not told.")
 @click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
 @click.option("--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel.")
 @click.option("--seed", type=click.IntRange(0), default=0)

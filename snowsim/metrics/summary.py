@@ -1,4 +1,4 @@
-"""Scores of a set of images, each by itself and all together: edges, picks, and how far chance of images reaches."""
+"""Scores of each image and of the whole set: edges, picks, and intervals by resampling the images."""
 
 import numpy as np
 import pandas as pd
