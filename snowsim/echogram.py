@@ -27,7 +27,7 @@ class Scene:
     layer_bins : ndarray, (layer, range_line)
         Annotated layers in fractional range bins, row 0 the snow surface; NaN where not annotated.
     image : ndarray of uint8, (range_bin, range_line), or None
-        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are what its 0 (plus 10 dB) and 255 stand for.
+        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are the powers of its 0 (plus 10 dB) and 255.
     complete_layer_bins : ndarray, (layer, range_line), or None
         Every layer there is, where `layer_bins` holds only what a picker found; may have more rows.
     peak_power : ndarray, (layer, range_line), or None

@@ -1,6 +1,6 @@
 """For people who script: a radar simulated, and scenes to train on, without a run of the workflow.
 
-The only module that joins several stages; `import snowsim` loads it when one of its names is asked for.
+The only module that joins several stages; `import snowsim` loads it when one of its names is used.
 """
 
 import dataclasses
@@ -54,7 +54,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Raises
     ------
     ValueError
-        If the snowpack has another number of range lines than asked for.
+        If `n_range_lines` differs from that of the snowpack.
 
     Notes
     -----
@@ -108,7 +108,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 
 
 class Scenes(Sequence):
-    """Scenes drawn and rendered when asked for: image and mask, uint8 (range_bin, range_line), 1 on a layer."""
+    """Scenes, drawn and rendered when requested: image and mask, uint8 (range_bin, range_line), 1 on a layer."""
 
     def __init__(self, n, model, statistics, seed, n_range_bins, options):
         self._indices, self._model, self._statistics, self._seed = range(n), model, statistics, seed
@@ -142,7 +142,7 @@ def scenes(
     n, *, statistics="reference", renderer="phy", rng, n_range_lines=256, n_range_bins=None, radiometry="measured",
     **phy,
 ):  # fmt: skip
-    """Scenes to train on, as a sequence that `torch.utils.data.DataLoader` takes as it is.
+    """Training scenes, as a sequence that `torch.utils.data.DataLoader` accepts.
 
     Parameters
     ----------
@@ -151,9 +151,9 @@ def scenes(
         Of a flight: the synthetic reference flight's, which come with the package, or others of `snowsim.statistics`.
     renderer : {"phy"}, optional
     rng : int or numpy.random.Generator
-        Seed of all. Each scene has a stream of its own: scene 7 is the same in any order and for any `n`.
+        Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for any `n`.
     n_range_lines, n_range_bins : int, optional
-        Size of all images; by default each is as high as its layers ask for, and stacks with no other.
+        Size of all images; by default each is as high as its layers require, so that images do not stack.
     radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
@@ -166,7 +166,7 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is none, or statistics lack what scenes are drawn from.
+        If a choice is unknown, or statistics lack what scenes are drawn from.
 
     Examples
     --------

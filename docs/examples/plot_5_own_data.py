@@ -2,8 +2,8 @@
 Own data
 ========
 
-From files to similar scenes: read a flight, learn its statistics, draw scenes. Two simulated files stand in for yours;
-any format that `snowsim.io.read_echogram` and `snowsim.io.read_layers` know works.
+Read a flight, learn its statistics, draw similar scenes. Two simulated files stand in for yours; any format that
+`snowsim.io.read_echogram` and `snowsim.io.read_layers` know works.
 """
 
 import tempfile

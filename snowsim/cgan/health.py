@@ -14,8 +14,8 @@ WINDOW_STEPS = 200  # the loss of one step scatters by about a half: its mean ov
 N_SCENES = 4
 PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
 
-# Below a tenth of the undecided loss it is right with 93 % confidence everywhere: what it still tells the generator is
-# not worth its noise.
+# Below a tenth of the undecided loss it is right with 93 % confidence everywhere: its gradient for
+# the generator is mostly noise.
 SATURATED = 0.1
 # A discriminator that has learnt anything beats one that always says one half; 2 % for the scatter of the mean.
 IDLE = 0.98

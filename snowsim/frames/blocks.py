@@ -84,7 +84,7 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     noise_floor_db, maximum_db = scene.noise_floor_db, scene.maximum_db
     if not np.isfinite([noise_floor_db, maximum_db]).all():
         if contrast_db is None:
-            msg = f"{scene.name}: the image does not tell its decibels, so contrast_db must be set, got None"
+            msg = f"{scene.name}: the image does not hold its decibels: contrast_db must be set, got None"
             raise ValueError(msg)
         noise_floor_db, maximum_db = 0.0, float(contrast_db)
     power = (10 ** (from_uint8(scene.image, noise_floor_db, maximum_db) / 10)).astype(np.float32)

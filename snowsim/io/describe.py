@@ -14,7 +14,7 @@ from snowsim.io.sniff import in_words, names_in, sniff
 
 
 def describe(path):
-    """Lines that tell `format`, `axes`, `layers` and `traps` of a file, or of a folder of image pairs, by these names.
+    """Lines with `format`, `axes`, `layers` and `traps` of a file, or of a folder of image pairs, by these names.
 
     The file is read as a whole: what its reader refuses is refused here, in the reader's own line.
     """
@@ -81,7 +81,7 @@ def _scenes(what, scenes):
     sizes = np.array([(s.n_range_bins, s.n_range_lines, len(s.layer_bins)) for s in scenes])
     bins, lines, layers = (f"{low} to {high}" for low, high in zip(sizes.min(axis=0), sizes.max(axis=0), strict=True))
     n_mute = sum(s.image is not None and not np.isfinite([s.noise_floor_db, s.maximum_db]).all() for s in scenes)
-    traps = {f"{n_mute} images do not tell their decibels": n_mute}
+    traps = {f"{n_mute} images do not hold their decibels": n_mute}
     return _said(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
 
 

@@ -43,7 +43,7 @@ def read_frames(path, *, root=None):
 
 
 def check_frames(table, *, bin_s=None, blocks=False, **options):
-    """Read every frame once, one at a time; one ValueError tells of all that fail.
+    """Read every frame once, one at a time; one ValueError names all that fail.
 
     `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin size most of them
     have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame that gives none fails.

@@ -69,7 +69,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     """
     model = statistics if isinstance(statistics, LabelModel) else prepare(statistics, n_range_lines)
     if model.n_range_lines != n_range_lines:
-        msg = f"label model was prepared for {model.n_range_lines} range lines, asked for {n_range_lines}"
+        msg = f"label model was prepared for {model.n_range_lines} range lines, got {n_range_lines}"
         raise ValueError(msg)
     # Numbers are taken in the order of the first release: its scenes can be drawn again.
     n_layers = None if model.n_layers is None else int(rng.integers(*model.n_layers, endpoint=True))

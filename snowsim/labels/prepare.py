@@ -137,7 +137,7 @@ def prepare(
     n_range_lines : int
     n_layers : "measured" or (int, int), optional
         Layers below the surface: as many as in the flight's zone, or evenly between fewest and most. By default
-        measured if the statistics tell it, which those of version 0.1 do not, else the paper's (5, 40).
+        measured if the statistics hold it, which those of version 0.1 do not, else the paper's (5, 40).
     correlation : {"measured", "none"}
         Whether thickness of different slabs is correlated as in the flight, or only through slab 0 as in the paper.
     first_slab : {"measured", "uniform"}, optional
@@ -147,7 +147,7 @@ def prepare(
     nonstationary : Nonstationary, optional
         Trends and folds; by default none, as in the paper.
     radiometry : {"constant", "measured"}
-        Whether scenes have powers of their own, unlabelled layers, and labels only where they show: `add_radiometry`.
+        Whether powers vary by scene and labels end at the deepest visible layer: see `add_radiometry`.
 
     Returns
     -------
@@ -156,7 +156,7 @@ def prepare(
     Raises
     ------
     ValueError
-        If statistics are missing or not finite, a scene is narrower than 2 lines, a range or a choice is none.
+        If statistics are missing or not finite, a scene is narrower than 2 lines, a range is empty, a choice unknown.
     """
     if n_range_lines < 2:
         msg = f"a scene needs at least 2 range lines, got {n_range_lines}"

@@ -8,7 +8,7 @@ from numpy.polynomial import hermite_e, polynomial
 from scipy.special import factorial, gammainccinv, gammaincinv, ndtr
 
 HALF_TAPS = 16  # range bins to either side that the filter reaches, and the most lags taken
-LARGEST_ERROR = 0.05  # of the correlation at any lag; beyond, what is asked for is refused
+LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
 SMALLEST_TAP = 1e-6  # of the one in the middle; smaller ones at the ends are left out
 N_FREQUENCIES = 513  # of the spectrum whose root is the filter
 N_HERMITE = 40  # terms of the quantile function: the last are below 1e-15 of its variance at one look
@@ -59,7 +59,7 @@ def correlating_taps(correlation, n_looks):
     error = np.abs(given - asked)
     lag = int(error.argmax())
     if error[lag] > LARGEST_ERROR:
-        msg = f"speckle correlation cannot be as asked, {asked[lag]:.3g} at lag {lag}: the nearest is {given[lag]:.3g}"
+        msg = f"speckle correlation {asked[lag]:.3g} at lag {lag} is not possible: the nearest is {given[lag]:.3g}"
         raise ValueError(msg)
     return taps, float(error[lag])
 

@@ -16,12 +16,12 @@ def mean_power(
 ):  # fmt: skip
     """Mean power of layered snow, without noise.
 
-    Neglected: correlation between layers, off-nadir energy beyond what the decay stands for, surface roughness.
+    Neglected: correlation between layers, off-nadir energy other than in the decay, surface roughness.
 
     Parameters
     ----------
     layer_bins : array_like, (layer, range_line)
-        Fractional range bins, increasing with depth; NaN where absent. Layers may leave the window, their tails count.
+        Fractional range bins, increasing with depth; NaN where absent. Tails of layers outside the window count, too.
     peak_power : array_like, (layer,) or (layer, range_line)
         Linear power, not negative; along track it may be NaN only where the layer is absent.
     variance_bins2 : array_like, (layer,)
@@ -33,7 +33,7 @@ def mean_power(
     tolerance_db : float, optional
         Largest error of ``P_s + noise_power`` at any pixel [dB]. By default exact to the resolution of float64.
     noise_power : float, optional
-        What the tolerance is measured against; by default 1e-4 of the scene's largest P_s. Not added.
+        Noise that the tolerance includes; by default 1e-4 of the scene's largest P_s. It is not added.
     normalise : {"peak", "none"}
         ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian does, unconvolved.
     align : {"peak", "gaussian"}

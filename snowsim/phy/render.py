@@ -41,7 +41,7 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     Raises
     ------
     ValueError
-        If something given is missing, unknown, out of range or of the wrong shape.
+        If an argument or parameter is missing, unknown, out of range or of the wrong shape.
 
     Notes
     -----

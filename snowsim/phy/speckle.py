@@ -38,13 +38,13 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     Raises
     ------
     ValueError
-        If a mean is negative or not finite, if the method is unknown or cannot do what is asked, or if no process of
-        Gamma(M) has the correlation: what is nearest to it is more than 0.05 off.
+        If a mean is negative or not finite, if the method is unknown or cannot draw the looks or correlation, or if no
+        process of Gamma(M) has the correlation: the nearest one differs by more than 0.05.
 
     Notes
     -----
     A look of a pixel is exponential about its mean, being the squared modulus of a circular Gaussian; signal plus noise
-    is circular Gaussian too, so one draw stands for both.
+    is circular Gaussian too, so one draw replaces both.
 
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
     - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.

@@ -11,7 +11,7 @@ __all__ += ["summary_from_dataset", "summary_to_dataset"]
 def fit(frames, *, estimator="deblended"):
     """Statistics of a flight.
 
-    Frames are read one at a time, in any order; of each, some 0.4 kB a range line are kept.
+    Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range line.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def fit(frames, *, estimator="deblended"):
     Raises
     ------
     ValueError
-        If there is no frame, bin sizes differ, a dataset breaks the convention, or what `estimate` refuses.
+        If there is no frame, bin sizes differ, a dataset breaks the convention, or `estimate` refuses the flight.
 
     Examples
     --------

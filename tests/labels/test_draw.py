@@ -162,7 +162,7 @@ def test_bad_statistics_are_refused():
         draw(broken, N_LINES, rng=np.random.default_rng(0))
     with pytest.raises(ValueError, match="need zone_edge_bins"):
         draw(statistics.drop_vars("zone_edge_bins"), N_LINES, rng=np.random.default_rng(0))
-    with pytest.raises(ValueError, match="prepared for 256 range lines, asked for 128"):
+    with pytest.raises(ValueError, match="prepared for 256 range lines, got 128"):
         draw(prepare(statistics, N_LINES), 128, rng=np.random.default_rng(0))
     with pytest.raises(ValueError, match="at least 2 range lines, got 1"):
         draw(statistics, 1, rng=np.random.default_rng(0))

@@ -65,7 +65,7 @@ def test_every_figure_is_drawn_by_the_function_of_its_name_from_what_the_list_na
 
 
 def test_what_a_source_cannot_give_is_left_to_a_rule_of_its_own():
-    found = plots({"a": {"x.svg": {}, "y.svg": {"needs": "a map"}}}, {"a map": "images tell no positions"})
+    found = plots({"a": {"x.svg": {}, "y.svg": {"needs": "a map"}}}, {"a map": "images hold no positions"})
     assert {rule: list(figures) for rule, figures in found.items()} == {
         ("plot_a", "a"): ["x.svg"],
         ("plot_a_left_out", "a"): ["y.svg"],

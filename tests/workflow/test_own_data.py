@@ -97,7 +97,7 @@ def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
     configs = write_own(tmp_path, "png_pairs", pairs={"folder": str(tmp_path)})
     for target in ("realism", "results/figures/echogram.svg", "results/figures/pixel_grid.svg"):
         text = text_of(run_snakemake(tmp_path / "run", "--dry-run", "--", target, configs=configs, fails=True))
-        assert "source png_pairs: there are no frames: images tell no positions" in text, text
+        assert "source png_pairs: there are no frames: images hold no positions" in text, text
 
 
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
@@ -159,7 +159,7 @@ def test_exported_sets_are_those_of_the_run(exported, name):
 def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, tmp_path):
     pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
     done = run_snakemake(tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800)
-    assert "left out: realism: it holds the synthetic flight against observed values" in text_of(done)
+    assert "left out: realism: it compares the synthetic flight with observed values" in text_of(done)
     results = tmp_path / "results"
     # Images and masks are those of the reference run, so what never saw the statistics scores the same.
     for table, same in {"table2": ["cgan"], "table3": ["rd_ods", "rd_ois", "rd_ap"]}.items():

@@ -1,4 +1,4 @@
-"""What is checked before the first job: what a source gives, and room for results; a ValueError says what is wrong.
+"""Checks before the first job: the source's data, and space for results; a ValueError says what is wrong.
 
 Readers are imported where they are used: every start of the workflow comes by here, and needs those of one source.
 """
@@ -68,7 +68,7 @@ def own_pairs(folder, lists, data_scale):
 
 
 def check_lists(lists, *, data_scale, contrast_db):
-    """Table of every scene of the lists, split by split; one ValueError tells of all that cannot be read.
+    """Table of every scene of the lists, split by split; one ValueError names all that cannot be read.
 
     All scenes must be of one width; without `contrast_db` train scenes must tell what their grey levels stand for.
     """
@@ -87,8 +87,8 @@ def check_lists(lists, *, data_scale, contrast_db):
     table = pd.DataFrame(rows)
     mute = table[(table["split"] == "train") & ~table["tells_db"]]
     if contrast_db is None and len(mute):
-        msg = f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not tell what their grey levels stand "
-        msg += "for: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
+        msg = f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not hold their "
+        msg += "decibels: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
         raise ValueError(msg)
     widths = table.groupby("split")["n_range_lines"].first()
     if widths.nunique() > 1:
@@ -110,7 +110,7 @@ def check_folders(*names):
 
 
 def check_disk(needed_bytes, name="results"):
-    """Refuse to start what the disk that holds a folder has no room for."""
+    """Refuse a run whose results do not fit on the disk of a folder."""
     folder = Path(name).absolute()
     folder = folder if folder.exists() else folder.parent
     free_bytes = shutil.disk_usage(folder).free

@@ -408,7 +408,7 @@ rule charts_phy:
         "speed-accuracy charts and atlas of PHY"
 
 
-# How good the convolution model is: against a coherent solver with all multiples, and against off-nadir integrals.
+# Accuracy of the convolution model: against a coherent solver with all multiples, and against off-nadir integrals.
 
 
 rule measure_convolution:

@@ -1,4 +1,4 @@
-# Where flight and benchmark come from: how many frames and scenes there are, and what is said of them.
+# Where flight and benchmark come from: how many frames and scenes there are, and what they are called.
 
 from lib import sources
 from snakemake.logging import logger
@@ -6,7 +6,7 @@ from snakemake.logging import logger
 SOURCE = config["source"]
 OWN = config["import"]
 # What a source cannot give, and why.
-NOT_SYNTHETIC = {"realism": "it holds the synthetic flight against observed values"}
+NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
 NO_PHASE = {"Doppler spectra": "files of detected power hold no phase"}
 LEFT_OUT = {
     "reference": {},
@@ -14,7 +14,7 @@ LEFT_OUT = {
     "png_pairs": {
         **NOT_SYNTHETIC,
         "Doppler spectra": "images hold no phase",
-        "map and echogram of the flight": "images tell no positions; statistics come from the train scenes",
+        "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
     },
 }
 

@@ -1,4 +1,4 @@
-"""How good the convolution model is: errors of simpler models against a coherent one, of waveforms, and their cost."""
+"""Accuracy of the convolution model: errors of simpler models against a coherent one, of waveforms, and their cost."""
 
 from functools import partial
 

@@ -21,15 +21,15 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
     truth : array_like of bool (or 0 and 1), (range_bin, range_line)
         True edges; never thinned.
     thresholds : array_like, (threshold,)
-        In any order; counts come back in the same one.
+        In any order; counts have the same order.
     max_dist : float
         Largest distance of a pair, as a share of the image diagonal.
     max_dist_pixels : float, optional
-        The same in pixels, whatever the size of the image; takes the place of `max_dist`.
+        The same in pixels, whatever the size of the image; replaces `max_dist`.
     thin : bool or "full"
         Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True stops where the
         Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are those of published scores; "full"
-        goes on until nothing changes, as scikit-image and MATLAB do, and leaves a few pixels less.
+        continues until nothing changes, as scikit-image and MATLAB do, and leaves slightly fewer pixels.
     where : str
         Name of the image, for errors.
 
@@ -42,7 +42,7 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
     ------
     ValueError
         If the prediction is empty, not a number or outside [0, 1]; sizes differ; the truth is not binary; there is no
-        threshold or one is not finite; the distance is negative or not finite; `thin` is something else.
+        threshold or one is not finite; the distance is negative or not finite; `thin` is unknown.
 
     Notes
     -----

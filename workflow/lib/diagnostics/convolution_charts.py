@@ -1,4 +1,4 @@
-"""How good the convolution model is: errors of simpler models against a coherent one, of waveforms, and their cost.
+"""Accuracy of the convolution model: errors of simpler models against a coherent one, of waveforms, and their cost.
 
 Errors are in decibels over thermal noise as far below the surface as the reference flight has it. Stacks end in air
 above; looks differ in where each interface lies, by more than a wavelength there and back.

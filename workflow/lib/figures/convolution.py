@@ -1,4 +1,4 @@
-"""How good the convolution model is: errors against contrast, layers, lenses and layering; tails; and cost."""
+"""Accuracy of the convolution model: errors against contrast, layers, lenses and layering; tails; and cost."""
 
 import numpy as np
 import pandas as pd
