@@ -148,7 +148,7 @@ def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
 def test_what_is_printed_otherwise_stands_among_the_departures():
     printed = yaml.safe_load((ROOT / "config/as_printed.yaml").read_text())
     text = (ROOT / "docs/stages/choices.md").read_text()
-    departures = text.split("## What the default changes")[1].split("\n## ")[0]
+    departures = text.split("## Where the default departs from the paper")[1].split("\n## ")[0]
     for section, changes in printed.items():
         for key, value in changes.items():
             if value != CONFIG[section][key]:
