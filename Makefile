@@ -12,7 +12,7 @@ run: setup
 	$(SNAKEMAKE)
 
 test: setup
-	.venv/bin/python -m pytest -n 2 --dist loadgroup
+	.venv/bin/python -m pytest -n 2 --dist loadfile
 
 # Everything: slow property tests, several whole runs, crash, cluster and browser suites, studies.
 test-all: setup

@@ -9,15 +9,6 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
-@pytest.hookimpl(tryfirst=True)
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the groups
-def pytest_collection_modifyitems(items):
-    """With several workers, tests of one file share one and its fixtures, and so do all that need the tiny run."""
-    for item in items:
-        group = "tiny_run" if "tiny_run" in item.fixturenames else str(item.path)
-        item.add_marker(pytest.mark.xdist_group(group))
-
-
 @pytest.fixture
 def rng():
     return np.random.default_rng(20120429)
