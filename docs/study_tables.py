@@ -40,7 +40,7 @@ def worth(results):
     """Fused scores of training sets less those of others."""
     table = read(results, "worth", "studies/tracker")
     rows = []
-    for r in table[table["metric"] != "ois"].itertuples():
+    for r in table.itertuples():
         runs = (r.training_set, r.setting), (r.base_training_set, r.base)
         names = [RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs]
         resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
