@@ -25,23 +25,6 @@ class Completed:
         return dataclasses.replace(scene, layer_bins=scene.complete_layer_bins, complete_layer_bins=None)
 
 
-class Uppermost:
-    """Scenes of which only the surface and `n_layers` below it are labelled; images stay as they are.
-
-    Deep layers of label sets lie below the noise: nobody would have annotated them.
-    """
-
-    def __init__(self, scenes, n_layers):
-        self._scenes, self._n_layers = scenes, n_layers
-
-    def __len__(self):
-        return len(self._scenes)
-
-    def __getitem__(self, item):
-        scene = self._scenes[item]
-        return dataclasses.replace(scene, layer_bins=scene.layer_bins[: self._n_layers + 1])
-
-
 class TrainingSet:
     """The scene of every draw of a training, for positions counted from 0 without end.
 

@@ -47,6 +47,9 @@ class Settings:
         Loss per image: `sum` over its pixels as published, or `mean`.
     loss : str
         Cross-entropy of `logits`, or as published of `sigmoids`, logarithms cut at -100: beyond float32, no gradient.
+    layer_share : float or None
+        Share of layers in an image by which the loss balances them and background; None, as published: each image's
+        own, so that the threshold which suits an image follows its number of layers, and one without costs nothing.
     precision : str
         Arithmetic, `float32` or `bfloat16`.
     mask_unannotated : bool
@@ -73,6 +76,7 @@ class Settings:
     published_multipliers: bool = False
     reduction: str = "mean"
     loss: str = "logits"
+    layer_share: float | None = None
     precision: str = "bfloat16"
     mask_unannotated: bool = False
     network: str = "multi_scale"
@@ -85,6 +89,9 @@ class Settings:
                 raise ValueError(msg)
         if not self.learning_rate > 0 or self.weight_decay < 0:
             msg = f"expected learning_rate > 0 and weight_decay >= 0, got {self.learning_rate} and {self.weight_decay}"
+            raise ValueError(msg)
+        if self.layer_share is not None and not 0 < self.layer_share < 1:
+            msg = f"layer_share must lie between 0 and 1, got {self.layer_share}"
             raise ValueError(msg)
         if not self.scales or not all(0 < scale <= 1 for scale in self.scales):
             msg = f"scales must be one or more in (0, 1], got {self.scales}"
@@ -103,5 +110,5 @@ def published(n_steps, width=64, **other):
     recipe = {"n_accumulated": 10, "n_range_bins": None, "n_range_lines": None, "scales": (1.0, 0.75, 0.5, 0.25)}
     recipe |= {"optimiser": "sgd", "learning_rate": 1e-6, "weight_decay": 2e-4, "schedule": "updates"}
     recipe |= {"published_multipliers": True, "reduction": "sum", "precision": "float32", "network": "published"}
-    recipe |= {"augmentation": "copies", "loss": "sigmoids"}
+    recipe |= {"augmentation": "copies", "loss": "sigmoids", "layer_share": None}
     return Settings(n_steps=n_steps, width=width, **(recipe | other))

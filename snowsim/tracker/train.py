@@ -157,18 +157,20 @@ def _copy(training, scenes):
     return [array[None] for array in whole_copy(scenes[draw], 1 if mirrored else settings.scales[copy], mirrored)]
 
 
-def balanced_cross_entropy(logits, masks, known=None, *, loss="logits"):
+def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_share=None):
     """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
 
     `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool (patch, range_bin,
     range_line): pixels that count. Layers weigh by the share of background, background by that of layers: Xie & Tu
-    (2015), ICCV, eq. (2). ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1; with
-    `loss` of `sigmoids`, as the published code, s(z) is rounded to float32 first and logarithms are cut at -100.
+    (2015), ICCV, eq. (2), by `layer_share` in every image, or if None by the image's own.
+    ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1; with `loss` of `sigmoids`, as
+    the published code, s(z) is rounded to float32 first and logarithms are cut at -100.
     """
     layer = masks[:, None].float()
     counts = torch.ones_like(layer) if known is None else known[:, None].float()
-    n_pixels = counts.sum(dim=(1, 2, 3), keepdim=True)
-    layer_share = (layer * counts).sum(dim=(1, 2, 3), keepdim=True) / n_pixels
+    if layer_share is None:
+        n_pixels = counts.sum(dim=(1, 2, 3), keepdim=True)
+        layer_share = (layer * counts).sum(dim=(1, 2, 3), keepdim=True) / n_pixels
     weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
     if loss == "sigmoids":
         probability = torch.sigmoid(logits.float())
@@ -194,7 +196,7 @@ def _step(training, images, masks, known=None, *, n_per_epoch):
     settings, optimiser = training.settings, training._optimiser
     with arithmetic(training.device, settings.precision):
         logits = training.network(images)
-    per_output = balanced_cross_entropy(logits, masks, known, loss=settings.loss)
+    per_output = balanced_cross_entropy(logits, masks, known, loss=settings.loss, layer_share=settings.layer_share)
     n_pixels = masks[0].numel()
     share = settings.n_accumulated * (n_pixels if settings.reduction == "mean" else 1)
     (per_output.sum() / share).backward()

@@ -13,7 +13,6 @@ from snowsim.seeding import random_stream
 TRACKER = {
     "added_per_real": 0.6,
     "order": "mixed",
-    "added_layers": None,
     "training": {"n_steps": 100, "learning_rate": 1e-3},
 }
 STUDY = {
@@ -30,8 +29,8 @@ def test_a_setting_changes_what_it_names_and_nothing_else():
     masked, longer = STUDY["ablation"]
     assert training_of(masked, TRACKER) == {"n_steps": 100, "learning_rate": 1e-3, "mask_unannotated": True}
     assert training_of(longer, TRACKER) == {"n_steps": 200, "learning_rate": 1e-3}
-    assert data_of(longer, TRACKER) == {"added_per_real": 0.6, "order": "mixed", "n_layers": None}
-    assert data_of({"n_layers": 3, "zones": [0]}, TRACKER)["n_layers"] == 3
+    assert data_of(longer, TRACKER) == {"added_per_real": 0.6, "order": "mixed"}
+    assert data_of({"order": "synthetic_first", "zones": [0]}, TRACKER)["order"] == "synthetic_first"
 
 
 def test_runs_are_compared_with_what_is_named_once_or_with_their_default():

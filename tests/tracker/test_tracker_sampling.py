@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 
-from snowsim.tracker import Completed, TrainingSet, Uppermost
+from snowsim.tracker import Completed, TrainingSet
 
 
 class Numbered(list):
@@ -91,7 +91,7 @@ def test_synthetic_scenes_first_are_as_many_as_when_mixed_and_real_ones_come_las
     assert len(set(drawn[:n_synthetic])) == n_synthetic
 
 
-def test_completed_scenes_show_every_layer_and_uppermost_ones_lose_deep_labels_and_keep_their_image():
+def test_completed_scenes_show_every_layer():
     picked = toy_scenes(2)
     part = picked[0].layer_bins.copy()
     part[2:] = np.nan
@@ -101,7 +101,3 @@ def test_completed_scenes_show_every_layer_and_uppermost_ones_lose_deep_labels_a
     assert np.isfinite(completed[0].layer_bins).all()
     assert completed[0].complete_layer_bins is None
     assert completed[1] is picked[1]
-    shallow = Uppermost(picked, 2)
-    assert len(shallow) == 2
-    np.testing.assert_array_equal(shallow[1].layer_bins, picked[1].layer_bins[:3])
-    assert shallow[1].image is picked[1].image

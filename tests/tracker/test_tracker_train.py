@@ -31,17 +31,19 @@ def test_the_loss_falls_and_the_fuse_separates_layers_from_background_on_an_unse
     assert ranks.mean() / off.size > 0.95
 
 
-def test_the_loss_is_the_textbook_sum(rng):
+@pytest.mark.parametrize("share", [None, 0.02])
+def test_the_loss_is_the_textbook_sum(share, rng):
     masks = rng.random((3, 8, 9)) < 0.2
     logits = rng.normal(0, 3, (6, 3, 1, 8, 9))
     expected = np.zeros(6)
+    masks[2] = False
     for output in range(6):
         for mask, logit in zip(masks, logits[output, :, 0], strict=True):
             probability = 1 / (1 + np.exp(-logit))
-            weight = (~mask).mean(), mask.mean()
+            weight = ((~mask).mean(), mask.mean()) if share is None else (1 - share, share)
             expected[output] -= weight[0] * np.log(probability[mask]).sum() / 3
             expected[output] -= weight[1] * np.log(1 - probability[~mask]).sum() / 3
-    got = balanced_cross_entropy(torch.from_numpy(logits), torch.from_numpy(masks))
+    got = balanced_cross_entropy(torch.from_numpy(logits), torch.from_numpy(masks), layer_share=share)
     assert_allclose(got.numpy(), expected, rtol=1e-5)  # float32 sums of 72 terms
 
 

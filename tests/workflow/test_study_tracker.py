@@ -30,7 +30,7 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     run_snakemake(tmp_path / "run", "--", "study_tracker", timeout=3600)
     folder = tmp_path / "run/results/studies/tracker"
     ablation = pd.read_csv(folder / "ablation.csv")
-    assert {"default", "masked", "full_labels", "uppermost", "phy_as_printed"} <= set(ablation["setting"])
+    assert {"default", "masked", "full_labels", "balanced_by_image", "phy_as_printed"} <= set(ablation["setting"])
     assert np.isfinite(ablation["mean"]).all()
     worth = pd.read_csv(folder / "worth.csv")
     row = worth[(worth["training_set"] == "pd") & (worth["base_training_set"] == "rd") & (worth["metric"] == "ods")]

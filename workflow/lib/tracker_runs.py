@@ -1,7 +1,7 @@
 """Which trainings the study of the tracker is made of: settings, and how each differs from the default.
 
-A setting is what changes: `training_sets`, and any of `labels`, `zones`, `n_layers`, `order`, `added_per_real`, `steps`
-(a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting, training set). `tracker` is the
+A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`, `steps` (a factor),
+`skip` (a share), `phy` and `training`. A run is a pair of names, (setting, training set). `tracker` is the
 section of the configuration.
 """
 
@@ -45,9 +45,8 @@ def pairs_of(runs):
 
 def data_of(changes, tracker):
     """How scenes are put together in a setting."""
-    default = {"added_per_real": "added_per_real", "order": "order", "n_layers": "added_layers"}
-    kept = {"order", "labels", "zones", "n_layers", "added_per_real"}
-    return {name: tracker[key] for name, key in default.items()} | {k: v for k, v in changes.items() if k in kept}
+    default = {key: tracker[key] for key in ("added_per_real", "order")}
+    return default | {k: v for k, v in changes.items() if k in {"order", "labels", "zones", "added_per_real"}}
 
 
 def training_of(changes, tracker):

@@ -4,20 +4,16 @@ import dataclasses
 
 from torch.utils.data import Subset
 
-from snowsim.tracker import Completed, TrainingSet, Uppermost
+from snowsim.tracker import Completed, TrainingSet
 
 
-def compose(
-    real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None, n_layers=None
-):  # fmt: skip
+def compose(real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None):
     """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
     if labels == "complete":
         real = Completed(real)
     if zones is not None:
         places = ([place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added)
         added = list(map(Subset, added, places))
-    if n_layers is not None:
-        added = [Uppermost(scenes, n_layers) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
         n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies

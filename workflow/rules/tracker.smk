@@ -26,7 +26,6 @@ rule train_tracker:
         data={
             "added_per_real": config["tracker"]["added_per_real"],
             "order": config["tracker"]["order"],
-            "n_layers": config["tracker"]["added_layers"],
         },
         settings=config["tracker"]["training"],
         skip=0,
