@@ -76,7 +76,7 @@ class Settings:
     published_multipliers: bool = False
     reduction: str = "mean"
     loss: str = "logits"
-    layer_share: float | None = 0.02
+    layer_share: float | None = 0.03
     precision: str = "bfloat16"
     mask_unannotated: bool = False
     network: str = "multi_scale"
