@@ -34,9 +34,9 @@ def draw(statistics, n_range_lines, *, rng):
     -----
     Yari et al. (2021), section V-B: mean thickness of slab 0, which fixes the zone; mean of deeper slabs = slab 0 x a
     factor from the zone's Gaussian; thickness = mean + Gaussian process of that slab's spectrum in that zone. The paper
-    draws slab 0 ~ U(range seen) and the number of layers ~ U{5..40}, below a flat surface; here all three are as the
-    flight has them, see `prepare`, and so is the trend within a block where its variance is known. Slabs deeper than
-    the flight shows take its last. Thickness below `MINIMUM_THICKNESS_BINS`, and a mean below it, is mirrored there.
+    draws slab 0 ~ U(range seen) and the number of layers ~ U{5..40}, below a flat surface; here all three are as in the
+    flight, see `prepare`, and so is the trend within a block if its variance is known. Slabs deeper than the flight
+    shows take values of its last. Thickness below `MINIMUM_THICKNESS_BINS`, and a mean below it, is mirrored there.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     if model.n_range_lines != n_range_lines:
         msg = f"label model was prepared for {model.n_range_lines} range lines, got {n_range_lines}"
         raise ValueError(msg)
-    # Numbers are taken in the order of the first release: its scenes can be drawn again.
+    # Random numbers are drawn in the order of the first release, so that its scenes can be reproduced.
     n_layers = None if model.n_layers is None else int(rng.integers(*model.n_layers, endpoint=True))
     edges = model.zone_edge_bins
     if model.first_quantile_bins is None:
@@ -80,7 +80,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         first = np.interp(rng.uniform(), np.linspace(0, 1, model.first_quantile_bins.size), model.first_quantile_bins)
     zone = int(np.searchsorted(edges[1:-1], first, side="right"))
     n_layers = model.draw_n_layers(zone, rng=rng) if n_layers is None else n_layers
-    n_slabs = max(n_layers, 1)  # a scene without layers leaves its one out at the end
+    n_slabs = max(n_layers, 1)  # a scene without layers drops its only slab at the end
     slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
     anomaly = model.factor("relative", model.relative_correlation, n_slabs) @ rng.standard_normal(n_slabs)
     factor = model.relative_mean[zone, slab] + model.relative_deviation[zone, slab] * anomaly
@@ -89,7 +89,7 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     variances = model.variances(zone)[slab]
     series = draw_series(variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng)
     drawn = mean[:, None] + series
-    # Last of all thickness: without trends and folds, scenes are those of the paper to the byte.
+    # Drawn last: without trends and folds, scenes do not change by a byte.
     extra = model.nonstationary
     drawn, moved = draw_nonstationary(drawn, extra, rng=rng) if extra.applies(zone) else (drawn, {})
     drawn = drawn[:n_layers]
@@ -111,5 +111,5 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
 
 
 def _mirrored(thickness):
-    """Thickness mirrored at its minimum, at which it can still touch: then one layer lies one bin below the other."""
+    """Thickness mirrored at its minimum, where one layer lies one bin below the other."""
     return MINIMUM_THICKNESS_BINS + np.abs(thickness - MINIMUM_THICKNESS_BINS)

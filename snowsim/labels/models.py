@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from snowsim.echogram import check_choice
 
-FAINTEST = 1e-8  # of the largest density: below it lie no undulations that a scene shows, but rounding and leakage
+FAINTEST = 1e-8  # of the largest density: below it lie rounding and leakage, not undulations that a scene shows
 LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: longer than a block it has no effect
 
 
@@ -30,7 +30,7 @@ def _matern(wavenumber, shape):
 
 @dataclass(frozen=True)
 class Spectrum:
-    """A law of spectra: density over scale by wavenumber and shape, where its search starts, and between what."""
+    """A law of spectra: density over scale by wavenumber and shape, with start and bounds of the search."""
 
     shape: object
     start: tuple = ()
@@ -38,7 +38,7 @@ class Spectrum:
 
     @property
     def n_parameters(self):
-        """Parameters with the scale."""
+        """Number of parameters, scale included."""
         return 1 + len(self.start)
 
 
@@ -61,8 +61,8 @@ def fit_spectrum(name, psd):
 
     Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P of n periodograms.
     The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out, and
-    those 80 dB below the largest density. What is fitted is the expected periodogram of blocks, as the tabulated
-    density is; where that is plain, leakage and all.
+    those 80 dB below the largest density. The law is fitted to the expected periodogram of blocks, as tabulated;
+    a plain one includes its leakage.
     """
     check_choice("psd", name, SPECTRA)
     spectrum = SPECTRA[name]

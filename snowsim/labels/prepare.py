@@ -1,4 +1,4 @@
-"""Flight statistics made ready to draw label sets: what a scene takes from them, worked out once and kept."""
+"""Flight statistics made ready to draw label sets: what a scene takes from them, computed once and kept."""
 
 from dataclasses import dataclass, field
 
@@ -16,14 +16,14 @@ from snowsim.labels.process import (
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model, values_of
 
 N_LAYERS = (5, 40)  # layers below the surface, Yari et al. (2021), section V-B
-ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so
+ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, above which a product is taken to do so
 
 
 @dataclass(frozen=True)
 class LabelModel:
     """Flight statistics made ready to draw many scenes of one width; see `prepare`.
 
-    What a scene needs of it is worked out when the first scene needs it and kept: no result depends on the order.
+    What a scene needs is computed when the first scene needs it, and kept: no result depends on the order.
     """
 
     n_range_lines: int
@@ -58,9 +58,9 @@ class LabelModel:
         return self._kept["variances", zone]
 
     def _spread(self, psd, trend_variance):
-        """Those of spectra (row, wavenumber) about trends, or plain ones."""
+        """Variances from spectra (row, wavenumber) about trends, or from plain ones."""
         block = 2 * (psd.shape[1] - 1)
-        # Narrow scenes are cut from a series for a whole block: they hold the part of its undulations they should.
+        # Narrow scenes are cut from the series of a whole block, so they contain the right part of its undulations.
         plain = trend_variance is None
         variances = line_variances(psd, 2 * block) if plain else plain_variances(psd, trend_variance, 2 * block)
         if self.n_range_lines <= block:
@@ -68,10 +68,10 @@ class LabelModel:
         return lengthened(variances, 2 * (self.n_range_lines + self.n_range_lines % 2))
 
     def draw_n_layers(self, zone, *, rng):
-        """Layers below the surface of a scene: none as often as in the flight, else as the zone's blocks have them.
+        """Number of layers below the surface: zero as often as in the flight, otherwise as in the zone's blocks.
 
-        Numbers between those seen are straight in logarithms between their mid-quantiles (Parzen 2004, Statist. Sci.
-        19, 652); a zone without layers takes all.
+        Numbers between those seen are interpolated in the logarithm between mid-quantiles (Parzen 2004, Statist. Sci.
+        19, 652); a zone without layers uses all zones.
         """
         if rng.uniform() < self.share_without_layers:
             return 0
@@ -103,13 +103,13 @@ class LabelModel:
         return self._kept[name, n]
 
     def band_factors(self, n, n_wavenumbers):
-        """Factors of those of undulations, one (slice of long wavenumbers, factor) a band."""
+        """Factors of the correlation of undulations, one (slice of long wavenumbers, factor) per band."""
         if ("bands", n) not in self._kept:
             edges = np.ceil(self.band_edge_wavenumber * 2 * n_wavenumbers - 1e-9).astype(int) - 1
             edges[0], edges[-1] = 0, n_wavenumbers  # the first band reaches down to the lowest wavenumber
             rows = list(self.band_correlation)
             if self.trend_variance is not None:
-                # What undulates slower than three quarters of a cycle a block is its trend.
+                # Undulations slower than three quarters of a cycle per block are its trend.
                 edges = np.insert(edges, 1, int(0.75 * n_wavenumbers / (self.psd.shape[2] - 1)))
                 rows.insert(0, self.trend_correlation)
             factors = [correlation_factor(row, n) for row in rows]
@@ -172,7 +172,7 @@ def prepare(
     choices += (("radiometry", radiometry, "constant"),)
     for name, value, other in choices:
         check_choice(name, value, ("measured", other))
-    # The paper's slabs have nothing in common but slab 0.
+    # In the paper, slabs correlate only through slab 0.
     alone, correlated = np.array([1.0, 0.0]), correlation == "measured"
     trends = "thickness_trend_variance_bins2" in statistics
 

@@ -6,10 +6,10 @@ from functools import lru_cache
 import numpy as np
 
 ITERATIONS = 20  # of Richardson-Lucy
-# What a wave of unit variance and half a cycle a block shows of itself in the first two cycles of a tapered spectrum,
-# its trend taken off: densities over the lines of the block.
+# Density that a wave of unit variance and half a cycle per block has in the first two cycles of a tapered, detrended
+# spectrum, divided by the number of lines of the block.
 HALF_CYCLE_SHOWS = np.array([0.0722, 0.0084])
-SETTLED = 20  # rounds, of which each leaves a third of what the one before left
+SETTLED = 20  # rounds; each leaves a third of the error of the one before
 
 
 @lru_cache(maxsize=4)
@@ -57,12 +57,12 @@ def line_variances(psd, n_long):
 
 
 def plain_variances(psd, trend_variance, n_long):
-    """The same of spectra (..., wavenumber) that do not leak, and the variance (...) of the trend they are about.
+    """The same for spectra (..., wavenumber) that do not leak, taken about a trend of given variance (...).
 
-    Density is straight in logarithms between wavenumbers. The trend is the part of slower waves that a block holds:
-    half a cycle a block stands for them all, with the variance at which least-squares lines through cut blocks rise,
-    from first line to last, by `trend_variance`, faster waves' own share counted once. What it adds to the first two
-    cycles is taken off there, at most to a tenth: lines do not take up all of it.
+    Density is interpolated in the logarithm between wavenumbers. The trend is the part of slower waves within a block:
+    one wave of half a cycle per block represents them all. With its variance, and the share of faster waves, the rise
+    of least-squares lines through cut blocks, from first line to last, has `trend_variance`. The lines do not remove
+    all of this wave: what it adds to the first two cycles is subtracted there, down to a tenth at most.
     """
     n_lines = 2 * (psd.shape[-1] - 1)
     at = np.arange(2, n_long // 2 + 1) * (n_lines / n_long) - 1
@@ -106,9 +106,9 @@ def draw_series(variances, mixing, n_lines, *, rng):
 
 
 def correlation_factor(correlation_by_separation, n_rows):
-    """Factor C of the correlation matrix of rows, C C^T, from correlation by separation; the last value goes on.
+    """Factor C of the correlation matrix of rows, C C^T, from correlation by separation; the last value continues.
 
-    Measured correlations need not form a valid matrix: negative eigenvalues become zero, the diagonal one again.
+    Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the diagonal back to one.
     """
     separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
     matrix = correlation_by_separation[np.minimum(separation, len(correlation_by_separation) - 1)].astype(float)
@@ -135,7 +135,7 @@ class Nonstationary:
     trend_sd: float = 0.0  # of the change of mean thickness from the first line of a scene to its last, over the mean
     fold_sd_bins: float = 0.0  # of the amplitude of the deepest layer's fold
     fold_length_lines: float = 64.0  # wavelength of folds
-    zones: tuple | None = None  # of which scenes are so; None: all
+    zones: tuple | None = None  # whose scenes have them; None: all
 
     def __post_init__(self):
         for name in ("trend_sd", "fold_sd_bins"):

@@ -1,4 +1,4 @@
-"""Radiometry of one scene: powers that vary along track, noise, decay, what lies unlabelled, and who is labelled."""
+"""Radiometry of one scene: powers that vary along track, noise, decay, unlabelled echoes, and layers to label."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from snowsim.phy.parameters import row_waveforms
 from snowsim.phy.power import mean_power
 
 NEPERS = np.log(10) / 10  # per dB
-WINDOW_LINES = 80  # over which the rise of a layer is averaged: four averaged lines, as where picks end
+WINDOW_LINES = 80  # over which the rise of a layer is averaged: four averaged lines, as for the deepest picks
 STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
 TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
 
@@ -36,7 +36,7 @@ class RadiometryModel:
     background_power: np.ndarray  # (fall,)
     fall: np.ndarray  # [bins]
     spread: dict  # by name, see `SPREADS`
-    missing: str  # names of what the flight could not tell
+    missing: str  # names of quantities for which the flight was too short
 
 
 def radiometry_model(statistics):
@@ -68,13 +68,13 @@ def _without_gaps(statistics, name):
 def add_radiometry(scene, model, *, rng):
     """The scene with `peak_power`, every layer drawn in `complete_layer_bins`, and labels only where they show.
 
-    In dB about the flight's mean, which each layer keeps on average: surface and noise; buried layers together; each
-    layer; and its fading along track, a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean. What
-    nobody picks is a background, one row just below the surface for each of its e-folds, and below the last label
-    echoes at random distances that rise out of it as the flight's do. Layers are labelled down to the deepest that
-    shows, see `_labelled`; weaker ones between are labelled too, as by a reader who follows the years.
+    Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried layers together; each
+    layer; and its fading along track, a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean.
+    Unpicked snow is a background, one row just below the surface for each of its e-folding depths, and echoes at random
+    distances below the last label, which rise out of it as in the flight. Layers are labelled down to the deepest that
+    shows, see `_labelled`; weaker ones between are labelled too, as a reader who follows the years would.
     `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row takes its waveform
-    from, or -1 - k for e-fold k of the background), and counts.
+    from, or -1 - k for e-folding depth k of the background), and counts.
     """
     spread, n_layers, n_lines = model.spread, *scene.layer_bins.shape
     level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
@@ -124,7 +124,7 @@ def add_radiometry(scene, model, *, rng):
 
 
 def labelled_or_not(scene):
-    """Layers of a drawn scene, whether or not they show enough for a label, (layer, range_line); no background."""
+    """All layers of a drawn scene, labelled or not, (layer, range_line), without background."""
     if scene.peak_power is None:
         return scene.layer_bins
     n_background = sum(row < 0 for row in scene.notes["waveform_row"])
@@ -147,7 +147,7 @@ def _faded(model, n_layers, n_lines, *, rng):
     n_long = 2 * max(n_lines, int(4 * model.fading[:, 1].max()))
     lag = np.minimum(np.arange(n_long), n_long - np.arange(n_long))
     shapes = [np.exp(-((lag / length) ** exponent)) for _, length, exponent in model.fading]
-    # The kernel wrapped around a long circle: what of its spectrum is negative is far below what counts.
+    # The kernel is wrapped around a long circle: negative parts of its spectrum are negligible.
     density = np.maximum(np.fft.fft(shapes).real, 0)
     kind = np.minimum(np.arange(n_layers), 1)
     white = np.fft.fft(rng.standard_normal((n_layers, n_long)))
@@ -159,10 +159,10 @@ def _faded(model, n_layers, n_lines, *, rng):
 
 
 def _labelled(scene, model):
-    """Layers, NaN from below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
+    """Layers, NaN below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
 
-    A layer shows if over half of its range lines its mean power, averaged along it over `WINDOW_LINES`, rises over the
-    least between it and the layer above by `end_contrast_db`.
+    A layer shows if in half or more of its lines its mean power, averaged along it over `WINDOW_LINES`, rises over the
+    minimum between it and the layer above by `end_contrast_db`.
     """
     noise_power = scene.notes["noise_power"]
     shapes = row_waveforms(scene.notes, model.variance_bins2, model.decay_rate)

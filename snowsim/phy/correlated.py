@@ -1,4 +1,4 @@
-"""Speckle alike in neighbouring range bins: one filtered field of normals through the quantiles of Gamma(M) / M."""
+"""Speckle correlated down range: one filtered field of normals through the quantiles of Gamma(M) / M."""
 
 from functools import lru_cache
 
@@ -16,10 +16,10 @@ REACH, PER_UNIT = 8, 256  # of the table of quantiles, in deviations of the norm
 
 
 def draw_correlated(mean_power, n_looks, correlation, rng):
-    """Power of Gamma(M) about `mean_power`, correlated down range as `correlation (lag,)` says where that is constant.
+    """Power of Gamma(M) about `mean_power`, autocorrelated down range by `correlation (lag,)` where that is constant.
 
-    One float32 normal a pixel and one for each bin that the filter reaches beyond either end, so that speckle at the
-    edges is as anywhere else. The distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks, its mean too.
+    One float32 normal per pixel and one for each bin that the filter reaches beyond either end, so that speckle at the
+    edges is like elsewhere. The distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks, its mean too.
     """
     taps, _ = correlating_taps(correlation, n_looks)
     n_range_bins, n_range_lines = mean_power.shape
@@ -31,13 +31,13 @@ def draw_correlated(mean_power, n_looks, correlation, rng):
 
 
 def correlating_taps(correlation, n_looks):
-    """Filter of white normals, (tap,), whose power has this autocorrelation, and by how much it is off at most.
+    """Filter of white normals, (tap,), that gives power this autocorrelation, and the largest error at any lag.
 
     `correlation (lag,)` is that of Gamma(M) power of constant mean, from lag 0 on, and zero beyond its end. Normals of
     correlation r give power of correlation ``sum_n a_n^2 r^n / sum_n a_n^2``, ``a_n`` the Hermite coefficients of the
     quantile function (Mehler 1866, J. reine angew. Math. 66, 161-176); this grows with r and is inverted. The filter is
-    symmetric and its transform the root of the spectrum. No process has a spectrum with a negative part, as sampling
-    may leave: it is dropped, for a neighbouring correlation. ValueError where that is more than `LARGEST_ERROR` off.
+    symmetric and its transform the root of the spectrum. An estimated correlation may have a partly negative spectrum,
+    which no process has: that part is set to zero. ValueError if the correlation changes by over `LARGEST_ERROR`.
     """
     asked = np.asarray(correlation, dtype=float)
     if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1 or not (np.abs(asked) <= 1).all():
@@ -78,7 +78,7 @@ def _hermite_shares(n_looks):
 def normal_quantiles(n_looks):
     """Quantile of Gamma(M) / M at each of the evenly spaced normals from -`REACH` to `REACH`, float32.
 
-    Straight between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
+    Linear between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
     """
     table = _quantile(np.arange(-REACH * PER_UNIT, REACH * PER_UNIT + 1) / PER_UNIT, n_looks).astype(np.float32)
     table.flags.writeable = False
@@ -86,7 +86,7 @@ def normal_quantiles(n_looks):
 
 
 def _quantile(normal, n_looks):
-    """Gamma(M) / M as likely to be exceeded as a normal, exact in both tails."""
+    """Quantile of Gamma(M) / M at the probability of a normal, exact in both tails."""
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
     return np.where(normal < 0, below, gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))) / n_looks
 

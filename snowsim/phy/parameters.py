@@ -1,4 +1,4 @@
-"""What eq. (1) is given: a scene's layers and their parameters, drawn from a flight's statistics and checked once."""
+"""Input of eq. (1): a scene's layers and their parameters, drawn from a flight's statistics and checked once."""
 
 from dataclasses import dataclass
 
@@ -23,8 +23,8 @@ class Waveforms:
 
     `centre_bins` (layer, range_line) are centres of the Gaussians, NaN where the layer is absent. By layer: `amplitude`
     [power per bin], `variance_bins2` and `decay_rate` [per bin] of the waveform, how far it peaks below its centre,
-    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window. Where powers vary
-    along track, those by layer are the largest, and `line_share` (layer, range_line) is the share of it, 0 to 1.
+    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window. If powers vary
+    along track, those by layer are the largest, and `line_share` (layer, range_line) is the share of that, 0 to 1.
     """
 
     centre_bins: np.ndarray
@@ -43,10 +43,10 @@ class Waveforms:
 
 
 def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align):
-    """`Waveforms` of what `mean_power` is given.
+    """`Waveforms` from the arguments of `mean_power`.
 
-    Refused with name, value and position: what is not a number of the right shape and sign, layers that cross, unknown
-    options, powers whose sum overflows.
+    ValueError with name, value and position for values of wrong shape or sign, layers that cross, unknown options, and
+    powers whose sum overflows.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(layer_bins)
@@ -117,7 +117,7 @@ def _per_layer(name, value, n_layers):
 
 
 def _largest_and_share(peak_power, layer_bins):
-    """Largest power of each layer, (layer,), and the share of it on each range line; absent layers count nothing."""
+    """Largest power of each layer, (layer,), and the share of it on each range line; absent layers count as zero."""
     power = np.asarray(peak_power, dtype=float)
     if power.shape != layer_bins.shape:
         msg = f"peak_power: expected (layer,) or the shape of the layers, {layer_bins.shape}, got {power.shape}"
@@ -140,9 +140,9 @@ def draw_parameters(
 
     A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
     look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
-    bounds of the measured 1/e width passed on as printed, or `width_bounds`; only the latter uses `rng`. `n_looks` is
-    the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed;
-    statistics that were made before it was measured give none.
+    bounds of the measured 1/e width taken as variances, as printed, or `width_bounds`; only ``paper`` uses `rng`.
+    `n_looks` is the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as
+    printed; older statistics, without it, give none.
     """
     check_choice("width", width, WIDTHS)
     check_choice("speckle_correlation", speckle_correlation, SPECKLE_CORRELATIONS)
@@ -180,11 +180,11 @@ def draw_parameters(
 def scene_parameters(scene, statistics, *, background="measured", **options):
     """Layers to render and parameters of `render` for a scene: its own radiometry where it has one, else the flight's.
 
-    `options` are those of `draw_parameters`. With `background` ``measured`` the flight's mean power of what nobody
-    picked lies below the surface of a scene without powers of its own, one row for each of its e-folds; ``none``: eq.
-    (1) of the layers alone, as printed, and of statistics made before it was measured. A scene that was drawn with
-    powers has them in `peak_power`, for every row of `complete_layer_bins`; its notes tell noise, decay and the layer
-    that gives a row its waveform (-1 - k: it is the background's e-fold k); texture and gain by line are the flight's.
+    `options` are those of `draw_parameters`. With `background` ``measured``, a scene without powers of its own has the
+    flight's mean power of unpicked snow below the surface, one row for each e-folding depth; with ``none``, and with
+    older statistics, eq. (1) has the layers alone, as printed. A scene that was drawn with powers has them in
+    `peak_power`, for every row of `complete_layer_bins`; its notes hold noise, decay and the layer that gives a row
+    its waveform (-1 - k: e-folding depth k of the background); texture and gain by line are the flight's.
     """
     check_choice("background", background, BACKGROUNDS)
     if scene.peak_power is None:
@@ -203,7 +203,7 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
 
 
 def _with_background(layer_bins, parameters, statistics):
-    """Layers and parameters with a row for each e-fold of the background, within a bin below the surface."""
+    """Layers and parameters with a row for each e-folding depth of the background, within a bin below the surface."""
     power, fall = (statistics[name].transpose("fall").values for name in ("background_power", "fall"))
     held = np.flatnonzero(power > 0)
     # Rows must not cross the first layer, wherever it is picked.
@@ -224,7 +224,7 @@ def row_waveforms(notes, variance_bins2, decay_rate):
 
 
 def _down_to(statistics, name, n_layers):
-    """Values of the uppermost `n_layers` layers; where there is none, that of the nearest layer above with one."""
+    """Values of the uppermost `n_layers` layers; a missing one is that of the nearest layer above with a value."""
     values = statistics[name].transpose("layer").values.astype(float)
     usable = np.isfinite(values) & (values > 0)
     if not (usable.size and usable[0]):

@@ -1,4 +1,4 @@
-"""What a scene needs: from a tolerance in dB, which parts of eq. (1) are computed, how well and at what cost."""
+"""Plan of a scene: from a tolerance in dB, which parts of eq. (1) are computed, how accurately and at what cost."""
 
 from dataclasses import dataclass, replace
 
@@ -30,8 +30,8 @@ class Plan:
     wanted; `supports` is None for the closed form on every pixel. No pixel of ``P_s + noise_power`` is further than
     `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
     in draws of one float32 normal. `correlation` (lag,) of speckle down range is None where range bins are independent;
-    no lag of what is drawn is further than `correlation_error` from it. `texture` is None or what `draw_texture` takes,
-    the echo of `textured_layers` has it, and range lines differ in gain by `line_gain_spread_db`: no error of the mean.
+    drawn speckle differs by at most `correlation_error` at any lag. `texture`, or None, goes to `draw_texture` for the
+    echo of `textured_layers`; range lines differ in gain by `line_gain_spread_db`. Neither is an error of the mean.
     """
 
     waveforms: Waveforms
@@ -85,7 +85,7 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     """`Plan` of a scene, before any pixel is computed; arguments as for `render`, refusals too.
 
     `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one. Where
-    `parameters` hold a `speckle_correlation`, `quantile` stands in for `gamma`: it alone draws correlated range bins.
+    `parameters` hold a `speckle_correlation`, `quantile` replaces `gamma`: only it draws correlated range bins.
     """
     if set(parameters) - OPTIONAL != set(PARAMETERS):
         got = ", ".join(map(str, parameters)) or "none"

@@ -99,9 +99,9 @@ def exact_power(waveforms):
 
 @np.errstate(under="ignore")
 def tail_power(waveforms, layers):
-    """Power that some layers have below their centre, all of it tail, float32 (range_bin, range_line).
+    """Power of some layers below their centre, taken as tail throughout, float32 (range_bin, range_line).
 
-    Of eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``: a product of a row's factor and a line's.
+    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, is a factor by row times one by line.
     """
     variance, decay = (getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate"))
     centre, rows = waveforms.centre_bins[layers], np.arange(waveforms.n_range_bins)
@@ -118,7 +118,7 @@ def tail_power(waveforms, layers):
 
 @np.errstate(under="ignore")
 def _least_largest_power(waveforms):
-    """Power that the scene's largest pixel has at least: of each layer alone, at the pixel nearest to its peak."""
+    """Lower bound of the scene's largest power: of each layer alone, at the pixel nearest to its peak."""
     peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]
     x_bins = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1) - waveforms.centre_bins
     present = np.isfinite(x_bins)

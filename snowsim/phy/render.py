@@ -19,9 +19,9 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
         Fractional range bins; NaN where absent.
     parameters : mapping
         `peak_power` (layer) or (layer, range_line), `variance_bins2`, `decay_rate` (layer), `noise_power` and
-        `n_looks`; where speckle is to be correlated down range, `speckle_correlation` (lag), see `draw_speckle`; where
-        snow has a `texture` (variance, length in bins, in lines), see `snowsim.phy.texture`, the `textured_layers`
-        (layer) whose tail it is, by default all; `line_gain_spread_db`.
+        `n_looks`; optional: `speckle_correlation` (lag) down range, see `draw_speckle`; `texture` (variance, length in
+        bins, in lines), see `snowsim.phy.texture`, and the `textured_layers` (layer) whose tail it multiplies, by
+        default all; `line_gain_spread_db`.
     n_range_bins : int
         Height of the scene.
     tolerance_db : float or None
@@ -36,7 +36,7 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     Returns
     -------
     ndarray, (range_bin, range_line)
-        Linear power; float32 where the plan finds it enough, else float64.
+        Linear power; float32 where that is accurate enough for the plan, else float64.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Eq. (1) for many layers at once: by sub-bin tables where they are curved, exponentials where they have become one.
+"""Eq. (1) for many layers at once: sub-bin tables about the peaks, plain exponentials in the tails.
 
 Where each layer is modelled, and how finely, follows from the relative error that is allowed.
 """
@@ -56,7 +56,7 @@ class Supports:
         """Pixels times layers within the supports, read from tables and as exponentials: two int."""
         centre_bins = centre_bins[self.kept]
         first, tail, last = (
-            # fmin turns NaN into the bottom row, all three alike: absent layers count nothing.
+            # fmin turns NaN into the bottom row, all three alike: absent layers count as zero.
             np.fmax(np.fmin(np.ceil(centre_bins + edge[self.kept, None]), n_range_bins), 0).sum()
             for edge in (self.first_bins, self.tail_bins, self.last_bins)
         )
@@ -104,7 +104,7 @@ def find_supports(waveforms, noise_power, error):
     first = -deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(at_centre / edge), 0))
     gaussian_end = deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(area / edge), 0))
     exponential_end = (log_amplitude + np.log(2 * area / edge)) / decay + decay * variance / 2
-    # The first of the two bounds the trailing side only where all of that side's start is at x <= a d.
+    # The Gaussian bounds the trailing side only if that side, from peak to end, lies at x <= a d.
     gaussian_holds = np.maximum(gaussian_end, waveforms.peak_offset_bins) <= decay * variance
     last = np.where(gaussian_holds, gaussian_end, exponential_end)
     last = np.maximum(last, waveforms.peak_offset_bins)
@@ -136,7 +136,7 @@ def _coarsest_table(variance, decay, slope, error, kept):
         ratio = step / (2 * radius)
         reach = radius + step / 2
         exponent = radius * reach / variance - radius**2 / (2 * variance) + reach * np.maximum(slope, reach / variance)
-        # Refused rather than overflowing: far more phases are needed, or more than there may be.
+        # Refused rather than overflowing: far more phases are needed, or more than are allowed.
         usable = (ratio < 1) & (exponent < 100) & (decay <= LARGEST_DECAY_STEP * n_phases)
         remainder = np.full(variance.shape, np.inf)
         remainder[usable] = np.exp(exponent[usable]) * ratio[usable] ** order / (1 - ratio[usable])
@@ -152,7 +152,7 @@ def _rounding(n_layers, dtype):
 
 
 def _dtype(n_layers, noise_power, reference, error):
-    """Shortest float type whose rounding and range leave the error alone, or None."""
+    """Shortest float type whose rounding and range do not affect the error, or None."""
     for dtype, smallest in SMALLEST_RELATIVE_NOISE.items():
         in_range = dtype is np.float64 or FLOAT32_RANGE[0] < reference < FLOAT32_RANGE[1]
         precise = _rounding(n_layers, dtype) <= SHARE_ROUNDING * error

@@ -1,4 +1,4 @@
-"""What unlayered snow and the receiver do to power: a texture down range and along track, and gain line by line."""
+"""Texture of unlayered snow, down range and along track, and gain of the receiver from line to line."""
 
 import numpy as np
 from scipy.ndimage import correlate1d
@@ -9,7 +9,7 @@ REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Ga
 
 
 def checked_texture(texture):
-    """(variance, length down range, length along track), or None without any; ValueError unless they are three such."""
+    """(variance, length down range, length along track), or None if there is none; ValueError if they are not valid."""
     values = () if texture is None else tuple(map(float, texture))
     if texture is not None and not (len(values) == 3 and np.isfinite(values).all() and min(values) >= 0 < values[1]):
         msg = f"texture must be a variance and lengths in range bins and range lines, not negative, got {texture}"
@@ -25,7 +25,7 @@ def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
     """
     variance, length_bins, length_lines = texture
     spread = np.sqrt(np.log1p(variance))
-    sigma_lines = max(length_lines / 2, 1e-3)  # white noise under taps of this width has the autocorrelation wanted
+    sigma_lines = max(length_lines / 2, 1e-3)  # white noise filtered by taps of this width has that autocorrelation
     reach = int(np.ceil(REACH_LINES * sigma_lines))
     taps = np.exp(-((np.arange(-reach, reach + 1) / sigma_lines) ** 2) / 2)
     taps *= spread / np.sqrt((taps**2).sum())

@@ -1,4 +1,4 @@
-"""Eq. (1) for one layer: its mean waveform, with where it peaks and how wide it is."""
+"""Eq. (1) for one layer: its mean waveform, position of the peak, and width."""
 
 import numpy as np
 from scipy.special import erfc, erfcx
@@ -15,7 +15,7 @@ def waveform_exact(x_bins, variance_bins2, decay_rate):
     """Mean waveform of one layer of unit power, not normalised, at `x_bins` below the Gaussian's centre; broadcasts.
 
     A Gaussian of variance `variance_bins2` [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per
-    bin]; zero where it underflows. What is not finite, or outside `SAFE_RANGE`, is refused.
+    bin]; zero where it underflows. Values that are not finite, or outside `SAFE_RANGE`, are refused.
 
     Notes
     -----

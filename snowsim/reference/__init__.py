@@ -6,7 +6,7 @@ __all__ = ["Settings", "checked_settings", "draw_climate", "draw_complex_segment
 
 
 def __getattr__(name):
-    """What draws, imported when first asked for: every start of the workflow checks settings and draws nothing."""
+    """Functions that draw, imported when first used: every start of the workflow only checks settings."""
     if name == "draw_climate":
         from snowsim.reference.climate import draw_climate as found
     elif name == "draw_complex_segment":

@@ -1,4 +1,4 @@
-"""What the weather left along the line: one climate, shared by every frame and scene."""
+"""Accumulation and autumn horizons along the line: one climate, shared by every frame and scene."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -42,7 +42,7 @@ class Climate:
 
     Standard normal: `anomaly` (2, year) of accumulation at either end of the line, last year first;
     `horizon_strength` (year,), how marked each autumn is; `crust_strength` (year, crust). `crust_age` (year, crust):
-    where in the year crusts lie, in (0, 1), NaN for none. `track_seed`: of all that differs between parallel tracks.
+    where in the year crusts lie, in (0, 1), NaN for none. `track_seed` seeds all that differs between parallel tracks.
     """
 
     anomaly: np.ndarray
@@ -53,7 +53,7 @@ class Climate:
     settings: object
 
     def percolation(self, place):
-        """How far percolation shapes the firn, 0 (dry) to 1."""
+        """Degree of percolation, 0 (dry) to 1."""
         firn = self.settings.firn
         return float(1 / (1 + np.exp((place.elevation_m - firn.percolation_elevation_m) / firn.percolation_width_m)))
 
@@ -113,7 +113,7 @@ def draw_climate(settings, *, rng):
 
 @lru_cache(maxsize=64)
 def track_waves(track_seed, track, what, shortest_km, longest_km):
-    """`Waves` of one track, the same whenever they are asked for."""
+    """`Waves` of one track, the same at every call."""
     return draw_waves(shortest_km, longest_km, rng=random_stream(track_seed, what, track))
 
 

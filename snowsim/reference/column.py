@@ -16,7 +16,7 @@ from snowsim.reference.firn import (
 from snowsim.reference.line import Place, place_at
 
 BROKEN_SHARE = 0.15  # what is left of a horizon's step where percolation broke it
-MERGED_SD = 0.6  # further spread of the horizons' strength in full percolation: whole years melt away
+MERGED_SD = 0.6  # additional spread of the horizons' strength in full percolation: whole years melt away
 PERCOLATION_FADE = 0.6  # depth of fading in full percolation, relative to dry firn
 
 
@@ -33,7 +33,7 @@ class Column:
     """Firn under a stretch of range lines; see `draw_column`.
 
     `place` is its middle; `percolation` 0 (dry) to 1; density steps fall to 1/e over `fade_depth_m`. Autumn `horizons`
-    are the layers; `crusts` and `lenses` may be taken for them. `table_*` (node,): mean depth, density by bins below.
+    are the layers; `crusts` and `lenses` look like them. `table_*` (node,): mean depth, density by bins below.
     """
 
     place: Place
@@ -52,7 +52,7 @@ class Column:
 
 
 def draw_column(climate, track, position_km, n_bins_below, *, rng):
-    """`Column` of a stretch of a track, with every horizon that comes above `n_bins_below` in some range line.
+    """`Column` of a stretch of a track, with every horizon that lies above `n_bins_below` in some range line.
 
     Snow is dry, the pulse goes straight down, and the density profile that gives depth is the steady one of the
     stretch's middle (Sorge's law): years with more snow are thicker, not denser. `position_km` (range_line,) is evenly
@@ -97,7 +97,7 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
 
 
 def _n_years(travel_time_below_s, accumulation_m, settings):
-    """Years that surely reach a travel time: least accumulation, densest firn."""
+    """Number of years certain to reach a travel time: least accumulation, densest firn."""
     # c t / 2 = z + 0.845 w, and w <= 0.7 z in the upper tens of metres: the mass cannot exceed this.
     optical_m = travel_time_below_s / travel_time_s(1.0, 0.0)
     water_m = optical_m / (1 / 0.7 + KOVACS_M3_KG * WATER_DENSITY_KG_M3)
@@ -111,7 +111,7 @@ def _draw_gaps(n_series, n_lines, correlation_lines, share, *, rng):
     if share == 0:
         return np.ones_like(field)
     threshold = np.quantile(field, share)
-    # Over a quarter of the field's spread: a break is no step.
+    # Smoothed over a quarter of the field's spread: a break has no sharp edge.
     return BROKEN_SHARE + (1 - BROKEN_SHARE) / (1 + np.exp(-(field - threshold) / 0.25))
 
 

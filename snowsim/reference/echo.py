@@ -100,7 +100,7 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
 
 
 def _scatterers(column, at_surface, shape, radar, lead):
-    """Reflected power of all interfaces at their sub-bins, float32; an interface between two gives each its share."""
+    """Reflected power of all interfaces at their sub-bins, float32; one between two sub-bins is split linearly."""
     n_lines, n_sub = shape
     bins = np.concatenate([kind.bins for kind in (column.horizons, column.crusts, column.lenses)])
     power = np.concatenate([kind.power for kind in (column.horizons, column.crusts, column.lenses)])
@@ -119,7 +119,7 @@ def _layering(column, at_surface, shape, firn, radar, *, rng):
     """Reflected power of the fine layering of density below the surface, float32.
 
     The footprint averages over patches smaller than itself: of a layering of lateral scale l and standard deviation s
-    it sees ``s l / r``, r its radius, alike over the range lines whose footprints overlap.
+    it sees ``s l / r``, r its radius, correlated between range lines whose footprints overlap.
     """
     step_m = radar.bin_size_s / radar.n_sub_bins * SPEED_OF_LIGHT_M_S / 2
     index = refractive_index_kovacs95(firn.surface_density_kg_m3)
@@ -149,7 +149,7 @@ def _spread(power, waveform, *, centred=False):
     spectrum *= fft.rfft(waveform, length)
     first = waveform.size // 2 if centred else 0
     spread = fft.irfft(spectrum, length, axis=1)[:, first : first + n_sub]
-    # Rounding of the transform leaves some 1e-7 of the strongest echo, of either sign, where there is none.
+    # Rounding of the transform leaves about 1e-7 of the strongest echo, of either sign, where there is none.
     return np.maximum(spread, 0, dtype=np.float32)
 
 
@@ -174,10 +174,10 @@ def _add_surface(power, first, waveform, strength):
 
 
 def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
-    """Fine layering of density about its trend, as logs of snow pits show it, (profile, sample) [kg m-3].
+    """Fine layering of density about its trend, as in near-surface density logs, (profile, sample) [kg m-3].
 
     Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length `length_m`, samples
-    `spacing_m` apart. float32: its rounding is 1e-7 of a field known to percents.
+    `spacing_m` apart. float32: its rounding is 1e-7 of a field known to a few percent.
     """
     persistence = np.float32(np.exp(-spacing_m / length_m))
     noise = rng.standard_normal((n_profiles, n_samples), dtype=np.float32)

@@ -44,7 +44,7 @@ def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_den
 
 
 def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Depth [m] under which a mass of snow lies, the closed depth-age relation; arguments as for the density.
+    """Depth [m] below a given mass of snow, the closed depth-age relation; arguments as for the density.
 
     Herron & Langway (1980), eqs for stage 1 and 2: ``ln(rho / (rho_ice - rho))`` grows linearly with depth, at
     ``rho_ice k0`` above the critical density and ``rho_ice k1 / A^1/2`` below, densities in Mg m-3.

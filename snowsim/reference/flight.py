@@ -25,8 +25,8 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`; `rng` is its own.
 
     Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts. Layers lie where the mean
-    echo of their horizon peaks, NaN where it hardly rises over the snow above or the range line is missing; deeper ones
-    than are seen are left out. Attributes say that they are synthetic, how many looks they have, and where they lie.
+    echo of their horizon peaks, NaN where it hardly rises over the snow above or the range line is missing; layers too
+    deep to be seen are left out. Attributes say that they are synthetic, their looks and position.
     ValueError if there is no such frame, or the frames do not fit on the line.
     """
     radar = settings.radar
@@ -145,7 +145,7 @@ def _along_track(position_km, surface_row, radar, n_range_bins):
 
 
 def _layers_dataset(picked, twtt_s, radar, slow_time, attributes):
-    """Layer dataset of picks in range bins; layers that no range line shows at the bottom are left out."""
+    """Layer dataset of picks in range bins, down to the deepest layer with a pick."""
     deepest = int(np.flatnonzero(np.isfinite(picked).any(axis=1)).max(initial=0))
     picked = picked[: deepest + 1]
     picks = {"twtt": (("layer", "slow_time"), twtt_s[0] + picked * radar.bin_size_s, {"units": "s"})}

@@ -1,4 +1,4 @@
-"""What is annotated: how deep horizons can be seen, and an emulated semi-automatic picker."""
+"""Annotation: how deep horizons can be seen, and an emulated semi-automatic picker."""
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -7,14 +7,14 @@ from snowsim.echogram import crossing_layers
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
 REACH_BINS = 4  # how far from a layer the picker looks for its peak
-LAST_TRUSTED_BINS = 3.0  # a picker this far off is on something else; the person who checks takes it out
-AGAIN_DB = 0.5  # a lost layer is taken up again only when it rises this much more
+LAST_TRUSTED_BINS = 3.0  # a pick further off follows something else; the person who checks removes it
+AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
 
 
 def rise_db(mean_power, layer_bins, n_windows):
     """How much each layer rises over the snow above it in mean power, (layer, window) [dB].
 
-    Power on the layer over the least between it and the layer above, each averaged along the layers over `n_windows`
+    Power on the layer over the minimum between it and the layer above, each averaged along the layers over `n_windows`
     pieces, so that no single minimum decides; infinite for the surface, NaN where the layer leaves the record.
     `mean_power` (range_bin, range_line) is free of speckle, with noise; `layer_bins` (layer, range_line) complete.
     """
@@ -46,7 +46,7 @@ def n_visible_layers(rise, visible_db):
 
 
 def pick_visible(rise, layer_bins, gap_db):
-    """Layers with NaN where their own rise, read between the windows' centres, is less than `gap_db`."""
+    """Layers with NaN where their own rise, interpolated between the windows' centres, is less than `gap_db`."""
     n_windows, n_lines = rise.shape[1], layer_bins.shape[1]
     centres = (np.arange(n_windows) + 0.5) * n_lines / n_windows - 0.5
     picked = layer_bins.copy()
@@ -60,10 +60,10 @@ def pick_peaks(power, layer_bins, settings):
     """Layers as a semi-automatic picker finds them on an echogram, (layer, range_line), whole bins, NaN where lost.
 
     A person marks a layer where it is clearest; from there the picker follows its peak to both sides, line by line, at
-    most one bin per line, on an image averaged along track. It loses a layer that rises too little over what is above
-    and below (weak layers, and steep ones, which the averaging blurs), takes it up again behind the gap, and drops
-    short pieces. A piece that strayed to something else is taken out by the person who checks it: the picker misses
-    pixels, it does not invent layers. `power` is linear; the complete `layer_bins` lie inside it.
+    most one bin per line, on an image averaged along track. It loses a layer that rises too little over the snow above
+    and below (weak layers, and steep ones, which the averaging blurs), picks it up again behind the gap, and drops
+    short pieces. The person who checks removes pieces that follow something else: the picker misses pixels, it does
+    not invent layers. `power` is linear; the complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
     smooth_db = uniform_filter1d(10 * np.log10(power), settings.picker_lines, axis=1, mode="nearest")

@@ -1,4 +1,4 @@
-"""What the radar makes of a point: range response of the sweep, off-nadir tail, looks, and faults along the flight."""
+"""The radar: range response of the sweep, off-nadir tail, looks, and faults along the flight."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,14 +10,14 @@ from scipy.signal import lfilter, upfirdn
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 
 RESPONSE_WIDTH = 4  # half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB
-PEDESTAL_FALLS = 6  # sidelobes are followed over so many e-folds, to 26 dB below their level
+PEDESTAL_FALLS = 6  # sidelobes are computed over this many 1/e delays, to 26 dB below their level
 TAIL_END = 1e-4  # the off-nadir tail is cut where it falls below this share of its peak
 SATURATION_NOISE = 10.0  # an overloaded receiver's noise, relative to a sound one's
 SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
 
 
 def hann_response(delay_s, bandwidth_hz):
-    """Amplitude of an FMCW radar's answer to a point, its beat signal weighted by a Hann window, 1 at zero delay.
+    """Amplitude of an FMCW radar's response to a point, its beat signal weighted by a Hann window, 1 at zero delay.
 
     Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with
     ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an
@@ -39,7 +39,7 @@ def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
 
 
 def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
-    """Power from the annulus that a pulse lights up at a delay [s] after the nadir point, relative to zero delay.
+    """Power from the annulus illuminated at a delay [s] after the nadir point, relative to zero delay.
 
     Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay ``2 pi R dR/dt``,
     spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane form of Brown (1977), IEEE Trans.
@@ -81,7 +81,7 @@ def range_response(radar):
 def interface_waveform(radar, rms_slope, roughness_m):
     """`Waveform` of an interface: annuli of the off-nadir tail, spread by the roughness within the footprint.
 
-    `roughness_m` is the standard deviation of height; refraction in snow is put at 1.3.
+    `roughness_m` is the standard deviation of height; the refractive index of snow is taken as 1.3.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
     finer = 8
@@ -113,8 +113,8 @@ def draw_look(amplitude, radar, margin, *, rng):
     """Complex echo of one look at range bins, complex64 (range_line, range_bin).
 
     Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian; the range response
-    makes neighbouring bins alike. `amplitude` float32 (range_line, sub_bin): square root of half their mean power.
-    float32: rounding is 1e-7 of a quantity that scatters by itself.
+    correlates neighbouring bins. `amplitude` float32 (range_line, sub_bin): square root of half their mean power.
+    float32: rounding is 1e-7 of a quantity that is itself random.
     """
     parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
     parts *= amplitude
@@ -149,7 +149,7 @@ def _filtered(field, taps, n_sub_bins, margin):
 def sidelobes(radar):
     """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred; to be added to the scatterers.
 
-    Deconvolution leaves a pedestal on both sides of every echo, that falls exponentially with delay; within the main
+    Deconvolution leaves a pedestal on both sides of every echo that falls exponentially with delay; within the main
     lobe, 2 / B to either side, there is none. `sidelobe_db` is its level at zero delay relative to the echo's peak.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
@@ -164,7 +164,7 @@ def sidelobes(radar):
 def draw_coherent_noise(n_sub_bins, radar, *, rng):
     """Power of horizontal bands of coherent noise over thermal noise, float32 (sub_bin,).
 
-    What the removal of coherent noise leaves: bands at fixed travel times, one every `band_spacing_s` on average, of
+    Residual after removal of coherent noise: bands at fixed travel times, one every `band_spacing_s` on average, of
     exponentially distributed power about `band_noise_db` and Gaussian shape.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
@@ -176,7 +176,7 @@ def draw_coherent_noise(n_sub_bins, radar, *, rng):
 
 
 def quantised(power, step_db):
-    """Power in whole steps of decibels, as a product stores it; 0 leaves it as it is. No power stays none."""
+    """Power in whole steps of decibels, as a product stores it; a step of 0 changes nothing. Zero power stays zero."""
     if step_db == 0:
         return power
     with np.errstate(divide="ignore"):
@@ -197,7 +197,7 @@ def draw_roll_gain(n_lines, radar, *, rng):
 
 
 def draw_receiver_gain(n_lines, radar, *, rng):
-    """Receiver gain, (range_line,), linear power: brightness jumps that last until the next one, and line to line."""
+    """Receiver gain, (range_line,), linear power: brightness jumps, each until the next, and gain from line to line."""
     jumps_db = np.where(rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
     return 10 ** ((np.cumsum(jumps_db) + radar.line_gain_sd_db * rng.standard_normal(n_lines)) / 10)
 
@@ -205,8 +205,8 @@ def draw_receiver_gain(n_lines, radar, *, rng):
 def draw_surface_row(n_lines, surface_bin, radar, *, rng):
     """Row of the surface after elevation compensation, (range_line,).
 
-    The aircraft's movement is taken out in whole range bins, as the product does, which leaves its fraction; the
-    tracker that steers the compensation adds a slow error.
+    The aircraft's movement is removed in whole range bins, as in the product, which leaves its fraction; the tracker
+    that steers the compensation adds a slow error.
     """
     bin_m = radar.bin_size_s * SPEED_OF_LIGHT_M_S / 2
     persistence = np.exp(-radar.line_spacing_m / 200)

@@ -59,7 +59,7 @@ class ClimateSettings:
     open_year: float = 0.8
 
     def __post_init__(self):
-        # Below half, more years lie in a window than a climate has; above three, a year is thicker than anywhere there.
+        # Below half, a window holds more years than a climate has; above three, years are thicker than anywhere there.
         check_within(self, 0.5, 3, "accumulation_factor")
         check_within(self, 0, 1, "anomaly_sd", "undulation_sd", "drift_sd", "relief_sd")
         check_positive(self, "undulation_min_km", "undulation_max_km", "drift_length_m", "relief_length_m")
@@ -188,7 +188,7 @@ class RadarSettings:
 
 @dataclass(frozen=True)
 class PickSettings:
-    """What is annotated."""
+    """Annotation: what can be seen, and what the picker finds."""
 
     visible_db: float = 1.0
     gap_db: float = 0.2
@@ -217,7 +217,7 @@ GROUPS = {"climate": ClimateSettings, "firn": FirnSettings, "radar": RadarSettin
 def checked_settings(reference):
     """Settings from the `reference` section of a configuration: dicts `climate`, `firn`, `radar`, `picks`.
 
-    What is left out keeps its default. ValueError, naming the key, if one is unknown or a value out of range.
+    Missing keys keep their defaults. ValueError, naming the key, if one is unknown or a value out of range.
     """
     _refuse_unknown(reference, GROUPS, "reference")
     made = {}

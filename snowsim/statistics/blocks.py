@@ -11,17 +11,17 @@ from snowsim.constants import BLOCK_LINES
 
 # Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab, decametre drift does not.
 BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
-MINIMUM_PAIRS = 4  # blocks and slabs that tell the correlation at a separation
+MINIMUM_PAIRS = 4  # (block, slab) pairs needed to estimate the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
-STRETCHES = (1, 2, 4, 8, 16)  # a block: spectra are those of the longest of which enough have no gap
+STRETCHES = (1, 2, 4, 8, 16)  # per block: spectra come from the longest stretches of which enough have no gap
 ENOUGH_SHARE = 0.1  # of the number of blocks
-NOISE_WAVENUMBER = 0.375  # [cycles per line] above it no picked geometry is known to undulate: what is there is noise
-SURE = 3.0  # standard errors from which on noise of picks is believed: few blocks make two by chance
-# A spectrum ends where, over 7 wavenumbers, it is less than 1.5 times the noise of picks: of 4 stretches, whose tapered
-# ordinates pair up, that mean of noise alone scatters by a quarter.
+NOISE_WAVENUMBER = 0.375  # [cycles per line] above it, picked layers are not known to undulate: what is there is noise
+SURE = 3.0  # standard errors above which pick noise is accepted: with few blocks, two occur by chance
+# A spectrum ends where its mean over 7 wavenumbers is below 1.5 times the pick noise: with 4 stretches, whose tapered
+# ordinates correlate in pairs, that mean scatters by a quarter for noise alone.
 NOISE_SMOOTHING, CLEARANCE = 7, 1.5
-FAINT = 1e-3  # of a band's largest density, below which wavenumbers do not tell its correlation
+FAINT = 1e-3  # of a band's largest density, below which wavenumbers do not count for its correlation
 
 
 def thickness_blocks(summary, n_layers):
@@ -47,9 +47,9 @@ def block_means(thickness):
 def block_levels(mean):
     """Mean thickness of slab 0 in every block, (block,) [bins], and whether slab 0 was picked there, bool (block,).
 
-    From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is taken as a level of the
-    block times a factor of the slab: both follow by least squares of the logarithms, in alternating sweeps from the
-    blocks that do have slab 0. NaN for a block that shares no slab with the others.
+    From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is modelled as the block's
+    level times the slab's factor: both follow by least squares of the logarithms, in alternating sweeps that start from
+    blocks with slab 0. NaN for a block that shares no slab with the others.
     """
     known = np.isfinite(mean)
     own = known[:, 0]
@@ -69,10 +69,10 @@ def block_levels(mean):
 
 
 def stretches(thickness, minimum):
-    """Thickness (block, slab, range_line) cut along track into stretches that are often without gaps, blocks if any.
+    """Thickness (block, slab, range_line) cut along track into stretches of which enough have no gap.
 
-    Whole blocks if `minimum` of their series, over all slabs, and a tenth of the number of blocks have no gap; in short
-    images of layers that come and go halves, quarters ... of blocks, down to a sixteenth. ValueError if none is whole.
+    Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of blocks, have no gap;
+    otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if every stretch has gaps.
     """
     n_blocks, n_slabs, n_lines = thickness.shape
     enough = max(minimum, ENOUGH_SHARE * n_blocks)
@@ -90,18 +90,18 @@ def stretches(thickness, minimum):
 
 @lru_cache(maxsize=8)
 def taper_of(n_lines):
-    """Hann taper, and by wavenumber what the periodogram of a white series of unit variance has after it, over 2."""
+    """Hann taper, and half the expected periodogram of a tapered white series of unit variance, by wavenumber."""
     taper = hann(n_lines + 2)[1:-1]
     response = np.fft.rfft(detrend(np.eye(n_lines), axis=0) * taper[:, None], axis=0)
     return taper, (np.abs(response) ** 2).sum(axis=1) / n_lines
 
 
 def fourier(series, tapered):
-    """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` tells.
+    """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` gives.
 
-    About the mean; `tapered`, about the least-squares line under a Hann taper, each wavenumber scaled so that a white
-    series keeps its density. A plain transform leaks as k^-2; of the tapered, densities as steep as k^-6 are expected
-    within .4 dB from two cycles on. From the lowest cycle the line takes up to .7 dB more where spectra are steep.
+    About the mean; if `tapered`, about the least-squares line under a Hann taper, each wavenumber scaled so that white
+    series keep their density. A plain transform leaks as k^-2; a tapered one recovers densities as steep as k^-6 within
+    .4 dB from two cycles on. At the lowest cycle, the line removes up to .7 dB more if spectra are steep.
     """
     n = series.shape[-1]
     if not tapered:
@@ -124,7 +124,7 @@ def periodogram(series, *, tapered=False):
 
 
 def on_wavenumbers(density, n_lines):
-    """Density of shorter stretches at the wavenumbers of `n_lines`, straight between, level below the lowest."""
+    """Density of shorter stretches at the wavenumbers of `n_lines`: linear between, constant below the lowest."""
     n = 2 * (density.shape[-1] - 1)
     if n == n_lines:
         return density
@@ -144,9 +144,9 @@ def rises(series):
 def pick_noise(series, served, minimum):
     """Variance of the noise of each layer's picks and its standard error, two (layer,) [bins^2].
 
-    Of stretches (stretch, slab, range_line), some `served`. Noise of a layer's pick makes the slab above thicker, that
-    below thinner: its density is minus the real part of their cross-spectrum, read above `NOISE_WAVENUMBER`, taken as
-    white. The first and last layer, and those of fewer than `minimum` stretches, have the mean of all.
+    From stretches (stretch, slab, range_line) that are `served` (stretch, slab). Noise of a layer's picks thickens the
+    slab above and thins the one below: its density is minus the real part of their cross-spectrum above
+    `NOISE_WAVENUMBER`, taken as white. The first and last layer, and those of fewer than `minimum`, take the mean.
     """
     n_layers = served.shape[1] + 1
     spectrum = fourier(np.where(served[..., None], series, 0), True)
@@ -164,14 +164,14 @@ def pick_noise(series, served, minimum):
 
 
 def without_noise(density, noise):
-    """Density (..., wavenumber) less a noise density; zero from the wavenumber where noise makes two thirds of it."""
+    """Density (..., wavenumber) less a noise density; zero from the wavenumber where noise is two thirds of it."""
     smooth = uniform_filter1d(density, NOISE_SMOOTHING, axis=-1, mode="nearest")
     lost = (smooth < CLEARANCE * noise) & (np.arange(density.shape[-1]) > 0)
     return np.where(np.logical_or.accumulate(lost, axis=-1), 0.0, np.maximum(density - noise, 0.0))
 
 
 def _mean_where(held, values, axis):
-    """Mean of the values held, NaN where there is none."""
+    """Mean of the values where `held`, NaN where there is none."""
     n = held.sum(axis=axis)
     return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)
 
@@ -179,8 +179,8 @@ def _mean_where(held, values, axis):
 def undulation_correlation(series, served, density, *, tapered):
     """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
 
-    Of the stretches (stretch, slab, range_line) that are `served` (stretch, slab). The expected `density` (stretch,
-    slab, wavenumber), 0 where it is not known, makes wavenumbers weigh the same, but those 30 dB below their band's.
+    From the stretches (stretch, slab, range_line) that are `served` (stretch, slab). Dividing by the expected `density`
+    (stretch, slab, wavenumber), 0 where unknown, weights all equally; those 30 dB below their band's are left out.
     """
     spectrum = fourier(np.where(served[..., None], series, 0), tapered)
     rows = []
@@ -196,7 +196,7 @@ def undulation_correlation(series, served, density, *, tapered):
 def mean_correlation(relative, zone, minimum):
     """Correlation between slabs of relative block means (block, slab) about the mean of their zone, (separation,).
 
-    A zone needs `minimum` blocks of a slab to know its mean. Slab 0 is 1 by definition and says nothing.
+    A zone needs `minimum` blocks of a slab for a mean. Slab 0 is 1 by definition and is left out.
     """
     anomaly = np.zeros(relative.shape)
     for z in np.unique(zone):
@@ -212,7 +212,7 @@ def mean_correlation(relative, zone, minimum):
 def correlation_by_separation(values):
     """Mean correlation of (block, slab, sample) at separations in slabs, (separation,); absent samples are 0.
 
-    A separation seen in fewer than `MINIMUM_PAIRS` blocks and slabs takes the value of the one before, at first 0.
+    A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the value of the one before, the first 0.
     """
     n_slabs = values.shape[1]
     correlation = np.ones(n_slabs)

@@ -1,4 +1,4 @@
-"""Values by layer of either estimator: means over averaged lines, rules where there are none, mean waveforms."""
+"""Values by layer of either estimator: means over averaged lines, substitutes where there are none, mean waveforms."""
 
 from dataclasses import dataclass
 
@@ -44,7 +44,7 @@ def deblended_values(measured, groups):
     power, _, n_groups = nan_moments(powers)
     reliable = (n_groups > 0) & (power > 2 * power_error)
     above_noise = np.maximum(measured.tracked_power - groups.noise_power, 0)
-    # Faint layers keep what deblending leaves of the others, never zero or less: only positive power can be rendered.
+    # Faint layers keep the share that deblending leaves of the others, always positive: only that can be rendered.
     share = np.median(power[reliable] / above_noise[reliable]) if (reliable & (above_noise > 0)).any() else 1.0
     floor = np.where(above_noise > 0, above_noise, measured.tracked_error + groups.noise_power)
     peak_power = _bridged(
@@ -85,7 +85,7 @@ def _with_errors(values):
 
 
 def _bridged(power, error, known):
-    """Power and error with layers not known set between their neighbours, linearly in the logarithm."""
+    """Power and error, with unknown layers interpolated between their neighbours, linearly in the logarithm."""
     layers, held = np.arange(known.size), np.flatnonzero(known)
     return tuple(
         np.where(known, values, np.exp(np.interp(layers, held, np.log(np.maximum(values[held], 1e-300)))))
@@ -94,7 +94,7 @@ def _bridged(power, error, known):
 
 
 def _layer_means(values):
-    """Mean and standard error over groups, and layers without one, which take the layer above (the first, below)."""
+    """Mean and standard error over groups, and which layers have none and take that of the layer above (or below)."""
     mean, error, n = nan_moments(values)
     held = np.flatnonzero(n > 0)
     if values.shape[1] and held.size == 0:
@@ -106,7 +106,7 @@ def _layer_means(values):
 
 
 def _mean_waveforms(groups, model):
-    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag); 0 where none reaches."""
+    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag); 0 where there is none."""
     n_rows = groups.power.shape[1]
     observed, modelled = (np.zeros((groups.present.shape[1], LAGS.size)) for _ in range(2))
     for layer in range(len(observed)):

@@ -10,21 +10,21 @@ from snowsim.statistics.lines import background_columns, describe, prepare_line,
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
-SHAPE_GROUPS = 60  # averaged lines per layer that fix its shape: 100 looks each leave decay rates known to some 1.5 %
-# Residuals of so many standard deviations weigh half: Holland & Welsch (1977), Commun. Stat. A6, 813-827.
+SHAPE_GROUPS = 60  # averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %
+# Residuals of this many standard deviations have half weight: Holland & Welsch (1977), Commun. Stat. A6, 813-827.
 CAUCHY = 2.385
-CLUSTER_GROUPS = 13  # averaged lines, about a block, within which what the model leaves out stays the same
-FEWEST_CLUSTERS = 8  # of a flight; a shorter one has shorter ones
+CLUSTER_GROUPS = 13  # averaged lines, about a block, within which misfit is taken as constant
+FEWEST_CLUSTERS = 8  # of a flight; a short flight has shorter clusters
 MAX_STEPS = 25
-STEPS_TRIED = 4  # from each start, of which the better goes on
-STEPS_ALONE = 6  # of layers all with shapes of their own, to see what no shape explains
+STEPS_TRIED = 4  # from each start; the better one goes on
+STEPS_ALONE = 6  # with a shape for every layer, to find the misfit that no shape explains
 MAX_ROUNDS = 4  # of letting layers depart from the shared shape
 STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
 LONGEST_STEP = np.array([0.5, 0.7, 2.0])
 FIRST_VARIANCES = (0.7, 8.0)  # [bins^2] starts: of a waveform as narrow as the range response, and of a wide one
 FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
 PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about their start; peak offset [bins]
-RESIDUAL_TOLERANCE = 2e-4  # of itself: what then still moves, the data do not tell
+RESIDUAL_TOLERANCE = 2e-4  # relative change of the loss: what still moves then, the data do not constrain
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 
@@ -32,24 +32,24 @@ UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 def deblend(groups, decay_rate):
     """Shapes and powers of all layers of a flight, solved for jointly.
 
-    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none, whose medians are the start.
+    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their medians are the start.
     Returns shapes (layer, 3), log decay rate, log variance and distance of the waveform's peak below the pick [bins];
     their standard errors; peak powers above noise, background and neighbours (group, layer), NaN where absent; the
     standard error of their mean, (layer,), from their scatter and the errors of the shapes; and which layers have a
     shape of their own, bool (layer,).
 
     Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of eq. (1) of Yari et
-    al. (2021), averaged over the parts of a group: the rows of a layer differ within a part by a variance v_l, which to
-    second order widens the Gaussian, and nothing else. Powers and `background_columns` are free in every group and
+    al. (2021), averaged over the parts of a group: within a part, a layer's rows have a variance v_l, which to
+    second order only widens the Gaussian. Powers and `background_columns` are free in every group and
     linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset
-    are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers, and a layer departs from
-    it only where the Bayesian information criterion asks for it, see `departing`. Residuals weigh 1 / P^2, as speckle
-    asks, and less where they are large (`CAUCHY`): echoes nobody picked are no part of the waveform. A broad prior
-    (`PRIOR_DEVIATION`) holds what the data say nothing about. A layer that gaps hide between two others is kept as a
-    nuisance at an interpolated row; what lies below the last pick was not annotated.
+    are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs from
+    it only if the Bayesian information criterion favours it, see `departing`. Residuals are weighted by 1 / P^2 because
+    of speckle, and large ones less (`CAUCHY`), because unpicked echoes are no part of the waveform. A broad prior
+    (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked ones is kept as a
+    nuisance at an interpolated row; below the last pick nothing is annotated.
 
-    Standard errors cover misfit: that of the model is taken to be the same within `CLUSTER_GROUPS` groups, and along
-    the whole flight in a layer of its own (scores summed by either, the two variances added).
+    Standard errors include misfit, which is taken as constant within `CLUSTER_GROUPS` groups, and for each layer along
+    the whole flight (scores are summed by either, and the two variances added).
     """
     n_layers = groups.present.shape[1]
     prepared = {group: prepare_line(groups, group) for group in _spread_out(groups.present)}
@@ -60,7 +60,7 @@ def deblend(groups, decay_rate):
     starts = _starts(decay_rate, kind)
     tried = (_solve(start, kind, lines, STEPS_TRIED) for start in starts)
     solution = _solve(min(tried, key=lambda found: found.loss).shape_of_kind, kind, lines)
-    # What no common shape explains is estimated from shapes of their own.
+    # Misfit that no shape explains is estimated with a shape for every layer.
     lasting = lasting_misfit(
         _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind, lines
     )
@@ -82,7 +82,7 @@ def deblend(groups, decay_rate):
 
 @dataclass(frozen=True)
 class Solution:
-    """Shapes by kind of layer (kind, 3) and what the last step knew: loss, matrix, gradients of lines, leverage."""
+    """Shapes by kind of layer (kind, 3), and of the last step: loss, matrix, gradients of lines, leverage."""
 
     shape_of_kind: np.ndarray
     loss: float
@@ -108,7 +108,7 @@ def _of_kind(kind):
 
 
 def _solve(start, kind, lines, n_steps=MAX_STEPS):
-    """`Solution` from a start (kind, 3), by Gauss-Newton steps with residuals weighed anew at each."""
+    """`Solution` from a start (kind, 3), by Gauss-Newton steps that each reweight the residuals."""
     spread = _of_kind(kind)
     shape, last = start, np.inf
     for line in lines:
@@ -120,7 +120,7 @@ def _solve(start, kind, lines, n_steps=MAX_STEPS):
         matrix = spread.T @ hessian @ spread
         matrix[np.diag_indices_from(matrix)] += information
         step = np.linalg.solve(matrix, spread.T @ gradient - information * (shape - start).ravel()).reshape(-1, 3)
-        # A step cut as a whole keeps its direction; kinds apart, so that one bad layer does not hold up the others.
+        # Scaled as a whole, a step keeps its direction; by kind, so that one bad layer does not slow the others.
         step /= np.maximum(1, (np.abs(step) / LONGEST_STEP).max(axis=1, keepdims=True))
         moved = np.clip(shape + step, LOWER, UPPER) - shape
         shape = shape + moved
@@ -131,7 +131,7 @@ def _solve(start, kind, lines, n_steps=MAX_STEPS):
 
 
 def _with_covariance(solution, cluster, kind):
-    """Shapes by layer (layer, 3) and their covariance (3 layer, 3 layer), misfit covered."""
+    """Shapes by layer (layer, 3) and their covariance (3 layer, 3 layer), misfit included."""
     spread = _of_kind(kind)
     by_line = solution.scores @ spread
     summed = clustered(by_line, cluster)
@@ -139,7 +139,7 @@ def _with_covariance(solution, cluster, kind):
     alone = np.zeros((kind.size, 3 * (kind.max() + 1)))
     for layer, k in enumerate(kind):
         alone[layer, 3 * k : 3 * k + 3] = by_layer[layer]
-    # What lasts within clusters, as a mean over shapes: a few clusters alone would not tell it for each.
+    # Correlation within clusters, as a mean over shapes: there are too few clusters to estimate it for each.
     lasting = np.mean((summed**2).sum(axis=0) / np.maximum((by_line**2).sum(axis=0), 1e-300))
     scatter = by_line.T @ by_line * max(lasting * len(summed) / max(len(summed) - 1, 1), 1) + alone.T @ alone
     matrix = spread.T @ solution.hessian @ spread
@@ -157,7 +157,7 @@ def model_lines(shape, groups):
 
 
 def _columns(shape, groups):
-    """Yield the number of each group that can be fitted, its `Line` and the linear model of that."""
+    """Yield the number of each group that can be fitted, its `Line` and its linear model."""
     described = describe(shape)
     for group in range(len(groups.power)):
         line = prepare_line(groups, group)
@@ -180,8 +180,8 @@ def _spread_out(present):
 def _normal_equations(shape, lines, deviation):
     """What a Gauss-Newton step needs: matrix and gradient of all shapes, gradient of each line.
 
-    Then the mean change of the powers with the shapes, (layer, 3 layer), and of the residuals the standard deviation,
-    from their median, and the mean loss. Residuals weigh as `deviation` of the step before says.
+    Then the mean change of the powers with the shapes, (layer, 3 layer), the standard deviation of the residuals, from
+    their median, and the mean loss. The residuals' weights follow from the `deviation` of the step before.
     """
     n_layers = len(shape)
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
@@ -195,12 +195,12 @@ def _normal_equations(shape, lines, deviation):
         n = line.layers.size
         powers, _ = solve_powers(linear, line)
         relative = (line.signal - powers @ linear) / line.scale
-        # Less weight to large residuals, then once more.
+        # Solved again with less weight on large residuals.
         weighed = replace(line, scale=line.scale * np.sqrt(1 + (relative / (CAUCHY * deviation)) ** 2))
         powers, factor = solve_powers(linear, weighed)
         model = powers @ linear
         residuals.append((line.signal - model) / line.scale)
-        # Layers between picks help to explain the line; where they are guessed, they say nothing on their shape.
+        # Unpicked layers between picks help to explain the line, but at guessed rows do not constrain their shape.
         slopes = (columns[1:] * powers[:n, None] / weighed.scale)[:, line.picked]
         slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
         mixed = linear / weighed.scale @ slopes.T

@@ -1,4 +1,4 @@
-"""Which layers have a waveform of their own: what a shape gains against what echoes nobody picked would give it."""
+"""Which layers have a waveform of their own: gain of a separate shape against the gain that unpicked echoes cause."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from snowsim.statistics.lines import background_columns, describe, solve_powers,
 
 MISFIT_LAGS = np.arange(-3, 13)  # [bins] of a layer's echo over which misfit is looked for
 ECHO_LAGS = np.arange(-8, 13)  # [bins] from the layer, where unpicked echoes lie that overlap it
-MISFIT_LINES = 10  # averaged lines that tell it
+MISFIT_LINES = 10  # averaged lines needed to estimate it
 LEAST_SHARE = 0.02  # of an echo's squared profile that must remain
 
 
@@ -17,11 +17,11 @@ def clustered(scores, cluster):
 
 
 def lasting_misfit(shape, lines):
-    """Variance that echoes which last along the flight, but nobody picked, give a layer's score a line, (layer,).
+    """Variance per line of a layer's score from unpicked echoes that persist along the flight, (layer,).
 
-    Such an echo has the shared waveform and lies anywhere about the layer. What the mean profile of a layer's residuals
-    at `MISFIT_LAGS` holds beyond its own power and shape, and beyond speckle, tells how strong they are in the
-    layer that has most; what of them looks like another shape follows.
+    Such an echo has the shared waveform and lies anywhere about the layer. Its strength is what the mean profile of
+    residuals at `MISFIT_LAGS` has beyond the layer's own power and shape and beyond speckle, in the layer with most of
+    it. From that follows the part that looks like another shape.
     """
     n_layers, described = len(shape), describe(shape)
     profiles, n_lines = np.zeros((n_layers, 6, MISFIT_LAGS.size)), np.zeros(n_layers)
@@ -53,7 +53,7 @@ def lasting_misfit(shape, lines):
         speckle = np.mean(squares) / n_lines[layer] * (free + 4 * np.sqrt(2 * free))
         left = (residual**2).sum() - ((basis.T @ residual) ** 2).sum() - speckle
         remains = (echo**2).sum() - (part**2).sum()
-        # Of a wide waveform nearly all of an echo could be its shape: what remains tells nothing.
+        # For a wide waveform, a change of shape can explain nearly all of an echo: the rest is too small to use.
         if remains > LEAST_SHARE * (echo**2).sum():
             strength.append(left / remains)
         alike[layer] = (part[1:] ** 2).sum() / 3
@@ -61,12 +61,12 @@ def lasting_misfit(shape, lines):
 
 
 def departing(solution, cluster, kind, lasting):
-    """Buried layers whose scores ask for a shape of their own, bool (layer,).
+    """Buried layers whose scores favour a shape of their own, bool (layer,).
 
     ``s' H^-1 s / phi`` is what a layer gains by its own shape, s its score at the shared one and H its part of the
-    matrix. Rows do not count one by one: phi is the mean over layers of ``tr(H^-1 B) / 3``, B the scatter of s between
-    clusters, for unpicked echoes last along track, plus the variance `lasting (layer,)` for each line, for some last as
-    long as the layer. The Bayesian information criterion asks for 3 log(n) of n clusters and layers.
+    matrix. Rows are not independent, because unpicked echoes persist along track: phi is the mean over layers of
+    ``tr(H^-1 B) / 3``, B the scatter of s between clusters, plus the variance `lasting (layer,)` for each line, because
+    some echoes persist as long as the layer. The Bayesian information criterion requires 3 log(n) of n clusters.
     """
     summed = clustered(solution.scores, cluster).reshape(-1, kind.size, 3)
     blocks = solution.hessian.reshape(kind.size, 3, kind.size, 3)

@@ -7,16 +7,16 @@ from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
 
 DB = 10 / np.log(10)
 STEPS_BETWEEN = 10  # samples from a layer above to a pick, where the valley is sought
-END_GROUPS = 4  # averaged lines that tell a contrast
-BELOW_BINS = 8  # [bins] below the last pick its own echo rules
-PEAK_DEVIATIONS = 4.0  # of speckle that an unpicked echo rises
+END_GROUPS = 4  # averaged lines needed to measure a contrast
+BELOW_BINS = 8  # [bins] below the last pick in which its own echo dominates
+PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
 
 
 def end_contrasts(groups, frame_of):
     """Rise of layers over the snow above where no deeper one is picked: frame and dB of every averaged line.
 
-    Power on the pick over the least between it and the layer above, of the stretch the averaged line is in, of at least
-    `END_GROUPS`: the least is sought on half of them and read on the others, so that it is not too low by speckle.
+    Power on the pick over the minimum between it and the layer above, in stretches of at least `END_GROUPS` averaged
+    lines: the minimum is located on half of the lines and read on the others, so that speckle does not bias it low.
     """
     ends = []
     for frame in np.unique(frame_of):
@@ -33,7 +33,7 @@ def end_contrasts(groups, frame_of):
 
 
 def _rise(groups, members, layer):
-    """Power on a layer over the least between it and the one above [dB]."""
+    """Power on a layer over the minimum between it and the one above [dB]."""
     position = groups.position[members].mean(axis=2)
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
     rows = position[:, layer - 1, None] + step * (position[:, layer] - position[:, layer - 1])[:, None] - FIRST_ROW

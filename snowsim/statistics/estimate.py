@@ -52,10 +52,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
 
     Notes
     -----
-    Layers are reported down to the last that is in `MINIMUM_GROUPS` averaged lines. Where a layer gives no value of its
-    own, `substituted` is 1: in `paper` a decay rate or width is that of the layer above; in `deblended` a power not two
-    standard errors above zero is tracked power above the noise times the share that deblending leaves of the other
-    layers. The power of a layer never picked lies, in dB, between its neighbours'.
+    Layers are reported down to the last that is in `MINIMUM_GROUPS` averaged lines. If a layer yields no value of its
+    own, `substituted` is 1: `paper` takes decay rate or width from the layer above; `deblended` replaces a power below
+    two standard errors by tracked power above noise, times the share that deblending leaves of the other layers.
+    The power of a layer that is never picked is interpolated in dB between its neighbours'.
     Only the decay rate of the deepest layer in `paper` is NaN.
     """
     check_choice("estimator", estimator, ESTIMATORS)

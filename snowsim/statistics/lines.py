@@ -10,9 +10,9 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.paper import OPEN_END_BINS
 from snowsim.statistics.summaries import FIRST_ROW
 
-RISE_DEVIATIONS = 7.0  # a waveform is cut where it is 1e-10 of its peak above
-FALL_NEPERS = 14.0  # and 1e-6 of it below
-BACKGROUND_FALLS = (30.0, 100.0, 1000.0)  # [bins] e-folds of unpicked scatter; their sum follows most declines
+RISE_DEVIATIONS = 7.0  # above its peak, a waveform is cut at 1e-10 of the peak
+FALL_NEPERS = 14.0  # and below it at 1e-6
+BACKGROUND_FALLS = (30.0, 100.0, 1000.0)  # [bins] e-folding depths of unpicked scatter; sums of them fit most declines
 BACKGROUND_RISE = 0.1  # [per bin] how fast it sets in below the surface: about a waveform's decay
 
 
@@ -39,8 +39,8 @@ class Line:
     layers: np.ndarray  # numbers of its layers, (layer,)
     position: np.ndarray  # (layer, part)
     spread: np.ndarray  # (layer, part)
-    picked: np.ndarray  # (layer,), False for layers that gaps hide between others
-    scale: np.ndarray  # residuals weigh 1 / scale^2, (row,)
+    picked: np.ndarray  # (layer,), False for unpicked layers between picked ones
+    scale: np.ndarray  # residuals are weighted by 1 / scale^2, (row,)
 
 
 def prepare_line(groups, group):
@@ -131,7 +131,7 @@ def solve_powers(columns, line):
     """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
     weighted = columns / line.scale
     normal = weighted @ weighted.T
-    # Two layers under one another cannot be distinguished: 1e-9 of the diagonal keeps the factor, far below the noise.
+    # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far below the noise.
     normal[np.diag_indices_from(normal)] *= 1 + 1e-9
     normal[np.diag_indices_from(normal)] += 1e-300
     factor = cho_factor(normal)
@@ -139,15 +139,15 @@ def solve_powers(columns, line):
 
 
 def rescale(line, model):
-    """Weight scale of the next step: the mean power expected, but never below the smoothed one."""
+    """Scale of the next step's weights: the expected mean power, but never below the smoothed one."""
     line.scale = np.maximum(model + line.noise_power, line.smooth)
 
 
 def background_columns(line):
-    """What unpicked snow scatters, by e-fold of its decline below the surface, (e-fold, row); no free shape.
+    """Power of unpicked snow, by e-folding depth of its decline below the surface, (fall, row); no free shape.
 
-    Power from scatterers of density exp(-z / fall) is that exponential less the waveform's, ``exp(-rise z)``. With it a
-    decline that goes on below a layer's own is not taken for the layer's.
+    Power from scatterers of density exp(-z / fall) is that exponential less the waveform's, ``exp(-rise z)``. It keeps
+    a decline that continues below a layer's own decay from being taken for the layer's.
     """
     depth = np.maximum(line.rows - (line.position[0].mean() if line.layers[0] == 0 else 0.0), 0)
     return np.array([np.exp(-depth / fall) - np.exp(-BACKGROUND_RISE * depth) for fall in BACKGROUND_FALLS])

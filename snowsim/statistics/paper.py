@@ -6,7 +6,7 @@ from numba import njit
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
 
 PEAK_REACH_BINS = 8  # the waveform's peak lies up to 6 bins below its Gaussian for variances of 10-15
-OPEN_END_BINS = 40  # how far below the last pick of a line a width is looked for
+OPEN_END_BINS = 40  # how far below the last pick of a line a width is searched for
 
 
 def is_present(n_picks):
@@ -45,7 +45,7 @@ def nan_moments(values):
     n = known.sum(axis=0)
     mean = np.where(known, values, 0).sum(axis=0) / np.maximum(n, 1)
     squares = np.where(known, (values - mean) ** 2, 0).sum(axis=0)
-    # One value scatters as itself, for want of a second.
+    # A single value is taken as its own scatter.
     deviation = np.where(n > 1, np.sqrt(squares / np.maximum(n - 1, 1)), np.abs(mean))
     return mean, deviation / np.sqrt(np.maximum(n, 1)), n
 

@@ -1,4 +1,4 @@
-"""How the radiometry of a flight varies: between blocks, along track, where picks end, and what was not picked."""
+"""How the radiometry of a flight varies: between blocks, along track, where picks end, and in unpicked snow."""
 
 import numpy as np
 from scipy.optimize import nnls
@@ -15,15 +15,15 @@ from snowsim.statistics.texture import texture
 
 DB = 10 / np.log(10)
 MOST_PARTS = 20  # of a flight, left out one at a time for standard errors
-FEWEST = 4  # blocks or layers that tell a spread
-BACKGROUND_FROM = 8  # [bins] below the surface's pick: nearer, its own echo rules
-LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)  # [bins] e-folds of the background's mean: their sum follows most declines
+FEWEST = 4  # blocks or layers needed to estimate a spread
+BACKGROUND_FROM = 8  # [bins] below the surface's pick: closer, its own echo dominates
+LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)  # [bins] e-folding depths of the mean background: sums fit most declines
 NAMES = (
     *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
     *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db", *TEXTURE),
 )
-END_QUANTILE = 0.25  # of the rise of layers where picks end: those that an annotator just still sees
-# Where the flight cannot tell: no spread, no echo within an image, all picks count; no texture, fading, background.
+END_QUANTILE = 0.25  # of the rise of layers where picks end: those that an annotator can only just see
+# Where the flight is too short: no spread, no echo within an image, all picks count; no texture, fading, background.
 STAND_INS = [0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 0.0, 1.0, 1.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(LAW_FALLS)
 
 
@@ -36,24 +36,24 @@ def power_on_picks(summary, n_layers, noise_power):
 
 
 def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
-    """Statistics of radiometry that varies, name to (dimensions, values), and attributes that say what they rest on.
+    """Statistics of how radiometry varies, name to (dimensions, values), and an attribute that names missing ones.
 
     From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates of eq. (2) (group,
-    layer), values by layer of either estimator, and the flight's looks. Each has a standard error, by leaving out parts
-    of the flight (jackknife). What the flight cannot tell does not vary, has no error and is named in the attribute
-    ``radiometry_missing``; where picks end then does not count, and there are no echoes below the last:
+    layer), values by layer of either estimator, and the flight's looks. Each has a jackknife standard error, from
+    leaving out parts of the flight. A quantity that the flight is too short to estimate is set constant, has no error
+    and is named in ``radiometry_missing``; then all layers count as visible, and no echoes lie below the last pick:
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256 lines;
     - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each layer's mean over the
-      flight, common to all and of each beyond that; `decay_spread` of the logarithm of the decay rate, less its scatter
+      flight, common to all and each layer's own; `decay_spread` of the logarithm of the decay rate, less its scatter
       within blocks;
     - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface then buried
-      layers, see `fading`; `fading_speckle_db2` is the nugget that the looks leave;
-    - `end_contrast_db`: rise over the snow above that layers show where no deeper one is picked, the lower quartile;
+      layers, see `fading`; `fading_speckle_db2` is the nugget expected from the looks;
+    - `end_contrast_db`: rise over the snow above of layers below which none is picked, the lower quartile;
     - `line_gain_spread_db`, `texture_variance`, `texture_length_bins`, `texture_length_lines`: see `texture`;
-    - `background_power (fall)`, mean power of what was not picked, ``sum_k b_k exp(-depth / fall_k)``, its
-      `background_spread_db`; of echoes that rise out of it below the last pick the distance, `further_spacing_bins`,
-      and how far, `further_rise_db`.
+    - `background_power (fall)`, mean power of unpicked snow, ``sum_k b_k exp(-depth / fall_k)``, and its
+      `background_spread_db`; spacing and height of the echoes that rise out of it below the last pick,
+      `further_spacing_bins` and `further_rise_db`.
     """
     frame_of = np.repeat(np.arange(len(summary)), [len(frame.power) for frame in summary])
     part_of = np.arange(len(summary)) * min(MOST_PARTS, len(summary)) // max(len(summary), 1)
@@ -97,7 +97,7 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     parts = np.unique(part_of)
     if parts.size > 1:
         without = np.array([all_of(part_of != part) for part in parts])
-        # Not known where the flight without one of its parts cannot tell.
+        # NaN where the flight without one of its parts is too short.
         error = np.sqrt((parts.size - 1) * without.var(axis=0))
     missing = ~np.isfinite(value)
     value = np.where(missing, STAND_INS, value)
@@ -150,7 +150,7 @@ def _deviation(values):
 def _two_spreads(power_db):
     """Standard deviations of dB (block, layer) about each layer's mean: common to a block's layers, and beyond that.
 
-    The mean product of two layers of one block is the common variance. Means over n blocks take 1 / n of either.
+    The mean product of two layers of one block is the common variance. Subtracting means over n blocks removes 1 / n.
     """
     n = np.isfinite(power_db).sum(axis=0)
     usable = power_db[:, n >= FEWEST]
@@ -181,7 +181,7 @@ def _block_decays(decay_rate, block_of):
 
 
 def _decay_spread(sums):
-    """Standard deviation of block means, less what the scatter within blocks leaves of it."""
+    """Standard deviation of block means, less the part due to scatter within blocks."""
     total, square, n = sums[sums[:, 2] >= 2].T
     if n.size < FEWEST:
         return np.nan
@@ -211,7 +211,7 @@ def _modelled(groups, powers, by_layer):
 
 
 def _background(groups, powers, by_layer):
-    """What was not picked, by group over its mean law's depths; and depths, its profile, all power, and weight."""
+    """Mean unpicked power of each group; and rows, unpicked power, total power and weights by row, (group, row)."""
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     left = groups.power - groups.noise_power - _modelled(groups, powers, by_layer)
     used = np.isfinite(left) & (rows >= BACKGROUND_FROM) & groups.present[:, :1]
@@ -226,7 +226,7 @@ def _background(groups, powers, by_layer):
 def _background_law(depth, level, total, count):
     """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, (fall,).
 
-    Least squares of the mean `level`, which speckle of the mean `total` power of `count` averaged lines scatters.
+    Least squares of the mean `level`, weighted by the speckle of the mean `total` power of `count` averaged lines.
     """
     held = (count >= FEWEST) & (total > 0)
     if held.sum() < len(LAW_FALLS):

@@ -9,7 +9,7 @@ from snowsim.statistics.summaries import GROUP_LINES, stacked
 
 MOST_LOOKS = 1e6  # stands for power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
-MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they tell a correlation to 0.01
+MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they give a correlation to 0.01
 QUANTILES = np.concatenate([[0.001, 0.002, 0.005], np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 # Fading: autocovariance of power in dB, extrapolated from lags of one line and more to zero.
 DB = 10 / np.log(10)
@@ -23,7 +23,7 @@ def compare_with_gamma(tracked):
 
     `tracked (group, layer, line of the group)` is linear, NaN in gaps; only layers picked in every line of a group
     count, and fewer than two are refused. Yari et al. (2021) call tracked peak power chi-square; the average of M looks
-    is Gamma(M). Each value is divided by the mean of its 20 lines, which takes out brightness along track: if all are
+    is Gamma(M). Each value is divided by the mean of its 20 lines, which removes changes along track: if all are
     Gamma(M) of one mean, the quotient is 20 times a Beta(M, 19 M) of variance ``19 / (20 M + 1)``, and looks (at most
     `MOST_LOOKS`, for power without speckle) and quantiles follow without bias.
     """
@@ -46,10 +46,10 @@ def compare_with_gamma(tracked):
 def range_correlation(summary):
     """Autocorrelation of power down range in the air, (speckle_lag,) from lag 0, its standard error and its source.
 
-    Noise passes the same range response as echoes, so speckle has its correlation. What is the same at every lag, as
-    the means taken out leave it, is read off lags from `SPECKLE_LAGS` on. The error is from the scatter of groups. With
-    fewer than `MINIMUM_PAIRS` pairs at a lag, as in few images, or without speckle, independence stands in: zero from
-    lag 1 on, without an error; the source says ``none``.
+    Noise and echoes pass the same range response, so speckle has the correlation of noise. Subtracting means leaves an
+    offset that is the same at every lag, read off lags from `SPECKLE_LAGS` on. The error is from the scatter of groups.
+    With fewer than `MINIMUM_PAIRS` pairs at a lag, as in few images, or without speckle, bins are taken as independent:
+    zero from lag 1 on, without an error; the source says ``none``.
     """
     products, pairs = (stacked(summary, name).astype(float) for name in ("air_products", "air_pairs"))
     n_pairs = pairs.sum(axis=0)
@@ -73,7 +73,7 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m, *, n_mean_layers=15):
     """Along-track wavenumber spectrum of complex echoes under the picks (Fig. 8 of the paper).
 
     `amplitude (range_bin, range_line)` is elevation-compensated and undetected, `layer_bins (layer, range_line)` the
-    picks; layers with a gap are left out, in layer 1 one is refused. Returns the two-sided wavenumber [cycles per m],
+    picks; layers with a gap are left out, a gap in layer 1 is refused. Returns the two-sided wavenumber [cycles per m],
     increasing, and power spectral density over its mean of layer 1 and on average over layers 1 to `n_mean_layers`.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
@@ -115,9 +115,9 @@ def detected_power_spectra(summary, *, n_mean_layers=15):
 def fading_products(summary, powers, frame_of):
     """Products of dB power along track by lag, (frame, surface or buried, lag 0 and others, sum and weights).
 
-    Of whole blocks of tracked power about their mean, gaps left out. Noise and tails do not fade with it: where a layer
-    has less than `CLEAR_SHARE` of the power on its pick, a block does not count; products of others at lags of one
-    and more are divided by the square of that share. The last weight is the sum of those squares.
+    From whole blocks of tracked power about their mean, without gaps. Noise and tails do not fade with a layer: blocks
+    in which it has less than `CLEAR_SHARE` of the power on its picks are left out; in the others, products at lags of
+    one and more are divided by the square of that share. The last weight is the sum of those squares.
     """
     lags = np.append(0, FADING_LAGS)
     products = np.zeros((len(summary), 2, lags.size, 3))
@@ -148,8 +148,8 @@ def fading_products(summary, powers, frame_of):
 def fading(products, speckle):
     """Standard deviation [dB], 1/e length [lines] and exponent of fading, and nugget [dB^2], from products by lag.
 
-    ``C(h) = s^2 exp(-(h / l)^p)`` at lags of one line and more, less its mean over pairs of a block, which the block's
-    own mean takes from every lag; what lag 0 has beyond is the nugget: speckle.
+    ``C(h) = s^2 exp(-(h / l)^p)`` at lags of one line and more, less its mean over pairs of a block, which subtracting
+    the block's mean removes from every lag; the excess at lag 0 is the nugget: speckle.
     """
     n = products[:, 1]
     if n.min() < BLOCK_LINES * FEWEST_BLOCKS or products[0, 0] <= 0:

@@ -11,9 +11,9 @@ from snowsim.statistics.texture import N_TERMS, texture_terms
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
-PARTS = 4  # of a group's picks of a layer, in order of depth: where its layers lie, for averages of sloping layers
+PARTS = 4  # of a group's picks of a layer, sorted by depth: they describe the rows that a sloping layer covers
 AIR_MARGIN_BINS = 30  # bins above the surface that still hold its rise: 8 standard deviations at a variance of 15
-AIR_LAGS = 13  # of products down range, from 0; the last tell what lines have in common beyond the range response
+AIR_LAGS = 13  # of products down range, from 0; the last give what lines share beyond the range response
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
@@ -29,7 +29,7 @@ CONTENT = "snowsim flight summary 4"
 
 @dataclass(frozen=True)
 class FrameSummary:
-    """What the statistics need of one frame, some 0.4 kB a range line.
+    """What the statistics need of one frame, about 0.4 kB per range line.
 
     Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin remainder, a variance
     of up to 1/12 bins^2, stays in the positions.
@@ -66,8 +66,8 @@ class FrameSummary:
 def summarise(echogram, layers, where="frame"):
     """One frame, echogram and layers in the Open Polar Radar convention, as a list of one `FrameSummary` for `merge`.
 
-    Layer 0 is the snow surface. Picks outside the record become gaps, counted; a frame without one surface pick adds
-    nothing; up to 19 range lines at its end belong to no group; data that are exactly zero are padding and no air.
+    Layer 0 is the snow surface. Picks outside the record become gaps and are counted; a frame without a surface pick
+    adds nothing; up to 19 range lines at its end belong to no group; data that are exactly zero are padding, not air.
     ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range lines have a position.
     """
     check_echogram(echogram, where)
@@ -166,8 +166,8 @@ def _average(power, surface_row, n_groups, n_rows):
 def _air_products(power, surface_row):
     """Sums of products of deviations in the air, float64 (group, air_lag), and numbers of products, of whole groups.
 
-    Power is taken over its line's mean, so that gain and overloaded lines do not count, and from that its row's mean,
-    so that bands of coherent noise do not. What both means take from a product is the same at every lag.
+    Power is divided by its line's mean, which removes gain and overloaded lines; then its row's mean is subtracted,
+    which removes bands of coherent noise. Both change a product by the same amount at every lag.
     """
     n_bins = max(int(surface_row.max(initial=0)) - AIR_MARGIN_BINS, 0)
     air = power[:, :n_bins].astype(float)

@@ -1,11 +1,11 @@
-"""The surface's way along track: slow movement, and the fraction of a bin that compensation in whole bins leaves."""
+"""Row of the surface along track: a slow error, and the fraction of a bin that levelling in whole bins leaves."""
 
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.statistics.blocks import on_wavenumbers, periodogram, rises, stretches, taper_of, without_noise
 
-ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, from which on a product is taken to do so
+ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, above which a product is taken to do so
 HARMONICS = np.arange(1, 9)[:, None]  # of the fraction; the next adds less than 1 / 300 of its variance
 
 
@@ -13,10 +13,10 @@ def surface_statistics(summary, minimum):
     """Statistics of the surface's row in stretches without gaps: (dimensions, values) by name, standard errors too.
 
     A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow error comes on top.
-    As increments of m change by less than half a bin a line, they are those of the row less whole bins:
-    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin steps over that
-    which rounding such a movement makes, 1 where a product does so, else 0. `surface_psd (wavenumber)` is the spectrum
-    of the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` that trend's.
+    As increments of m change by less than half a bin per line, they are those of the row less whole bins:
+    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin steps over the
+    number that rounding such a movement makes: 1 if a product does so, else 0. `surface_psd (wavenumber)` is that of
+    the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` the variance of the trend.
     """
     whole = [frame.surface_bins[: frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES] for frame in summary]
     rows = stretches(np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES), minimum)[:, 0]
@@ -25,7 +25,7 @@ def surface_statistics(summary, minimum):
     bend = np.diff(step, axis=1)
     start = step[:, :1] - np.rint(step[:, :1])
     movement = np.concatenate([start, start + np.cumsum(bend - np.rint(bend), axis=1)], axis=1)
-    # Whole bins that every line moves by change nothing in the fraction.
+    # Moving every line by whole bins does not change the fraction.
     movement -= np.rint(movement.mean(axis=1, keepdims=True))
     jumps = np.abs(np.rint(step - movement)).sum(axis=1)
     expected = np.sqrt(2 / np.pi * (movement**2).mean()) * movement.shape[1]

@@ -1,27 +1,26 @@
-"""Gain from line to line, and the texture of snow that was not picked: what neighbouring lines share beyond means."""
+"""Gain from line to line, and the texture of unpicked snow: covariance of neighbouring lines."""
 
 import numpy as np
 from scipy.optimize import least_squares
 
 DB = 10 / np.log(10)
-LINE_LAGS = np.array([1, 2, 9])  # [range lines]; at the last, lines share nothing but what the group's means take
+LINE_LAGS = np.array([1, 2, 9])  # [range lines]; at the last, lines share only the error of the group's mean
 BIN_LAGS = np.array([0, 4, 8, 16])  # [range bins]
-MARGIN_BINS, MOST_BINS, FEWEST_BINS = 30, 150, 80  # below the deepest pick of a group, where its texture is read
+MARGIN_BINS, MOST_BINS, FEWEST_BINS = 30, 150, 80  # below the deepest pick of a group, where its texture is measured
 CLEAR = 3.0  # times the noise, or the noise hides the texture
-OVERLOADED = 6.0  # robust standard deviations from which on a line's noise is no gain
+OVERLOADED = 6.0  # robust standard deviations above which a line is overloaded
 N_TERMS = 2 + (LINE_LAGS.size + 1) * BIN_LAGS.size
-FEWEST_GROUPS = 20  # that tell either
+FEWEST_GROUPS = 20  # needed to estimate either
 NAMES = ("line_gain_spread_db", "texture_variance", "texture_length_bins", "texture_length_lines")
 
 
 def texture_terms(power, air_end, deepest_row):
-    """Sums of one flight frame for `texture`, float64 (group, N_TERMS), zeros where a group tells nothing.
+    """Sums of one flight frame for `texture`, float64 (group, N_TERMS), zeros where a group is of no use.
 
-    From power (group, range_line, range_bin), and of each line (group, range_line) the rows in which its air ends and
-    of its deepest pick. Of gain:
-    covariance along track of the logarithm of mean air power in two halves of the air, and a count. Of texture, below
-    the deepest pick: products of deviations from the row's mean in the group, by lag along track and down range, then
-    products of that mean less noise, by lag down range.
+    From power (group, range_line, range_bin) and, for each line (group, range_line), the row where its air ends and the
+    row of its deepest pick. For gain: covariance along track of the logarithm of mean air power in two halves of the
+    air, and a count. For texture, below the deepest pick: products of deviations from the row's mean in the group, by
+    lag along track and down range, then products of that mean less noise, by lag down range.
     """
     terms = np.zeros((len(power), N_TERMS))
     for group, lines in enumerate(power):
@@ -54,11 +53,11 @@ def _covariance(halves):
 
 
 def texture(terms):
-    """Values of `NAMES` from sums (group, N_TERMS); NaN where the flight does not tell.
+    """Values of `NAMES` from sums (group, N_TERMS); NaN where the flight is too short.
 
     Texture is a factor on power of mean 1 and covariance ``v exp(-k / a) exp(-(h / b)^2)`` at k range bins and h lines.
-    Speckle is independent from line to line; what it and the group's own mean take from products is alike at all lags
-    along track, so that the last lag is taken off the others.
+    Speckle is independent from line to line; subtracting the group's mean changes products equally at all lags along
+    track, so the last lag is subtracted from the others.
     """
     n = terms[:, 1].sum()
     gain_db = DB * np.sqrt(max(terms[:, 0].sum() / n, 0)) if n >= FEWEST_GROUPS else np.nan

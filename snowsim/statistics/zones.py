@@ -31,29 +31,29 @@ DIMENSIONS = {
     **dict.fromkeys(("relative_thickness_correlation", "trend_correlation"), ("separation",)),
     **{"n_gap_blocks": ("slab",), "pick_noise_bins2": ("layer",), "n_blocks_by_layers": ("zone", "n_layers")},
     "first_thickness_quantile_bins": ("quantile",),
-}  # of the others zone and slab
+}  # all others: zone and slab
 
 
 def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
     """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone: dict of arrays.
 
-    Zones hold equally many blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021), or lie between
+    Zones hold equal numbers of blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021), or lie between
     `zone_edge_bins (edge,)`. Returned are `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
     `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`,
     each with `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
     `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`; `n_gap_blocks (slab)`;
     `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1, `n_blocks_by_layers (zone, n_layers)` by layers
     below the surface, from 0; `n_blocks`, `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`,
-    `n_blocks_without_layers`, `n_spectral_lines`. ValueError if slab 0 is picked in half of the lines of no block.
+    `n_blocks_without_layers`, `n_spectral_lines`. ValueError if no block has slab 0 picked in half of its lines.
 
-    A block counts for the mean of a slab where half of its lines have both layers, for its spectrum where all have;
-    where hardly a block is without gaps, spectra are those of shorter stretches, `n_spectral_lines` long (`stretches`).
+    A block counts for the mean of a slab if half of its lines have both layers, for its spectrum if all have; if
+    hardly a block is without gaps, spectra are those of shorter stretches, `n_spectral_lines` long (`stretches`).
     `tapered` spectra are about the block's trend, which has its own `thickness_trend_variance_bins2 (zone, slab)` of
     the rise from first line to last and `trend_correlation (separation)`; the noise of picks, `pick_noise_bins2
-    (layer)`, is taken off. Else they are plain periodograms, noise and trend in them. A block in which slab 0 is not
+    (layer)`, is subtracted. Otherwise they are plain periodograms, with noise and trend. A block in which slab 0 is not
     picked is placed by its other slabs (`block_levels`); its layers are those down to the deepest slab known. A zone
-    with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, as a share of the first (source 1); a slab
-    with too few everywhere takes the one above, the first all slabs together (source 2). Standard errors take blocks as
+    with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones, relative to slab 0 (source 1); a slab with
+    too few everywhere takes the one above, slab 0 all slabs together (source 2). Standard errors take blocks as
     independent, those of variances take thickness as Gaussian.
     """
     mean = block_means(thickness)
@@ -132,7 +132,7 @@ def _moments_by_zone(mean, level, zone, typical):
     """Moments of block-mean thickness, absolute and relative, (zone, slab)."""
     known = np.isfinite(mean)
     n, source = _sources(known, zone, len(typical))
-    # The thickness of slab 0 is what makes a zone: the placed blocks tell it even where its own picks are few.
+    # The thickness of slab 0 defines a zone: the placed blocks give it even where its own picks are few.
     source[:, 0] = np.minimum(source[:, 0], ALL_ZONES)
     thickness, relative = (np.zeros((4, *n.shape)) for _ in range(2))  # value and error of two moments
     for z in range(len(typical)):
@@ -171,7 +171,7 @@ def _spectra_by_zone(series, served, level, zone, typical, tapered):
                 held = held if source[z, slab] == ALL_ZONES else served
                 part = _squares(series[held], tapered) * (typical[z] / level[held.nonzero()[0], None]) ** 2
             density[z, slab] = part.mean(axis=0)
-            # A periodogram scatters as its mean: with too few blocks to see that, it is taken as known.
+            # A periodogram's standard deviation is its mean: used where blocks are too few to measure it.
             scatter = part.std(axis=0, ddof=1) if len(part) >= MINIMUM_BLOCKS else density[z, slab]
             error[z, slab] = scatter / np.sqrt(len(part))
     (density, trend), (error, trend_error) = ((part[..., :-1], part[..., -1]) for part in (density, error))
@@ -187,20 +187,20 @@ def _spectra_by_zone(series, served, level, zone, typical, tapered):
         for name, *values in (("thickness_trend_variance", trend, trend_error), ("pick_noise", noise, noise_error)):
             result[f"{name}_bins2"], result[f"{name}_bins2_standard_error"] = values
     at = np.rint(np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines).astype(int)
-    # Where noise of picks is a tenth and more of a density, it bends what slabs have in common.
+    # Pick noise of a tenth of a density or more distorts the correlation between slabs.
     usable = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
     result["thickness_correlation"] = undulation_correlation(series, served, usable, tapered=tapered)
     return result | {"thickness_psd": density, "thickness_psd_standard_error": error}
 
 
 def _squares(series, tapered):
-    """Periodograms at a block's wavenumbers, and squared rise, as a random walk's over a block, (series, both)."""
+    """Periodograms at a block's wavenumbers, and squared rise, scaled to a block as a random walk's, (series, both)."""
     density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
     return np.column_stack([density, rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])])
 
 
 def _moments(values):
-    """Mean and variance of independent Gaussian values, each with its standard error after it; one has variance 0."""
+    """Mean and variance of independent Gaussian values, each followed by its standard error; 0 for one value."""
     n = values.size
     variance = values.var(ddof=1) if n > 1 else 0.0
     return values.mean(), np.sqrt(variance / n), variance, variance * np.sqrt(2 / max(n - 1, 1))
@@ -216,7 +216,7 @@ def zone_models(summary, n_layers, counts, *, tapered=True):
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent; slabs with too few
     blocks for values of their own add nothing. `means_aic_penalty` is that of Hurvich & Tsai (1989), Biometrika 76,
-    297-307, by cell, for cells hold few blocks: ``2 k n / (n - k - 1)``. Dispersion: variance of periodograms over
+    297-307, by cell, because cells hold few blocks: ``2 k n / (n - k - 1)``. Dispersion: variance of periodograms over
     their squared mean, averaged: 1 for a Gaussian process, more where blocks of one cell differ in level.
     """
     counts = list(counts)
@@ -275,7 +275,7 @@ def _means_likelihood(relative, zone, values):
 
 
 def _add_penalty(total, n, k=2):
-    """Penalties of the mean and variance of `n` values; too few to tell, as of one more than they need."""
+    """Penalties of the mean and variance of `n` values; if these are too few, as for one more than needed."""
     if n:
         total["means_aic_penalty"] += float(2 * k * n / max(n - k - 1, 1))
         total["means_bic_penalty"] += float(k * np.log(n))

@@ -51,7 +51,7 @@ def curvature(positions):
     error = _by_method(bent, "mean_abs_error_bins")
     means = ", ".join(f"{name} {error[key].mean():.2f}" for key, name in METHODS.items())
     words = "Mean distance from a layer to the brightest pixel near it, in the quarter of pixels where layers bend most"
-    caveat = "The brightest pixel near a layer moves with speckle too, in the observed scene as in renders."
+    caveat = "Speckle also moves the brightest pixel near a layer, in the observed scene as in renders."
     words += f": {means} range bins. cGAN less PHY"
     return _paired(error["cgan"] - error["phy"], "range bins", words, caveat)
 
@@ -198,7 +198,7 @@ def chi_square(tracked):
         f"Quantiles of tracked power over its group's mean, against Gamma of {tracked['n_looks'].iloc[0]:.2f} looks: "
         f"off by {100 * error.max():.1f} % at most, at probability {worst['probability']:.2f}.",
         f"Confirmed where quantiles 1 % to 99 % agree within {100 * MOST_QUANTILE_ERROR:.0f} %, else contradicted.",
-        "The reference flight adds independent scatterers: this could hardly come out otherwise.",
+        "The reference flight sums independent scatterers: any other outcome would be surprising.",
     )
 
 
@@ -219,10 +219,10 @@ def doppler(realism):
 def equal_looks(config):
     """Looks of PHY and of the observed scenes, both settings."""
     if config["source"] != "reference":
-        return Claim(OPEN, "How many looks the scenes have is not known.", "Settings decide.")
+        return Claim(OPEN, "How many looks the scenes have is not known.", "Compares two settings.")
     ours, observed = config["phy"]["n_looks"], config["benchmark"]["n_looks"]
     outcome, numbers = CONFIRMED if ours == observed else CONTRADICTED, f"phy.n_looks is {ours}, benchmark.n_looks"
-    return Claim(outcome, f"{numbers} {observed}.", "Settings decide.", "PHY is given the number.")
+    return Claim(outcome, f"{numbers} {observed}.", "Compares two settings.", "PHY is given this number.")
 
 
 def expensive(convolution):

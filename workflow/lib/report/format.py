@@ -5,7 +5,7 @@ import math
 # Headings of stages; others are called by their own names.
 STAGES = {
     "flight": "The flight and its statistics",
-    "labels": "Synthetic layer sets",
+    "labels": "Label sets",
     "renders": "Renders by PHY and by the conditional GAN",
     "similarity": "Similarity of renders to observed scenes",
     "tracker": "Layer trackers",
