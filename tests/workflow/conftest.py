@@ -5,9 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 import reproducible
-from runs import ROOT, run_snakemake
-from snakemake.api import SnakemakeApi
-from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+from runs import ROOT, parsed, run_snakemake
 
 from lib.imports import SCRIPTS
 
@@ -35,16 +33,6 @@ def load_rules(tmp_path_factory):
     """Function that gives the rules as they are declared for the tiny configuration and a dict of further settings."""
 
     def load(**settings):
-        with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
-            dag = api.workflow(
-                resource_settings=ResourceSettings(cores=1),
-                config_settings=ConfigSettings(
-                    configfiles=[ROOT / "config/config.yaml", ROOT / "config/tiny.yaml"], config=settings
-                ),
-                snakefile=ROOT / "Snakefile",
-                workdir=tmp_path_factory.mktemp("rules"),
-            ).dag()
-            declared = list(dag.workflow_api._workflow.rules)
         return [
             SimpleNamespace(
                 name=rule.name,
@@ -53,7 +41,7 @@ def load_rules(tmp_path_factory):
                 code={Path(path).relative_to(ROOT) for path in rule.input.code(None)} if rule.script else set(),
                 declared=rule,
             )
-            for rule in declared
+            for rule in parsed(tmp_path_factory.mktemp("rules"), **settings).rules
         ]
 
     return load

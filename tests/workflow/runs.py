@@ -11,12 +11,17 @@ import time
 from pathlib import Path
 
 import configuration
+import pytest
 import yaml
+from snakemake.api import SnakemakeApi
+from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import ConfigSettings, DAGSettings, OutputSettings, Quietness, ResourceSettings
 
 from lib.imports import ROOT
 
 CONFIG, SCHEMA = (yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA))
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
+TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
 
 
@@ -31,9 +36,7 @@ def source_tree():
     return folder
 
 
-def command(
-    folder, *arguments, configs=("config.yaml", "tiny.yaml"), cores=2, profile="default", snakefile="Snakefile"
-):
+def command(folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile"):
     """Words of a call of Snakemake with results in `folder`."""
     source = source_tree()
     words = [
@@ -68,11 +71,32 @@ def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, **opti
     return done
 
 
+def parsed(folder, configs=TINY, targets=(), **config):
+    """The workflow as Snakemake reads it in this process, for a run in `folder`, with plans for targets if any."""
+    files = [ROOT / "config" / name for name in configs]
+    with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
+        settings = ResourceSettings(cores=1), ConfigSettings(config=config, configfiles=files)
+        workflow = api.workflow(*settings, snakefile=ROOT / "Snakefile", workdir=folder)
+        dag = workflow.dag(DAGSettings(targets=set(targets)))
+        if targets:
+            dag.execute_workflow(executor="dryrun")
+        return dag.workflow_api._workflow
+
+
+def refused(folder, *configs, **config):
+    """The one line with which Snakemake refuses to read the workflow; nothing is written."""
+    with pytest.raises(WorkflowError) as error:
+        parsed(folder, *configs, **config)
+    assert not (folder / "results").exists()
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
 def settings(folder, text):
     """Configuration files of the tiny run with what differs, YAML."""
     folder.mkdir(exist_ok=True)
     (folder / "settings.yaml").write_text(f"{text}\n")
-    return "config.yaml", "tiny.yaml", folder / "settings.yaml"
+    return *TINY, folder / "settings.yaml"
 
 
 def text_of(done):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from runs import ROOT, SNAKEMAKE, call, command, run_snakemake, source_tree, text_of
+from runs import ROOT, SNAKEMAKE, call, command, parsed, run_snakemake, source_tree, text_of
 
 from lib.imports import closure
 
@@ -58,7 +58,7 @@ def test_targets_run_where_snakemake_runs(rules):
 
 
 def test_targets_can_be_planned_by_name(tmp_path):
-    run_snakemake(tmp_path, "--dry-run", "--quiet", "--", *sorted(TARGETS))
+    parsed(tmp_path, targets=TARGETS)
 
 
 def test_studies_collects_every_study(rules):
