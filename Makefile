@@ -12,7 +12,7 @@ run: setup
 	$(SNAKEMAKE)
 
 test: setup
-	.venv/bin/python -m pytest -n 2 --dist loadfile
+	.venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # Everything: slow property tests, several whole runs, crash, cluster and browser suites, studies.
 test-all: setup

@@ -5,17 +5,28 @@ from types import SimpleNamespace
 
 import pytest
 import reproducible
-from runs import ROOT, parsed, run_snakemake
+from runs import ROOT, copy_source, made_once, parsed, run_snakemake, source_tree
 
 from lib.imports import SCRIPTS
 
 
 @pytest.fixture(scope="session")
-def tiny_run(tmp_path_factory):
-    """Folder of a finished run of the tiny configuration on two cores."""
-    folder = tmp_path_factory.mktemp("tiny_run")
-    run_snakemake(folder, timeout=3600)
-    return folder
+def shared_folder(tmp_path_factory, worker_id):
+    """Folder that all workers of the session share."""
+    folder = tmp_path_factory.getbasetemp()
+    return folder if worker_id == "master" else folder.parent
+
+
+@pytest.fixture(scope="session")
+def tiny_source(shared_folder, worker_id):
+    """What the tiny run is made from; workers share a copy that is no other run's: only tests of its reruns edit it."""
+    return source_tree() if worker_id == "master" else made_once(shared_folder / "source", copy_source)
+
+
+@pytest.fixture(scope="session")
+def tiny_run(shared_folder, tiny_source):
+    """Folder of a finished run of the tiny configuration on two cores, the same for all workers."""
+    return made_once(shared_folder / "tiny_run", lambda folder: run_snakemake(folder, source=tiny_source, timeout=3600))
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 """Runs of the workflow in folders of their own, from a copy of its source that tests may edit."""
 
 import atexit
+import fcntl
 import functools
 import os
 import shutil
@@ -25,20 +26,37 @@ TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
 
 
-@functools.cache
-def source_tree():
-    """Copy of what a run reads, the same for all tests of a session; times of files are kept, edits must be undone."""
-    folder = Path(tempfile.mkdtemp(prefix="snowsim_source_"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+def copy_source(folder):
+    """Copy what a run reads to a folder; times of files are kept."""
+    folder.mkdir(exist_ok=True)
     for name in PARTS:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
         copy(ROOT / name, folder / name)
     return folder
 
 
-def command(folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile"):
+@functools.cache
+def source_tree():
+    """Copy of what a run reads, the same for all tests of a process; edits must be undone."""
+    folder = Path(tempfile.mkdtemp(prefix="snowsim_source_"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return copy_source(folder)
+
+
+def made_once(path, make):
+    """`path` as `make` made it, by the first process to ask; others wait for it. A half-made one is made anew."""
+    with path.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.with_suffix(".made").exists():
+            shutil.rmtree(path, ignore_errors=True)
+            make(path)
+            path.with_suffix(".made").touch()
+    return path
+
+
+def command(folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile", source=None):
     """Words of a call of Snakemake with results in `folder`."""
-    source = source_tree()
+    source = source or source_tree()
     words = [
         SNAKEMAKE,
         *("--snakefile", source / snakefile),
@@ -64,9 +82,10 @@ def call(*words, cwd=None, timeout=300, env=None):
     )
 
 
-def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, **options):
+def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source=None, **options):
     """The finished run of the workflow in `folder`, well unless it `fails`; options are those of `command`."""
-    done = call(*command(folder, *arguments, **options), timeout=timeout, env=env)
+    words, env = command(folder, *arguments, source=source, **options), env or environment()
+    done = call(*words, timeout=timeout, cwd=source, env=env | ({"PYTHONPATH": str(source)} if source else {}))
     assert (done.returncode != 0) == fails, text_of(done)[-4000:]
     return done
 
