@@ -12,9 +12,14 @@ from snowsim.phy import draw_parameters, mean_power
 from snowsim.seeding import random_stream
 
 
-@pytest.fixture(params=statistics.ESTIMATORS)
+@pytest.fixture(scope="module", params=statistics.ESTIMATORS)
 def estimator(request):
     return request.param
+
+
+@pytest.fixture(scope="module")
+def whole(flight, estimator):
+    return statistics.fit(flight, estimator=estimator)
 
 
 def fit_finite(frames, estimator="deblended"):
@@ -32,8 +37,7 @@ def with_gaps(frame, gaps):
     return echogram, layers
 
 
-def test_order_and_partition_of_frames_do_not_matter(flight, estimator):
-    whole = statistics.fit(flight, estimator=estimator)
+def test_order_and_partition_of_frames_do_not_matter(flight, whole, estimator):
     parts = [statistics.merge([statistics.summarise(*flight[i]) for i in part]) for part in ((3, 0), (2,), (1,))]
     other = statistics.estimate(statistics.merge(parts), estimator=estimator)
     for name in whole.variables:
@@ -51,10 +55,9 @@ def test_a_summary_survives_the_disk(flight, tmp_path):
             assert_array_equal(getattr(after, name), value, err_msg=name)
 
 
-def test_gaps_are_no_zeros(flight, estimator):
+def test_gaps_are_no_zeros(flight, whole, estimator):
     gaps = [(1, 30, 60), (2, 0, 120), (3, 100, 256), (4, 60, 256), (0, 10, 15)]
     fitted = fit_finite([*flight[:3], with_gaps(flight[3], gaps)], estimator)
-    whole = statistics.fit(flight, estimator=estimator)
     # An eighth of the picks is missing: what is left moves by its sampling error, 1 to 2 %.
     assert_allclose(fitted["peak_power"], whole["peak_power"], rtol=0.05)
     assert_allclose(fitted["decay_rate"], whole["decay_rate"], rtol=0.06)
