@@ -5,11 +5,9 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.diagnostics.statistics_atlas import border_cases, is_finite
-from snowsim import labels, statistics
+from lib.diagnostics.statistics_atlas import is_finite
+from snowsim import statistics
 from snowsim.io.files import read_dataset, write_dataset
-from snowsim.phy import draw_parameters, mean_power
-from snowsim.seeding import random_stream
 
 
 @pytest.fixture(scope="module", params=statistics.ESTIMATORS)
@@ -156,26 +154,3 @@ def test_a_layer_in_too_few_lines_for_its_spectrum_takes_the_one_above(flight, e
     assert_array_equal(fitted["psd_source"][:, 3], 2)
     assert_array_equal(fitted["thickness_psd"][:, 3], fitted["thickness_psd"][:, 2])
     assert_array_equal(fitted["source"][:, 3], 1)
-
-
-def test_what_degrades_stays_finite_through_labels_and_renders():
-    cases = border_cases(lambda *keys: random_stream(20120429, *keys))
-    rng = np.random.default_rng(5)
-    n_drawn, refused = 0, {}
-    for name, _, frames, edges in cases:
-        try:
-            summary = statistics.merge(statistics.summarise(*frame) for frame in frames)
-            fitted = statistics.estimate(summary, zone_edge_bins=edges)
-        except ValueError as error:
-            refused[name] = str(error)
-            continue
-        layer_bins = labels.draw(fitted, 32, rng=rng)
-        parameters = draw_parameters(fitted, len(layer_bins), width="fitted", rng=rng)
-        given = [parameters[key] for key in ("peak_power", "variance_bins2", "decay_rate")]
-        power = mean_power(layer_bins, *given, 300, normalise="peak", align="peak")
-        assert np.isfinite(power).all(), name
-        assert power.max() > 0
-        n_drawn += 1
-    assert n_drawn == len(cases) - len(refused) > 0
-    assert "no air above the surface" in refused
-    assert not any("\n" in message for message in refused.values())
