@@ -11,8 +11,9 @@ SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 run: setup
 	$(SNAKEMAKE)
 
+# One thread a process, as in runs.
 test: setup
-	.venv/bin/python -m pytest -n 2 --dist loadfile
+	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # Everything: slow property tests, several whole runs, crash, cluster and browser suites, studies.
 test-all: setup

@@ -9,6 +9,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def pytest_collection_modifyitems(items):
+    """Tests of reruns go first: of two workers one makes the tiny run, the other takes files that do not need it."""
+    items.sort(key=lambda item: item.path.name != "test_reruns.py")
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(20120429)

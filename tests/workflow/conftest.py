@@ -5,19 +5,28 @@ from types import SimpleNamespace
 
 import pytest
 import reproducible
-from runs import ROOT, run_snakemake
-from snakemake.api import SnakemakeApi
-from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+from runs import ROOT, copy_source, made_once, parsed, run_snakemake, source_tree
 
 from lib.imports import SCRIPTS
 
 
 @pytest.fixture(scope="session")
-def tiny_run(tmp_path_factory):
-    """Folder of a finished run of the tiny configuration on two cores."""
-    folder = tmp_path_factory.mktemp("tiny_run")
-    run_snakemake(folder, timeout=3600)
-    return folder
+def shared_folder(tmp_path_factory, worker_id):
+    """Folder that all workers of the session share."""
+    folder = tmp_path_factory.getbasetemp()
+    return folder if worker_id == "master" else folder.parent
+
+
+@pytest.fixture(scope="session")
+def tiny_source(shared_folder, worker_id):
+    """What the tiny run is made from; workers share a copy that is no other run's: only tests of its reruns edit it."""
+    return source_tree() if worker_id == "master" else made_once(shared_folder / "source", copy_source)
+
+
+@pytest.fixture(scope="session")
+def tiny_run(shared_folder, tiny_source):
+    """Folder of a finished run of the tiny configuration on two cores, the same for all workers."""
+    return made_once(shared_folder / "tiny_run", lambda folder: run_snakemake(folder, source=tiny_source, timeout=3600))
 
 
 @pytest.fixture(scope="session")
@@ -35,16 +44,6 @@ def load_rules(tmp_path_factory):
     """Function that gives the rules as they are declared for the tiny configuration and a dict of further settings."""
 
     def load(**settings):
-        with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
-            dag = api.workflow(
-                resource_settings=ResourceSettings(cores=1),
-                config_settings=ConfigSettings(
-                    configfiles=[ROOT / "config/config.yaml", ROOT / "config/tiny.yaml"], config=settings
-                ),
-                snakefile=ROOT / "Snakefile",
-                workdir=tmp_path_factory.mktemp("rules"),
-            ).dag()
-            declared = list(dag.workflow_api._workflow.rules)
         return [
             SimpleNamespace(
                 name=rule.name,
@@ -53,7 +52,7 @@ def load_rules(tmp_path_factory):
                 code={Path(path).relative_to(ROOT) for path in rule.input.code(None)} if rule.script else set(),
                 declared=rule,
             )
-            for rule in declared
+            for rule in parsed(tmp_path_factory.mktemp("rules"), **settings).rules
         ]
 
     return load

@@ -1,6 +1,7 @@
 """Runs of the workflow in folders of their own, from a copy of its source that tests may edit."""
 
 import atexit
+import fcntl
 import functools
 import os
 import shutil
@@ -11,31 +12,51 @@ import time
 from pathlib import Path
 
 import configuration
+import pytest
 import yaml
+from snakemake.api import SnakemakeApi
+from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import ConfigSettings, DAGSettings, OutputSettings, Quietness, ResourceSettings
 
 from lib.imports import ROOT
 
 CONFIG, SCHEMA = (yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA))
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
+TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
 
 
-@functools.cache
-def source_tree():
-    """Copy of what a run reads, the same for all tests of a session; times of files are kept, edits must be undone."""
-    folder = Path(tempfile.mkdtemp(prefix="snowsim_source_"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+def copy_source(folder):
+    """Copy what a run reads to a folder; times of files are kept."""
+    folder.mkdir(exist_ok=True)
     for name in PARTS:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
         copy(ROOT / name, folder / name)
     return folder
 
 
-def command(
-    folder, *arguments, configs=("config.yaml", "tiny.yaml"), cores=2, profile="default", snakefile="Snakefile"
-):
+@functools.cache
+def source_tree():
+    """Copy of what a run reads, the same for all tests of a process; edits must be undone."""
+    folder = Path(tempfile.mkdtemp(prefix="snowsim_source_"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return copy_source(folder)
+
+
+def made_once(path, make):
+    """`path` as `make` made it, by the first process to ask; others wait for it. A half-made one is made anew."""
+    with path.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.with_suffix(".made").exists():
+            shutil.rmtree(path, ignore_errors=True)
+            make(path)
+            path.with_suffix(".made").touch()
+    return path
+
+
+def command(folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile", source=None):
     """Words of a call of Snakemake with results in `folder`."""
-    source = source_tree()
+    source = source or source_tree()
     words = [
         SNAKEMAKE,
         *("--snakefile", source / snakefile),
@@ -61,18 +82,40 @@ def call(*words, cwd=None, timeout=300, env=None):
     )
 
 
-def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, **options):
+def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source=None, **options):
     """The finished run of the workflow in `folder`, well unless it `fails`; options are those of `command`."""
-    done = call(*command(folder, *arguments, **options), timeout=timeout, env=env)
+    words, env = command(folder, *arguments, source=source, **options), env or environment()
+    done = call(*words, timeout=timeout, cwd=source, env=env | ({"PYTHONPATH": str(source)} if source else {}))
     assert (done.returncode != 0) == fails, text_of(done)[-4000:]
     return done
+
+
+def parsed(folder, configs=TINY, targets=(), **config):
+    """The workflow as Snakemake reads it in this process, for a run in `folder`, with plans for targets if any."""
+    files = [ROOT / "config" / name for name in configs]
+    with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
+        settings = ResourceSettings(cores=1), ConfigSettings(config=config, configfiles=files)
+        workflow = api.workflow(*settings, snakefile=ROOT / "Snakefile", workdir=folder)
+        dag = workflow.dag(DAGSettings(targets=set(targets)))
+        if targets:
+            dag.execute_workflow(executor="dryrun")
+        return dag.workflow_api._workflow
+
+
+def refused(folder, *configs, **config):
+    """The one line with which Snakemake refuses to read the workflow; nothing is written."""
+    with pytest.raises(WorkflowError) as error:
+        parsed(folder, *configs, **config)
+    assert not (folder / "results").exists()
+    assert "\n" not in str(error.value)
+    return str(error.value)
 
 
 def settings(folder, text):
     """Configuration files of the tiny run with what differs, YAML."""
     folder.mkdir(exist_ok=True)
     (folder / "settings.yaml").write_text(f"{text}\n")
-    return "config.yaml", "tiny.yaml", folder / "settings.yaml"
+    return *TINY, folder / "settings.yaml"
 
 
 def text_of(done):

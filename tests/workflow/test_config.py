@@ -10,7 +10,7 @@ import pytest
 import yaml
 from configuration import resolved
 from jsonschema import Draft202012Validator
-from runs import CONFIG, SCHEMA, lines_with, run_snakemake, settings, text_of
+from runs import CONFIG, SCHEMA, lines_with, parsed, refused, run_snakemake, settings, text_of
 
 from lib.imports import ROOT
 from snowsim import cgan, tracker
@@ -103,7 +103,7 @@ def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("lables: {n_scenes: 3}", "lables.*expected: seed, source, import"),
+        ("sead: 7", "sead"),
         ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
         ("import: {unfit_flags: []}", r"import: .*'unfit_flags' was unexpected.*\(expected: flagged_by\)"),
         ("studies: {cgan: {stability: {}}}", r"studies\.cgan: .*'stability' was unexpected.*\(expected: atlas\)"),
@@ -115,24 +115,30 @@ def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration
         ("flight: {n_frames: 9999}", r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km"),
         ("reference: {firn: {horizon_jump_kg_m3: 600.0}}", r"reference\.firn\.horizon_jump_kg_m3 must be at most 577"),
         ("reference: {radar: {n_range_bins: 210}}", r"reference\.radar\.n_range_bins must be at least 2[23]\d"),
-        ("sead=7", "sead"),
-        ("seed=seven", "seed"),
     ],
 )
-def test_a_bad_key_is_named_in_one_line_and_nothing_is_written(tmp_path, text, expected):
-    on_command_line = ("--config", text) if "=" in text else ()
-    configs = settings(tmp_path, "{}" if on_command_line else text)
-    done = run_snakemake(tmp_path / "run", "--dry-run", *on_command_line, configs=configs, fails=True)
-    (line,) = lines_with(done, "config: ")
-    assert re.search(expected, line), line
+def test_a_bad_key_is_named_in_one_line(tmp_path, text, expected):
+    assert re.search(f"^config: .*{expected}", refused(tmp_path, **yaml.safe_load(text)))
+
+
+def test_a_bad_key_in_a_file_or_a_command_stops_a_run_in_one_line_and_nothing_is_written(tmp_path):
+    configs = settings(tmp_path, "lables: {n_scenes: 3}")
+    in_file = run_snakemake(tmp_path / "run", "--dry-run", configs=configs, fails=True)
+    in_command = run_snakemake(tmp_path / "run", "--dry-run", "--config", "seed=seven", fails=True)
+    for done, expected in ((in_file, "lables.*expected: seed, source, import"), (in_command, "seed")):
+        (line,) = lines_with(done, "config: ")
+        assert re.search(expected, line), line
     assert not (tmp_path / "run/results").exists()
 
 
-@pytest.mark.parametrize(
-    "configs", [("config.yaml", "paper.yaml"), ("paper.yaml",), ("config.yaml", "as_printed.yaml", "paper.yaml")]
-)
+@pytest.mark.parametrize("configs", [("config.yaml", "paper.yaml"), ("config.yaml", "as_printed.yaml", "paper.yaml")])
 def test_the_dag_of_the_paper_s_scale_builds(tmp_path, configs):
     run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
+
+
+def test_the_configuration_of_the_paper_s_scale_needs_no_default_beside_it(tmp_path):
+    alone, beside = (parsed(tmp_path, names) for names in (("paper.yaml",), ("config.yaml", "paper.yaml")))
+    assert alone.globals["config"] == beside.globals["config"]
 
 
 def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):

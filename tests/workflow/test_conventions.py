@@ -2,12 +2,11 @@
 
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 import yaml
-from runs import ROOT, SNAKEMAKE, call, command, run_snakemake, source_tree, text_of
+from runs import ROOT, SNAKEMAKE, call, parsed, run_snakemake, source_tree, text_of
 
 from lib.imports import closure
 
@@ -58,7 +57,7 @@ def test_targets_run_where_snakemake_runs(rules):
 
 
 def test_targets_can_be_planned_by_name(tmp_path):
-    run_snakemake(tmp_path, "--dry-run", "--quiet", "--", *sorted(TARGETS))
+    parsed(tmp_path, targets=TARGETS)
 
 
 def test_studies_collects_every_study(rules):
@@ -102,18 +101,6 @@ rule mine:
     assert done.returncode == 0, done.stderr[-3000:]
     for job in ("mine", "snow_tabulate_similarity", "snow_train_cgan"):
         assert job in text_of(done)
-
-
-def test_the_report_needs_no_network(tiny_run, tmp_path):
-    alone = ["unshare", "--net", "--map-root-user"]
-    if shutil.which("unshare") is None or subprocess.run([*alone, "true"], check=False).returncode != 0:
-        alone = []
-    page = tmp_path / "report.html"
-    done = call(*alone, *command(tiny_run, "--report", page))
-    assert done.returncode == 0, done.stderr[-3000:]
-    text = page.read_text()
-    assert "table3.svg" in text
-    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?:", text)
 
 
 def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):

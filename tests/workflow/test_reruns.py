@@ -3,18 +3,18 @@
 import os
 import re
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
-from runs import ROOT, rules_to_run, run_snakemake, settings, source_tree, text_of
+from runs import ROOT, rules_to_run, run_snakemake, settings, text_of
 
 UNUSED = "snowsim/io/nsidc.py"  # by the rules of the synthetic flight
 
 
 @contextmanager
-def edited(name):
+def edited(path):
     """A line more in a file of the copied source, undone at the end; the file's time then is as before, too."""
-    path = source_tree() / name
     text, times = path.read_text(), path.stat()
     path.write_text(text + "\n# edited\n")
     try:
@@ -24,10 +24,16 @@ def edited(name):
         os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
-@pytest.fixture(scope="session")
-def rules_downstream(tiny_run):
+@pytest.fixture(scope="module")
+def plan(tiny_run, tiny_source):
+    """Function that runs Snakemake dry or otherwise in the folder of the finished run, from the source of that run."""
+    return partial(run_snakemake, tiny_run, source=tiny_source)
+
+
+@pytest.fixture(scope="module")
+def downstream(plan):
     """For each rule of the finished run: itself and the rules that use what it makes, directly or not."""
-    graph = run_snakemake(tiny_run, "--rulegraph", "dot").stdout
+    graph = plan("--rulegraph", "dot").stdout
     names = dict(re.findall(r'^\t(\d+)\[label = "(\w+)"', graph, flags=re.MULTILINE))
     arrows = [(names[a], names[b]) for a, b in re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)]
     assert arrows
@@ -45,17 +51,17 @@ def rules_downstream(tiny_run):
         "workflow/scripts/tabulate_realism.py",
     ],
 )
-def test_an_edited_file_reruns_the_rules_that_depend_on_it_and_no_other(tiny_run, rules, rules_downstream, name):
+def test_an_edited_file_reruns_the_rules_that_depend_on_it_and_no_other(plan, tiny_source, rules, downstream, name):
     direct = {rule.name for rule in rules if Path(name) in rule.code or rule.script == ROOT / name}
-    expected = set().union(*(rules_downstream[rule] for rule in direct & set(rules_downstream)))
-    with edited(name):
-        assert rules_to_run(run_snakemake(tiny_run, "--dry-run")) == expected
+    expected = set().union(*(downstream[rule] for rule in direct & set(downstream)))
+    with edited(tiny_source / name):
+        assert rules_to_run(plan("--dry-run")) == expected
     assert (expected == set()) == (name == UNUSED)
 
 
-def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
+def test_touching_unchanged_inputs_reruns_nothing(plan, tiny_run, tiny_source):
     inputs = [
-        *(source_tree() / "snowsim").rglob("*.py"),
+        *(tiny_source / "snowsim").rglob("*.py"),
         *(tiny_run / "results/flight").glob("*.nc"),
         *(tiny_run / "results/labels").glob("*.nc"),
         *(tiny_run / "results/phy").rglob("*.nc"),
@@ -65,7 +71,7 @@ def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
     assert max(path.stat().st_size for path in inputs) > 1e6
     for path in inputs:
         path.touch()
-    assert rules_to_run(run_snakemake(tiny_run, "--dry-run")) == set()
+    assert rules_to_run(plan("--dry-run")) == set()
 
 
 @pytest.mark.parametrize(
@@ -78,16 +84,16 @@ def test_touching_unchanged_inputs_reruns_nothing(tiny_run):
         ("reference: {picks: {gap_db: 0.3}}", {"reference_frames_0000", "reference_frames_0001", "reference_scenes"}),
     ],
 )
-def test_a_setting_reruns_what_depends_on_it_and_nothing_else(tiny_run, tmp_path, rules_downstream, text, first):
-    changed = run_snakemake(tiny_run, "--dry-run", configs=settings(tmp_path, text))
+def test_a_setting_reruns_what_depends_on_it_and_nothing_else(plan, tmp_path, downstream, text, first):
+    changed = plan("--dry-run", configs=settings(tmp_path, text))
     triggered = re.search(r"Rules with provenance triggered jobs: (.*)", text_of(changed))
     assert triggered
     triggered = set(re.findall(r"\w+", triggered[1]))
     assert first <= triggered
-    assert rules_to_run(changed) == set().union(*(rules_downstream[name] for name in triggered))
+    assert rules_to_run(changed) == set().union(*(downstream[name] for name in triggered))
 
 
-def test_a_setting_of_another_stage_reruns_nothing(tiny_run, tmp_path):
+def test_a_setting_of_another_stage_reruns_nothing(plan, tmp_path):
     other = "tracker: {n_bootstrap: 7, training: {learning_rate: 1.0}}\nsimilarity: {window_rows: 20}"
-    changed = run_snakemake(tiny_run, "--dry-run", "--", "labels", "renders", configs=settings(tmp_path, other))
+    changed = plan("--dry-run", "--", "labels", "renders", configs=settings(tmp_path, other))
     assert rules_to_run(changed) == set()

@@ -2,6 +2,10 @@
 
 import base64
 import re
+import shutil
+import subprocess
+import time
+from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,8 +14,9 @@ import pytest
 import yaml
 from PIL import Image
 from result_tables import OUTPUTS, SETS
-from runs import ROOT
+from runs import ROOT, call, command, made_once
 
+from lib.diagnostics.statistics_atlas import COLUMNS, SWEEPS
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
 
@@ -51,6 +56,18 @@ def test_every_figure_decodes_and_nothing_half_written_is_left(tiny_run):
     assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
+def test_every_sweep_of_estimators_runs_its_ends_and_no_flight_gives_a_number_that_is_not_finite(tiny_run):
+    atlas = pd.read_csv(tiny_run / "results/tables/atlas_statistics.csv")
+    assert list(atlas.columns) == list(COLUMNS)
+    assert set(atlas["outcome"]) <= {"within", "beyond", "refused"}
+    refused = atlas["outcome"] == "refused"
+    assert (refused == (atlas["quantity"] == "all")).all()
+    assert (atlas.loc[refused, "note"].str.len() > 20).all()
+    assert np.isfinite(atlas.loc[~refused, ["error", "largest", "standard_error"]].to_numpy(float)).all()
+    for panel, (values, _) in SWEEPS.items():
+        assert set(atlas.loc[atlas["panel"] == panel, "value"].astype(float)) == {float(values[0]), float(values[-1])}
+
+
 @pytest.fixture(scope="module")
 def page(tiny_run):
     """Text of the report."""
@@ -78,3 +95,28 @@ def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page
     downloads = dict(re.findall(r'download="([^"]+)" href="data:text/csv;base64,([^"]+)"', page))
     assert tables
     assert {name: base64.b64decode(content) for name, content in downloads.items()} == tables
+
+
+def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
+    alone = ["unshare", "--net", "--map-root-user"]
+    if shutil.which("unshare") is None or subprocess.run([*alone, "true"], check=False).returncode != 0:
+        alone = []
+    page = tmp_path / "report.html"
+    done = call(*alone, *command(tiny_run, "--report", page, source=tiny_source))
+    assert done.returncode == 0, done.stderr[-3000:]
+    text = page.read_text()
+    assert "table3.svg" in text
+    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?:", text)
+
+
+def test_what_workers_share_is_made_once_and_the_others_wait(tmp_path):
+    made = []
+
+    def make(folder):
+        time.sleep(0.2)  # for the others to come meanwhile
+        folder.mkdir()
+        made.append(folder)
+
+    with ThreadPoolExecutor(3) as workers:
+        found = workers.map(lambda _: made_once(tmp_path / "run", make).is_dir(), range(3))
+    assert (list(found), made) == ([True] * 3, [tmp_path / "run"])
