@@ -100,7 +100,8 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
         (lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]), "depth_m must be finite and increase with layer, got 1"),
         (lambda: snowsim.Snowpack([0, 1], [300, 950]), "density_kg_m3 must .* between 0 and 917, got 950"),
-        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0).draw(2, 5, rng=None), "n_years must be at least 1"),
+        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0), "n_years must lie between 1 and 1000, got 0"),
+        (lambda: snowsim.Climate(accumulation_m=0.3, temperature_k=280), "temperature_k must lie .* 273.15, got 280"),
         (
             lambda: snowsim.simulate(snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None),
             "n_range_lines must be the 7 of the snowpack, got 8",
