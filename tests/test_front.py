@@ -82,9 +82,9 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
     for form in ("pairs", "netcdf", "zarr", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
     scene = some.scene(1)
-    with xr.open_dataset(tmp_path / "netcdf/scene_scene_000001.nc") as kept:
+    with xr.open_dataset(tmp_path / "netcdf/scene_drawn_000001.nc") as kept:
         assert_array_equal(kept["image"], scene.image)
-    with xr.open_zarr(tmp_path / "zarr/scene_scene_000001.zarr", consolidated=False) as kept:
+    with xr.open_zarr(tmp_path / "zarr/scene_drawn_000001.zarr", consolidated=False) as kept:
         assert_array_equal(kept["layer_bins"], scene.layer_bins)
     assert_array_equal(PairSet(tmp_path / "pairs")[1].image, scene.image)
 
