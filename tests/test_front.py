@@ -24,6 +24,10 @@ from snowsim.physical import PRESETS, physical_parameters
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 
+def test_what_people_script_with_is_listed():
+    assert {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"} <= set(dir(snowsim))
+
+
 def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
     echogram, layers = snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=rng)
     echogram.to_netcdf(tmp_path / "echogram.nc")
