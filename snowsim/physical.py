@@ -154,9 +154,9 @@ class Snowpack:
 class Climate:
     """What annual layers of dry snow are drawn from.
 
-    `accumulation_m` [m w.e. / yr]; `variability`, of its logarithm from year to year: cores, 0.17-0.28; `n_years` of
-    layers; `temperature_k`, annual mean: Summit of Greenland; `density_sd_kg_m3` about the mean: cores, 18-39.
-    ValueError beyond `CLIMATES`.
+    `accumulation_m` [m w.e. / yr], 0.001 to 10; `variability`, of its logarithm from year to year, to 2: cores,
+    0.17-0.28; `n_years` of layers, to 1000; `temperature_k`, annual mean, 200 to 273.15: Summit of Greenland;
+    `surface_density_kg_m3`, 50 to 549; `density_sd_kg_m3` about the mean, to 200: cores, 18-39. ValueError for others.
     """
 
     accumulation_m: float
