@@ -15,3 +15,7 @@ def __getattr__(name):
         msg = f"module 'snowsim' has no attribute {name!r}"
         raise AttributeError(msg)
     return getattr(importlib.import_module(FRONT[name]), name)
+
+
+def __dir__():
+    return sorted({*globals(), *FRONT})

@@ -125,7 +125,7 @@ class Scenes(Sequence):
         """`snowsim.echogram.Scene` of the same, with its layers and notes."""
         number = self._indices[index]
         rng = random_stream(self._seed, "scenes", number)
-        scene = draw_scene(self._model, self._model.n_range_lines, name=f"scene_{number:06d}", rng=rng)
+        scene = draw_scene(self._model, self._model.n_range_lines, name=f"drawn_{number:06d}", rng=rng)
         scene = dataclasses.replace(scene, n_range_bins=self._n_range_bins or scene.n_range_bins)
         return render_scene(scene, self._statistics, rng=rng, **self._options)
 

@@ -15,6 +15,9 @@ TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
 # Of undulations, as the reference flight's: log of a year's accumulation from place to place, and lengths along track.
 DRIFT_SD, DRIFT_LENGTH_M, DENSITY_LENGTH_M = 0.1, 3000.0, 900.0
+# What a climate may be, far beyond what dry snow is known from: else the firn is ice, or layers vanish, in rounding.
+CLIMATES = {"accumulation_m": (0.001, 10), "variability": (0, 2), "n_years": (1, 1000), "temperature_k": (200, 273.15)}
+CLIMATES |= {"surface_density_kg_m3": (50, 549), "density_sd_kg_m3": (0, 200)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +86,8 @@ class Radar:
         turn = np.exp(2j * np.pi * self.bin_s * np.outer(np.arange(MOST_LAGS + 1), frequency_hz))
         held = np.trim_zeros(np.where((power := np.abs(turn @ weight / weight.sum()) ** 2) > 0.01, power, 0), "b")
         if held.size > MOST_LAGS:
-            msg = f"radar: bin_s must be longer, speckle is alike over {MOST_LAGS} bins of {self.bin_s:g} s"
+            msg = f"radar: bin_s must be longer, such as {0.72 / self.bandwidth_hz:g} s, got {self.bin_s:g} s: "
+            msg += f"speckle is alike over {MOST_LAGS} bins"
             raise ValueError(msg)
         return held
 
@@ -150,8 +154,9 @@ class Snowpack:
 class Climate:
     """What annual layers of dry snow are drawn from.
 
-    `accumulation_m` [m w.e. / yr]; `variability`, of its logarithm from year to year: cores, 0.17-0.28; `n_years` of
-    layers; `temperature_k`, annual mean: Summit of Greenland; `density_sd_kg_m3` about the mean: cores, 18-39.
+    `accumulation_m` [m w.e. / yr], 0.001 to 10; `variability`, of its logarithm from year to year, to 2: cores,
+    0.17-0.28; `n_years` of layers, to 1000; `temperature_k`, annual mean, 200 to 273.15: Summit of Greenland;
+    `surface_density_kg_m3`, 50 to 549; `density_sd_kg_m3` about the mean, to 200: cores, 18-39. ValueError for others.
     """
 
     accumulation_m: float
@@ -161,11 +166,14 @@ class Climate:
     surface_density_kg_m3: float = 340.0
     density_sd_kg_m3: float = 30.0
 
+    def __post_init__(self):
+        for name, (low, high) in CLIMATES.items():
+            if not low <= (value := getattr(self, name)) <= high:
+                msg = f"climate: {name} must lie between {low:g} and {high:g}, got {value}"
+                raise ValueError(msg)
+
     def draw(self, n_range_lines, line_spacing_m, *, rng):
         """`Snowpack` of annual layers below a flat surface, depth and mean density by Herron & Langway (1980)."""
-        if not (self.n_years >= 1 and min(self.variability, self.density_sd_kg_m3) >= 0):
-            msg = f"climate: n_years must be at least 1, variability and density_sd_kg_m3 not negative, got {self}"
-            raise ValueError(msg)
         firn = (self.accumulation_m, self.temperature_k, self.surface_density_kg_m3)
         drift = draw_along_track(self.n_years, n_range_lines, DRIFT_LENGTH_M / line_spacing_m, rng=rng)
         logs = self.variability * rng.standard_normal((self.n_years, 1)) + DRIFT_SD * drift

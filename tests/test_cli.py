@@ -82,6 +82,20 @@ def place(tmp_path, monkeypatch):
         ("export scenes.nc out", 1, "expected a plain file name"),  # "toy 0"
         ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
         ("export text.nc out --layers one.npy", 1, "text.nc: content: expected"),
+        ("scenes", 2, "Missing argument 'FOLDER'"),
+        ("scenes text.nc", 2, "'text.nc' is a file"),
+        ("scenes out --statistics nowhere.nc", 2, "'nowhere.nc' does not exist"),
+        ("scenes out --statistics text.nc", 1, "text.nc: expected a NetCDF-4 file"),
+        ("scenes out --statistics scenes.nc", 1, "flight statistics need"),
+        ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
+        ("scenes data_out -n 1", 1, "the folder's name must not contain data_"),
+        ("simulate empty", 2, "'empty' is a directory"),
+        ("simulate text.nc/a.nc", 1, "text.nc"),
+        ("simulate a.nc --set height_m tall", 2, "'tall' is not a valid float"),
+        ("simulate a.nc --set height_m nan", 1, "radar: height_m must be positive"),
+        ("simulate a.nc --set bandwidth_hz 1e9", 1, "bin_s must be longer, such as 7.2e-10 s"),
+        ("simulate a.nc --accumulation-m nan", 1, "accumulation_m must lie between 0.001 and 10, got nan"),
+        ("simulate a.nc --accumulation-m 1e9", 1, "accumulation_m must lie between 0.001 and 10, got 1000000000"),
     ],
 )
 def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
@@ -95,7 +109,11 @@ def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
     assert printed in err
 
 
-@pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", "export frames out"])
+WRITING = ["export frames out", "export frames out --netcdf", "simulate out/a.nc --range-lines 9"]
+WRITING += [f"scenes out -n 1 --range-lines 64 --format {form}" for form in ("pairs", "netcdf", "zarr")]
+
+
+@pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", *WRITING])
 def test_no_room_ends_in_one_line(place, rng, arguments):
     for name in "ab":
         write_image(place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8))
@@ -103,12 +121,24 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
     command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
     # Standard output is a full disk; and no file may grow beyond 500 bytes.
     with open("/dev/full", "w") as full:
-        limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))) if "export" in arguments else None
+        limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))) if arguments in WRITING else None
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, preexec_fn=limit)
     assert done.returncode == 1
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
     assert not list(place.glob("out/*"))
+
+
+def test_a_damaged_scene_set_ends_in_one_line_or_is_read(place, rng, capsys):
+    whole = np.fromfile("scenes.nc", np.uint8)
+    for _ in range(60):
+        damaged = whole.copy()
+        damaged[rng.integers(whole.size, size=40)] ^= rng.integers(1, 256, size=40, dtype=np.uint8)
+        damaged.tofile("damaged.nc")
+        with pytest.raises(SystemExit) as end:
+            main(["export", "damaged.nc", "out"])  # names with a space end in one line, too
+        assert end.value.code == 1
+        assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):

@@ -24,6 +24,10 @@ from snowsim.physical import PRESETS, physical_parameters
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 
+def test_what_people_script_with_is_listed():
+    assert {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"} <= set(dir(snowsim))
+
+
 def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
     echogram, layers = snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=rng)
     echogram.to_netcdf(tmp_path / "echogram.nc")
@@ -82,9 +86,9 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
     for form in ("pairs", "netcdf", "zarr", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
     scene = some.scene(1)
-    with xr.open_dataset(tmp_path / "netcdf/scene_scene_000001.nc") as kept:
+    with xr.open_dataset(tmp_path / "netcdf/scene_drawn_000001.nc") as kept:
         assert_array_equal(kept["image"], scene.image)
-    with xr.open_zarr(tmp_path / "zarr/scene_scene_000001.zarr", consolidated=False) as kept:
+    with xr.open_zarr(tmp_path / "zarr/scene_drawn_000001.zarr", consolidated=False) as kept:
         assert_array_equal(kept["layer_bins"], scene.layer_bins)
     assert_array_equal(PairSet(tmp_path / "pairs")[1].image, scene.image)
 
@@ -100,7 +104,8 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
         (lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]), "depth_m must be finite and increase with layer, got 1"),
         (lambda: snowsim.Snowpack([0, 1], [300, 950]), "density_kg_m3 must .* between 0 and 917, got 950"),
-        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0).draw(2, 5, rng=None), "n_years must be at least 1"),
+        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0), "n_years must lie between 1 and 1000, got 0"),
+        (lambda: snowsim.Climate(accumulation_m=0.3, temperature_k=280), "temperature_k must lie .* 273.15, got 280"),
         (
             lambda: snowsim.simulate(snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None),
             "n_range_lines must be the 7 of the snowpack, got 8",

@@ -99,6 +99,17 @@ def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
     assert "ods" not in table
 
 
+def test_scenes_are_paired_with_picks_called_as_they_are(tmp_path):
+    for file in ("true/layer_binary_scene_1.png", "true/layer_binary_drawn_2.png"):
+        write_image(tmp_path / file, MASK)
+    for file in ("scene_1.npy", "drawn_2.npy"):
+        (tmp_path / "made").mkdir(exist_ok=True)
+        np.save(tmp_path / "made" / file, LAYERS)
+    table = score_folders(tmp_path / "made", tmp_path / "true", picks=True, n_bootstrap=1)
+    assert table["image"].tolist() == ["1", "drawn_2", "all", "low", "high"]
+    assert table["share_within"].tolist()[:3] == [1, 1, 1]
+
+
 def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_path):
     for folder in ("made", "true"):
         (tmp_path / folder).mkdir()

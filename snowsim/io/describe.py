@@ -25,7 +25,7 @@ def describe(path):
         return _scenes("a folder of benchmark pairs", pairs)
     kind = "array" if path.suffix == ".npy" else sniff(path)
     if kind in ("array", "png", "scene"):
-        return _image(path)
+        return _image("an array" if kind == "array" else in_words(kind), path)
     if kind in ("nsidc", "cresis", "opr"):
         return _echogram(in_words(kind), read_echogram(path), names_in(path))
     if kind in ("cresis_layer", "cresis_layer_data", "opr_layers"):
@@ -85,12 +85,17 @@ def _scenes(what, scenes):
     return _said(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
 
 
-def _image(path):
+def _image(what, path):
     """Layers, where the file can be read as such, else an edge map or image."""
     try:
-        layers = len(read_labels(path)[1])
+        mask, layers = read_labels(path)
     except ValueError:
         values = read_map(path)
         traps = {"mostly bright: dark layers on a bright ground?": np.median(values) > 0.5}
-        return _said("an image or edge map", ["{} range bins, {} range lines".format(*values.shape)], [], traps)
-    return _said("layers as an image or array", [], [f"{layers}"], {})
+        return _said(f"{what}: an image or edge map", [_axes(values)], [], traps)
+    axes = f"{layers.shape[1]} range lines" if mask is None else _axes(mask)
+    return _said(f"{what}: layers", [axes], [f"{len(layers)}"], {})
+
+
+def _axes(image):
+    return "{} range bins, {} range lines".format(*image.shape)

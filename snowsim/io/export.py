@@ -36,9 +36,8 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     if "data_" in folder.name:
         msg = f"{folder}: the folder's name must not contain data_, which loaders replace along with the file's"
         raise ValueError(msg)
-    names, n_merged = [], 0
-    for scene in scenes:
-        _check_name(scene, names, folder)
+    n_scenes = n_merged = 0
+    for scene in _listed(folder, scenes, list_name, "data_{}.png"):
         if scene.image is None:
             msg = f"{folder}: scene {scene.name}: expected an image to export, got none"
             raise ValueError(msg)
@@ -49,10 +48,8 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
         write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
         write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
         write_image(folder / f"layer_{scene.name}.png", numbers)
-        names.append(scene.name)
-        n_merged += merged
-    _write_list(folder, list_name, [f"data_{name}.png" for name in names])
-    return {"n_scenes": len(names), "n_merged_pixels": n_merged}
+        n_scenes, n_merged = n_scenes + 1, n_merged + merged
+    return {"n_scenes": n_scenes, "n_merged_pixels": n_merged}
 
 
 def layer_numbers(layer_bins, n_range_bins):
@@ -92,14 +89,11 @@ def export_zarr(folder, scenes, *, list_name="all.lst"):
 
 
 def _export_datasets(folder, scenes, list_name, ending, write):
-    folder = Path(folder)
-    names = []
-    for scene in scenes:
-        _check_name(scene, names, folder)
-        write(folder / f"scene_{scene.name}.{ending}", _dataset(scene))
-        names.append(scene.name)
-    _write_list(folder, list_name, [f"scene_{name}.{ending}" for name in names])
-    return {"n_scenes": len(names)}
+    folder, file_name, n_scenes = Path(folder), f"scene_{{}}.{ending}", 0
+    for scene in _listed(folder, scenes, list_name, file_name):
+        write(folder / file_name.format(scene.name), _dataset(scene))
+        n_scenes += 1
+    return {"n_scenes": n_scenes}
 
 
 def _dataset(scene):
@@ -116,15 +110,16 @@ def _dataset(scene):
     return xr.Dataset(variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)})
 
 
-def _check_name(scene, names, folder):
-    if not NAME.fullmatch(scene.name):
-        msg = f"{folder}: scene {scene.name!r}: expected a plain file name without data_ and binary_"
-        raise ValueError(msg)
-    if scene.name in names:
-        msg = f"{folder}: scene {scene.name}: expected names that differ, got it twice"
-        raise ValueError(msg)
-
-
-def _write_list(folder, list_name, lines):
+def _listed(folder, scenes, list_name, file_name):
+    """Scenes whose names a loader will not trip over, one by one; then their files are listed."""
+    names = []
+    for scene in scenes:
+        if scene.name in names or not NAME.fullmatch(scene.name):
+            plain = "a plain file name without data_ and binary_"
+            expected = "names that differ, got it twice" if scene.name in names else plain
+            msg = f"{folder}: scene {scene.name!r}: expected {expected}"
+            raise ValueError(msg)
+        yield scene
+        names.append(scene.name)
     with written_whole(folder / list_name) as aside:
-        aside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+        aside.write_text("".join(f"{file_name.format(name)}\n" for name in names), encoding="utf-8")

@@ -18,25 +18,36 @@ def written_whole(path):
     """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
 
     What a killed process left beside the same path is removed: nobody renames it any more. Where HDF5 says only
-    "HDF error", the room that is left shows whether the disk was full.
+    "HDF error", the room that is left shows whether the disk was full. A folder, as of Zarr, replaces one of its name.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # The ending stays: some writers choose the format by it.
     aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     for left in path.parent.glob(f".{glob.escape(path.stem)}.*.part{path.suffix}"):
-        left.unlink(missing_ok=True)
+        _remove(left)
     try:
         yield aside
+        if aside.is_dir() and path.is_dir():
+            _remove(path)
         aside.replace(path)
     except (OSError, RuntimeError) as error:
-        free = shutil.disk_usage(path.parent).free
-        if free < FULL_DISK_BYTES or getattr(error, "errno", None) == errno.ENOSPC:
-            msg = f"{path}: cannot be written, the disk is full: {free} bytes left"
-            raise OSError(msg) from error
-        raise
+        free, number = shutil.disk_usage(path.parent).free, getattr(error, "errno", None)
+        full = free < FULL_DISK_BYTES or number == errno.ENOSPC
+        if not (full or number in (errno.EDQUOT, errno.EFBIG) or str(error).startswith("NetCDF: ")):
+            raise
+        reason = f"the disk is full: {free} bytes left" if full else getattr(error, "strerror", None) or error
+        msg = f"{path}: cannot be written, {reason}"
+        raise OSError(msg) from error
     finally:
-        aside.unlink(missing_ok=True)
+        _remove(aside)
+
+
+def _remove(path):
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def write_dataset(path, dataset, *, compress=False):
@@ -50,16 +61,8 @@ def write_dataset(path, dataset, *, compress=False):
 
 def write_store(path, dataset):
     """Write an xarray dataset as a Zarr store, whole or not at all; one that is there is replaced."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-    try:
+    with written_whole(path) as aside:
         dataset.to_zarr(aside, mode="w", consolidated=False)
-        if path.exists():
-            shutil.rmtree(path)
-        aside.replace(path)
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
 
 
 def read_dataset(path):

@@ -29,7 +29,7 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     """
     predictions, truth = Path(predictions), Path(truth)
     if predictions.is_file() and truth.is_file():
-        return [(NAME.match(predictions.stem)[2], predictions, truth)]
+        return [(_name(predictions), predictions, truth)]
     inside = predictions / (output or "fuse")
     if predictions.name in PICTURES or (output is not None and not inside.is_dir()):
         expected = f"a folder {output}" if output else f"maps of one output ({', '.join(OUTPUTS)})"
@@ -53,8 +53,13 @@ def _by_name(folder, order):
     for path in sorted(paths, key=lambda path: (order.index(NAME.match(path.stem)[1]), path)):
         if stems.setdefault(path.stem, path) != path:
             raise refusal(folder, "files", "names that differ", f"{stems[path.stem].name} and {path.name}")
-        files.setdefault(NAME.match(path.stem)[2], path)
+        files.setdefault(_name(path), path)
     return files
+
+
+def _name(path):
+    """What follows the prefix; a scene may be called scene_NAME, too."""
+    return NAME.match(path.stem)[2].removeprefix("scene_")
 
 
 def read_map(path):

@@ -8,6 +8,7 @@ import numpy as np
 
 from snowsim.echogram import Scene
 from snowsim.io.files import written_whole
+from snowsim.io.guard import library_errors
 
 FORMAT = "snowsim scenes 1"
 # Optional arrays of a scene: attribute, the ragged dimension it stacks along, type on disk.
@@ -109,7 +110,7 @@ class SceneSet:
         try:
             # Without cycles of references a file closes with its last user, not whenever Python collects garbage.
             file = netCDF4.Dataset(path, keepweakref=True)
-        except OSError as error:
+        except (OSError, RuntimeError) as error:
             msg = f"{path}: expected a scene file (NetCDF-4), cannot be read: {error}"
             raise ValueError(msg) from error
         if getattr(file, "format", None) != FORMAT:
@@ -129,16 +130,17 @@ class SceneSet:
 
     def __getitem__(self, item):
         file, index, spans = self._where[item]
-        n_range_bins = int(file["n_range_bins"][index])
-        arrays = {}
-        for name, (_, dtype) in ARRAYS.items():
-            if name in file.variables:
-                # Files of 0.1.0 hold as many complete layers as labelled ones, in the same rows.
-                values = np.asarray(file[name][spans[file[name].dimensions[0]]])
-                arrays[name] = values if dtype == "u1" else values.astype(float)
-        numbers = {name: file[name][index].item() for name in NUMBERS}
-        notes = json.loads(file["notes"][index])
-        return Scene(str(file["name"][index]), n_range_bins, **arrays, **numbers, notes=notes)
+        with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
+            n_range_bins = int(file["n_range_bins"][index])
+            arrays = {}
+            for name, (_, dtype) in ARRAYS.items():
+                if name in file.variables:
+                    # Files of 0.1.0 hold as many complete layers as labelled ones, in the same rows.
+                    values = np.asarray(file[name][spans[file[name].dimensions[0]]])
+                    arrays[name] = values if dtype == "u1" else values.astype(float)
+            numbers = {name: file[name][index].item() for name in NUMBERS}
+            notes = json.loads(file["notes"][index])
+            return Scene(str(file["name"][index]), n_range_bins, **arrays, **numbers, notes=notes)
 
     def close(self):
         """Close the files."""
