@@ -19,8 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
 # Runs a script in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, {script} as script
-def steps_shown(training, scenes, steps=script.train_steps):
-    for step, losses in steps(training, scenes):
+def steps_shown(*given, steps=script.train_steps):
+    for step, losses in steps(*given):
         print(step, flush=True)
         yield step, losses
 script.train_steps = steps_shown
