@@ -1,8 +1,7 @@
 """PHY's renders with a learned correction of their mean power: layers and speckle stay PHY's.
 
-The network draws what varies over more than speckle does, in dB; it need not learn noise. Trained without pairs, on the
-likeness of corrected renders to observed scenes alone (Shrivastava et al. 2017, CVPR): picks that lack layers teach it
-nothing about layers, and the mean absolute correction keeps those PHY drew.
+Trained without pairs, on the likeness of corrected renders to observed scenes (Shrivastava et al. 2017, CVPR): picks
+that lack layers teach it nothing about layers, and the mean absolute correction keeps those PHY drew.
 """
 
 from dataclasses import dataclass
@@ -17,10 +16,7 @@ MOST = 0.25  # of half the grey range: the largest correction, about 5 dB
 
 @dataclass
 class Guide(Scene):
-    """A scene as PHY renders it: `power` after looks, and in grey levels from -1 to 1 its `mean` and `speckle`.
-
-    Both (range_bin, range_line), on the scale of PHY's own image; speckle is the difference.
-    """
+    """A scene as PHY renders it: `power` after looks and, from -1 to 1 on its image's scale, `mean` and `speckle`."""
 
     power: np.ndarray | None = None
     mean: np.ndarray | None = None
@@ -34,9 +30,8 @@ def guide_of(scene, mean_power, power):
     scale = np.float32(2 / (maximum_db - bottom_db))
     maps = {"mean": (mean_db - bottom_db) * scale - 1, "speckle": (to_db(power) - mean_db) * scale}
     maps = {name: values.astype(np.float32) for name, values in maps.items()}
-    names = {"name": scene.name, "n_range_bins": scene.n_range_bins, "layer_bins": scene.layer_bins}
-    decibels = {"noise_floor_db": floor_db, "maximum_db": maximum_db}
-    return Guide(**names, **decibels, zone=scene.zone, notes=scene.notes, image=image, power=power, **maps)
+    maps |= {"image": image, "power": power, "noise_floor_db": floor_db, "maximum_db": maximum_db}
+    return Guide(scene.name, scene.n_range_bins, scene.layer_bins, zone=scene.zone, notes=scene.notes, **maps)
 
 
 def guide_map(guide, layer_bins, n_range_bins):

@@ -57,7 +57,7 @@ class UNetGenerator(nn.Module):
         """Noise of one pass for inputs of the shape of `slabs`, (patch, range_bin, range_line), the slab of each pixel.
 
         A dict of tensors (patch, channel, row, column): by stage dropout, 0 or 1 / (1 - dropout), the only noise of
-        pix2pix; for a generator that takes them ``white`` noise, and ``slab``, the same throughout a slab.
+        pix2pix; where the generator takes them ``white`` noise, and ``slab``, the same throughout a slab.
         """
         n_patches, *size = slabs.shape
         rows, columns = (-(-n // 2**self.depth) * 2**self.depth for n in size)
@@ -70,8 +70,9 @@ class UNetGenerator(nn.Module):
             noise["white"] = torch.from_numpy(rng.standard_normal((n_patches, 1, rows, columns), dtype=np.float32))
         if self.is_noisy:
             levels = rng.standard_normal((n_patches, int(slabs.max()) + 1), dtype=np.float32)
-            of_pixels = [level[slab] for level, slab in zip(levels, slabs, strict=True)]
-            noise["slab"] = torch.from_numpy(np.stack(of_pixels)[:, None])
+            noise["slab"] = torch.from_numpy(
+                np.take_along_axis(levels, slabs.reshape(n_patches, -1), 1).reshape(n_patches, 1, *size)
+            )
         return noise
 
     def forward(self, inputs, noise):
@@ -98,14 +99,18 @@ class UNetGenerator(nn.Module):
 
     def grain(self, noise, n_range_bins, n_range_lines):
         """What to add to an image of this size: filtered white noise, alike everywhere as speckle is in dB; or zero."""
-        return self.grains(noise["white"])[:, :, :n_range_bins, :n_range_lines] if self.has_grain else 0.0
+        return (
+            self.grains(noise["white"].to(self.grains.weight))[:, :, :n_range_bins, :n_range_lines]
+            if self.has_grain
+            else 0.0
+        )
 
     def _continued(self, inputs):
         """The inputs on a grid that `depth` halvings divide."""
         below, beside = (-n % 2**self.depth for n in inputs.shape[2:])
-        continued = functional.pad(inputs, (0, beside, 0, below), mode="replicate")
-        continued[:, 0, inputs.shape[2] :] = -1.0
-        return continued
+        inputs = functional.pad(inputs, (0, beside, 0, below), mode="replicate")
+        inputs[:, 0, inputs.shape[2] - below :] = -1.0
+        return inputs
 
 
 class PatchDiscriminator(nn.Module):
@@ -136,7 +141,7 @@ class PatchDiscriminator(nn.Module):
 
 
 class Norm(nn.Module):
-    """Normalisation of features (patch, channel, row, column) with a gain and an offset for each channel."""
+    """Normalisation of features (patch, channel, row, column), with a gain and an offset for each channel."""
 
     def __init__(self, n_channels):
         super().__init__()

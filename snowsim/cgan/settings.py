@@ -5,12 +5,8 @@ from dataclasses import dataclass
 from snowsim.cgan.inputs import METHODS
 from snowsim.echogram import check_choice
 
-CHOICES = {
-    "method": METHODS,
-    "statistics": ("scene", "pixel"),
-    "adversarial": ("bce", "lsgan", "none"),
-    "precision": ("float32", "bfloat16"),
-}
+CHOICES = {"method": METHODS, "statistics": ("scene", "pixel")}
+CHOICES |= {"adversarial": ("bce", "lsgan", "none"), "precision": ("float32", "bfloat16")}
 
 
 @dataclass(frozen=True)
@@ -20,8 +16,8 @@ class Settings:
     Attributes
     ----------
     method : str
-        `pix2pix`, as published: both networks are told the mask, and depth shows only in where an image ends. `depth`:
-        they are told it, and the generator has noise beside its dropout. `guided`: it corrects PHY's renders.
+        `pix2pix`, as published; `depth`: both networks are told the depth, and noise is more than dropout; `guided`:
+        the generator corrects PHY's renders.
     width : int
         Channels of the outermost stage of both networks; 64 as published.
     depth, n_strided : int

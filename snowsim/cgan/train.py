@@ -94,8 +94,7 @@ def train_steps(training, scenes, guides=None):
 class Batch:
     """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1], but for noise, a dict of them.
 
-    `told` of observed `image` and of renders is what the discriminator knows of either; renders should be near
-    `target`; `base` is None or what a guided generator corrects.
+    `told`: what the discriminator knows of observed and of rendered images; `base`: what a guided generator corrects.
     """
 
     inputs: torch.Tensor
