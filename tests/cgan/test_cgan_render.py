@@ -1,6 +1,7 @@
 """Rendering depends on the generator, the layers and the scene's own random stream, and on nothing else."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from snowsim.seeding import random_stream
 
 SIZE = {"width": 4, "depth": 4, "n_strided": 1, "n_steps": 1, "n_range_bins": 64, "n_range_lines": 64}
 SETTINGS = Settings(**SIZE)
+SILENCE = SimpleNamespace(random=np.ones, standard_normal=np.zeros)  # random numbers that are none
 PIX2PIX = Settings(**SIZE, method="pix2pix", statistics="scene", dropout=0.5)
 
 
@@ -49,21 +51,11 @@ def test_a_scene_depends_on_its_stream_and_not_on_the_scenes_rendered_before_it(
     assert (another != forwards[0]).any()
 
 
-class Silence:
-    """Random numbers that are none."""
-
-    def random(self, shape, dtype):
-        return np.ones(shape, dtype)
-
-    def standard_normal(self, shape, dtype):
-        return np.zeros(shape, dtype)
-
-
 def test_the_image_has_the_size_of_the_scene_and_a_taller_one_adds_rows_and_changes_none(generator, rng):
     for size in ((300, 64), (77, 33), (5, 1)):
         image = render(generator, level(*size, row=2.0), SETTINGS, rng=rng)
         assert (image.shape, image.dtype) == (size, np.uint8)
-    short, tall = (render(generator, level(n), SETTINGS, rng=Silence()) for n in (144, 800))
+    short, tall = (render(generator, level(n), SETTINGS, rng=SILENCE) for n in (144, 800))
     # 4 halvings of 4x4 kernels, and two of 3x3, reach 48 rows up from the edge; float32 may round to the next byte.
     assert np.abs(short.astype(int)[:96] - tall[:96]).max() <= 1
     assert short.std() > 0
@@ -72,7 +64,7 @@ def test_the_image_has_the_size_of_the_scene_and_a_taller_one_adds_rows_and_chan
 def test_a_layer_deeper_than_any_is_drawn_as_those_above_it(generator):
     # Far below the surface depth has ended to matter: what is around a layer is all that does.
     layers = np.repeat([[20.0], [1500.0], [1596.0]], 64, axis=1)
-    image = render(generator, Scene("deep", 1700, layers), SETTINGS, rng=Silence()).astype(int)
+    image = render(generator, Scene("deep", 1700, layers), SETTINGS, rng=SILENCE).astype(int)
     assert np.abs(image[1480:1520] - image[1576:1616]).max() <= 1
 
 
