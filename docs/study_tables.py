@@ -1,26 +1,20 @@
 """Tables of the accuracy page that studies fill."""
 
-import pandas as pd
-from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share, similarities
+from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share
 
 NAMES = [name for name, _ in METRICS.values()]
 
 
-def cgan_seeds(results):
-    """Table II of every training of the cGAN."""
-    table = read(results, "seeds", "studies/cgan")
-    return markdown(["training", *NAMES], [[r.run, *similarities(r)] for r in table.itertuples()])
-
-
-def cgan_widths(results):
-    """Widths of the cGAN at equal steps and at equal time, beside PHY."""
+def renderers(results):
+    """Cost and worth of every renderer of label sets, means of trainings; positions of layers of uniform label sets."""
+    positions = read(results, "positions", "studies/cgan").groupby("renderer")["error_bins"].median()
     rows = []
-    for r in read(results, "widths", "studies/cgan").itertuples():
-        renderer = "PHY" if r.method == "phy" else f"cGAN, width {r.width}, {r.mode.replace('_', ' ')}"
-        step = "" if pd.isna(r.seconds_per_step) else f"{1e3 * r.seconds_per_step:.0f}"
-        faults = "found" if r.n_faults else ""
-        rows.append([renderer, r.n_steps or "", step, f"{1e3 * r.seconds_per_render:.1f}", *similarities(r), faults])
-    return markdown(["renderer", "steps", "ms a step", "ms a render", *NAMES, "faults"], rows)
+    for name, runs in read(results, "renderers", "studies/cgan").groupby("renderer", sort=False):
+        mean = runs.mean(numeric_only=True)
+        shares = [share(mean[key]) for key in ("two_sample_network", "two_sample_texture", "ods", "ap")]
+        rows.append([name, f"{1e9 * mean['seconds_per_pixel']:.0f}", *shares, f"{positions[name]:.2f}"])
+    header = ["renderer", "ns a pixel", "network", "texture", "ODS", "AP", "position error [bins]"]
+    return markdown(header, rows)
 
 
 def cgan_atlas(results):
@@ -96,4 +90,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (cgan_seeds, cgan_widths, cgan_atlas, worth, ablation, networks, tracker_atlas)
+STUDY_BLOCKS = (renderers, cgan_atlas, worth, ablation, networks, tracker_atlas)

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import torch
-from toy_scenes import toy_scenes
+from toy_scenes import toy_guides, toy_scenes
 
 from snowsim import cgan, tracker
 from snowsim.io.files import read_table
@@ -19,8 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
 # Runs a script in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, {script} as script
-def steps_shown(training, scenes, steps=script.train_steps):
-    for step, losses in steps(training, scenes):
+def steps_shown(*given, steps=script.train_steps):
+    for step, losses in steps(*given):
         print(step, flush=True)
         yield step, losses
 script.train_steps = steps_shown
@@ -33,7 +33,7 @@ def begun(settings, seed=1, n_scenes=3):
     scenes = toy_scenes(n_scenes)
     if isinstance(settings, cgan.Settings):
         training = cgan.Training(settings, seed=seed)
-        return training, cgan.train_steps(training, scenes)
+        return training, cgan.train_steps(training, scenes, toy_guides(n_scenes))
     training = tracker.Training(settings, seed=seed)
     return training, tracker.train_steps(training, tracker.TrainingSet(scenes, seed=seed))
 

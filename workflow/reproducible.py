@@ -27,9 +27,7 @@ TIMED = (
     "tables/convolution_accuracy.csv",
     "figures/convolution_accuracy.*",
     "studies/convolution/*",
-    "studies/cgan/speed.csv",
-    "studies/cgan/widths.csv",
-    "studies/cgan/equal_time_*",
+    "studies/cgan/renderers.csv",
     "report.html",
 )
 # Since release 0.1.0: parts of names of files, old -> new; then of columns, in any file.

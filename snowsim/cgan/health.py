@@ -4,6 +4,8 @@ Each limit was set before it was tried, for the reason stated beside it; where o
 said there, and the ten healthy trainings of the tests were drawn afterwards.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from snowsim.cgan.render import render
@@ -36,21 +38,23 @@ CHECKERBOARD, CHECKERBOARD_OBSERVED = 3.0, 3.0
 def measure_losses(losses, adversarial):
     """`discriminator_ratio`: mean loss over the last `WINDOW_STEPS` steps, relative to an undecided discriminator's.
 
-    `losses` of the steps so far, as `train_steps` yields them; `adversarial` is `bce` or `lsgan`.
+    `losses` of the steps so far, as `train_steps` yields them; `adversarial` as in `Settings`, nothing for `none`.
     """
+    if adversarial == "none":
+        return {}
     late = losses[-WINDOW_STEPS:]
     mean = np.mean([(step["discriminator_real"] + step["discriminator_fake"]) / 2 for step in late])
     return {"discriminator_ratio": float(mean / UNDECIDED[adversarial])}
 
 
-def measure_renders(generator, scenes, *, dropout, statistics="training", precision="float32", seed):
+def measure_renders(generator, scenes, settings, *, seed):
     """What the renders of the first `N_SCENES` observed scenes depend on, and the pattern they carry, a dict.
 
     `mask_response`: root mean square difference between renders of different masks by the same dropout, as a share of
     that between the observed images; `draw_spread`: the same between two draws for one mask [grey levels];
     `error_share`: root mean square error as a share of the observed images' standard deviation; `checkerboard` and
     `checkerboard_observed` [grey levels]. NaN if a render is not finite; ValueError for fewer than two scenes.
-    Masks are cut to the smallest of them; `dropout`, `statistics`, `precision` as for `render`.
+    Scenes are cut to the smallest of them; `settings` as for `render`.
     """
     scenes = [scenes[number] for number in range(min(N_SCENES, len(scenes)))]
     if len(scenes) < 2:
@@ -58,18 +62,18 @@ def measure_renders(generator, scenes, *, dropout, statistics="training", precis
         raise ValueError(msg)
     height = min(scene.n_range_bins for scene in scenes)
     width = min(scene.n_range_lines for scene in scenes)
-    masks = [scene.mask()[:height, :width] for scene in scenes]
-    how = {"dropout": dropout, "statistics": statistics, "precision": precision}
+    cut = [_cut(scene, height, width) for scene in scenes]
 
     def rendered(draw):
         try:
-            images = [render(generator, mask, **how, rng=random_stream(seed, "cgan", "health", draw)) for mask in masks]
+            streams = (random_stream(seed, "cgan", "health", draw) for _ in cut)
+            images = [render(generator, scene, settings, rng=rng) for scene, rng in zip(cut, streams, strict=True)]
             return np.stack(images).astype(float)
         except FloatingPointError:
             return np.full((len(scenes), height, width), np.nan)
 
     first, second = rendered(1), rendered(2)
-    observed = np.stack([scene.image[:height, :width] for scene in scenes]).astype(float)
+    observed = np.stack([scene.image for scene in cut]).astype(float)
     with np.errstate(invalid="ignore", divide="ignore"):
         return {
             "mask_response": _difference(first) / _difference(observed),
@@ -125,6 +129,13 @@ def faults(numbers, *, dropout):
     if pattern > limit:
         found.append(f"checkerboard: a pattern of {pattern:.2f} grey levels, above {limit:.2f}")
     return found
+
+
+def _cut(scene, height, width):
+    """The upper left of a scene, or of a guide."""
+    maps = {name: getattr(scene, name, None) for name in ("image", "power", "mean", "speckle")}
+    maps = {name: values[:height, :width] for name, values in maps.items() if values is not None}
+    return replace(scene, n_range_bins=height, layer_bins=scene.layer_bins[:, :width], **maps)
 
 
 def _difference(images):

@@ -6,88 +6,111 @@ from torch import nn
 from torch.nn import functional
 
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
+EPSILON = 1e-5
 N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out, pix2pix
 
 
 class UNetGenerator(nn.Module):
-    """U-Net of pix2pix from a layer mask to an image, both (patch, 1, range_bin, range_line) in [-1, 1].
+    """U-Net of pix2pix from inputs to an image, (patch, channel, range_bin, range_line) in [-1, 1], the image's one.
 
     Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``, `depth` halvings. Any
-    image size: the mask is continued to a multiple of ``2**depth``, downwards without layers and sideways with its last
-    range line, and the output cut back. Batch normalisation is by the images at hand in training, and in rendering by
-    statistics that `train.settle_statistics` sets once.
+    image size: inputs, the mask first, are continued to a multiple of ``2**depth``, downwards without layers and
+    sideways with the last range line, and the output cut back. With `statistics` ``scene`` features are normalised by
+    the images at hand, as published, with ``pixel`` over the channels of each pixel: then an image depends on what is
+    within ``3 * 2**depth`` pixels alone. With `is_noisy` its inputs have a random level for each slab, and it doubles
+    images before it convolves them (Odena, Dumoulin & Olah 2016, Distill): equal inputs leave no lattice. With
+    `has_grain` it learns a `grain` to be added to its images.
     """
 
-    def __init__(self, width=64, depth=8):
+    def __init__(self, width=64, depth=8, n_inputs=1, *, statistics="scene", is_noisy=False, has_grain=False):
         super().__init__()
         if depth < 2 or width < 1:
             msg = f"a generator needs depth >= 2 and width >= 1, got depth {depth}, width {width}"
             raise ValueError(msg)
-        self.depth = depth
+        self.depth, self.statistics, self.is_noisy, self.has_grain = depth, statistics, is_noisy, has_grain
         self.channels = [width * min(2**stage, 8) for stage in range(depth)]
         c = self.channels
         self.down = nn.ModuleList(
-            [_halving(1, c[0], bias=True)] + [_halving(c[stage - 1], c[stage]) for stage in range(1, depth)]
+            [_halving(n_inputs + is_noisy, c[0], bias=True)]
+            + [_halving(c[stage - 1], c[stage]) for stage in range(1, depth)]
         )
         self.up = nn.ModuleList(
             # The innermost stage has no skip; every other joins what came up with what went down.
-            nn.ConvTranspose2d(c[stage] * (1 + (stage < depth - 1)), c[stage - 1], 4, stride=2, padding=1, bias=False)
+            _doubling(c[stage] * (1 + (stage < depth - 1)), c[stage - 1], resized=is_noisy)
             for stage in range(1, depth)
         )
-        self.out = nn.ConvTranspose2d(2 * c[0], 1, 4, stride=2, padding=1)
+        n_out = max(width // 2, 1) if is_noisy else 1
+        self.out = _doubling(2 * c[0], n_out, resized=is_noisy, bias=True)
+        if is_noisy:
+            self.last = nn.Conv2d(n_out + n_inputs + 1, 1, 3, padding=1)
+        if has_grain:
+            self.grains = nn.Conv2d(1, 1, (5, 1), padding=(2, 0), bias=False)  # range lines are independent
         # Neither the outermost nor the innermost stage is normalised on the way down.
-        self.norm_down = nn.ModuleDict({str(stage): _norm(c[stage]) for stage in range(1, depth - 1)})
-        self.norm_up = nn.ModuleList(_norm(c[stage - 1]) for stage in range(1, depth))
+        self.norm_down = nn.ModuleDict({str(stage): Norm(c[stage]) for stage in range(1, depth - 1)})
+        self.norm_up = nn.ModuleList(Norm(c[stage - 1]) for stage in range(1, depth))
 
     def noisy_stages(self):
         """Decoder stages that drop out, innermost first."""
         return range(self.depth - 2, max(self.depth - 2 - N_NOISY_BLOCKS, 0), -1)
 
-    def draw_noise(self, n_patches, n_range_bins, n_range_lines, *, dropout=0.5, rng):
-        """Dropout of one pass, the only noise of pix2pix: 0 or 1 / (1 - dropout) for masks of this shape.
+    def draw_noise(self, slabs, *, dropout=0.5, rng):
+        """Noise of one pass for inputs of the shape of `slabs`, (patch, range_bin, range_line), the slab of each pixel.
 
-        A dict by stage of tensors (patch, channel, row, column).
+        A dict of tensors (patch, channel, row, column): by stage dropout, 0 or 1 / (1 - dropout), the only noise of
+        pix2pix; where the generator takes them ``white`` noise, and ``slab``, the same throughout a slab.
         """
-        rows, columns = (-(-n // 2**self.depth) * 2**self.depth for n in (n_range_bins, n_range_lines))
+        n_patches, *size = slabs.shape
+        rows, columns = (-(-n // 2**self.depth) * 2**self.depth for n in size)
         noise = {}
         for stage in self.noisy_stages():
             shape = (n_patches, self.channels[stage - 1], rows >> stage, columns >> stage)
             kept = rng.random(shape, dtype=np.float32) >= dropout
             noise[stage] = torch.from_numpy(kept * np.float32(1 / (1 - dropout)))
+        if self.has_grain:
+            noise["white"] = torch.from_numpy(rng.standard_normal((n_patches, 1, rows, columns), dtype=np.float32))
+        if self.is_noisy:
+            levels = rng.standard_normal((n_patches, int(slabs.max()) + 1), dtype=np.float32)
+            noise["slab"] = torch.from_numpy(
+                np.take_along_axis(levels, slabs.reshape(n_patches, -1), 1).reshape(n_patches, 1, *size)
+            )
         return noise
 
-    def forward(self, mask, noise, *, own_statistics=False):
-        """Image of a mask, given the noise of `draw_noise`; normalised by the mask's own statistics or by kept ones."""
-        n_range_bins, n_range_lines = mask.shape[2:]
-        x = self._continued(mask)
+    def forward(self, inputs, noise):
+        """Image of some inputs, given the noise of `draw_noise`."""
+        n_range_bins, n_range_lines = inputs.shape[2:]
+        if self.is_noisy:
+            inputs = torch.cat([inputs, noise["slab"].to(inputs)], dim=1)
+        x = inputs = self._continued(inputs)
         kept = []
         for stage, halve in enumerate(self.down):
             x = halve(functional.leaky_relu(x, SLOPE) if stage else x)
             if str(stage) in self.norm_down:
-                x = _normalised(x, self.norm_down[str(stage)], own_statistics)
+                x = self.norm_down[str(stage)](x, self.statistics)
             kept.append(x)
         for stage in range(self.depth - 1, 0, -1):
-            x = _normalised(self.up[stage - 1](functional.relu(x)), self.norm_up[stage - 1], own_statistics)
+            x = self.norm_up[stage - 1](self.up[stage - 1](functional.relu(x)), self.statistics)
             if stage in noise:
                 x = x * noise[stage].to(x)
             x = torch.cat([kept[stage - 1], x], dim=1)
-        return torch.tanh(self.out(functional.relu(x)))[:, :, :n_range_bins, :n_range_lines]
+        x = self.out(functional.relu(x))
+        if self.is_noisy:
+            x = self.last(torch.cat([functional.relu(x), inputs.to(x)], dim=1))
+        return torch.tanh(x)[:, :, :n_range_bins, :n_range_lines]
 
-    @property
-    def is_settled(self):
-        """Whether there are statistics to render with."""
-        return all(norm.num_batches_tracked > 0 for norm in self.norms())
+    def grain(self, noise, n_range_bins, n_range_lines):
+        """What to add to an image of this size: filtered white noise, alike everywhere as speckle is in dB; or zero."""
+        return (
+            self.grains(noise["white"].to(self.grains.weight))[:, :, :n_range_bins, :n_range_lines]
+            if self.has_grain
+            else 0.0
+        )
 
-    def norms(self):
-        """The normalisations that keep statistics."""
-        return [*self.norm_down.values(), *self.norm_up]
-
-    def _continued(self, mask):
-        """The mask on a grid that `depth` halvings divide."""
-        below, beside = (-n % 2**self.depth for n in mask.shape[2:])
-        if beside:
-            mask = functional.pad(mask, (0, beside, 0, 0), mode="replicate")
-        return functional.pad(mask, (0, 0, 0, below), value=-1.0)
+    def _continued(self, inputs):
+        """The inputs on a grid that `depth` halvings divide."""
+        below, beside = (-n % 2**self.depth for n in inputs.shape[2:])
+        inputs = functional.pad(inputs, (0, beside, 0, below), mode="replicate")
+        inputs[:, 0, inputs.shape[2] - below :] = -1.0
+        return inputs
 
 
 class PatchDiscriminator(nn.Module):
@@ -96,13 +119,13 @@ class PatchDiscriminator(nn.Module):
     Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that halve, of 1 to 4.
     """
 
-    def __init__(self, width=64, n_strided=3):
+    def __init__(self, width=64, n_strided=3, n_inputs=1):
         super().__init__()
         if n_strided < 1 or width < 1:
             msg = f"a discriminator needs n_strided >= 1 and width >= 1, got n_strided {n_strided}, width {width}"
             raise ValueError(msg)
         c = [width * min(2**stage, 8) for stage in range(n_strided + 1)]
-        layers = [nn.Conv2d(2, c[0], 4, stride=2, padding=1), nn.LeakyReLU(SLOPE)]
+        layers = [nn.Conv2d(n_inputs + 1, c[0], 4, stride=2, padding=1), nn.LeakyReLU(SLOPE)]
         for stage in range(1, n_strided + 1):
             stride = 2 if stage < n_strided else 1
             layers += [
@@ -112,9 +135,25 @@ class PatchDiscriminator(nn.Module):
             ]
         self.layers = nn.Sequential(*layers, nn.Conv2d(c[-1], 1, 4, padding=1))
 
-    def forward(self, mask, image):
-        """Logits, (patch, 1, row, column), of masks and images (patch, 1, range_bin, range_line) in [-1, 1]."""
-        return self.layers(torch.cat([mask, image], dim=1))
+    def forward(self, inputs, image):
+        """Logits, (patch, 1, row, column), of inputs and images (patch, channel, range_bin, range_line) in [-1, 1]."""
+        return self.layers(torch.cat([inputs, image], dim=1))
+
+
+class Norm(nn.Module):
+    """Normalisation of features (patch, channel, row, column), with a gain and an offset for each channel."""
+
+    def __init__(self, n_channels):
+        super().__init__()
+        self.weight, self.bias = nn.Parameter(torch.ones(n_channels)), nn.Parameter(torch.zeros(n_channels))
+
+    def forward(self, x, statistics):
+        """By mean and variance of each channel over the images (`scene`), or of each pixel over channels (`pixel`)."""
+        if statistics == "scene":
+            return functional.batch_norm(x, None, None, self.weight, self.bias, training=True)
+        shape = (1, -1, 1, 1)
+        variance, mean = torch.var_mean(x, dim=1, keepdim=True, correction=0)
+        return (x - mean) * torch.rsqrt(variance + EPSILON) * self.weight.view(shape) + self.bias.view(shape)
 
 
 def initialise(network, *, rng):
@@ -129,16 +168,11 @@ def initialise(network, *, rng):
             parameter.copy_(torch.from_numpy(np.float32(mean) + np.float32(0.02) * drawn))
 
 
+def _doubling(n_in, n_out, *, resized, bias=False):
+    if resized:
+        return nn.Sequential(nn.Upsample(scale_factor=2), nn.Conv2d(n_in, n_out, 3, padding=1, bias=bias))
+    return nn.ConvTranspose2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
+
+
 def _halving(n_in, n_out, *, bias=False):
     return nn.Conv2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
-
-
-def _norm(n_channels):
-    return nn.BatchNorm2d(n_channels, momentum=None)  # keeps plain averages, not exponential ones
-
-
-def _normalised(x, norm, own_statistics):
-    """Batch normalisation as `norm` is set to do it, or by the statistics of `x` without keeping them."""
-    if own_statistics:
-        return functional.batch_norm(x, None, None, norm.weight, norm.bias, training=True, eps=norm.eps)
-    return norm(x)

@@ -3,60 +3,53 @@
 import numpy as np
 import torch
 
-from snowsim.cgan.networks import UNetGenerator
-from snowsim.echogram import check_choice
+from snowsim.cgan.guided import corrected
+from snowsim.cgan.inputs import conditions, place_map
+from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
-from snowsim.patches import draw_index, from_signed, to_signed
+from snowsim.patches import draw_index, from_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
-STATISTICS = ("training", "scene")
 
+def render(generator, scene, settings, *, rng):
+    """Echogram of the layers of a `Scene`, the whole at once: uint8, (range_bin, range_line), of any size.
 
-def render(generator, mask, *, dropout=0.5, statistics="training", precision="float32", rng):
-    """Echogram of one layer mask, the whole scene at once: uint8, of the shape of the mask (range_bin, range_line).
-
-    A scene does not depend on which others are rendered, in what order or by how many processes; any size.
+    It does not depend on which others are rendered, in what order or by how many processes.
 
     Parameters
     ----------
     generator : UNetGenerator
-    mask : ndarray of bool, (range_bin, range_line)
-        ValueError if it holds no layer.
-    dropout : float
-        As in training: it stays on, as in pix2pix, drawn from `rng`.
-    statistics : str
-        Normalise by `training`, averages over what was trained on, or by `scene`, those of the image, as pix2pix does:
-        they change with the height, so that the same layers in a taller scene are another render.
-    precision : str
-        Arithmetic, `float32` or `bfloat16`; FloatingPointError if a pixel is not finite.
+    scene : Scene
+        ValueError if its mask holds no layer.
+    settings : Settings
+        Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise is.
+        FloatingPointError if a pixel is not finite.
     rng : numpy.random.Generator
     """
-    mask = np.asarray(mask)
-    if mask.dtype != bool or mask.ndim != 2:
-        msg = f"mask must be bool (range_bin, range_line), got {mask.dtype} of shape {mask.shape}"
-        raise ValueError(msg)
+    mask = scene.mask()
     if not mask.any():
-        msg = f"mask without layers: expected at least one annotated pixel in {mask.shape}"
+        msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel in {mask.shape}"
         raise ValueError(msg)
-    check_choice("statistics", statistics, STATISTICS)
-    if statistics == "training" and not generator.is_settled:
-        msg = "generator has no statistics of its training to normalise by: they are set by settle_statistics"
-        raise ValueError(msg)
+    depths, slabs = np.moveaxis(place_map(scene, scene.layer_bins, scene.n_range_bins), 2, 0)[:, None]
+    inputs = conditions(settings.method, mask[None], depths)
+    if settings.method == "guided":
+        inputs = torch.cat([inputs, torch.from_numpy(scene.mean)[None, None]], dim=1)
     generator.eval()
     device = next(generator.parameters()).device
-    noise = generator.draw_noise(1, *mask.shape, dropout=dropout, rng=rng)
-    with torch.inference_mode(), arithmetic(device, precision):
-        image = generator(to_signed(mask[None]).to(device), noise, own_statistics=statistics == "scene")
-        if not torch.isfinite(image).all():
-            msg = "generator renders values that are not finite: its training diverged"
-            raise FloatingPointError(msg)
-        return from_signed(image)[0]
+    noise = generator.draw_noise(slabs, dropout=settings.dropout, rng=rng)
+    with torch.inference_mode(), arithmetic(device, settings.precision):
+        image = generator(inputs.to(device), noise)
+        grain = generator.grain(noise, *mask.shape)
+    if not torch.isfinite(image).all():
+        msg = "generator renders values that are not finite: its training diverged"
+        raise FloatingPointError(msg)
+    return corrected(scene, image)[0] if settings.method == "guided" else from_signed((image + grain).clamp(-1, 1))[0]
 
 
 def trained_generator(weights, settings, *, device="cpu"):
     """Generator for `render`, of weights (dict of arrays) and the `Settings` they were trained with."""
-    generator = UNetGenerator(settings.width, settings.depth)
+    generator, _ = networks_of(settings)
     load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()
 
@@ -74,13 +67,9 @@ def held_out(n_scenes, n_held, *, seed):
     return [number for number in range(n_scenes) if number not in held], sorted(held)
 
 
-def validate(generator, scenes, *, dropout, statistics, precision, seed):
-    """Render observed scenes and compare: means of `rmse`, `psnr`, `ssim` as a dict, and the renders as a list.
-
-    `dropout`, `statistics` and `precision` as for `render`.
-    """
-    how = {"dropout": dropout, "statistics": statistics, "precision": precision}
+def validate(generator, scenes, settings, *, seed):
+    """Render observed scenes and compare: means of `rmse`, `psnr`, `ssim` as a dict, and the renders as a list."""
     streams = (random_stream(seed, "cgan", "validation", scene.name) for scene in scenes)
-    images = [render(generator, s.mask(), **how, rng=rng) for s, rng in zip(scenes, streams, strict=True)]
+    images = [render(generator, scene, settings, rng=rng) for scene, rng in zip(scenes, streams, strict=True)]
     scores = [similarity(image, scene.image) for image, scene in zip(images, scenes, strict=True)]
     return {name: float(np.mean([score[name] for score in scores])) for name in ("rmse", "psnr", "ssim")}, images

@@ -2,15 +2,22 @@
 
 from dataclasses import dataclass
 
+from snowsim.cgan.inputs import METHODS
 from snowsim.echogram import check_choice
+
+CHOICES = {"method": METHODS, "statistics": ("scene", "pixel")}
+CHOICES |= {"adversarial": ("bce", "lsgan", "none"), "precision": ("float32", "bfloat16")}
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Networks and training of the conditional GAN; defaults are pix2pix's but for width, steps and precision.
+    """Networks and training of the conditional GAN; `method: pix2pix` is as published.
 
     Attributes
     ----------
+    method : str
+        `pix2pix`, as published; `depth`: both networks are told the depth, and noise is more than dropout; `guided`:
+        the generator corrects PHY's renders.
     width : int
         Channels of the outermost stage of both networks; 64 as published.
     depth, n_strided : int
@@ -18,33 +25,37 @@ class Settings:
     n_steps, batch_size : int
         Gradient steps of each network; patches a step.
     n_range_bins, n_range_lines : int or None
-        Size of random crops; None takes whole scenes, as pix2pix does. A generator learns what lies where from where
-        the image ends: trained on crops, it does not know how deep in a scene it is.
+        Size of random crops; None takes whole scenes, as pix2pix does.
+    statistics : str
+        Normalise by those of each `scene`, as pix2pix does: they change with its height. `pixel`: over the channels of
+        each pixel, so that a layer is drawn alike in scenes of any height.
     learning_rate, beta1, beta2 : float
         Of Adam; the rate is constant for half the steps, then falls linearly to zero.
     l1_weight : float
         Of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
     adversarial : str
-        `bce`, as published, or `lsgan`.
+        `bce`, as published, `lsgan`, or `none`: without a discriminator, on the L1 term alone.
     dropout : float
         Share of dropped values in the noisy stages of the generator.
     precision : str
         Arithmetic, `float32` or `bfloat16`.
     """
 
+    method: str = "depth"
     width: int = 16
-    depth: int = 8
+    depth: int = 5
     n_strided: int = 3
     n_steps: int = 2500
     batch_size: int = 1
-    n_range_bins: int | None = None
-    n_range_lines: int | None = None
-    learning_rate: float = 2e-4
+    n_range_bins: int | None = 256
+    n_range_lines: int | None = 192
+    statistics: str = "pixel"
+    learning_rate: float = 5e-4
     beta1: float = 0.5
     beta2: float = 0.999
     l1_weight: float = 100.0
     adversarial: str = "bce"
-    dropout: float = 0.5
+    dropout: float = 0.0
     precision: str = "bfloat16"
 
     def __post_init__(self):
@@ -58,5 +69,5 @@ class Settings:
         if self.l1_weight < 0 or not self.learning_rate > 0:
             msg = f"expected l1_weight >= 0 and learning_rate > 0, got {self.l1_weight} and {self.learning_rate}"
             raise ValueError(msg)
-        for name, choices in (("adversarial", ("bce", "lsgan")), ("precision", ("float32", "bfloat16"))):
+        for name, choices in CHOICES.items():
             check_choice(name, getattr(self, name), choices)

@@ -1,17 +1,20 @@
 """Training of the conditional GAN: pix2pix with its settings, resumable to the byte."""
 
+from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
 import torch
 from torch.nn import functional
 
+from snowsim.cgan.guided import correction, guide_map
+from snowsim.cgan.inputs import conditions, n_channels, place_map
 from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
-N_STATISTICS_CROPS = 64
 
 
 class Training:
@@ -23,8 +26,7 @@ class Training:
     def __init__(self, settings, *, seed, device="cpu"):
         self.settings, self.seed, self.device = settings, seed, device
         self.step = 0
-        self.generator = UNetGenerator(settings.width, settings.depth)
-        self.discriminator = PatchDiscriminator(settings.width, settings.n_strided)
+        self.generator, self.discriminator = networks_of(settings)
         initialise(self.generator, rng=random_stream(seed, "cgan", "generator"))
         initialise(self.discriminator, rng=random_stream(seed, "cgan", "discriminator"))
         for network in (self.generator, self.discriminator):
@@ -47,33 +49,40 @@ class Training:
         self.step = step
 
 
+def networks_of(settings):
+    """Generator and discriminator of some `Settings`, not initialised."""
+    n_told, n_inputs = n_channels(settings.method)
+    how = {"statistics": settings.statistics, "is_noisy": settings.method != "pix2pix"}
+    # Nothing but a discriminator teaches grain, and PHY's renders have their speckle.
+    how["has_grain"] = settings.method == "depth" and settings.adversarial != "none"
+    generator = UNetGenerator(settings.width, settings.depth, n_inputs, **how)
+    return generator, PatchDiscriminator(settings.width, settings.n_strided, n_told)
+
+
 def least_bytes(settings):
     """Least memory for weights, gradients and moments of both networks, without images and activations."""
     with torch.device("meta"):
-        networks = UNetGenerator(settings.width, settings.depth), PatchDiscriminator(settings.width, settings.n_strided)
+        networks = networks_of(settings)
     return 4 * 4 * sum(parameter.numel() for network in networks for parameter in network.parameters())
 
 
-def train_steps(training, scenes):
+def train_steps(training, scenes, guides=None):
     """Train from where `training` is to its last step; yields the steps taken and the losses (dict) of each.
 
     A step updates the discriminator, then the generator, on random crops of scenes, drawn without replacement until all
     were seen, flipped left to right half of the time. Losses: ``L_D = (A(D(x, y), 1) + A(D(x, G(x, z)), 0)) / 2``,
     ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the adversarial A a cross-entropy (0.69 is undecided) or a
-    square (0.25): Isola et al. (2017), eq. (7) of Yari et al. (2021); `l1` is a share of half the grey range.
+    square (0.25): Isola et al. (2017), eq. (7) of Yari et al. (2021); `l1` is a share of half the grey range. `guided`
+    renders crops of `guides`, in place of y stands PHY's image of them, and the discriminator is not told the mask.
     ValueError without scenes or for one not trainable; FloatingPointError if a loss is not finite.
     """
     if len(scenes) == 0:
         msg = "training needs at least one scene, got none"
         raise ValueError(msg)
     held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
-    settings = training.settings
-    while training.step < settings.n_steps:
-        drawn = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
-        batch = [held(draw_index(len(scenes), position, training.seed, "cgan", "scenes")) for position in drawn]
+    while training.step < training.settings.n_steps:
         rng = random_stream(training.seed, "cgan", "step", training.step)
-        images, masks = draw_patches(batch, settings.n_range_bins, settings.n_range_lines, rng=rng)
-        losses = _step(training, to_signed(masks).to(training.device), to_signed(images).to(training.device), rng)
+        losses = _step(training, _draw_batch(training, held, len(scenes), guides, rng))
         training.step += 1
         if not torch.isfinite(torch.tensor(list(losses.values()))).all():
             msg = f"training diverged at step {training.step}: {losses}"
@@ -81,49 +90,86 @@ def train_steps(training, scenes):
         yield training.step, losses
 
 
-def settle_statistics(training, scenes):
-    """Set the normalisation statistics that the generator renders with, from crops of its training scenes.
+@dataclass(frozen=True)
+class Batch:
+    """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1], but for noise, a dict of them.
 
-    Plain averages over fresh crops with the weights as they are, before rendering and saving; no part of the training.
-    Exponential averages lag behind weights that move fast: Wu & Johnson (2021), arXiv:2105.07576.
+    `told`: what the discriminator knows of observed and of rendered images; `base`: what a guided generator corrects.
     """
-    settings, generator = training.settings, training.generator
-    for norm in generator.norms():
-        norm.reset_running_stats()
-    generator.train()
-    for number in range(N_STATISTICS_CROPS):
-        scene = scenes[draw_index(len(scenes), number, training.seed, "cgan", "statistics")]
-        rng = random_stream(training.seed, "cgan", "statistics", number)
-        _, masks = draw_patches([scene], settings.n_range_bins, settings.n_range_lines, rng=rng)
-        noise = generator.draw_noise(*masks.shape, dropout=settings.dropout, rng=rng)
-        with torch.no_grad(), arithmetic(training.device, settings.precision):
-            generator(to_signed(masks).to(training.device), noise)
-    generator.eval()
+
+    inputs: torch.Tensor
+    noise: dict
+    told: tuple
+    image: torch.Tensor
+    target: torch.Tensor
+    base: torch.Tensor | None = None
 
 
-def _step(training, mask, image, rng):
+def _draw_batch(training, held, n_scenes, guides, rng):
+    """`Batch` of the next step."""
+    settings, device = training.settings, training.device
+    positions = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
+
+    def crops(get, n, of, known):
+        drawn = [get(draw_index(n, position, training.seed, "cgan", of)) for position in positions]
+        return draw_patches(drawn, settings.n_range_bins, settings.n_range_lines, known=known, rng=rng)
+
+    images, masks, places = crops(held, n_scenes, "scenes", place_map)
+    # Half a grey level of dither: that observed images are whole numbers must not tell them from rendered ones.
+    dither = (rng.random(images.shape, dtype=np.float32) - np.float32(0.5))[:, None] / 127.5
+    image = (to_signed(images) + torch.from_numpy(dither)).to(device)
+    told = conditions(settings.method, masks & (settings.method != "guided"), places[..., 0]).to(device)
+    if settings.method != "guided":
+        noise = training.generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
+        return Batch(told, noise, (told, told), image, image)
+    _, masks, maps = crops(guides.__getitem__, len(guides), "guides", guide_map)
+    depths, slabs, mean, speckle = np.moveaxis(maps, 3, 0)
+    noise = training.generator.draw_noise(slabs.astype(int), dropout=settings.dropout, rng=rng)
+    base, mean = (torch.from_numpy(values)[:, None].to(device) for values in (mean + speckle, mean.copy()))
+    inputs = torch.cat([conditions("guided", masks, depths).to(device), mean], dim=1)
+    return Batch(inputs, noise, (told, conditions("guided", masks & False, depths).to(device)), image, base, base)
+
+
+def _step(training, batch):
     """Update both networks on one batch; the losses before the update."""
     settings, generator, discriminator = training.settings, training.generator, training.discriminator
     for optimiser in training._optimisers.values():
         for group in optimiser.param_groups:
             group["lr"] = learning_rate(settings, training.step)
         optimiser.zero_grad(set_to_none=True)
-    noise = generator.draw_noise(*mask.shape[::2], mask.shape[3], dropout=settings.dropout, rng=rng)
     with arithmetic(training.device, settings.precision):
-        rendered = generator(mask, noise, own_statistics=True)
-        real, fake = discriminator(mask, image), discriminator(mask, rendered.detach())
-    real_loss, fake_loss = _adversarial(real, 1.0, settings), _adversarial(fake, 0.0, settings)
-    (0.5 * (real_loss + fake_loss)).backward()
-    training._optimisers["discriminator_adam"].step()
-    discriminator.requires_grad_(False)
-    with arithmetic(training.device, settings.precision):
-        decision = discriminator(mask, rendered)
-    adversarial, l1 = _adversarial(decision, 1.0, settings), functional.l1_loss(rendered.float(), image)
-    (adversarial + settings.l1_weight * l1).backward()
+        rendered = generator(batch.inputs, batch.noise)
+        grain = generator.grain(batch.noise, *rendered.shape[2:])
+    rendered = rendered.float() if batch.base is None else batch.base + correction(rendered)
+    l1 = functional.l1_loss(rendered, batch.target)
+    if batch.base is None:
+        # Not before: the least error is an image without speckle.
+        rendered = rendered + grain
+    losses = {}
+    if settings.adversarial != "none":
+        real, fake = _decide(training, batch, rendered.detach())
+        losses["discriminator_real"] = _adversarial(real, 1.0, settings)
+        losses["discriminator_fake"] = _adversarial(fake, 0.0, settings)
+        (0.5 * sum(losses.values())).backward()
+        training._optimisers["discriminator_adam"].step()
+        discriminator.requires_grad_(False)
+        _, decision = _decide(training, batch, rendered)
+        losses["generator_adversarial"] = _adversarial(decision, 1.0, settings)
+    (losses.get("generator_adversarial", 0.0) + settings.l1_weight * l1).backward()
     training._optimisers["generator_adam"].step()
     discriminator.requires_grad_(True)
-    losses = torch.stack([real_loss, fake_loss, adversarial, l1]).tolist()
-    return dict(zip(("discriminator_real", "discriminator_fake", "generator_adversarial", "l1"), losses, strict=True))
+    losses["l1"] = l1
+    return dict(zip(losses, torch.stack(list(losses.values())).tolist(), strict=True))
+
+
+def _decide(training, batch, rendered):
+    """Logits of observed and of rendered images."""
+    discriminator, precision = training.discriminator, training.settings.precision
+    with arithmetic(training.device, precision):
+        if training.settings.method == "pix2pix":
+            return discriminator(batch.told[0], batch.image), discriminator(batch.told[1], rendered)
+        # Normalised together: by themselves, renders of twice the contrast are the same to it.
+        return discriminator(torch.cat(batch.told), torch.cat([batch.image, rendered])).chunk(2)
 
 
 def learning_rate(settings, step):

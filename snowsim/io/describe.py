@@ -81,7 +81,9 @@ def _scenes(what, scenes):
     sizes = np.array([(s.n_range_bins, s.n_range_lines, len(s.layer_bins)) for s in scenes])
     bins, lines, layers = (f"{low} to {high}" for low, high in zip(sizes.min(axis=0), sizes.max(axis=0), strict=True))
     n_mute = sum(s.image is not None and not np.isfinite([s.noise_floor_db, s.maximum_db]).all() for s in scenes)
+    n_outside = sum(bool(s.notes.get("outside_training")) for s in scenes)
     traps = {f"{n_mute} images do not hold their decibels": n_mute}
+    traps[f"{n_outside} scenes lie outside what their generator was trained on"] = n_outside
     return _said(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
 
 

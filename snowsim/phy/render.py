@@ -63,8 +63,8 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     return render_plan(plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options), rng=rng)
 
 
-def render_plan(scene_plan, *, rng):
-    """Power of a planned scene after M looks, (range_bin, range_line)."""
+def mean_field(scene_plan, *, rng):
+    """Mean power of a planned scene with its texture and gain, before any look, (range_bin, range_line)."""
     power = planned_power(scene_plan, added_power=scene_plan.noise_power)
     if scene_plan.texture is not None:
         texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
@@ -73,6 +73,12 @@ def render_plan(scene_plan, *, rng):
         power += texture
     if scene_plan.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)
+    return power
+
+
+def render_plan(scene_plan, *, rng, mean=None):
+    """Power of a planned scene after M looks about its mean field, drawn unless given, (range_bin, range_line)."""
+    power = mean_field(scene_plan, rng=rng) if mean is None else mean
     options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
     return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)
 

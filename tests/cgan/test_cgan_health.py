@@ -9,10 +9,12 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, toy_scenes
 from trainings import begun
 
-from snowsim.cgan import Settings, Training, health, render, settle_statistics
+from snowsim.cgan import Settings, Training, health, render
 from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
 
-SETTINGS = Settings(width=8, depth=4, n_strided=2, n_range_bins=64, n_range_lines=64, learning_rate=1e-3, n_steps=240)
+PIX2PIX = {"method": "pix2pix", "statistics": "scene", "dropout": 0.5}
+SIZE = {"width": 8, "depth": 4, "n_strided": 2, "n_range_bins": 64, "n_range_lines": 64}
+SETTINGS = Settings(**PIX2PIX, **SIZE, learning_rate=1e-3, n_steps=240)
 
 
 def image_of(mask, rng):
@@ -23,9 +25,9 @@ def image_of(mask, rng):
 
 def measured(make, monkeypatch):
     """Health of renders in grey levels by `make(mask, rng)` in place of a generator's."""
-    monkeypatch.setattr(health, "render", lambda generator, mask, *, rng, **options: make(mask, rng))
+    monkeypatch.setattr(health, "render", lambda generator, scene, settings, *, rng: make(scene.mask(), rng))
     scenes = [toy_scene(number, n_range_bins=256, n_range_lines=192, n_layers=10) for number in range(4)]
-    return measure_renders(None, scenes, dropout=0.5, seed=1)
+    return measure_renders(None, scenes, SETTINGS, seed=1)
 
 
 def without_draws(mask, rng):
@@ -91,17 +93,17 @@ def test_a_checkerboard_of_one_grey_level_measures_one_and_edges_and_speckle_mak
 
 def test_one_scene_is_too_few():
     with pytest.raises(ValueError, match="two or more scenes, got 1"):
-        measure_renders(None, toy_scenes(1), dropout=0.5, seed=1)
+        measure_renders(None, toy_scenes(1), SETTINGS, seed=1)
 
 
 def test_weights_that_are_not_finite_are_named():
-    training = Training(replace(SETTINGS, width=2), seed=1)
-    settle_statistics(training, toy_scenes(2))
+    settings = replace(SETTINGS, width=2)
+    training = Training(settings, seed=1)
     with torch.no_grad():
         training.generator.out.bias.fill_(torch.nan)
     with pytest.raises(FloatingPointError, match="not finite"):
-        render(training.generator, toy_scenes(1)[0].mask(), rng=np.random.default_rng(1))
-    numbers = measure_renders(training.generator, toy_scenes(2), dropout=0.5, seed=1)
+        render(training.generator, toy_scenes(1)[0], settings, rng=np.random.default_rng(1))
+    numbers = measure_renders(training.generator, toy_scenes(2), settings, seed=1)
     assert faults(numbers, dropout=0.5) == ["values that are not finite"]
 
 
@@ -117,7 +119,7 @@ def trained_faults(settings, seed, *, freeze_discriminator=False):
             losses.append(step_losses)
             if step in (settings.n_steps // 2, settings.n_steps):
                 numbers = measure_losses(losses, settings.adversarial) | measure_renders(
-                    training.generator, unseen, dropout=settings.dropout, statistics="scene", seed=seed
+                    training.generator, unseen, settings, seed=seed
                 )
                 found += faults(numbers, dropout=settings.dropout)
                 examined.append(numbers)

@@ -1,76 +1,122 @@
-"""Rendering depends on the generator, the mask and the scene's own random stream, and on nothing else."""
+"""Rendering depends on the generator, the layers and the scene's own random stream, and on nothing else."""
+
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import torch
 from numpy.testing import assert_array_equal
-from toy_scenes import toy_scenes
+from toy_scenes import toy_guides, toy_scene, toy_scenes
 
-from snowsim.cgan import Settings, Training, render, settle_statistics, trained_generator
+from lib.patch_distance import describe_patches, kernel_distance
+from lib.scope import outside, scope_of
+from snowsim.cgan import Settings, Training, render, trained_generator
+from snowsim.echogram import Scene, to_uint8
 from snowsim.seeding import random_stream
 
-SETTINGS = Settings(width=4, depth=4, n_strided=1, n_steps=1, n_range_bins=64, n_range_lines=64)
+SIZE = {"width": 4, "depth": 4, "n_strided": 1, "n_steps": 1, "n_range_bins": 64, "n_range_lines": 64}
+SETTINGS = Settings(**SIZE)
+SILENCE = SimpleNamespace(random=np.ones, standard_normal=np.zeros)  # random numbers that are none
+PIX2PIX = Settings(**SIZE, method="pix2pix", statistics="scene", dropout=0.5)
+
+
+def untrained(settings):
+    weights = {name: value.numpy() for name, value in Training(settings, seed=1).state()["generator"].items()}
+    return trained_generator(weights, settings)
 
 
 @pytest.fixture(scope="module")
 def generator():
-    training = Training(SETTINGS, seed=1)
-    settle_statistics(training, toy_scenes(2))
-    weights = {name: value.numpy() for name, value in training.state()["generator"].items()}
-    return trained_generator(weights, SETTINGS)
+    return untrained(SETTINGS)
 
 
-@pytest.mark.parametrize("statistics", ["training", "scene"])
-def test_a_scene_depends_on_its_stream_and_not_on_the_scenes_rendered_before_it(generator, statistics):
-    masks = [scene.mask() for scene in toy_scenes(3)]
+def level(n_range_bins, n_range_lines=64, row=20.0):
+    """A scene of one level layer."""
+    return Scene("level", n_range_bins, np.full((1, n_range_lines), row))
+
+
+@pytest.mark.parametrize("settings", [SETTINGS, PIX2PIX], ids=["depth", "pix2pix"])
+def test_a_scene_depends_on_its_stream_and_not_on_the_scenes_rendered_before_it(settings):
+    scenes, generator = toy_scenes(3), untrained(settings)
 
     def rendered(order):
         stream = {number: random_stream(7, "render_cgan", number) for number in order}
-        return {n: render(generator, masks[n], statistics=statistics, rng=stream[n]) for n in order}
+        return {n: render(generator, scenes[n], settings, rng=stream[n]) for n in order}
 
     forwards, backwards = rendered([0, 1, 2]), rendered([2, 0])
     for number in (0, 2):
         assert_array_equal(forwards[number], backwards[number])
-    another = render(generator, masks[0], statistics=statistics, rng=random_stream(7, "render_cgan", 1))
+    another = render(generator, scenes[0], settings, rng=random_stream(7, "render_cgan", 1))
     assert (another != forwards[0]).any()
 
 
-def test_the_image_has_the_size_of_the_mask_and_a_taller_window_adds_rows_and_changes_none(generator, rng):
-    for size in ((300, 64), (77, 33), (1, 1)):
-        image = render(generator, np.ones(size, bool), rng=rng)
+def test_the_image_has_the_size_of_the_scene_and_a_taller_one_adds_rows_and_changes_none(generator, rng):
+    for size in ((300, 64), (77, 33), (5, 1)):
+        image = render(generator, level(*size, row=2.0), SETTINGS, rng=rng)
         assert (image.shape, image.dtype) == (size, np.uint8)
-    mask = np.zeros((160, 64), bool)
-    mask[20] = True
-    short = render(generator, mask[:144], dropout=0, rng=rng)
-    # 4 halvings of 4x4 kernels reach 46 rows up from the edge; bytes may differ by one where float32 rounds otherwise.
-    difference = short.astype(int)[:98] - render(generator, mask, dropout=0, rng=rng)[:98]
-    assert np.abs(difference).max() <= 1
+    short, tall = (render(generator, level(n), SETTINGS, rng=SILENCE) for n in (144, 800))
+    # 4 halvings of 4x4 kernels, and two of 3x3, reach 48 rows up from the edge; float32 may round to the next byte.
+    assert np.abs(short.astype(int)[:96] - tall[:96]).max() <= 1
+    assert short.std() > 0
+
+
+def test_a_layer_deeper_than_any_is_drawn_as_those_above_it(generator):
+    # Far below the surface depth has ended to matter: what is around a layer is all that does.
+    layers = np.repeat([[20.0], [1500.0], [1596.0]], 64, axis=1)
+    image = render(generator, Scene("deep", 1700, layers), SETTINGS, rng=SILENCE).astype(int)
+    assert np.abs(image[1480:1520] - image[1576:1616]).max() <= 1
 
 
 def test_half_precision_differs_by_few_grey_levels(generator):
-    mask = toy_scenes(1)[0].mask()
+    scene = toy_scenes(1)[0]
     exact, half = (
-        render(generator, mask, precision=p, rng=np.random.default_rng(1)).astype(int) for p in ("float32", "bfloat16")
+        render(generator, scene, replace(SETTINGS, precision=p), rng=np.random.default_rng(1)).astype(int)
+        for p in ("float32", "bfloat16")
     )
-    # bfloat16 keeps 8 bits: relative steps of 2^-8 in the about 9 layers on a path, a grey level each at most.
-    assert np.abs(exact - half).max() <= 9
+    # bfloat16 keeps 8 bits: relative steps of 2^-8 in the about 11 layers on a path, a grey level each at most.
+    assert np.abs(exact - half).max() <= 11
 
 
-@pytest.mark.parametrize(
-    ("mask", "words"),
-    [
-        (np.zeros((20, 10), bool), "mask without layers"),
-        (np.ones((20, 10)), "mask must be bool"),
-        (np.ones((2, 20, 10), bool), "mask must be bool"),
-        (np.zeros((0, 10), bool), "mask without layers"),
-    ],
-)
-def test_masks_that_are_none_are_refused(generator, mask, words, rng):
-    with pytest.raises(ValueError, match=words):
-        render(generator, mask, rng=rng)
+def test_scenes_without_layers_in_their_window_are_refused(generator, rng):
+    with pytest.raises(ValueError, match="scene level: mask without layers"):
+        render(generator, level(20, row=30.0), SETTINGS, rng=rng)
 
 
-def test_a_generator_without_statistics_is_refused(rng):
-    with pytest.raises(ValueError, match="settle_statistics"):
-        render(Training(SETTINGS, seed=1).generator, np.ones((20, 10), bool), rng=rng)
-    with pytest.raises(ValueError, match="statistics must be one of"):
-        render(Training(SETTINGS, seed=1).generator, np.ones((20, 10), bool), statistics="mine", rng=rng)
+def test_a_guided_render_without_correction_is_phys_to_the_byte_and_with_one_is_not():
+    settings = replace(SETTINGS, method="guided")
+    generator = untrained(settings)
+    guide = toy_guides(1)[0]
+    assert_array_equal(guide.image, to_uint8(guide.power)[0])
+    assert (render(generator, guide, settings, rng=np.random.default_rng(1)) != guide.image).any()
+    torch.nn.init.zeros_(generator.last.weight)
+    assert_array_equal(render(generator, guide, settings, rng=np.random.default_rng(1)), guide.image)
+
+
+def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():
+    scope = scope_of(toy_scenes(4))
+    assert scope["height"] == [96, 96]
+    assert scope["layers"] == [3, 3]
+    inside = toy_scenes(4)[2]
+    assert outside(inside, scope) == []
+    tall = replace(inside, n_range_bins=200)
+    assert outside(tall, scope) == ["height 200, trained on 96 to 96"]
+    steep = replace(inside, layer_bins=inside.layer_bins + 3.0 * np.arange(64))
+    close = replace(inside, layer_bins=inside.layer_bins[2:3] + 4.0 * np.arange(4)[:, None])
+    assert [phrase.split()[0] for scene in (steep, close) for phrase in outside(scene, scope)] == ["slope", "spacing"]
+
+
+def test_the_distance_is_zero_within_one_law_and_rewards_no_blur(rng):
+    def numbers(first, change=lambda image: image):
+        scenes = [toy_scene(first + number, 256, 192, n_layers=10) for number in range(6)]
+        return np.concatenate([describe_patches(change(s.image.astype(float)), s.mask()) for s in scenes])
+
+    observed, others = numbers(0), numbers(100)
+    blurred = numbers(100, lambda image: (image + np.roll(image, 1, axis=1)) / 2)
+    moved = numbers(100, lambda image: np.roll(image, 3, axis=0))
+    # Unbiased: of one law it scatters about zero.
+    scatter = abs(kernel_distance(others, observed))
+    assert kernel_distance(blurred, observed) > 10 * scatter
+    assert kernel_distance(moved, observed) > 10 * scatter
+    with pytest.raises(ValueError, match="two patches of either kind, got 1 and"):
+        kernel_distance(others[:1], observed)

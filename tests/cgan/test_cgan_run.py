@@ -13,10 +13,10 @@ from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 
-SMALL = {"width": 2, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
+SMALL = {"width": 4, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
 SETTINGS = {**SMALL, "n_steps": 240}
 SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
-VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "psnr", "patience": None}
+VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "distance", "patience": None}
 
 
 def arguments(folder, **changes):
@@ -33,7 +33,6 @@ def arguments(folder, **changes):
         "seed": 1,
         "device": "cpu",
         "settings": SETTINGS,
-        "statistics": "scene",
         "validation": VALIDATION,
         "on_collapse": "fail",
         "source": "no",
@@ -60,7 +59,7 @@ def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_eac
     scores = read_table(whole / "validation.csv")
     assert scores["step"].tolist() == [50, 100, 150, 200, 240]
     _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
-    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert metadata["step"] == scores["step"][scores["distance"].idxmin()]
     assert metadata["steps_taken"] == SETTINGS["n_steps"]
     with SceneSet(whole / "samples.nc") as samples:
         sheets = [(sample.name, sample.notes["step"]) for sample in samples]
@@ -121,7 +120,7 @@ def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, 
     metadata = collapse(0, "go_on")
     scores = read_table(tmp_path / "run/validation.csv")
     assert metadata["steps_taken"] == SHORT["n_steps"]
-    assert metadata["step"] == scores["step"][scores["psnr"].idxmax()]
+    assert metadata["step"] == scores["step"][scores["distance"].idxmin()]
     assert scores["n_faults"].tolist() == [0, *[1] * 7]
     if metadata["step"] > 10:
         assert metadata["collapse"].startswith(f"step {metadata['step']}: mask ignored")

@@ -2,19 +2,20 @@
 
 import dataclasses
 
-from snowsim.cgan import Collapsed, faults, measure_losses, measure_renders, settle_statistics, validate
+from lib.patch_distance import scenes_distance
+from snowsim.cgan import Collapsed, Training, faults, measure_losses, measure_renders, train_steps, validate
 from snowsim.cgan.health import WINDOW_STEPS
 
 N_SAMPLES = 3  # scenes of the sample sheet
 
 
-def examine(training, losses, scenes, statistics):
-    """Similarity on some scenes, numbers of health, and the renders, of a training as it is."""
-    settings = training.settings
-    options = {"dropout": settings.dropout, "precision": settings.precision, "seed": training.seed}
-    scores, images = validate(training.generator, scenes, statistics=statistics, **options)
-    numbers = measure_losses(losses, settings.adversarial)
-    numbers |= measure_renders(training.generator, scenes, statistics=statistics, **options)
+def examine(training, losses, scenes, observed=None):
+    """Scores on some scenes, numbers of health, and the renders, of a training as it is."""
+    of_it = training.generator, scenes, training.settings
+    scores, images = validate(*of_it, seed=training.seed)
+    rendered = (dataclasses.replace(scene, image=image) for scene, image in zip(scenes, images, strict=True))
+    scores["distance"] = scenes_distance(rendered, observed or scenes)
+    numbers = measure_losses(losses, training.settings.adversarial) | measure_renders(*of_it, seed=training.seed)
     return scores, numbers, images
 
 
@@ -23,23 +24,20 @@ class Validation:
 
     by = "fitness"
 
-    def __init__(self, training, scenes, train_scenes, statistics, validation, *, goes_on=False):
-        self.training, self.scenes, self.train_scenes = training, scenes, train_scenes
-        self.statistics, self.goes_on = statistics, goes_on
+    def __init__(self, training, scenes, validation, *, observed=None, goes_on=False):
+        self.training, self.scenes, self.observed, self.goes_on = training, scenes, observed, goes_on
         self.every_steps, self.patience, self.metric = (validation[key] for key in ("every_steps", "patience", "by"))
         self.run, self.images = None, []
 
     def score(self):
         """Similarity, numbers of health, and the fitness that decides; `Collapsed` on collapse unless it goes on."""
         training, settings = self.training, self.training.settings
-        if self.statistics == "training":
-            settle_statistics(training, self.train_scenes)
         late = self.run.late_losses(WINDOW_STEPS)
-        scores, numbers, self.images = examine(training, late, self.scenes, self.statistics)
+        scores, numbers, self.images = examine(training, late, self.scenes, self.observed)
         found = faults(numbers, dropout=settings.dropout) if training.step >= WINDOW_STEPS else []
         before = self.run.scores()
         row = {**scores, **numbers, "n_faults": len(found)}
-        fitness = training.step if self.metric == "last" else scores[self.metric]
+        fitness = {**scores, "last": training.step, "distance": -scores["distance"]}[self.metric]
         if self.goes_on:
             return {**row, "fitness": fitness}
         # Once may pass; twice in a row, or at the end, it has collapsed.
@@ -63,3 +61,14 @@ def sample_scenes(scenes, samples):
         yield dataclasses.replace(scene, complete_layer_bins=None, notes={"step": None})
         for step, images in samples.items():
             yield dataclasses.replace(scene, image=images[scene.name], complete_layer_bins=None, notes={"step": step})
+
+
+def train_and_examine(settings, seed, train_scenes, held_scenes):
+    """Similarity, numbers of health and outcome of one training; a loss that is not finite ends it."""
+    training = Training(settings, seed=seed)
+    try:
+        losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
+        scores, numbers, _ = examine(training, losses, held_scenes)
+    except FloatingPointError as error:
+        return {"outcome": f"values that are not finite: {error}"}
+    return {**scores, **numbers, "outcome": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}

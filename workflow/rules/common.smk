@@ -80,6 +80,10 @@ TRAINING_SETS = {"rd": [], "rd_gd": ["cgan"], "rd_pd": ["phy"]}
 TRAINING_SETS["rd_pd_gd"] = ["phy", "cgan"]
 ALONE = {"gd": ["cgan"], "pd": ["phy"]}
 METHODS = ("cgan", "phy")
+CGAN_SETTINGS = {
+    **config["cgan"]["training"],
+    "statistics": config["cgan"]["statistics"],
+}
 N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
 SHARD_SIZE = dict.fromkeys(SPLITS, OBSERVED_PER_SHARD)
 SHARD_SIZE["labels"] = config["labels"]["shard_size"]

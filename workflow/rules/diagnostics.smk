@@ -60,7 +60,6 @@ rule compare_renders:
     params:
         seed=config["seed"],
         n_looks=config["benchmark"]["n_looks"],
-        normalisation=config["cgan"]["statistics"],
         conventions=config["phy"],
         n_held=config["cgan"]["validation"]["n_scenes"],
         device=config["cgan"]["device"],
@@ -353,10 +352,7 @@ rule measure_phy:
         seed=config["seed"],
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],
-        cgan={
-            key: config["cgan"]["training"][key]
-            for key in ("width", "depth", "precision")
-        },
+        cgan=CGAN_SETTINGS,
     message:
         "speed and accuracy of PHY's parts and of whole scenes, and what plans left out"
     script:

@@ -41,8 +41,7 @@ rule train_cgan:
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
-        settings=config["cgan"]["training"],
-        statistics=config["cgan"]["statistics"],
+        settings=CGAN_SETTINGS,
         validation=config["cgan"]["validation"],
         on_collapse=config["cgan"]["on_collapse"],
         source=SYNTHETIC,
@@ -73,7 +72,6 @@ rule render_cgan:
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
-        statistics=config["cgan"]["statistics"],
         source=SYNTHETIC,
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"

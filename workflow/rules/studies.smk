@@ -199,151 +199,85 @@ rule study_tracker:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"
 
 
-# The conditional GAN: spread over seeds, speed against similarity, atlas. Trainings of the default are those of
-# train_cgan itself.
+# The conditional GAN: cost and worth beside other renderers, atlas.
 
 CGAN_STUDY = config["studies"]["cgan"]
-CGAN_SEEDS = [config["seed"] + number for number in range(1, CGAN_STUDY["n_seeds"])]
-CGAN_RUNS = [
-    (mode, width)
-    for mode in ("equal_steps", "equal_time")
-    for width in CGAN_STUDY["widths"]
-]
 
 
 wildcard_constraints:
-    cgan_seed=r"\d+",
-    cgan_width=r"\d+",
-    cgan_mode="equal_steps|equal_time",
+    renderer="guided|l1",
 
 
-use rule train_cgan as study_cgan_seed with:
-    output:
-        generator="results/studies/cgan/seed_{cgan_seed}/generator.safetensors",
-        losses="results/studies/cgan/seed_{cgan_seed}/losses.csv",
-        scores="results/studies/cgan/seed_{cgan_seed}/validation.csv",
-        samples="results/studies/cgan/seed_{cgan_seed}/samples.nc",
-    log:
-        "logs/study_cgan_seed/{cgan_seed}.log",
-    benchmark:
-        "results/benchmarks/study_cgan_seed/{cgan_seed}.tsv"
-    params:
-        seed=lambda wildcards: int(wildcards.cgan_seed),
-        checkpoint="results/checkpoints/study_cgan_seed/{cgan_seed}.safetensors",
-        events="logs/tensorboard/study_cgan_seed/{cgan_seed}",
-    message:
-        "cGAN training with seed {wildcards.cgan_seed}"
+# The other generators, and every renderer of label sets beside the others.
 
 
-rule study_cgan_score:
+use rule train_cgan as train_renderer with:
     input:
-        observed=benchmark_files("test"),
-        default="results/similarity.parquet",
-        generators=[
-            f"results/studies/cgan/seed_{seed}/generator.safetensors"
-            for seed in CGAN_SEEDS
-        ],
-        code=imported_by("study_cgan_score.py"),
-    output:
-        images=[
-            f"results/studies/cgan/seed_{seed}/similarity.parquet"
-            for seed in CGAN_SEEDS
-        ],
-        table="results/studies/cgan/seeds.csv",
-    log:
-        "logs/study_cgan_score.log",
-    benchmark:
-        "results/benchmarks/study_cgan_score/all.tsv"
-    resources:
-        mem_mb=2000,
-        gpu=int(config["cgan"]["device"] == "cuda"),
-    params:
-        seed=config["seed"],
-        seeds=[config["seed"], *CGAN_SEEDS],
-        device=config["cgan"]["device"],
-        statistics=config["cgan"]["statistics"],
-    message:
-        "spread of Table II over seeds"
-    script:
-        "../scripts/study_cgan_score.py"
-
-
-rule study_cgan_speed:
-    input:
-        train=benchmark_files("train"),
+        scenes=benchmark_files("train"),
+        labels=lambda w: (
+            expand("results/labels/{shard}.nc", shard=shards("labels"))
+            if w.renderer == "guided"
+            else []
+        ),
         statistics="results/statistics.nc",
-        code=imported_by("study_cgan_speed.py"),
+        code=imported_by("train_cgan.py"),
     output:
-        table="results/studies/cgan/speed.csv",
+        generator="results/studies/cgan/{renderer}/generator.safetensors",
+        losses="results/studies/cgan/{renderer}/losses.csv",
+        scores="results/studies/cgan/{renderer}/validation.csv",
+        samples="results/studies/cgan/{renderer}/samples.nc",
     log:
-        "logs/study_cgan_speed.log",
+        "logs/train_renderer/{renderer}.log",
     benchmark:
-        "results/benchmarks/study_cgan_speed/all.tsv"
-    resources:
-        mem_mb=2000,
+        "results/benchmarks/train_renderer/{renderer}.tsv"
     params:
-        seed=config["seed"],
-        settings=config["cgan"]["training"],
-        widths=CGAN_STUDY["widths"],
-        n_rounds=CGAN_STUDY["n_rounds"],
+        settings=lambda w: {**CGAN_SETTINGS, **CGAN_STUDY["renderers"][w.renderer]},
         phy=config["phy"],
+        on_collapse="go_on",
+        checkpoint="results/checkpoints/train_renderer/{renderer}.safetensors",
+        events="logs/tensorboard/train_renderer/{renderer}",
     message:
-        "seconds per step and per render by width"
-    script:
-        "../scripts/study_cgan_speed.py"
+        "training of the generator {wildcards.renderer}"
 
 
-rule study_cgan_width:
+rule study_renderers:
     input:
         train=benchmark_files("train"),
-        speed="results/studies/cgan/speed.csv",
-        code=imported_by("study_cgan_width.py"),
+        validation=benchmark_files("validation"),
+        labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
+        statistics="results/statistics.nc",
+        label_model=LABEL_STATISTICS,
+        cgan="results/cgan/generator.safetensors",
+        guided="results/studies/cgan/guided/generator.safetensors",
+        l1="results/studies/cgan/l1/generator.safetensors",
+        code=imported_by("study_renderers.py"),
     output:
-        generator="results/studies/cgan/{cgan_mode}_{cgan_width}/generator.safetensors",
-        losses="results/studies/cgan/{cgan_mode}_{cgan_width}/losses.csv",
-        scores="results/studies/cgan/{cgan_mode}_{cgan_width}/validation.csv",
-        samples="results/studies/cgan/{cgan_mode}_{cgan_width}/samples.nc",
+        costs="results/studies/cgan/renderers.csv",
+        positions="results/studies/cgan/positions.csv",
     log:
-        "logs/study_cgan_width/{cgan_mode}_{cgan_width}.log",
+        "logs/study_renderers.log",
     benchmark:
-        "results/benchmarks/study_cgan_width/{cgan_mode}_{cgan_width}.tsv"
+        "results/benchmarks/study_renderers/all.tsv"
     resources:
         mem_mb=4000,
     params:
-        mode="{cgan_mode}",
-        width=lambda wildcards: int(wildcards.cgan_width),
-        n_steps=CGAN_STUDY["n_steps"],
-        seconds=CGAN_STUDY["seconds"],
-        training={**dict(rules.train_cgan.params.items()), "on_collapse": "go_on"},
-        checkpoint="results/checkpoints/study_cgan_width/{cgan_mode}_{cgan_width}.safetensors",
-        events="logs/tensorboard/study_cgan_width/{cgan_mode}_{cgan_width}",
+        seed=config["seed"],
+        device=config["cgan"]["device"],
+        phy=config["phy"],
+        n_range_lines=config["labels"]["n_range_lines"],
+        n_layers=[config["labels"][f"n_layers_{end}"] for end in ("min", "max")],
+        drawn={
+            name: config["labels"][name]
+            for name in ("correlation", "first_slab", "surface", "radiometry")
+        },
+        n_drawn=CGAN_STUDY["n_drawn"],
+        n_trainings=CGAN_STUDY["n_trainings"],
+        tracker=TRACKER["training"],
+        two_sample={key: DRAWN[key] for key in ("n_splits", "n_steps")},
     message:
-        "cGAN training of width {wildcards.cgan_width}, {wildcards.cgan_mode}"
+        "cost and worth of every renderer, positions of layers"
     script:
-        "../scripts/study_cgan_width.py"
-
-
-rule study_cgan_tabulate_widths:
-    input:
-        speed="results/studies/cgan/speed.csv",
-        bounds="results/tables/similarity_bounds.csv",
-        validations=[
-            f"results/studies/cgan/{mode}_{width}/validation.csv"
-            for mode, width in CGAN_RUNS
-        ],
-        code=imported_by("study_cgan_tabulate_widths.py"),
-    output:
-        table="results/studies/cgan/widths.csv",
-    log:
-        "logs/study_cgan_tabulate_widths.log",
-    benchmark:
-        "results/benchmarks/study_cgan_tabulate_widths/all.tsv"
-    params:
-        runs=CGAN_RUNS,
-    message:
-        "speed and similarity of the cGAN by width"
-    script:
-        "../scripts/study_cgan_tabulate_widths.py"
+        "../scripts/study_renderers.py"
 
 
 rule study_cgan_atlas:
@@ -360,8 +294,7 @@ rule study_cgan_atlas:
         mem_mb=2000,
     params:
         seed=config["seed"],
-        settings={**config["cgan"]["training"], **CGAN_STUDY["atlas"]["training"]},
-        statistics=config["cgan"]["statistics"],
+        settings={**CGAN_SETTINGS, **CGAN_STUDY["atlas"]["training"]},
         n_held=config["cgan"]["validation"]["n_scenes"],
         n_seeds=CGAN_STUDY["atlas"]["n_seeds"],
         learning_rates=CGAN_STUDY["atlas"]["learning_rates"],
@@ -374,8 +307,7 @@ rule study_cgan_atlas:
 
 rule study_cgan:
     input:
-        rules.study_cgan_score.output.table,
-        rules.study_cgan_tabulate_widths.output,
+        rules.study_renderers.output,
         rules.study_cgan_atlas.output,
         figure_files("study_cgan"),
     localrule: True

@@ -17,7 +17,7 @@ from snowsim.seeding import random_stream
 
 def compare_renders(
     observed, cgan, phy, train, generator, statistics, positions, textures, air, bounds, parts,
-    *, seed, n_looks, normalisation, conventions, n_held, device,
+    *, seed, n_looks, conventions, n_held, device,
 ):  # fmt: skip
     stream = partial(random_stream, seed, "explain_similarity")
     with SceneSet(observed) as test:
@@ -47,7 +47,7 @@ def compare_renders(
             rendered = dict(zip(("cgan", "phy"), renders, strict=True))
             rows += similarity.explain_scene(truth, rendered, n_looks, rng=stream(truth.name))
             of_errors += similarity.explain_errors(truth, rendered)
-    render_by_cgan, flight = scene_renderer(generator, device, normalisation), read_dataset(statistics)
+    (render_by_cgan, _), flight = scene_renderer(generator, device), read_dataset(statistics)
     renderers = {
         "cgan": lambda scene: render_by_cgan(scene, stream("cgan", scene.name)),
         "phy": lambda scene: render_scene(scene, flight, **conventions, rng=stream("phy", scene.name)).image,

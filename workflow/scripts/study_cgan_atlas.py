@@ -6,13 +6,13 @@ from itertools import product
 import pandas as pd
 from job import progress, run
 
-from lib.diagnostics.cgan_studies import train_and_examine
+from lib.cgan_training import train_and_examine
 from snowsim.cgan import Settings, held_out
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 
 
-def study(train, table, *, seed, settings, statistics, n_held, n_seeds, learning_rates, l1_weights):
+def study(train, table, *, seed, settings, n_held, n_seeds, learning_rates, l1_weights):
     with SceneSet(train) as scenes:
         parts = ([scenes[number] for number in numbers] for numbers in held_out(len(scenes), n_held, seed=seed))
         train_scenes, held_scenes = parts
@@ -20,7 +20,7 @@ def study(train, table, *, seed, settings, statistics, n_held, n_seeds, learning
     runs = list(product(range(n_seeds), learning_rates, l1_weights))
     for number, learning_rate, l1_weight in progress(runs, "atlas"):
         here = dataclasses.replace(Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight)
-        outcome = train_and_examine(here, seed + number, train_scenes, held_scenes, statistics)
+        outcome = train_and_examine(here, seed + number, train_scenes, held_scenes)
         rows.append({"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight, **outcome})
     write_table(table, pd.DataFrame(rows))
 

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from lib.diagnostics.renderers import position_rows
 from lib.diagnostics.renders import position_errors, shape_edges, surface_regions, texture_by_region
+from lib.guides import Guides
+from snowsim.echogram import Scene
+from snowsim.front import REFERENCE
+from snowsim.io.files import read_dataset
+from snowsim.labels import draw_scene, prepare
+from snowsim.phy import render_scene
+from snowsim.seeding import random_stream
 
 N_LINES = 128
 FLAT = np.full((1, N_LINES), 50.0)  # a surface
@@ -83,3 +91,25 @@ def test_a_constant_region_has_no_texture_and_one_of_few_rows_is_left_out(rng):
     assert table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]].isna().all().all()
     noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
     assert list(texture_by_region(noise, noise, FLAT - 30)["region"]) == ["below"]
+
+
+def test_a_planted_shift_is_the_position_error_of_a_scene_and_its_geometry_stands_beside_it():
+    layers = wavy_layers()
+    scene = Scene("planted", 320, layers, image_of(layers, 3))
+    row = position_rows("cgan", [scene, Scene("bare", 320, FLAT)], lambda scene: False).iloc[0]
+    # Rounded to whole bins, and blurred along track by four lines of layers that bend.
+    assert abs(row["error_bins"] - 3) <= 0.5
+    assert row["share_found"] > 0.95
+    assert (row["height"], row["layers"]) == (320, 2)
+
+
+def test_a_guide_holds_phys_render_to_the_byte():
+    flight, phy = read_dataset(REFERENCE), {"tolerance_db": 0.05, "n_looks": 16}
+    model = prepare(flight, 64, radiometry="measured")
+    labels = draw_scene(model, 64, name="guided", rng=np.random.default_rng(1))
+    expected = render_scene(labels, flight, **phy, rng=random_stream(7, "render_phy", labels.name))
+    guide = Guides([labels], flight, phy, seed=7)[0]
+    assert (guide.image == expected.image).all()
+    # What is left of it without its speckle is the mean: grey levels of both add up to the image, but for rounding.
+    grey = (guide.mean + guide.speckle + 1) * 127.5
+    assert np.abs(np.clip(grey, 0, 255) - expected.image).max() <= 0.51

@@ -9,9 +9,9 @@ import torch
 from lib.diagnostics import phy_alternatives as ways
 from lib.diagnostics import phy_errors
 from lib.machine import device_name, time_rounds
-from snowsim.cgan import UNetGenerator
+from snowsim.cgan import Settings, networks_of
 from snowsim.cgan import render as render_cgan
-from snowsim.echogram import layer_mask, to_uint8
+from snowsim.echogram import Scene, to_uint8
 from snowsim.phy import draw_speckle, plan, render
 from snowsim.phy.power import exact_power
 from snowsim.reference import draw_scene
@@ -139,9 +139,9 @@ def scatterer_work(layer_bins, parameters, n_range_bins, rng):
 
 def cgan_work(layer_bins, n_range_bins, settings, rng):
     """A generator of the configured size; what it has learned makes no difference to its cost."""
-    generator = UNetGenerator(settings["width"], settings["depth"]).to(memory_format=torch.channels_last).eval()
-    mask = layer_mask(layer_bins, n_range_bins)
-    return partial(render_cgan, generator, mask, statistics="scene", precision=settings["precision"], rng=rng)
+    settings = Settings(**settings)
+    generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
+    return partial(render_cgan, generator, Scene("planted", n_range_bins, layer_bins), settings, rng=rng)
 
 
 def time_scenes(n_layers, n_range_lines, n_range_bins, n_rounds, *, reference, climate, cgan, n_looks, stream):

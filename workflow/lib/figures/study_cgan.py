@@ -1,32 +1,47 @@
-"""Studies of the cGAN: similarity against seconds by width, and which trainings end healthy."""
+"""Studies of the cGAN: every renderer's cost and worth, positions of layers at any height, healthy trainings."""
 
 import numpy as np
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from lib.figures.style import BLACK, COLOURS, WHITE, name_of, new_figure
+from lib.figures.style import BLACK, COLOURS, name_of, new_figure
 
-MODES = {"equal_steps": ("cGAN, equal steps", COLOURS["cgan"]), "equal_time": ("cGAN, equal time", WHITE)}
+WORTH = {"two_sample_network": "two-sample accuracy, network", "ods": "ODS of a tracker trained on it alone"}
+SHAPES = {"height": "height [range bins]", "layers": "layers below the surface"}
+SHAPES |= {"slope": "slope [range bins per line]", "spacing": "least spacing [range bins]"}
+N_CLASSES = 6
 
 
-def speed_accuracy_cgan(widths):
-    """Similarity against seconds per render by width, and PHY; crosses: trainings that detectors of collapse fault."""
-    figure, axes = new_figure(1, 3, width=9)
-    for ax, metric in zip(axes[0], ("psnr", "ssim", "rmse"), strict=True):
-        for mode, (label, face) in MODES.items():
-            rows = widths[widths["mode"] == mode]
-            style = {"color": COLOURS["cgan"], "markerfacecolor": face, "label": label}
-            ax.plot(rows["seconds_per_render"], rows[metric], "o:", **style)
-            for row in rows.itertuples():
-                at = (row.seconds_per_render, getattr(row, metric))
-                ax.annotate(f"{row.width}", at, fontsize=7, xytext=(3, 3), textcoords="offset points")
-        faulty, phy = widths[widths["n_faults"] > 0], widths[widths["method"] == "phy"]
-        ax.plot(faulty["seconds_per_render"], faulty[metric], "x", color=BLACK, label="collapsed")
-        ax.plot(phy["seconds_per_render"], phy[metric], "D", color=COLOURS["phy"], label=name_of("phy"))
-        ax.set(xscale="log", xlabel="seconds per render", ylabel=name_of(metric))
+def speed_accuracy_renderers(renderers):
+    """Two-sample accuracy and ODS, a dot a training, against processor time per pixel, by renderer."""
+    figure, axes = new_figure(1, 2, width=8)
+    for ax, (column, label) in zip(axes[0], WORTH.items(), strict=True):
+        for name, rows in renderers.groupby("renderer", sort=False):
+            ax.plot(1e9 * rows["seconds_per_pixel"], rows[column], "o", color=COLOURS[name], label=name_of(name))
+        ax.set(xscale="log", xlabel="nanoseconds per pixel", ylabel=label)
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
         ax.xaxis.set_major_formatter("{x:g}")
         ax.xaxis.set_minor_formatter(NullFormatter())
-    axes[0, 0].legend(fontsize=7)
+    axes[0, 0].axhline(0.5, color=BLACK, linestyle=":")
+    axes[0, 1].legend()
+    return figure
+
+
+def atlas_positions(positions):
+    """Median error of recovered layers by classes of a scene's geometry; crosses: outside what the cGAN trained on."""
+    figure, axes = new_figure(1, 4, width=11, sharey=True)
+    drawn = positions[positions["renderer"] != "observed"]
+    for ax, (column, label) in zip(axes[0], SHAPES.items(), strict=True):
+        known = drawn[np.isfinite(drawn[column]) & np.isfinite(drawn["error_bins"])]
+        edges = np.unique(np.quantile(known[column], np.linspace(0, 1, N_CLASSES + 1)))
+        place = np.clip(np.searchsorted(edges, known[column], side="right") - 1, 0, max(edges.size - 2, 0))
+        for name, rows in known.groupby("renderer", sort=False):
+            means = rows.groupby(place[known["renderer"] == name])[[column, "error_bins"]].median()
+            ax.plot(means[column], means["error_bins"], "o-", color=COLOURS[name], label=name_of(name))
+        beyond = known[known["outside"] & (known["renderer"] == "cgan")]
+        ax.plot(beyond[column], beyond["error_bins"], "x", markersize=3, color=COLOURS["cgan"], alpha=0.5)
+        ax.set(xlabel=label)
+    axes[0, 0].set(ylabel="position error [range bins]")
+    axes[0, 0].legend()
     return figure
 
 

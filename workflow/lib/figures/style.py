@@ -30,11 +30,13 @@ COLOURS = {
     **dict.fromkeys(("cube", "naive", "naive closed form", "cGAN", "SMRT"), PINK),
     **dict.fromkeys(("recursive float64", "recursive64"), WINE),
     **dict.fromkeys(("quantile, correlated", "cut"), ORANGE),
-    "table32": YELLOW,
+    **dict.fromkeys(("table32", "l1"), YELLOW),
+    **{"phy_constant": SKY, "guided": GREEN},
 }
 # As figures write them; other names stand with spaces for underscores.
 NAMES = {"cgan": "cGAN", "phy": "PHY", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD", "psnr": "PSNR [dB]"}
 NAMES |= {name: name.upper() for name in ("rd", "gd", "pd", "rmse", "ssim", "ods", "ois", "ap")}
+NAMES |= {"phy_constant": "PHY, constant", "l1": "L1 U-Net"}
 NAMES |= {"ar1": "AR(1)", "matern": "Matérn", "width_bins": "1/e width", "noise_power": "noise"}
 NAMES |= {"offset_bins": "offset", "relative_thickness_mean": "thickness / slab 0"}
 STYLE = {
