@@ -184,7 +184,7 @@ def _reason(quantity, where, found, excess, sampling, given):
     """Why an error is beyond its bound: the first that holds, else `bias`."""
     if excess <= SURE * sampling:
         return "sampling"
-    # Labels draw the first slab uniformly over a zone's range, the flight has it as it snowed.
+    # Labels draw slab 0 about evenly within a zone, the flight has it as it snowed.
     if quantity in ("thickness_mean_bins", "thickness_variance_bins2"):
         expected = _drawn_evenly(quantity, where, given)
         evenly = abs(found / expected - 1) <= BOUNDS[quantity].largest + SURE * sampling

@@ -150,7 +150,7 @@ def validation(validation_distributions, validation_thickness, validation_tests,
     first = validation_thickness[validation_thickness["slab"] == -1]
     first = first.groupby("low_bins")[["n_observed", "n_synthetic"]].sum().reset_index(names="low")
     plot_shares(axes[0, 1], first.assign(high=first["low"] + 1), "blocks of the flight", "label scenes")
-    axes[0, 1].set(xlabel="mean thickness of the first slab [bins]", ylabel="share per bin")
+    axes[0, 1].set(xlabel="mean thickness of slab 0 [bins]", ylabel="share per bin")
     # Probabilities of normality in order, by kind, beside what Gaussian thickness would give.
     ax = axes[0, 2]
     for of, colour in (("relative block mean", BLUE), ("undulation", RED)):

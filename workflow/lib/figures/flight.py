@@ -47,7 +47,7 @@ def image_with_gaps(power):
 
 
 def flight_line(frames, frame_picks):
-    """Frames on a map of Greenland, coloured by the thickness of the first slab, and the table of them."""
+    """Frames on a map of Greenland, coloured by the thickness of slab 0, and the table of them."""
     table = pd.DataFrame([position(*both) for both in zip(frames, frame_picks, strict=True)])
     figure, axes = new_figure(width=4.2, height=5.4)
     draw_coast(axes[0, 0])
@@ -55,13 +55,13 @@ def flight_line(frames, frame_picks):
     axes[0, 0].plot(x, y, color="0.3", linewidth=1, zorder=2)
     style = {"s": 26, "zorder": 3, "edgecolor": WHITE, "linewidth": 0.4, "cmap": "viridis"}
     points = axes[0, 0].scatter(x, y, c=table["first_slab_bins"], **style)
-    label = "mean thickness of the first slab [range bins]"
+    label = "mean thickness of slab 0 [range bins]"
     figure.colorbar(points, ax=axes[0, 0], location="bottom", shrink=0.7, pad=0.02, label=label)
     return figure, table
 
 
 def position(frame, picks):
-    """Position and mean thickness of the first slab of a frame."""
+    """Position and mean thickness of slab 0 of a frame."""
     layer_bins = layer_bins_of(picks, frame)
     first_slab = np.diff(layer_bins[:2], axis=0)  # empty where the surface alone is picked
     return {
