@@ -15,6 +15,7 @@ from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
+N_LAGS = 5  # [range bins] as many as grain has weights
 
 
 class Training:
@@ -142,10 +143,12 @@ def _step(training, batch):
         grain = generator.grain(batch.noise, *rendered.shape[2:])
     rendered = rendered.float() if batch.base is None else batch.base + correction(rendered)
     l1 = functional.l1_loss(rendered, batch.target)
-    if batch.base is None:
-        # Not before: the least error is an image without speckle.
-        rendered = rendered + grain
     losses = {}
+    if generator.has_grain:
+        # Of what the image lacks grain has the texture, not the pixels: the least error is an image without any.
+        lacking = autocovariance((batch.target - rendered).detach())
+        ((autocovariance(grain.float()) - lacking) ** 2).sum().backward()
+        rendered = rendered + grain.detach()
     if settings.adversarial != "none":
         real, fake = _decide(training, batch, rendered.detach())
         losses["discriminator_real"] = _adversarial(real, 1.0, settings)
@@ -160,6 +163,13 @@ def _step(training, batch):
     discriminator.requires_grad_(True)
     losses["l1"] = l1
     return dict(zip(losses, torch.stack(list(losses.values())).tolist(), strict=True))
+
+
+def autocovariance(images):
+    """Down range, at lags of 0 to `N_LAGS` - 1 bins, of how neighbouring range lines differ: speckle, not layers."""
+    change = images[..., 1:] - images[..., :-1]
+    height = change.shape[2]
+    return torch.stack([(change[:, :, lag:] * change[:, :, : height - lag]).mean() / 2 for lag in range(N_LAGS)])
 
 
 def _decide(training, batch, rendered):
