@@ -7,7 +7,7 @@ from snowsim.cgan.guided import corrected
 from snowsim.cgan.inputs import conditions, place_map
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
-from snowsim.patches import draw_index, from_signed
+from snowsim.patches import from_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
@@ -52,19 +52,6 @@ def trained_generator(weights, settings, *, device="cpu"):
     generator, _ = networks_of(settings)
     load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()
-
-
-class Collapsed(ValueError):
-    """A training that detectors found collapsed."""
-
-
-def held_out(n_scenes, n_held, *, seed):
-    """Numbers of the scenes to train on and of those to validate with, two sorted lists; ValueError if none is left."""
-    if n_held >= n_scenes:
-        msg = f"validation holds {n_held} train scenes out, there are {n_scenes}: none is left to train on"
-        raise ValueError(msg)
-    held = {draw_index(n_scenes, position, seed, "cgan", "held out") for position in range(n_held)}
-    return [number for number in range(n_scenes) if number not in held], sorted(held)
 
 
 def validate(generator, scenes, settings, *, seed):

@@ -3,10 +3,24 @@
 import dataclasses
 
 from lib.patch_distance import scenes_distance
-from snowsim.cgan import Collapsed, Training, faults, measure_losses, measure_renders, train_steps, validate
+from snowsim.cgan import Training, faults, measure_losses, measure_renders, train_steps, validate
 from snowsim.cgan.health import WINDOW_STEPS
+from snowsim.patches import draw_index
 
 N_SAMPLES = 3  # scenes of the sample sheet
+
+
+class Collapsed(ValueError):
+    """A training that detectors found collapsed."""
+
+
+def held_out(n_scenes, n_held, *, seed):
+    """Numbers of the scenes to train on and of those to validate with, two sorted lists; ValueError if none is left."""
+    if n_held >= n_scenes:
+        msg = f"validation holds {n_held} train scenes out, there are {n_scenes}: none is left to train on"
+        raise ValueError(msg)
+    held = {draw_index(n_scenes, position, seed, "cgan", "held out") for position in range(n_held)}
+    return [number for number in range(n_scenes) if number not in held], sorted(held)
 
 
 def examine(training, losses, scenes, observed=None):

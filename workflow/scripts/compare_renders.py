@@ -6,9 +6,9 @@ import pandas as pd
 from job import progress, run
 from render_cgan import scene_renderer
 
+from lib.cgan_training import held_out
 from lib.diagnostics import similarity
 from lib.diagnostics.renders import air_texture, position_errors, shape_edges, texture_by_region
-from snowsim.cgan import held_out
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.phy import render_scene

@@ -6,8 +6,8 @@ from itertools import product
 import pandas as pd
 from job import progress, run
 
-from lib.cgan_training import train_and_examine
-from snowsim.cgan import Settings, held_out
+from lib.cgan_training import held_out, train_and_examine
+from snowsim.cgan import Settings
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 
