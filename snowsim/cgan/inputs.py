@@ -1,4 +1,4 @@
-"""What a generator is told of each pixel: whether a layer runs through it, how deep it lies, and in which slab."""
+"""What a generator knows of each pixel: whether a layer runs through it, how deep it lies, and in which slab."""
 
 import numpy as np
 import torch
@@ -30,13 +30,13 @@ def place_map(scene, layer_bins, n_range_bins):
 
 
 def n_channels(method):
-    """Channels that a discriminator is told by `conditions`, and a generator, `guided` PHY's mean power as well."""
+    """Channels that a discriminator gets from `conditions`, and a generator, `guided` PHY's mean power as well."""
     n = 1 if method == "pix2pix" else 2 + len(FALLS_BINS)
     return n, n + (method == "guided")
 
 
 def conditions(method, masks, depths):
-    """What networks are told, (patch, channel, range_bin, range_line) in [-1, 1]: the mask and, not `pix2pix`, depth.
+    """What networks know, (patch, channel, range_bin, range_line) in [-1, 1]: the mask and, not `pix2pix`, depth.
 
     Four channels of depth [bins], all bounded: deeper than what was trained on looks much like the deepest that was.
     """

@@ -16,7 +16,7 @@ class Settings:
     Attributes
     ----------
     method : str
-        `pix2pix`, as published; `depth`: both networks are told the depth, and noise is more than dropout; `guided`:
+        `pix2pix`, as published; `depth`: both networks know the depth, and noise is more than dropout; `guided`:
         the generator corrects PHY's renders.
     width : int
         Channels of the outermost stage of both networks; 64 as published.

@@ -74,7 +74,7 @@ def train_steps(training, scenes, guides=None):
     were seen, flipped left to right half of the time. Losses: ``L_D = (A(D(x, y), 1) + A(D(x, G(x, z)), 0)) / 2``,
     ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the adversarial A a cross-entropy (0.69 is undecided) or a
     square (0.25): Isola et al. (2017), eq. (7) of Yari et al. (2021); `l1` is a share of half the grey range. `guided`
-    renders crops of `guides`, in place of y stands PHY's image of them, and the discriminator is not told the mask.
+    renders crops of `guides`, in place of y stands PHY's image of them, and the discriminator does not see the mask.
     ValueError without scenes or for one not trainable; FloatingPointError if a loss is not finite.
     """
     if len(scenes) == 0:
@@ -95,12 +95,12 @@ def train_steps(training, scenes, guides=None):
 class Batch:
     """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1], but for noise, a dict of them.
 
-    `told`: what the discriminator knows of observed and of rendered images; `base`: what a guided generator corrects.
+    `given`: what the discriminator knows of observed and of rendered images; `base`: what a guided generator corrects.
     """
 
     inputs: torch.Tensor
     noise: dict
-    told: tuple
+    given: tuple
     image: torch.Tensor
     target: torch.Tensor
     base: torch.Tensor | None = None
@@ -119,16 +119,16 @@ def _draw_batch(training, held, n_scenes, guides, rng):
     # Half a grey level of dither: that observed images are whole numbers must not tell them from rendered ones.
     dither = (rng.random(images.shape, dtype=np.float32) - np.float32(0.5))[:, None] / 127.5
     image = (to_signed(images) + torch.from_numpy(dither)).to(device)
-    told = conditions(settings.method, masks & (settings.method != "guided"), places[..., 0]).to(device)
+    given = conditions(settings.method, masks & (settings.method != "guided"), places[..., 0]).to(device)
     if settings.method != "guided":
         noise = training.generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
-        return Batch(told, noise, (told, told), image, image)
+        return Batch(given, noise, (given, given), image, image)
     _, masks, maps = crops(guides.__getitem__, len(guides), "guides", guide_map)
     depths, slabs, mean, speckle = np.moveaxis(maps, 3, 0)
     noise = training.generator.draw_noise(slabs.astype(int), dropout=settings.dropout, rng=rng)
     base, mean = (torch.from_numpy(values)[:, None].to(device) for values in (mean + speckle, mean.copy()))
     inputs = torch.cat([conditions("guided", masks, depths).to(device), mean], dim=1)
-    return Batch(inputs, noise, (told, conditions("guided", masks & False, depths).to(device)), image, base, base)
+    return Batch(inputs, noise, (given, conditions("guided", masks & False, depths).to(device)), image, base, base)
 
 
 def _step(training, batch):
@@ -177,9 +177,9 @@ def _decide(training, batch, rendered):
     discriminator, precision = training.discriminator, training.settings.precision
     with arithmetic(training.device, precision):
         if training.settings.method == "pix2pix":
-            return discriminator(batch.told[0], batch.image), discriminator(batch.told[1], rendered)
+            return discriminator(batch.given[0], batch.image), discriminator(batch.given[1], rendered)
         # Normalised together: by themselves, renders of twice the contrast are the same to it.
-        return discriminator(torch.cat(batch.told), torch.cat([batch.image, rendered])).chunk(2)
+        return discriminator(torch.cat(batch.given), torch.cat([batch.image, rendered])).chunk(2)
 
 
 def learning_rate(settings, step):
