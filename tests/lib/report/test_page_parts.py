@@ -12,15 +12,8 @@ from PIL import Image
 from result_tables import SETS, table2, table3_intervals
 
 from lib.figures.style import evenly_spaced
-from lib.report.content import (
-    compare_table2,
-    compare_table3,
-    counterparts,
-    paper_figures,
-    stage_costs,
-    title_of,
-    with_study,
-)
+from lib.report import content
+from lib.report.content import compare_table2, compare_table3, paper_figures, stage_costs, title_of
 from lib.report.format import config_lines, duration, groupby_stage, size
 from lib.report.gallery import layer_lines
 from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
@@ -38,7 +31,7 @@ from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, wr
 )
 def test_a_caption_names_the_paper_s_figures(caption, numbers):
     assert paper_figures(caption) == numbers
-    found = counterparts([{"name": "x", "caption": caption}], range(1, 13))
+    found = content.counterparts([{"name": "x", "caption": caption}], range(1, 13))
     assert [number for number, figures in found.items() if figures] == numbers
 
 
@@ -93,7 +86,7 @@ def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_traini
     path.parent.mkdir(parents=True)
     pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
     intervals = table3_intervals()
-    shown = with_study(intervals, [str(path)])[intervals.columns]
+    shown = content.with_study(intervals, [str(path)])[intervals.columns]
     fuse = shown["output"] == "fuse"
     pd.testing.assert_frame_equal(shown[~fuse], intervals[~fuse])
     if n_replicas == 2:
