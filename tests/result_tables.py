@@ -19,16 +19,15 @@ def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
     table = pd.DataFrame(product(outputs, SETS, ("ods", "ois", "ap")), columns=["output", "training_set", "metric"])
     keys = zip(table["output"], table["training_set"], strict=True)
     difference = pd.Series([(differences or {}).get(key, 0.0) for key in keys])
-    return table.assign(
-        mean=0.8 + difference,
-        low=0.78,
-        high=0.82,
-        difference=difference,
-        difference_low=difference - half_width,
-        difference_high=difference + half_width,
-        n_replicas=2,
-        n_images=60,
-    )
+    table = table.assign(mean=0.8 + difference, low=0.78, high=0.82, n_replicas=2, n_images=60, difference=difference)
+    return table.assign(difference_low=difference - half_width, difference_high=difference + half_width)
+
+
+def worth(n_replicas, **values):
+    """The tracker study's scores beside those of RD, the same for every training set and metric."""
+    rows = [("default", name, "default", "rd", metric) for name, metric in product(SETS[1:], ("ods", "ois", "ap"))]
+    names = ["setting", "training_set", "base", "base_training_set", "metric"]
+    return pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas, **values)
 
 
 def picks():

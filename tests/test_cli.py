@@ -153,15 +153,8 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
         main(["info", name])
         printed[name] = capsys.readouterr().out
-    for part in (
-        "IRSNO1B",
-        "range bins of 0.2886 ns",
-        "40 range lines",
-        "undone",
-        "dB",
-        "Surface is unknown on 1 ",
-        "no supp",
-    ):
+    parts = ("IRSNO1B", "range bins of 0.2886 ns", "40 range lines", "undone", "dB", "Surface is unknown on 1 ")
+    for part in (*parts, "no supp"):
         assert part in printed["nsidc.nc"], part
     assert "id 1: 97.5% picked" in printed["layers.mat"]
     assert "no organizer file" in printed["layers.mat"]

@@ -18,16 +18,9 @@ ALLOWED = {
     *(("physical", "reference.firn"), ("physical", "reference.climate")),  # the firn's physics is written once
     *(("labels", "phy.power"), ("labels", "phy.parameters")),  # a layer is labelled where its mean power shows it
 }
-ONLY = {
-    "matplotlib": set(),
-    "torch": {"cgan", "tracker", "patches", "training"},
-    "snakemake": set(),
-    "lib": set(),
-    "netCDF4": {"io"},
-    "h5py": {"io"},
-    "PIL": {"io"},
-    "safetensors": {"io"},
-}
+ONLY = {"torch": {"cgan", "tracker", "patches", "training"}}
+ONLY |= dict.fromkeys(("netCDF4", "h5py", "PIL", "safetensors"), {"io"})
+ONLY |= dict.fromkeys(("matplotlib", "snakemake", "lib"), set())
 MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
 
 

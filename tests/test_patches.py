@@ -21,14 +21,10 @@ def test_a_crop_is_a_window_of_image_and_mask_alike(rng):
     for _ in range(50):
         images, masks = draw_patches([scene], 20, 15, flip=False, rng=rng)
         assert images.shape == masks.shape == (1, 20, 15)
-        found = [
-            (row, line)
-            for row in range(60 - 20 + 1)
-            for line in range(40 - 15 + 1)
-            if np.array_equal(scene.image[row : row + 20, line : line + 15], images[0])
-        ]
+        windows = [np.s_[row : row + 20, line : line + 15] for row, line in np.ndindex(60 - 20 + 1, 40 - 15 + 1)]
+        found = [window for window in windows if np.array_equal(scene.image[window], images[0])]
         # 3 row + column names several corners; the mask must fit one of them.
-        assert any(np.array_equal(scene.mask()[row : row + 20, line : line + 15], masks[0]) for row, line in found)
+        assert any(np.array_equal(scene.mask()[window], masks[0]) for window in found)
 
 
 def test_every_crop_holds_a_layer_and_every_row_of_the_scene_is_reached(rng):

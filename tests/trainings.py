@@ -16,6 +16,7 @@ from snowsim.io.models import read_model
 
 torch.set_num_threads(1)  # as in every training
 ROOT = Path(__file__).resolve().parents[1]
+FILES = {"losses": "losses.csv", "checkpoint": "unfinished.safetensors", "events": "events"}
 # Runs a script in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, {script} as script
@@ -49,6 +50,11 @@ def same(a, b):
     if isinstance(a, dict):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     return torch.equal(a, b)
+
+
+def paths_in(folder, **files):
+    """Arguments of a script that name its files in `folder`: those of every training, and others."""
+    return {name: str(folder / file) for name, file in (FILES | files).items()}
 
 
 def check_killed_training(script, arguments, whole):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 from train_cgan import train
-from trainings import check_killed_training
+from trainings import check_killed_training, paths_in
 
 from lib import cgan_training
 from snowsim.io.files import read_table
@@ -24,23 +24,9 @@ def arguments(folder, **changes):
     scenes = folder.parent / "scenes.nc"
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
-    return {
-        "scenes": [str(scenes)],
-        "generator": str(folder / "generator.safetensors"),
-        "losses": str(folder / "losses.csv"),
-        "scores": str(folder / "validation.csv"),
-        "samples": str(folder / "samples.nc"),
-        "seed": 1,
-        "device": "cpu",
-        "settings": SETTINGS,
-        "validation": VALIDATION,
-        "on_collapse": "fail",
-        "source": "no",
-        "checkpoint": str(folder / "unfinished.safetensors"),
-        "checkpoint_steps": 20,
-        "events": str(folder / "events"),
-        **changes,
-    }
+    files = paths_in(folder, generator="generator.safetensors", scores="validation.csv", samples="samples.nc")
+    options = {"seed": 1, "device": "cpu", "settings": SETTINGS, "validation": VALIDATION, "on_collapse": "fail"}
+    return {"scenes": [str(scenes)], **files, **options, "source": "no", "checkpoint_steps": 20, **changes}
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import fill_tables
 import pandas as pd
 import pytest
 import yaml
-from result_tables import SETS, picks, table2, table3_intervals
+from result_tables import SETS, picks, table2, table3_intervals, worth
 from runs import CONFIG, SCHEMA
 
 
@@ -73,16 +73,10 @@ def test_filling_twice_changes_nothing_more(results):
 
 
 def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
-    rows = [
-        ("default", name, "default", "rd", metric, 0.125, 0.0625, 0.1875)
-        for name in SETS[1:]
-        for metric in ("ods", "ois", "ap")
-    ]
-    names = ["setting", "training_set", "base", "base_training_set", "metric", "difference", "low", "high"]
-    worth = pd.DataFrame(rows, columns=names)
     (results / "studies/tracker").mkdir(parents=True)
     for n_replicas, shown in ((5, True), (2, False)):
-        worth.assign(n_replicas=n_replicas).to_csv(results / "studies/tracker/worth.csv", index=False)
+        of_study = worth(n_replicas, difference=0.125, low=0.0625, high=0.1875)
+        of_study.to_csv(results / "studies/tracker/worth.csv", index=False)
         filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results)
         assert ("| ODS | +0.1250 [+0.0625, +0.1875] |" in filled) == shown
         assert ("5 trainings a set" in filled) == shown

@@ -86,10 +86,7 @@ def test_a_block_with_one_flagged_line_is_skipped_and_counted(frame):
     scenes, skipped = cut_blocks(*leave_out_flagged(echogram, layers), name="f")
     # Blocks begin at 0, 250, 500, 750: the second has lines 499 to 505, the third 500 to 511.
     assert [scene.name for scene in scenes] == ["f_000", "f_003"]
-    assert skipped == {
-        "f_001": "7 of 256 range lines flagged",
-        "f_002": "12 of 256 range lines flagged",
-    }
+    assert skipped == {"f_001": "7 of 256 range lines flagged", "f_002": "12 of 256 range lines flagged"}
     untouched, _ = cut_blocks(*frame, name="f")
     for scene, same in zip(scenes, (untouched[0], untouched[3]), strict=True):
         assert_array_equal(scene.image, same.image)

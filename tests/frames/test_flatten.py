@@ -79,8 +79,6 @@ def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_lay
     assert np.unique(rows).size == 1
     # Whole bins: what is left of the surface lies within half a bin of that row.
     assert_allclose(layer_bins_of(moved, level)[0], rows[0], atol=0.5 + 1e-6)
-    echogram, layers = make_frame(rng)
-    level, moved = flatten(echogram, layers)
     for line in range(60):
         before, after = echogram["Data"].values[:, line], level["Data"].values[:, line]
         assert_array_equal(after[np.isfinite(after)], before)
@@ -171,7 +169,6 @@ def test_resampling_moves_no_layer_by_more_than_half_a_new_bin_and_missing_bins_
         rows = resampled["Data"].values[: int(85 / ratio)].argmax(axis=0)
         # Half a new bin from where it falls, half an old one from the pixel it was painted into.
         assert (np.abs(rows - layer_bins_of(layers, resampled)[0]) <= 0.5 + 0.5 / ratio + 1e-6).all()
-    echogram, _ = make_frame(rng)
     echogram["Data"][50, 3] = np.nan
     for ratio in (0.5, 2):
         missing = np.isnan(resample_range(echogram, ratio * BIN_S)["Data"].values)

@@ -23,7 +23,7 @@ def flight(tmp_path, content):
     return tmp_path
 
 
-def test_a_table_gives_every_frame_level_with_the_surface_first_at_the_bin_size_asked_for(table):
+def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_its_sizes(table):
     assert table["frame"].tolist() == ["one", "two", "three"]
     for echogram, layers in each_frame(table):
         bins = layer_bins_of(layers, echogram)
@@ -37,9 +37,6 @@ def test_a_table_gives_every_frame_level_with_the_surface_first_at_the_bin_size_
         assert_allclose(bin_size_s(echogram), 2 * formats.BIN_S, rtol=1e-9)
         bins = layer_bins_of(layers, echogram)
         assert_allclose(bins[1] - bins[0], 20, atol=1e-6)
-
-
-def test_checked_frames_tell_their_sizes(table):
     checked = check_frames(table)
     assert checked["n_range_lines"].tolist() == [formats.N_LINES] * 3
     assert checked["n_layers"].tolist() == [2] * 3

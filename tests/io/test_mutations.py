@@ -119,13 +119,8 @@ def write_changed_variables(kind, sound, folder):
 def outcomes_of(folder):
     """What became of every file or store of a folder, from a child process; an error must be one line."""
     names = {path.name for path in folder.iterdir()}
-    child = subprocess.run(
-        [sys.executable, __file__, str(folder)],
-        capture_output=True,
-        text=True,
-        timeout=60 + 2 * len(names),
-        check=False,
-    )
+    command, seconds = [sys.executable, __file__, str(folder)], 60 + 2 * len(names)
+    child = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
     outcomes = {}
     for line in child.stdout.splitlines():
         outcome = json.loads(line)

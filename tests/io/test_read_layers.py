@@ -66,15 +66,11 @@ def test_a_single_layer_may_be_one_dimensional(path, write):
 
 
 @of_mat
-def test_layers_without_picks_are_left_out_and_listed(path, write):
+def test_layers_without_picks_are_left_out_and_listed_and_a_file_of_such_is_refused(path, write):
     write_with_organizer(path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"], write=write)
     layers = read_layers(path)
     assert_array_equal(layers["layer"], ["surface", "Koenig_2"])
     assert layers.attrs["empty_layers"] == "empty"
-
-
-@of_mat
-def test_a_file_without_a_single_pick_is_refused(path, write):
     write_with_organizer(path, [SURFACE * np.nan] * 2, ["surface", "bottom"], write=write)
     refused(read_layers, path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
 

@@ -6,12 +6,7 @@ import xarray as xr
 N_LINES = 256
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
-PARAMETERS = {
-    "white": (3.0,),
-    "power_law": (2e-4, 2.3),
-    "ar1": (0.02, 0.95),
-    "matern": (5e-5, np.log(0.03), 1.6),
-}
+PARAMETERS = {"white": (3.0,), "power_law": (2e-4, 2.3), "ar1": (0.02, 0.95), "matern": (5e-5, np.log(0.03), 1.6)}
 
 
 def density_of(name):

@@ -12,17 +12,9 @@ from snowsim.labels import draw_scene, prepare
 from snowsim.labels.radiometry import labelled_or_not
 from snowsim.phy import plan, render_plan, scene_parameters
 
-SPREADS = {
-    "noise_spread_db": 1.5,
-    "surface_to_noise_spread_db": 2.0,
-    "common_spread_db": 3.0,
-    "layer_spread_db": 2.0,
-    "decay_spread": 0.1,
-    "background_spread_db": 1.0,
-    "further_spacing_bins": 30.0,
-    "further_rise_db": 1.0,
-    "end_contrast_db": 0.5,
-}
+SPREADS = {"noise_spread_db": 1.5, "surface_to_noise_spread_db": 2.0, "common_spread_db": 3.0, "layer_spread_db": 2.0}
+SPREADS |= {"decay_spread": 0.1, "background_spread_db": 1.0, "further_spacing_bins": 30.0, "further_rise_db": 1.0}
+SPREADS |= {"end_contrast_db": 0.5}
 
 
 def statistics(**changes):

@@ -33,14 +33,8 @@ class Counter:
 
 def counted(path, counter, n_steps=50, made_of=7, patience=None):
     """The run of a counter that is best at step 23 or, of those validated, at 20."""
-    validation = SimpleNamespace(
-        every_steps=10,
-        score=lambda: {"near": -abs(counter.step - 23.0), "also": counter.total},
-        weights=lambda: counter.state(),
-        by="near",
-        patience=patience,
-        samples=dict,
-    )
+    validation = SimpleNamespace(every_steps=10, by="near", patience=patience, samples=dict, weights=counter.state)
+    validation.score = lambda: {"near": -abs(counter.step - 23.0), "also": counter.total}
     with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7, validation=validation) as run:
         run.take(counter.steps(n_steps), n_steps, "counter")
     return run

@@ -49,9 +49,8 @@ def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics
     rows, parameters = scene_parameters(scene, statistics, rng=rng)
     assert rows.shape == (5, 8)
     assert (np.diff(rows[:4, :4], axis=0) > 0).all()
-    shapes = [
-        [given[name] for name in ("peak_power", "variance_bins2", "decay_rate")] for given in (without[1], parameters)
-    ]
+    names = ("peak_power", "variance_bins2", "decay_rate")
+    shapes = [[given[name] for name in names] for given in (without[1], parameters)]
     added = mean_power(rows, *shapes[1], 300) - mean_power(layer_bins, *shapes[0], 300)
     # From 90 bins below the surface on the exponentials alone. Each has its power at its peak, up to 5 bins below the
     # row's Gaussian of 11 bins^2: up to exp(5 / 30) more than the law.

@@ -38,15 +38,18 @@ def test_quantiles_are_as_close_to_gamma_as_stated(n_looks, distance):
     assert_allclose(table.mean() ** 2 / table.var(), n_looks, rtol=1e-4)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_the_mean(method, rng):
+@pytest.mark.parametrize(("method", "correlation"), [*((method, None) for method in METHODS), ("quantile", [1, 0.2])])
+def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_the_mean(method, correlation, rng):
     mean_power = rng.uniform(0.1, 1, (30, 40)).astype(np.float32)
-    given = (mean_power, np.asfortranarray(mean_power), 4 * mean_power, 0 * mean_power)
-    rows, columns, four, none = (draw_speckle(m, 16, method=method, rng=np.random.default_rng(3)) for m in given)
-    assert rows.dtype == np.float32
+    options = {"n_looks": 16, "method": method, "correlation": correlation}
+    given = (mean_power, np.asfortranarray(mean_power), 4 * mean_power, 0 * mean_power, mean_power.astype(float))
+    rows, columns, four, none, double = (draw_speckle(m, **options, rng=np.random.default_rng(3)) for m in given)
+    assert (rows.dtype, double.dtype) == (np.float32, np.float64)
     assert_array_equal(rows, columns)
     assert_array_equal(four, 4 * rows)
     assert_array_equal(none, 0)
+    if method == "quantile":
+        assert_allclose(double, rows, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,6 @@ def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(frame
         assert dataset.attrs["n_looks"] == 5
     assert_allclose(bin_size_s(echogram), 2.886e-10, rtol=1e-9)
     assert_allclose(np.diff(along_track_m(echogram)), 5.2, rtol=1e-4)
-    echogram, layers = frame
     assert_allclose(layers["twtt"][0], echogram["Surface"], atol=1e-3 * 2.886e-10)
     bins = layer_bins_of(layers, echogram)
     assert np.abs(bins[0] - climate.settings.radar.surface_bin).max() < 5

@@ -25,7 +25,6 @@ def test_a_network_read_back_tracks_the_same_and_half_precision_nearly(network, 
     image = rng.integers(0, 256, (60, 40), dtype=np.uint8)
     weights = {name: value.numpy().copy() for name, value in network.state_dict().items()}
     assert_array_equal(track(trained_network(weights, SETTINGS), image), track(network, image))
-    image = rng.integers(0, 256, (60, 40), dtype=np.uint8)
     # bfloat16 keeps 8 bits; 13 layers and a slope of 1/4 of the sigmoid on logits below 0.1.
     assert_allclose(track(network, image, precision="bfloat16"), track(network, image), atol=2e-3)
 

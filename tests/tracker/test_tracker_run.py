@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
 from train_tracker import train
-from trainings import check_killed_training
+from trainings import check_killed_training, paths_in
 
 from lib.tracker_training import compose
 from snowsim.io.models import read_model
@@ -26,23 +26,10 @@ def scene_files(tmp_path):
 
 def arguments(folder, scene_files):
     """Arguments of the script, its files in `folder`."""
-    return {
-        "real": [scene_files[0]],
-        "phy": [scene_files[1]],
-        "cgan": [],
-        "network": str(folder / "network.safetensors"),
-        "losses": str(folder / "losses.csv"),
-        "seed": 1,
-        "replica": "0",
-        "device": "cpu",
-        "n_epochs": None,
-        "data": {"added_per_real": 0.6},
-        "skip": 0,
-        "settings": {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48},
-        "checkpoint": str(folder / "unfinished.safetensors"),
-        "checkpoint_steps": 10,
-        "events": str(folder / "events"),
-    }
+    options = {"seed": 1, "replica": "0", "device": "cpu", "n_epochs": None, "skip": 0, "checkpoint_steps": 10}
+    settings = {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
+    scenes = {"real": [scene_files[0]], "phy": [scene_files[1]], "cgan": [], "data": {"added_per_real": 0.6}}
+    return scenes | options | paths_in(folder, network="network.safetensors") | {"settings": settings}
 
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):

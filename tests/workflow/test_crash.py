@@ -31,14 +31,8 @@ def live_and_die(folder, n_jobs, seconds, targets):
     """Start the run and kill its process group some seconds after it finished some jobs; False if it ended before."""
     folder.mkdir(exist_ok=True)
     with (folder / "output.txt").open("w") as output:
-        process = subprocess.Popen(
-            command(folder, "--", *targets),
-            stdout=output,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-            cwd=source_tree(),
-            env=environment(),
-        )
+        place = {"stdout": output, "stderr": subprocess.STDOUT, "cwd": source_tree(), "env": environment()}
+        process = subprocess.Popen(command(folder, "--", *targets), start_new_session=True, **place)
         while process.poll() is None and (folder / "output.txt").read_text().count("Finished jobid") < n_jobs:
             time.sleep(0.05)
         try:

@@ -11,18 +11,8 @@ from result_tables import SETS
 from result_tables import table3_intervals as intervals
 from scipy import stats
 
-from lib.diagnostics import claims
-from lib.diagnostics.claim_rules import (
-    CONFIRMED,
-    CONTRADICTED,
-    MISSING,
-    OPEN,
-    all_of,
-    mean_interval,
-    paired_outcome,
-    side_of_zero,
-    signed,
-)
+from lib.diagnostics import claim_rules, claims
+from lib.diagnostics.claim_rules import CONFIRMED, CONTRADICTED, MISSING, OPEN, mean_interval, side_of_zero, signed
 from lib.diagnostics.claims import CLAIMS, check_claims, chi_square, doppler, expensive
 
 
@@ -37,7 +27,7 @@ def test_the_mean_s_interval_is_student_s_and_one_value_has_none(rng):
     low, high = stats.t.interval(0.95, 19, loc=values.mean(), scale=stats.sem(values))
     assert_allclose(mean_interval([*values, np.nan]), (values.mean(), low, high), rtol=1e-12)
     assert np.isnan(mean_interval([2.0])[1])
-    assert paired_outcome([2.0])[0] == OPEN
+    assert claim_rules.paired_outcome([2.0])[0] == OPEN
 
 
 def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
@@ -51,7 +41,7 @@ def test_signs_of_an_interval_decide():
     assert side_of_zero(-0.2, -0.1) == CONTRADICTED
     assert side_of_zero(-0.1, 0.2) == side_of_zero(0.0, 0.2) == OPEN
     for others, outcome in (([CONFIRMED] * 2, CONFIRMED), ([OPEN], OPEN), ([CONTRADICTED], CONTRADICTED)):
-        assert all_of([CONFIRMED, *others]) == outcome
+        assert claim_rules.all_of([CONFIRMED, *others]) == outcome
 
 
 @pytest.mark.parametrize(("shift", "outcome"), [(2.0, CONFIRMED), (-2.0, CONTRADICTED)])

@@ -4,16 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.closed_loop import (
-    BOUNDS,
-    COLUMNS,
-    VARIES,
-    as_frame,
-    compare,
-    largest_errors,
-    summarise_loop,
-    thinned,
-)
+from lib.diagnostics import closed_loop
+from lib.diagnostics.closed_loop import BOUNDS, COLUMNS, VARIES, as_frame, compare, summarise_loop, thinned
 from snowsim import statistics
 from snowsim.statistics import estimate, merge, summarise
 
@@ -39,7 +31,7 @@ def test_statistics_equal_themselves_and_other_zones_cannot_be_compared(fitted):
     assert (table["error"] == 0).all()
     assert table["within"].all()
     assert (table["reason"] == "").all()
-    assert largest_errors(table)["score"] == 0
+    assert closed_loop.largest_errors(table)["score"] == 0
     moved = fitted.assign(zone_edge_bins=fitted["zone_edge_bins"] + 1)
     with pytest.raises(ValueError, match="zone_edge_bins"):
         compare(fitted, moved)

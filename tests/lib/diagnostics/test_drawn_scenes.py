@@ -7,15 +7,8 @@ import pytest
 import torch
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.diagnostics.drawn_scenes import (
-    LAGS,
-    LAYER_LAGS,
-    describe_image,
-    describe_layers,
-    scenes_table,
-    span_of,
-    two_sample_table,
-)
+from lib.diagnostics import drawn_scenes
+from lib.diagnostics.drawn_scenes import LAGS, LAYER_LAGS, describe_image, describe_layers, span_of, two_sample_table
 from lib.diagnostics.patch_network import fit_network
 from lib.diagnostics.two_sample import accuracy, decisions
 from snowsim.echogram import Scene, to_uint8
@@ -109,7 +102,7 @@ def test_roughness_of_planted_layers_comes_back_and_few_scenes_make_means_over_t
         assert_allclose(found["structure function, slabs", lag], expected)
     assert describe_layers(np.full((2, N_LINES), np.nan)) == {}
     numbers = {"observed": [{("a", 1): 1.0}, {("a", 1): 3.0, ("b", 0): 5.0}], "phy": [{("a", 1): 2.0}] * 2}
-    table = scenes_table(numbers, rng=rng).set_index(["quantity", "at", "scenes"])
+    table = drawn_scenes.scenes_table(numbers, rng=rng).set_index(["quantity", "at", "scenes"])
     assert table.loc["a", 1, "observed"].tolist() == [2, 1, 3, 2]
     assert table.loc["b", 0, "observed"].tolist() == [5, 5, 5, 1]
     assert table.loc["a", 1, "phy"].tolist() == [2, 2, 2, 2]

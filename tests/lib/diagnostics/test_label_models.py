@@ -7,13 +7,8 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from planted_labels import N_LINES, WAVENUMBER, density_of, planted
 
-from lib.diagnostics.label_models import (
-    choose,
-    compare_models,
-    tabulate_models,
-    tabulate_spectra,
-    whittle_log_likelihood,
-)
+from lib.diagnostics import label_models
+from lib.diagnostics.label_models import choose, compare_models, tabulate_models, whittle_log_likelihood
 from snowsim.labels import prepare
 from snowsim.labels.models import SPECTRA, label_model
 
@@ -85,7 +80,7 @@ def test_choice_is_refused_where_it_is_none_and_spectra_are_tabulated_by_zone():
         choose(table, "aic", "bic")
     with pytest.raises(ValueError, match="hold no 7 zones"):
         choose(table, 7, "tabulated")
-    table = tabulate_spectra(np.array([density_of("ar1"), 4 * density_of("ar1")]))
+    table = label_models.tabulate_spectra(np.array([density_of("ar1"), 4 * density_of("ar1")]))
     assert list(table.columns) == ["zone", "wavenumber", "tabulated", *SPECTRA]
     assert_allclose(table["ar1"], table["tabulated"], rtol=3e-3)
 

@@ -9,18 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
-from result_tables import SETS, table2, table3_intervals
+from result_tables import SETS, table2, table3_intervals, worth
 
 from lib.figures.style import evenly_spaced
-from lib.report.content import (
-    compare_table2,
-    compare_table3,
-    counterparts,
-    paper_figures,
-    stage_costs,
-    title_of,
-    with_study,
-)
+from lib.report import content
+from lib.report.content import compare_table2, compare_table3, paper_figures, stage_costs, title_of
 from lib.report.format import config_lines, duration, groupby_stage, size
 from lib.report.gallery import layer_lines
 from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
@@ -38,7 +31,7 @@ from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, wr
 )
 def test_a_caption_names_the_paper_s_figures(caption, numbers):
     assert paper_figures(caption) == numbers
-    found = counterparts([{"name": "x", "caption": caption}], range(1, 13))
+    found = content.counterparts([{"name": "x", "caption": caption}], range(1, 13))
     assert [number for number, figures in found.items() if figures] == numbers
 
 
@@ -82,18 +75,11 @@ def test_table3_marks_what_is_resolved():
 
 @pytest.mark.parametrize("n_replicas", [2, 5])
 def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
-    names = ["setting", "training_set", "base", "base_training_set"]
-    names += ["metric", "mean", "base_mean", "difference", "low", "high"]
-    rows = [
-        ("default", name, "default", "rd", metric, 0.9, 0.7, 0.2, 0.1, 0.3)
-        for name in SETS[1:]
-        for metric in ("ods", "ois", "ap")
-    ]
     path = tmp_path / "studies/tracker/worth.csv"
     path.parent.mkdir(parents=True)
-    pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas).to_csv(path, index=False)
+    worth(n_replicas, mean=0.9, base_mean=0.7, difference=0.2, low=0.1, high=0.3).to_csv(path, index=False)
     intervals = table3_intervals()
-    shown = with_study(intervals, [str(path)])[intervals.columns]
+    shown = content.with_study(intervals, [str(path)])[intervals.columns]
     fuse = shown["output"] == "fuse"
     pd.testing.assert_frame_equal(shown[~fuse], intervals[~fuse])
     if n_replicas == 2:

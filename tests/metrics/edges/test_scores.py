@@ -8,12 +8,8 @@ from snowsim.metrics.edges import match_counts, precision_recall, score, stack_c
 def counts_of(matched, n_truth, n_prediction):
     """Counts of one image; matched and n_prediction by threshold."""
     matched = np.array(matched)
-    return {
-        "matched_truth": matched,
-        "n_truth": np.full(matched.size, n_truth),
-        "matched_prediction": matched,
-        "n_prediction": np.array(n_prediction),
-    }
+    n = {"n_truth": np.full(matched.size, n_truth), "n_prediction": np.array(n_prediction)}
+    return {"matched_truth": matched, "matched_prediction": matched, **n}
 
 
 TWO_IMAGES = [counts_of([8, 6, 2], 10, [20, 8, 2]), counts_of([10, 4, 1], 10, [10, 4, 1])]
