@@ -102,7 +102,6 @@ rule claims:
         rules.compare_renders.output,
         rules.compare_scenes.output,
         figure_files("similarity"),
-    localrule: True
     message:
         "tables behind what the paper claims of renders"
 
@@ -243,7 +242,6 @@ rule closed_loop:
         rules.tabulate_closed_loop.output.summary,
         rules.tabulate_closed_loop.output.conventions,
         figure_files("closed_loop"),
-    localrule: True
     message:
         "statistics that went into PHY beside those re-estimated from its renders"
 
@@ -282,7 +280,6 @@ rule validation:
     input:
         rules.tabulate_validation.output,
         figure_files("closed_loop"),
-    localrule: True
     message:
         "the flight beside what was made of its statistics"
 
@@ -321,7 +318,6 @@ rule realism:
     input:
         rules.tabulate_realism.output,
         figure_files("realism"),
-    localrule: True
     message:
         "how real the flight and the benchmark look"
 
@@ -389,7 +385,6 @@ rule atlases:
     input:
         rules.draw_atlases.output,
         figure_files("atlas"),
-    localrule: True
     message:
         "atlases of PHY and of the estimators, with their figures"
 
@@ -399,7 +394,6 @@ rule charts_phy:
         rules.measure_phy.output,
         rules.atlases.input,
         figure_files("phy"),
-    localrule: True
     message:
         "speed-accuracy charts and atlas of PHY"
 
@@ -431,6 +425,5 @@ rule convolution:
     input:
         rules.measure_convolution.output,
         figure_files("convolution"),
-    localrule: True
     message:
         "how good the convolution model is, and where it stops being good enough"

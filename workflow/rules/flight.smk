@@ -242,6 +242,5 @@ rule flight:
         expand("results/flight/{frame}.nc", frame=FRAMES),
         SEGMENT,
         benchmark_files(*SPLITS),
-    localrule: True
     message:
         "the sample flight and the benchmark"

@@ -98,6 +98,5 @@ rule labels:
         tables("model_selection", "model_selection_scenes", "model_selection_spectra"),
         tables("speed_accuracy_labels"),
         figure_files("labels"),
-    localrule: True
     message:
         "all label sets and their tables"

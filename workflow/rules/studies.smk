@@ -194,7 +194,6 @@ rule study_tracker:
         rules.time_trackers.output,
         rules.atlas_tracker.output,
         figure_files("study_tracker"),
-    localrule: True
     message:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"
 
@@ -310,7 +309,6 @@ rule study_cgan:
         rules.study_renderers.output,
         rules.study_cgan_atlas.output,
         figure_files("study_cgan"),
-    localrule: True
     message:
         "studies of the cGAN"
 
@@ -339,6 +337,5 @@ rule study_convolution_smrt:
 rule study_convolution:
     input:
         rules.study_convolution_smrt.output,
-    localrule: True
     message:
         "SMRT beside the convolution model; the figure of the target convolution takes it in when that is run next"

@@ -140,6 +140,5 @@ rule trackers:
     input:
         rules.tabulate_trackers.output,
         figure_files("tracker"),
-    localrule: True
     message:
         "Table III, errors of picks, and their figures"
