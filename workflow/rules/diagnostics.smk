@@ -112,9 +112,7 @@ rule claims:
 LOOP_STRIDE = 6
 # The convention PHY uses goes through all label sets. All conventions are tried on the first scenes, in two jobs.
 LOOP_TRIED = min(200, N_SCENES["labels"])
-LOOP_SHARDS = [
-    shard for shard in shards("labels") if shard_range("labels", shard)[0] < LOOP_TRIED
-]
+LOOP_SHARDS = shards("labels")[: math.ceil(LOOP_TRIED / SHARD_SIZE["labels"])]
 LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
     config["statistics"]["estimator"], **config["phy"]
 )
