@@ -45,12 +45,8 @@ ALLOWED = {"similarity*: ssim": 5e-13, "tables/*: ssim*": 5e-13}
 def reproducible_files(results):
     """Files under a results folder that must not differ between runs, sorted."""
     results = Path(results)
-    files = (path for path in sorted(results.rglob("*")) if path.is_file())
-    return [path for path in files if not any(_matches(path.relative_to(results), pattern) for pattern in TIMED)]
-
-
-def _matches(path, pattern):
-    return any(parent.match(pattern) for parent in (path, *path.parents))
+    names = (path.relative_to(results) for path in sorted(results.rglob("*")) if path.is_file())
+    return [results / name for name in names if not any(part.match(p) for part in (name, *name.parents) for p in TIMED)]
 
 
 def digests(results):

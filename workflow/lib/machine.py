@@ -22,10 +22,10 @@ def describe_machine():
     }
 
 
-def describe_versions(packages=PACKAGES):
+def describe_versions():
     """Version of this package and of those it leans on, by name; without those that are not installed."""
     versions = {}
-    for name in ("snowsim", *packages):
+    for name in ("snowsim", *PACKAGES):
         try:
             versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:

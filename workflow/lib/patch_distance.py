@@ -59,6 +59,5 @@ def kernel_distance(rendered, observed):
 
 def scenes_distance(rendered, observed):
     """`kernel_distance` of the patches of scenes from those of observed ones."""
-    return kernel_distance(
-        *(np.concatenate([describe_patches(s.image, s.mask()) for s in of]) for of in (rendered, observed))
-    )
+    sets = (np.concatenate([describe_patches(s.image, s.mask()) for s in of]) for of in (rendered, observed))
+    return kernel_distance(*sets)

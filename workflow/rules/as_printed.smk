@@ -34,6 +34,5 @@ use rule * from printed exclude labels, renders, similarity, trackers as printed
 rule as_printed:
     input:
         PRINTED_TABLES,
-    localrule: True
     message:
         "Tables II and III of the paper as printed; the report made next shows them"

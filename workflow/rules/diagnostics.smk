@@ -102,7 +102,6 @@ rule claims:
         rules.compare_renders.output,
         rules.compare_scenes.output,
         figure_files("similarity"),
-    localrule: True
     message:
         "tables behind what the paper claims of renders"
 
@@ -113,9 +112,7 @@ rule claims:
 LOOP_STRIDE = 6
 # The convention PHY uses goes through all label sets. All conventions are tried on the first scenes, in two jobs.
 LOOP_TRIED = min(200, N_SCENES["labels"])
-LOOP_SHARDS = [
-    shard for shard in shards("labels") if shard_range("labels", shard)[0] < LOOP_TRIED
-]
+LOOP_SHARDS = shards("labels")[: math.ceil(LOOP_TRIED / SHARD_SIZE["labels"])]
 LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
     config["statistics"]["estimator"], **config["phy"]
 )
@@ -243,7 +240,6 @@ rule closed_loop:
         rules.tabulate_closed_loop.output.summary,
         rules.tabulate_closed_loop.output.conventions,
         figure_files("closed_loop"),
-    localrule: True
     message:
         "statistics that went into PHY beside those re-estimated from its renders"
 
@@ -282,7 +278,6 @@ rule validation:
     input:
         rules.tabulate_validation.output,
         figure_files("closed_loop"),
-    localrule: True
     message:
         "the flight beside what was made of its statistics"
 
@@ -321,7 +316,6 @@ rule realism:
     input:
         rules.tabulate_realism.output,
         figure_files("realism"),
-    localrule: True
     message:
         "how real the flight and the benchmark look"
 
@@ -389,7 +383,6 @@ rule atlases:
     input:
         rules.draw_atlases.output,
         figure_files("atlas"),
-    localrule: True
     message:
         "atlases of PHY and of the estimators, with their figures"
 
@@ -399,7 +392,6 @@ rule charts_phy:
         rules.measure_phy.output,
         rules.atlases.input,
         figure_files("phy"),
-    localrule: True
     message:
         "speed-accuracy charts and atlas of PHY"
 
@@ -431,6 +423,5 @@ rule convolution:
     input:
         rules.measure_convolution.output,
         figure_files("convolution"),
-    localrule: True
     message:
         "how good the convolution model is, and where it stops being good enough"

@@ -46,7 +46,6 @@ rule export:
             format=config["export"]["formats"],
             export_set=config["export"]["sets"],
         ),
-    localrule: True
     message:
         "scenes for other code"
 

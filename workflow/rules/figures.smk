@@ -1,13 +1,6 @@
 # One job draws all figures of a stage, as workflow/figures.yaml lists them.
 
-from lib.registry import (
-    drawn_by,
-    inputs_of,
-    named_by,
-    plots,
-    settings_of,
-    write_captions,
-)
+from lib import registry
 
 # What the names in braces stand for in paths of the list.
 N_SHOWN = FIGURES["renders"]["synthetic.svg"]["settings"]["n_labels"]
@@ -23,16 +16,16 @@ FILES_OF = {
 # Snakemake's own report takes captions from files alone.
 CAPTIONS = Path(".snakemake/captions").absolute()
 if workflow.is_main_process:
-    write_captions(FIGURES, CAPTIONS)
+    registry.write_captions(FIGURES, CAPTIONS)
 
-for (plot, stage), figures in plots(FIGURES, LEFT_OUT[SOURCE]).items():
+for (plot, stage), figures in registry.plots(FIGURES, LEFT_OUT[SOURCE]).items():
 
     rule:
         name:
             plot
         input:
-            **inputs_of(figures, FILES_OF),
-            code=drawn_by(stage),
+            **registry.inputs_of(figures, FILES_OF),
+            code=registry.drawn_by(stage),
         output:
             figures=[
                 report(
@@ -42,7 +35,9 @@ for (plot, stage), figures in plots(FIGURES, LEFT_OUT[SOURCE]).items():
                 )
                 for file in figures
             ],
-            tables=expand("results/tables/{table}", table=named_by(figures, "makes")),
+            tables=expand(
+                "results/tables/{table}", table=registry.named_by(figures, "makes")
+            ),
         log:
             f"logs/{plot}.log",
         benchmark:
@@ -50,13 +45,11 @@ for (plot, stage), figures in plots(FIGURES, LEFT_OUT[SOURCE]).items():
         params:
             stage=stage,
             source=NOTE,
-            settings=settings_of(figures),
-            scenes=named_by(figures, "scenes"),
-            studies={
-                path: digest
-                for study in named_by(figures, "studies")
-                for path, digest in finished_study(f"results/{study}").items()
-            },
+            settings=registry.settings_of(figures),
+            scenes=registry.named_by(figures, "scenes"),
+            studies=finished(
+                f"results/{study}" for study in registry.named_by(figures, "studies")
+            ),
         message:
             f"figures of the stage {stage}"
         script:

@@ -94,11 +94,9 @@ elif SOURCE == "png_pairs":
             listing=lambda wildcards: LISTS[wildcards.split],
             # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or
             # files have changed, and what was imported with the old ones would stay. The same holds for frames.
-            unread=lambda wildcards: [
+            unread=lambda w: [
                 CHECK,
-                *OBSERVED[wildcards.split].files(
-                    slice(*shard_range(wildcards.split, wildcards.shard))
-                ),
+                *OBSERVED[w.split].files(slice(*shard_range(w.split, w.shard))),
             ],
             code=imported_by("import_pairs.py"),
         output:
@@ -167,9 +165,7 @@ else:
 
     rule import_frame:
         input:
-            **frame_inputs(
-                lambda wildcards: OBSERVED["statistics"][int(wildcards.frame)]
-            ),
+            **frame_inputs(lambda w: OBSERVED["statistics"][int(w.frame)]),
             code=imported_by("import_frame.py"),
         output:
             frame="results/flight/{frame}.nc",
@@ -181,7 +177,7 @@ else:
         resources:
             mem_mb=4000,
         params:
-            name=lambda wildcards: OBSERVED["statistics"][int(wildcards.frame)]["frame"],
+            name=lambda w: OBSERVED["statistics"][int(w.frame)]["frame"],
             reading=READING,
         message:
             "frame {params.name} of the flight"
@@ -190,9 +186,7 @@ else:
 
     rule import_blocks:
         input:
-            **frame_inputs(
-                lambda wildcards: OBSERVED[wildcards.split][int(wildcards.shard)]
-            ),
+            **frame_inputs(lambda w: OBSERVED[w.split][int(w.shard)]),
             code=imported_by("import_blocks.py"),
         output:
             scenes="results/benchmark/{split}/{shard}.nc",
@@ -203,9 +197,7 @@ else:
         resources:
             mem_mb=4000,
         params:
-            name=lambda wildcards: OBSERVED[wildcards.split][int(wildcards.shard)][
-                "frame"
-            ],
+            name=lambda w: OBSERVED[w.split][int(w.shard)]["frame"],
             reading=READING,
         message:
             "{wildcards.split} scenes of frame {params.name}"
@@ -242,6 +234,5 @@ rule flight:
         expand("results/flight/{frame}.nc", frame=FRAMES),
         SEGMENT,
         benchmark_files(*SPLITS),
-    localrule: True
     message:
         "the sample flight and the benchmark"

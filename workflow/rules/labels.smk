@@ -35,6 +35,15 @@ LABEL_STATISTICS = (
 )
 
 
+# What is set for every label set, by whoever draws it.
+HOW_DRAWN = {
+    name: config["labels"][name]
+    for name in ("correlation", "first_slab", "surface", "radiometry")
+}
+N_LAYERS_RANGE = [config["labels"][f"n_layers_{end}"] for end in ("min", "max")]
+LABEL_FILES = expand("results/labels/{shard}.nc", shard=shards("labels"))
+
+
 rule draw_labels:
     input:
         statistics=LABEL_STATISTICS,
@@ -50,14 +59,8 @@ rule draw_labels:
         span=lambda wildcards: shard_range("labels", wildcards.shard),
         n_range_lines=config["labels"]["n_range_lines"],
         n_layers=config["labels"]["n_layers"],
-        n_layers_range=[
-            config["labels"]["n_layers_min"],
-            config["labels"]["n_layers_max"],
-        ],
-        drawn={
-            name: config["labels"][name]
-            for name in ("correlation", "first_slab", "surface", "radiometry")
-        },
+        n_layers_range=N_LAYERS_RANGE,
+        drawn=HOW_DRAWN,
         nonstationary=config["labels"]["nonstationary"],
     message:
         "label sets, shard {wildcards.shard}"
@@ -69,7 +72,7 @@ rule summarise_labels:
     input:
         statistics=LABEL_STATISTICS,
         summaries=SUMMARIES,
-        labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
+        labels=LABEL_FILES,
         code=imported_by("summarise_labels.py"),
     output:
         layers="results/tables/label_layers.csv",
@@ -98,6 +101,5 @@ rule labels:
         tables("model_selection", "model_selection_scenes", "model_selection_spectra"),
         tables("speed_accuracy_labels"),
         figure_files("labels"),
-    localrule: True
     message:
         "all label sets and their tables"

@@ -87,6 +87,5 @@ rule renders:
             for scenes in ("labels", "test")
         ],
         figure_files("renders"),
-    localrule: True
     message:
         "label sets and test masks rendered by both methods"

@@ -48,21 +48,16 @@ rule write_report:
             for file, figure in figures.items()
         },
         studies={
-            "files": {
-                path: digest
-                for file in STUDY_FILES
-                for path, digest in finished_study(file).items()
-            },
+            "files": finished(STUDY_FILES),
             "parts": sorted(
                 item.name.removeprefix("study_") for item in targets("study_")
             ),
         },
-        printed={
-            path: digest
-            for file in PRINTED_TABLES
-            for path, digest in finished_study(file).items()
-            if all(Path(each).is_file() for each in PRINTED_TABLES)
-        },
+        printed=(
+            finished(PRINTED_TABLES)
+            if all(map(os.path.isfile, PRINTED_TABLES))
+            else {}
+        ),
         # Stage of every rule whose jobs are measured, by the folder of its measurements.
         stages={
             Path(str(item.benchmark)).parts[2]: Path(item.snakefile).stem

@@ -49,6 +49,5 @@ rule similarity:
         rules.tabulate_similarity.output,
         tables("similarity_bounds", "similarity_parts", "air_texture"),
         figure_files("similarity"),
-    localrule: True
     message:
         "Table II and its figures"

@@ -22,12 +22,9 @@ LEFT_OUT = {
 def frame_inputs(row_of):
     """Inputs of a rule that imports the frame of a row of the table; `row_of` is given wildcards."""
     return {
-        "echogram": lambda wildcards: row_of(wildcards)["echogram"],
-        "layers": lambda wildcards: row_of(wildcards)["layers"],
-        "unread": lambda wildcards: [
-            CHECK,
-            *sources.frame_files(row_of(wildcards), SOURCE),
-        ],
+        "echogram": lambda w: row_of(w)["echogram"],
+        "layers": lambda w: row_of(w)["layers"],
+        "unread": lambda w: [CHECK, *sources.frame_files(row_of(w), SOURCE)],
     }
 
 

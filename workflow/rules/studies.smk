@@ -16,6 +16,7 @@ ABLATION_RUNS = [
 ]
 NETWORKS = tracker_runs.networks_of(STUDY)
 STUDIED = {**ABLATION, **NETWORKS}
+TIMED = ["default", *NETWORKS]
 or_refused(tracker_runs.check_names, STUDY)
 WORTH = tracker_runs.worth_of(STUDY)
 WORTH_RUNS = list(dict.fromkeys(run for pair in WORTH for run in pair))
@@ -135,13 +136,10 @@ use rule tabulate_ablation as tabulate_worth with:
 rule time_trackers:
     input:
         scenes=benchmark_files("validation"),
-        networks=[
-            tracker_runs.network_file(name, "rd", 0) for name in ["default", *NETWORKS]
-        ],
-        counts=[
-            f"results/studies/tracker/{name}/rd/0_validation.parquet"
-            for name in ["default", *NETWORKS]
-        ],
+        networks=[tracker_runs.network_file(name, "rd", 0) for name in TIMED],
+        counts=tracker_runs.count_files(
+            "validation", [(name, "rd") for name in TIMED], [0]
+        ),
         code=imported_by("time_trackers.py"),
     output:
         table="results/tables/speed_accuracy_tracker.csv",
@@ -152,7 +150,7 @@ rule time_trackers:
     resources:
         mem_mb=2000,
     params:
-        names=["default", *NETWORKS],
+        names=TIMED,
         n_scenes=5,
         n_rounds=5,
     message:
@@ -194,7 +192,6 @@ rule study_tracker:
         rules.time_trackers.output,
         rules.atlas_tracker.output,
         figure_files("study_tracker"),
-    localrule: True
     message:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"
 
@@ -214,11 +211,7 @@ wildcard_constraints:
 use rule train_cgan as train_renderer with:
     input:
         scenes=benchmark_files("train"),
-        labels=lambda w: (
-            expand("results/labels/{shard}.nc", shard=shards("labels"))
-            if w.renderer == "guided"
-            else []
-        ),
+        labels=lambda w: LABEL_FILES if w.renderer == "guided" else [],
         statistics="results/statistics.nc",
         code=imported_by("train_cgan.py"),
     output:
@@ -244,7 +237,7 @@ rule study_renderers:
     input:
         train=benchmark_files("train"),
         validation=benchmark_files("validation"),
-        labels=expand("results/labels/{shard}.nc", shard=shards("labels")),
+        labels=LABEL_FILES,
         statistics="results/statistics.nc",
         label_model=LABEL_STATISTICS,
         cgan="results/cgan/generator.safetensors",
@@ -265,11 +258,8 @@ rule study_renderers:
         device=config["cgan"]["device"],
         phy=config["phy"],
         n_range_lines=config["labels"]["n_range_lines"],
-        n_layers=[config["labels"][f"n_layers_{end}"] for end in ("min", "max")],
-        drawn={
-            name: config["labels"][name]
-            for name in ("correlation", "first_slab", "surface", "radiometry")
-        },
+        n_layers=N_LAYERS_RANGE,
+        drawn=HOW_DRAWN,
         n_drawn=CGAN_STUDY["n_drawn"],
         n_trainings=CGAN_STUDY["n_trainings"],
         tracker=TRACKER["training"],
@@ -310,7 +300,6 @@ rule study_cgan:
         rules.study_renderers.output,
         rules.study_cgan_atlas.output,
         figure_files("study_cgan"),
-    localrule: True
     message:
         "studies of the cGAN"
 
@@ -339,6 +328,5 @@ rule study_convolution_smrt:
 rule study_convolution:
     input:
         rules.study_convolution_smrt.output,
-    localrule: True
     message:
         "SMRT beside the convolution model; the figure of the target convolution takes it in when that is run next"

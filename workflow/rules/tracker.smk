@@ -97,11 +97,7 @@ rule tabulate_trackers:
     params:
         seed=config["seed"],
         n_bootstrap=config["tracker"]["n_bootstrap"],
-        runs=[
-            (training_set, replica)
-            for training_set in TRAINING_SETS
-            for replica in SEEDS
-        ],
+        runs=[(name, replica) for name in TRAINING_SETS for replica in SEEDS],
         depth_step_bins=config["tracker"]["picks"]["depth_step_bins"],
         snow_density_kg_m3=config["tracker"]["picks"]["snow_density_kg_m3"],
     message:
@@ -140,6 +136,5 @@ rule trackers:
     input:
         rules.tabulate_trackers.output,
         figure_files("tracker"),
-    localrule: True
     message:
         "Table III, errors of picks, and their figures"

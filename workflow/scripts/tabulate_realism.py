@@ -16,22 +16,9 @@ from snowsim.seeding import random_stream
 
 
 def tabulate_realism(
-    echograms,
-    layers,
-    statistics,
-    train,
-    test,
-    record,
-    rows,
-    table,
-    real,
-    crops=None,
-    *,
-    folder,
-    reference,
-    source,
-    seed,
-):
+    echograms, layers, statistics, train, test, record, rows, table, real, crops=None,
+    *, folder, reference, source, seed,
+):  # fmt: skip
     settings = checked_settings(reference)
     described = []
     for frame, (echogram, picks) in enumerate(progress(list(zip(echograms, layers, strict=True)), "realism")):

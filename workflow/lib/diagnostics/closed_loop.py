@@ -26,8 +26,7 @@ BOUNDS = {
     "decay_rate": Bound(("layer",), "relative", 0.05),
     "noise_power": Bound((), "relative", 0.01),
     "variance_bins2": Bound(("layer",), "relative", 0.20),
-    "width_bins": Bound(("layer",), "bins", 1.0),
-    "offset_bins": Bound(("layer",), "bins", 1.0),
+    **dict.fromkeys(("width_bins", "offset_bins"), Bound(("layer",), "bins", 1.0)),
     "thickness_mean_bins": Bound(("zone", "slab"), "relative", 0.03),
     "thickness_variance_bins2": Bound(("zone", "slab"), "relative", 0.10),
     "relative_thickness_mean": Bound(("zone", "slab"), "relative", 0.03),
@@ -36,16 +35,11 @@ BOUNDS = {
     "thickness_trend_variance_bins2": Bound(("zone", "slab"), "relative", 0.15),
     "surface_fraction": Bound((), "relative", 0.05),
     "surface_trend_variance_bins2": Bound((), "relative", 0.15),
-    "noise_spread_db": Bound((), "relative", 0.15),
-    "surface_to_noise_spread_db": Bound((), "relative", 0.15),
-    "common_spread_db": Bound((), "relative", 0.15),
-    "layer_spread_db": Bound((), "relative", 0.15),
-    "fading_spread_db": Bound(("interface",), "relative", 0.15),
-    "fading_length_lines": Bound(("interface",), "relative", 0.15),
-    "line_gain_spread_db": Bound((), "relative", 0.15),
-    "texture_variance": Bound((), "relative", 0.15),
-    "texture_length_bins": Bound((), "relative", 0.15),
-    "texture_length_lines": Bound((), "relative", 0.15),
+    **dict.fromkeys(("noise_spread_db", "surface_to_noise_spread_db"), Bound((), "relative", 0.15)),
+    **dict.fromkeys(("common_spread_db", "layer_spread_db"), Bound((), "relative", 0.15)),
+    **dict.fromkeys(("fading_spread_db", "fading_length_lines"), Bound(("interface",), "relative", 0.15)),
+    **dict.fromkeys(("line_gain_spread_db", "texture_variance"), Bound((), "relative", 0.15)),
+    **dict.fromkeys(("texture_length_bins", "texture_length_lines"), Bound((), "relative", 0.15)),
 }
 # What renders of label sets with one radiometry for all do not show.
 VARIES = [name for name in BOUNDS if name.endswith(("_spread_db", "_length_lines")) or name.startswith("texture_")]
@@ -261,9 +255,8 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
 def recover(summary, given, *, varies):
     """Statistics of renders, zone by zone as the flight's, and their table of `compare` beside those `given`."""
     recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
-    return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), compare(
-        given, recovered, varies=varies
-    )
+    table = compare(given, recovered, varies=varies)
+    return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), table
 
 
 def convention_table(tried):

@@ -39,9 +39,7 @@ def render_as_printed(layer_bins, parameters, n_range_bins, *, rng, normalise="p
     return total / n_looks
 
 
-def render_scatterers(
-    layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, resolution_bins=1.0, align="gaussian"
-):
+def render_scatterers(layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, align="gaussian"):
     """What `render` gives, as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
 
     Those of a layer and range line are normal about it plus an exponential delay, with exponential power and
@@ -53,13 +51,13 @@ def render_scatterers(
     power = draw_speckle(noise, n_looks, method="gamma", rng=rng)
     rows = np.arange(n_range_bins)[:, None]
     deviation = np.sqrt(waveforms.variance_bins2)
-    # A waveform holds sqrt(2 pi d) / a in all, a response `resolution_bins`.
+    # A waveform holds sqrt(2 pi d) / a in all, a response one bin.
     energy = waveforms.amplitude * np.sqrt(2 * np.pi) * deviation / waveforms.decay_rate
     for layer, line in np.argwhere(np.isfinite(waveforms.centre_bins)):
         delay = deviation[layer] * rng.standard_normal(n_scatterers)
         delay += rng.exponential(1 / waveforms.decay_rate[layer], n_scatterers)
-        strength = rng.exponential(energy[layer] / (n_scatterers * resolution_bins), n_scatterers)
-        response = np.sinc((rows - waveforms.centre_bins[layer, line] - delay) / resolution_bins) ** 2
+        strength = rng.exponential(energy[layer] / n_scatterers, n_scatterers)
+        response = np.sinc(rows - waveforms.centre_bins[layer, line] - delay) ** 2
         power[:, line] += response @ strength
     return power
 

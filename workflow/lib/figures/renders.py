@@ -77,9 +77,8 @@ def annotated_share(scene):
 
 def synthetic(test, phy, cgan, n_labels, source):
     """Observed scenes of few, some and many layers above drawn ones of as many, with their layers and both renders."""
-    n_observed, n_drawn = (
-        [count_layers(scene) for scene in islice(of, n)] for of, n in ((test, None), (phy, n_labels))
-    )
+    n_observed = [count_layers(scene) for scene in test]
+    n_drawn = [count_layers(scene) for scene in islice(phy, n_labels)]
     with_layers = np.flatnonzero(n_observed) if any(n_observed) else np.arange(len(n_observed))
     chosen = with_layers[evenly_spaced(np.array(n_observed)[with_layers], N_SCENES_SHOWN)]
     left = np.array(n_drawn, dtype=float)  # NaN once shown

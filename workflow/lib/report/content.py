@@ -34,9 +34,9 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
     study_tables = [path for path in studies["files"] if path.endswith(".csv")]
     intervals = with_study(by_name["table3_intervals"], study_tables)
     measured = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
-    claims = check_claims(measured, synthetic=config["source"] == "reference")
-    costs = stage_costs(read_benchmarks(benchmarks), stages)
     synthetic = config["source"] == "reference"
+    claims = check_claims(measured, synthetic=synthetic)
+    costs = stage_costs(read_benchmarks(benchmarks), stages)
     study_figures = [path for path in studies["files"] if path not in study_tables]
     return {
         "note": note,
