@@ -253,6 +253,7 @@ rule study_renderers:
         "results/benchmarks/study_renderers/all.tsv"
     resources:
         mem_mb=4000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
