@@ -117,15 +117,18 @@ def test_everything_planted_comes_back_from_200_scenes(planted, rng):
     summary = statistics.merge(statistics.summarise(*frame) for frame in frames())
     fitted = statistics.estimate(summary, zone_edge_bins=ONE_ZONE)
     assert_planted(fitted, planted)
-    # The errors claimed are what sampling leaves: below a third of the bound, so that the bound is a test.
+    # The errors claimed are what sampling leaves, below a third of the bound, so that the bound is a test; those of
+    # shapes allow for misfit as well, which here there is none of: about twice as much.
     for name, bound in BOUNDS.items():
-        assert (fitted[f"{name}_standard_error"] / getattr(planted, name)).max() < bound / 3, name
-    assert fitted["width_bins_standard_error"].max() < 1 / 3
+        share = 2 / 3 if name in ("decay_rate", "variance_bins2") else 1 / 3
+        assert (fitted[f"{name}_standard_error"] / getattr(planted, name)).max() < bound * share, name
+    assert fitted["width_bins_standard_error"].max() < 2 / 3
     # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of those.
     assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)
     assert_allclose(fitted["thickness_variance_bins2"][3], 10, rtol=0.4)
-    difference_db = 10 * np.log10(fitted["thickness_psd"][3].values[:, 1:] / psd[1:])
-    assert np.abs(difference_db.reshape(4, 32, 4).mean(axis=2)).max() < 1
+    # The last wavenumber, of period 2, is not doubled.
+    difference_db = 10 * np.log10(fitted["thickness_psd"][3].values[:, 1:125] / psd[1:125])
+    assert np.abs(difference_db.reshape(4, 31, 4).mean(axis=2)).max() < 1
 
 
 def test_spectrum_integrates_to_the_variance_and_a_sine_stands_at_its_wavenumber(rng):
