@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from lib.score_tables import COUNTS, tracker_intervals
 from lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.metrics.pick_tables import SUMS
-from snowsim.metrics.tables import COUNTS, tracker_intervals
 from snowsim.seeding import random_stream
 
 TRACKER = {"added_per_real": 0.6, "order": "mixed", "training": {"n_steps": 100, "learning_rate": 1e-3}}

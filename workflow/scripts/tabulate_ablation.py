@@ -3,8 +3,8 @@
 from job import run
 
 from lib.diagnostics.tracker_studies import runs_table
+from lib.score_tables import counts_by_image
 from snowsim.io.files import read_table, write_table
-from snowsim.metrics.tables import counts_by_image
 from snowsim.seeding import random_stream
 
 

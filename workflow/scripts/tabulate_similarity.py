@@ -3,8 +3,8 @@
 import pandas as pd
 from job import run
 
+from lib.score_tables import similarity_table, ssim_against_depth
 from snowsim.io.files import read_table, write_table
-from snowsim.metrics.tables import similarity_table, ssim_against_depth
 
 
 def tabulate(images, rows, all_images, table2, ssim_depth, *, window_rows):

@@ -3,11 +3,11 @@
 from job import run
 
 from lib.diagnostics.tracker_studies import time_tracking
+from lib.score_tables import counts_by_image
 from snowsim.io.files import read_table, write_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
 from snowsim.metrics.edges import score
-from snowsim.metrics.tables import counts_by_image
 from snowsim.tracker import Settings, trained_network
 
 

@@ -3,8 +3,8 @@ import pandas as pd
 from edge_counts import image_counts
 from numpy.testing import assert_allclose
 
+from lib.score_tables import similarity_table, ssim_against_depth, tracker_intervals
 from snowsim.constants import OUTPUTS
-from snowsim.metrics.tables import similarity_table, ssim_against_depth, tracker_intervals
 
 
 def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shallowest_scene():
