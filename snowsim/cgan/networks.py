@@ -7,6 +7,7 @@ from torch.nn import functional
 
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
 EPSILON = 1e-5
+MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
 N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out, pix2pix
 
 
@@ -45,6 +46,7 @@ class UNetGenerator(nn.Module):
             self.last = nn.Conv2d(n_out + n_inputs + 1, 1, 3, padding=1)
         if has_grain:
             self.grains = nn.Conv2d(1, 1, (5, 1), padding=(2, 0), bias=False)  # range lines are independent
+            self.gains = nn.Conv2d(1, 1, 1, bias=False)  # of a range line as a whole
         # Neither the outermost nor the innermost stage is normalised on the way down.
         self.norm_down = nn.ModuleDict({str(stage): Norm(c[stage]) for stage in range(1, depth - 1)})
         self.norm_up = nn.ModuleList(Norm(c[stage - 1]) for stage in range(1, depth))
@@ -67,7 +69,9 @@ class UNetGenerator(nn.Module):
             kept = rng.random(shape, dtype=np.float32) >= dropout
             noise[stage] = torch.from_numpy(kept * np.float32(1 / (1 - dropout)))
         if self.has_grain:
-            noise["white"] = torch.from_numpy(rng.standard_normal((n_patches, 1, rows, columns), dtype=np.float32))
+            for name, n_rows in (("white", rows), ("line", 1)):
+                drawn = rng.standard_normal((n_patches, 1, n_rows, columns), dtype=np.float32)
+                noise[name] = torch.from_numpy(drawn)
         if self.is_noisy:
             levels = rng.standard_normal((n_patches, int(slabs.max()) + 1), dtype=np.float32)
             noise["slab"] = torch.from_numpy(
@@ -98,12 +102,11 @@ class UNetGenerator(nn.Module):
         return torch.tanh(x)[:, :, :n_range_bins, :n_range_lines]
 
     def grain(self, noise, n_range_bins, n_range_lines):
-        """What to add to an image of this size: filtered white noise, alike everywhere as speckle is in dB; or zero."""
-        return (
-            self.grains(noise["white"].to(self.grains.weight))[:, :, :n_range_bins, :n_range_lines]
-            if self.has_grain
-            else 0.0
-        )
+        """What to add to an image of this size: filtered noise, alike everywhere as speckle and gain are in dB."""
+        if not self.has_grain:
+            return 0.0
+        grain = self.grains(noise["white"].to(self.grains.weight)) + self.gains(noise["line"].to(self.gains.weight))
+        return grain[:, :, :n_range_bins, :n_range_lines]
 
     def _continued(self, inputs):
         """The inputs on a grid that `depth` halvings divide."""
@@ -156,6 +159,28 @@ class Norm(nn.Module):
         return (x - mean) * torch.rsqrt(variance + EPSILON) * self.weight.view(shape) + self.bias.view(shape)
 
 
+class ResizeConvolution(nn.Conv2d):
+    """Every pixel doubled down and across, then convolved, 3x3 with zeros around; no doubled image is made.
+
+    Rows 2i and 2i + 1 of the result see two rows of x each, with weights (w0, w1 + w2) and (w0 + w1, w2): four
+    convolutions of 2x2, 16 products for 36. Those of odd rows and columns first, they fall into place one pixel late.
+    Adding weights costs more than it saves where there are many for few pixels.
+    """
+
+    def forward(self, x):
+        """Images (patch, channel, 2 row, 2 column) of `x`, (patch, channel, row, column)."""
+        if self.weight.numel() > MOST_WEIGHTS * x.shape[2] * x.shape[3]:
+            return super().forward(functional.interpolate(x, scale_factor=2.0))
+        kernels = self.weight
+        for axis in (2, 4):
+            first, middle, last = kernels.unbind(axis)
+            halves = torch.stack([first + middle, last], axis), torch.stack([first, middle + last], axis)
+            kernels = torch.stack(halves, axis // 2)
+        bias = None if self.bias is None else self.bias.repeat_interleave(4)
+        both = functional.conv2d(x, kernels.flatten(0, 2), bias, padding=1)
+        return functional.pixel_shuffle(both, 2)[:, :, 1:-1, 1:-1]
+
+
 def initialise(network, *, rng):
     """Draw the weights of pix2pix: convolutions N(0, 0.02), normalisation gains N(1, 0.02), biases 0."""
     with torch.no_grad():
@@ -170,7 +195,7 @@ def initialise(network, *, rng):
 
 def _doubling(n_in, n_out, *, resized, bias=False):
     if resized:
-        return nn.Sequential(nn.Upsample(scale_factor=2), nn.Conv2d(n_in, n_out, 3, padding=1, bias=bias))
+        return ResizeConvolution(n_in, n_out, 3, padding=1, bias=bias)
     return nn.ConvTranspose2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
 
 

@@ -166,10 +166,14 @@ def _step(training, batch):
 
 
 def autocovariance(images):
-    """Down range, at lags of 0 to `N_LAGS` - 1 bins, of how neighbouring range lines differ: speckle, not layers."""
+    """Down range, at lags of 0 to `N_LAGS` - 1 bins, of how neighbouring range lines differ: speckle, not layers.
+
+    Last, that of their means, as many times as there are lags: the gain of a line as a whole.
+    """
     change = images[..., 1:] - images[..., :-1]
     height = change.shape[2]
-    return torch.stack([(change[:, :, lag:] * change[:, :, : height - lag]).mean() / 2 for lag in range(N_LAGS)])
+    products = [(change[:, :, lag:] * change[:, :, : height - lag]).mean() / 2 for lag in range(N_LAGS)]
+    return torch.stack([*products, N_LAGS * (change.mean(dim=2) ** 2).mean() / 2])
 
 
 def _decide(training, batch, rendered):

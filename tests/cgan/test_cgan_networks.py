@@ -4,7 +4,7 @@ import torch
 from numpy.testing import assert_allclose
 from torch import nn
 
-from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
+from snowsim.cgan.networks import PatchDiscriminator, ResizeConvolution, UNetGenerator, initialise
 
 
 @pytest.mark.parametrize(
@@ -14,6 +14,21 @@ def test_parameter_counts_are_the_published_ones(width, generator, discriminator
     networks = UNetGenerator(width, depth=8), PatchDiscriminator(width)
     counts = [sum(parameter.numel() for parameter in network.parameters()) for network in networks]
     assert counts == [generator, discriminator]
+
+
+@pytest.mark.parametrize("shape", [(24, 20), (2, 3)])  # few weights for a pixel, and many
+def test_doubling_within_a_convolution_is_doubling_before_it(shape):
+    torch.manual_seed(1)
+    network = ResizeConvolution(6, 4, 3, padding=1).double()
+    x = torch.randn(2, 6, *shape, dtype=torch.float64, requires_grad=True)
+    doubled = x.repeat_interleave(2, 2).repeat_interleave(2, 3)
+    expected = nn.functional.conv2d(doubled, network.weight, network.bias, padding=1)
+    torch.testing.assert_close(network(x), expected, rtol=1e-12, atol=1e-12)
+    weight = torch.randn_like(expected)
+    of = [x, network.weight, network.bias]
+    pairs = zip(*(torch.autograd.grad((y * weight).sum(), of) for y in (network(x), expected)), strict=True)
+    for got, wanted in pairs:
+        torch.testing.assert_close(got, wanted, rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.parametrize(("n_strided", "patch"), [(1, 16), (2, 34), (3, 70)])
