@@ -48,8 +48,7 @@ class MultiScaleNetwork(nn.Module):
             for convolution in stage:
                 x = functional.relu(convolution(x))
             logits.append(self.enlarged(side(x).float(), 2**number, image.shape[2:]))
-        logits.append(self.fuse(torch.cat(logits, dim=1)).float())
-        return torch.stack(logits)
+        return with_fused(logits, self.fuse)
 
     @staticmethod
     def to_input(images):
@@ -144,14 +143,20 @@ class LightNetwork(nn.Module):
                 skip = skip + MultiScaleNetwork.enlarged(across, 2, skip.shape[2:])
             x = functional.relu(self.stages_up[number](skip))
             logits.insert(0, MultiScaleNetwork.enlarged(self.sides[number](x).float(), 2**number, image.shape[2:]))
-        logits.append(self.fuse(torch.cat(logits, dim=1)).float())
-        return torch.stack(logits)
+        return with_fused(logits, self.fuse)
 
 
 def _enlarged(x, factor, *, align_corners=False):
     if factor == 1:
         return x
     return functional.interpolate(x, scale_factor=float(factor), mode="bilinear", align_corners=align_corners)
+
+
+def with_fused(logits, fuse):
+    """Side maps (patch, 1, range_bin, range_line), stacked, and last their sum as the 1x1 convolution weighs it."""
+    sides = torch.stack(logits)
+    fused = torch.tensordot(fuse.weight.flatten(), sides, 1).float() + fuse.bias
+    return torch.cat([sides, fused[None]])
 
 
 NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork, "published": PublishedNetwork}

@@ -177,7 +177,8 @@ def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_sh
         cost = functional.binary_cross_entropy(probability, layer.expand_as(probability), reduction="none")
     else:
         cost = functional.softplus((1 - 2 * layer) * logits.float())
-    return (weight * cost).sum(dim=(1, 2, 3, 4)) / masks.shape[0]
+    # A product of matrices: nothing of the size of `logits` is made but the cost.
+    return cost.flatten(1) @ weight.flatten() / masks.shape[0]
 
 
 def rate_factor(settings, step):

@@ -63,8 +63,8 @@ def test_losses_and_weights_equal_those_of_the_published_code():
     )
     n_pixels = np.array([image.numel() for items in epochs for image, _ in items])
     got = np.array([[losses[name] for name in OUTPUTS] for losses in found]) * n_pixels[:, None]
-    # Float32 sums over up to 7e3 pixels in another order: 10 times their 6e-8.
-    assert_allclose(got, expected, rtol=6e-7)
+    # Float32 sums over up to 7e3 pixels in another order: 20 times their 6e-8.
+    assert_allclose(got, expected, rtol=1.2e-6)
     assert (np.array(expected) == 0).any()
     names = [name for name, _ in training.network.named_parameters()]
     for name, ours, theirs, start in zip(names, _ours(training.network), _theirs(net), before, strict=True):
