@@ -17,6 +17,23 @@ def renderers(results):
     return markdown(header, rows)
 
 
+def budgets(results):
+    """Scores of every network by what its training costs, means of trainings."""
+    rows = []
+    for network in ("tracker", "cgan", "guided"):
+        table = read(results, network, "studies/budgets").fillna({"change": "default", "trained_on": ""})
+        shown = {"rd": "ods", "pd": "ods", "": "distance"}
+        of_changes = table.groupby("change", sort=False)
+        for change, runs in of_changes:
+            by_set = [(name, shown[name], part) for name, part in runs.groupby("trained_on", sort=False)]
+            scores = ", ".join(
+                f"{RUNS.get(name, score)} {share(part[score].mean()) if name else f'{part[score].mean():.2f}'}"
+                for name, score, part in by_set
+            )
+            rows.append([network, change, f"{runs['core_seconds'].mean():.0f}", scores])
+    return markdown(["network", "differs from the default", "core-seconds", "score"], rows)
+
+
 def cgan_atlas(results):
     """What the detectors find in short trainings, by learning rate and L1 weight."""
     rows = []
@@ -90,4 +107,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (renderers, cgan_atlas, worth, ablation, networks, tracker_atlas)
+STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, networks, tracker_atlas)

@@ -1,6 +1,7 @@
 """What watches a training of the conditional GAN: similarity on held-out scenes, and the detectors of collapse."""
 
 import dataclasses
+import time
 
 from lib.patch_distance import scenes_distance
 from snowsim.cgan import Training, faults, measure_losses, measure_renders, train_steps, validate
@@ -77,12 +78,20 @@ def sample_scenes(scenes, samples):
             yield dataclasses.replace(scene, image=images[scene.name], complete_layer_bins=None, notes={"step": step})
 
 
-def train_and_examine(settings, seed, train_scenes, held_scenes):
-    """Similarity, numbers of health and outcome of one training; a loss that is not finite ends it."""
+def train_and_examine(settings, seed, train_scenes, held_scenes, guides=None):
+    """Similarity, health, cost and outcome of one training, with `guides` where guided; endless values end it."""
+    started = time.process_time()
     training = Training(settings, seed=seed)
     try:
-        losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
-        scores, numbers, _ = examine(training, losses, held_scenes)
+        losses = [step_losses for _, step_losses in train_steps(training, train_scenes, guides)]
+        seconds = time.process_time() - started
+        rendered = held_scenes if guides is None else [guides[number] for number in range(len(held_scenes))]
+        scores, numbers, _ = examine(training, losses, rendered, held_scenes)
     except FloatingPointError as error:
         return {"outcome": f"values that are not finite: {error}"}
-    return {**scores, **numbers, "outcome": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy"}
+    return {
+        **scores,
+        **numbers,
+        "core_seconds": seconds,
+        "outcome": "; ".join(faults(numbers, dropout=settings.dropout)) or "healthy",
+    }

@@ -305,6 +305,51 @@ rule study_cgan:
         "studies of the cGAN"
 
 
+# Scores of every network against the cost of its training.
+
+
+rule study_budgets:
+    input:
+        train=benchmark_files("train"),
+        validation=benchmark_files("validation"),
+        phy=expand("results/phy/labels/{shard}.nc", shard=shards("labels")),
+        statistics="results/statistics.nc",
+        code=imported_by("study_budgets.py"),
+    output:
+        table="results/studies/budgets/{network}.csv",
+    log:
+        "logs/study_budgets/{network}.log",
+    benchmark:
+        "results/benchmarks/study_budgets/{network}.tsv"
+    wildcard_constraints:
+        network="tracker|cgan|guided",
+    resources:
+        mem_mb=3000,
+    params:
+        seed=config["seed"],
+        network="{network}",
+        settings={
+            "tracker": TRACKER["training"],
+            "cgan": CGAN_SETTINGS,
+            "guided": {**CGAN_SETTINGS, **CGAN_STUDY["renderers"]["guided"]},
+        },
+        changes=lambda w: config["studies"]["budgets"][w.network],
+        n_trainings=config["studies"]["budgets"]["n_trainings"],
+        n_held=config["cgan"]["validation"]["n_scenes"],
+        phy_options=config["phy"],
+    message:
+        "scores of {wildcards.network} by settings that make its training cheaper or dearer"
+    script:
+        "../scripts/study_budgets.py"
+
+
+rule study_all_budgets:
+    input:
+        figure_files("study_budgets"),
+    message:
+        "budgets of all trainings"
+
+
 # Waveforms of the nadir altimetry solver of SMRT beside eq. (1) and the nature run: needs the package smrt.
 
 
