@@ -154,9 +154,8 @@ class Norm(nn.Module):
         """By mean and variance of each channel over the images (`scene`), or of each pixel over channels (`pixel`)."""
         if statistics == "scene":
             return functional.batch_norm(x, None, None, self.weight, self.bias, training=True)
-        shape = (1, -1, 1, 1)
-        variance, mean = torch.var_mean(x, dim=1, keepdim=True, correction=0)
-        return (x - mean) * torch.rsqrt(variance + EPSILON) * self.weight.view(shape) + self.bias.view(shape)
+        by_pixel = functional.layer_norm(x.permute(0, 2, 3, 1), x.shape[1:2], self.weight, self.bias, EPSILON)
+        return by_pixel.permute(0, 3, 1, 2)
 
 
 class ResizeConvolution(nn.Conv2d):
