@@ -67,6 +67,31 @@ def test_scene(benchmark, scene, rng, method):
     assert image.shape == (N_BINS, N_LINES)
 
 
+@pytest.mark.benchmark(group="as the workflow calls it, radiometry measured, 8-bit scaling included")
+@pytest.mark.parametrize("n_looks", [16, 100])
+@pytest.mark.parametrize("correlation", ["one float32 normal per pixel", "none", "measured"])
+def test_workflow(benchmark, rng, n_looks, correlation):
+    if correlation.startswith("one"):
+        benchmark(rng.standard_normal, (N_BINS, N_LINES), dtype=np.float32)
+        return
+    layer_bins, parameters = planted_scene(N_LAYERS, N_LINES, N_BINS, rng)
+    fading = 10 ** (0.1 * rng.standard_normal(layer_bins.shape))
+    varied = {"peak_power": parameters["peak_power"][:, None] * fading, "n_looks": n_looks}
+    varied |= {
+        "decay_rate": rng.uniform(0.03, 0.15, N_LAYERS),
+        "texture": (0.02, 13.0, 2.0),
+        "line_gain_spread_db": 0.4,
+    }
+    if correlation == "measured":
+        varied["speckle_correlation"] = [1.0, 0.54, 0.06]
+
+    def make():
+        return to_uint8(render(layer_bins, parameters | varied, N_BINS, rng=rng, tolerance_db=TOLERANCE_DB))
+
+    image, _, _ = benchmark(make)
+    assert image.shape == (N_BINS, N_LINES)
+
+
 @pytest.mark.benchmark(group="mean power")
 @pytest.mark.parametrize("way", [convolved_power, exact_power, power_in_support, recursive_power, table_power])
 def test_mean_power(benchmark, scene, way):

@@ -5,32 +5,57 @@ from functools import lru_cache
 import numba
 import numpy as np
 from numpy.polynomial import hermite_e, polynomial
-from scipy.special import factorial, gammainccinv, gammaincinv, ndtr
+from scipy.special import factorial, gammainccinv, gammaincinv, ndtr, ndtri
 
 HALF_TAPS = 16  # range bins to either side that the filter reaches, and the most lags taken
 LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
 SMALLEST_TAP = 1e-6  # of the one in the middle; smaller ones at the ends are left out
 N_FREQUENCIES = 513  # of the spectrum whose root is the filter
 N_HERMITE = 40  # terms of the quantile function: the last are below 1e-15 of its variance at one look
+CELLS = 65536  # of normals that are drawn, one for each value of 16 random bits
 REACH, PER_UNIT = 8, 256  # of the table of quantiles, in deviations of the normal
 
 
 def draw_correlated(mean_power, n_looks, correlation, rng):
     """Power of Gamma(M) about `mean_power`, autocorrelated down range by `correlation (lag,)` where that is constant.
 
-    One float32 normal per pixel and one for each bin that the filter reaches beyond either end, so that speckle at the
-    edges is like elsewhere. The distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks, its mean too.
+    One normal per pixel, see `draw_normals`, and one for each bin that the filter reaches beyond either end, so that
+    speckle at the edges is like elsewhere. The distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks.
     """
     taps, _ = correlating_taps(correlation, n_looks)
     n_range_bins, n_range_lines = mean_power.shape
-    normals = rng.standard_normal((n_range_bins + taps.size - 1, n_range_lines), dtype=np.float32)
+    normals = draw_normals((n_range_bins + taps.size - 1, n_range_lines), rng)
     mean_power = np.ascontiguousarray(mean_power)
     power = np.empty_like(mean_power)
     filter_to_power(normals, taps.astype(np.float32), normal_quantiles(n_looks), mean_power, power)
     return power
 
 
+def draw_normals(shape, rng):
+    """Normals to be filtered, float32: 16 random bits choose one of `CELLS` equally likely cells, each its own mean."""
+    return np.take(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16))
+
+
+@lru_cache(maxsize=1)
+def _normal_cells():
+    """Mean of the normal law in each of its cells, scaled to unit variance, float32."""
+    edges = ndtri(np.arange(1, CELLS) / CELLS)
+    means = -np.diff(np.exp(-(edges**2) / 2), prepend=0, append=0)
+    return (means / means.std()).astype(np.float32)
+
+
 def correlating_taps(correlation, n_looks):
+    """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes of a flight."""
+    asked = np.asarray(correlation, dtype=float)
+    if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1 or not (np.abs(asked) <= 1).all():
+        got = np.array2string(asked.ravel(), precision=3, threshold=8)
+        msg = f"speckle correlation must be 1 at lag 0 and in [-1, 1] at {HALF_TAPS} or fewer lags more, got {got}"
+        raise ValueError(msg)
+    return _correlating_taps(tuple(asked), n_looks)
+
+
+@lru_cache(maxsize=8)
+def _correlating_taps(correlation, n_looks):
     """Filter of white normals, (tap,), that gives power this autocorrelation, and the largest error at any lag.
 
     `correlation (lag,)` is that of Gamma(M) power of constant mean, from lag 0 on, and zero beyond its end. Normals of
@@ -39,11 +64,7 @@ def correlating_taps(correlation, n_looks):
     symmetric and its transform the root of the spectrum. An estimated correlation may have a partly negative spectrum,
     which no process has: that part is set to zero. ValueError if the correlation changes by over `LARGEST_ERROR`.
     """
-    asked = np.asarray(correlation, dtype=float)
-    if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1 or not (np.abs(asked) <= 1).all():
-        got = np.array2string(asked.ravel(), precision=3, threshold=8)
-        msg = f"speckle correlation must be 1 at lag 0 and in [-1, 1] at {HALF_TAPS} or fewer lags more, got {got}"
-        raise ValueError(msg)
+    asked = np.array(correlation)
     shares = _hermite_shares(n_looks)
     grid = np.linspace(-1, 1, 4001)
     of_normals = np.interp(asked, polynomial.polyval(grid, shares), grid)
@@ -61,6 +82,7 @@ def correlating_taps(correlation, n_looks):
     if error[lag] > LARGEST_ERROR:
         msg = f"speckle correlation {asked[lag]:.3g} at lag {lag} is not possible: the nearest is {given[lag]:.3g}"
         raise ValueError(msg)
+    taps.flags.writeable = False
     return taps, float(error[lag])
 
 

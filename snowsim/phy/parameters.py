@@ -153,7 +153,7 @@ def draw_parameters(
     if width == "paper":
         name, bounds = "width_bounds", width_bounds
         if bounds is None:
-            name, bounds = "width_bound_bins", statistics["width_bound_bins"].values
+            name, bounds = "width_bound_bins", statistics.variables["width_bound_bins"].values
         low, high = (float(bound) for bound in bounds)
         if not 0 < low <= high < np.inf:
             msg = f"{name} must be positive and increase, got {low:g}, {high:g}"
@@ -161,7 +161,7 @@ def draw_parameters(
         variance_bins2 = rng.uniform(low, high, n_layers)
     else:
         variance_bins2 = _down_to(statistics, "variance_bins2", n_layers)
-    noise_power = float(statistics["noise_power"])
+    noise_power = float(statistics.variables["noise_power"])
     if not 0 < noise_power < np.inf:
         msg = f"noise_power of the statistics must be positive and finite, got {noise_power}"
         raise ValueError(msg)
@@ -173,7 +173,7 @@ def draw_parameters(
         "n_looks": float(statistics.attrs["n_looks"] if n_looks is None else n_looks),
     }
     if speckle_correlation == "measured" and "speckle_correlation" in statistics:
-        parameters["speckle_correlation"] = statistics["speckle_correlation"].values
+        parameters["speckle_correlation"] = statistics.variables["speckle_correlation"].values
     return parameters
 
 
@@ -195,16 +195,17 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
     variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
     own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
-    if "texture_variance" in statistics:
-        own["line_gain_spread_db"] = float(statistics["line_gain_spread_db"])
+    flight = statistics.variables
+    if "texture_variance" in flight:
+        own["line_gain_spread_db"] = float(flight["line_gain_spread_db"])
         own["textured_layers"] = np.array(scene.notes["waveform_row"]) < 0
-        own["texture"] = [float(statistics[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
+        own["texture"] = [float(flight[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
     return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
 
 
 def _with_background(layer_bins, parameters, statistics):
     """Layers and parameters with a row for each e-folding depth of the background, within a bin below the surface."""
-    power, fall = (statistics[name].transpose("fall").values for name in ("background_power", "fall"))
+    power, fall = (statistics.variables[name].values for name in ("background_power", "fall"))
     held = np.flatnonzero(power > 0)
     # Rows must not cross the first layer, wherever it is picked.
     gap = np.fmin(1.0, layer_bins[1] - layer_bins[0]) if len(layer_bins) > 1 else 1.0
@@ -225,7 +226,7 @@ def row_waveforms(notes, variance_bins2, decay_rate):
 
 def _down_to(statistics, name, n_layers):
     """Values of the uppermost `n_layers` layers; a missing one is that of the nearest layer above with a value."""
-    values = statistics[name].transpose("layer").values.astype(float)
+    values = statistics.variables[name].values.astype(float)
     usable = np.isfinite(values) & (values > 0)
     if not (usable.size and usable[0]):
         msg = f"{name} of the statistics must be positive and finite at layer 0, got {values[:1].tolist()}"

@@ -108,11 +108,14 @@ def tail_power(waveforms, layers):
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
     scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance) * np.exp(decay**2 * variance / 2)
     power = np.zeros(waveforms.shape, dtype=np.float32)
-    for first in np.unique(np.nan_to_num(np.ceil(centre), nan=waveforms.n_range_bins).astype(int)):
-        lines = np.ceil(centre) == first
-        start = max(first, 0)
-        by_line = np.where(lines, scale * share * np.exp(decay * (np.nan_to_num(centre) - start)), 0)
-        power[start:] += (np.exp(-decay * (rows[start:] - start)).T @ by_line).astype(np.float32)
+    first = np.clip(np.ceil(np.nan_to_num(centre, nan=np.inf)), 0, waveforms.n_range_bins).astype(int)
+    # From `last` on all go on; above, those that begin at one row are taken together.
+    last = first[np.isfinite(centre)].max(initial=0)
+    for start in np.unique(np.append(first[first < last], last)):
+        held, stop = (first <= last, None) if start == last else (first == start, last)
+        by_line = np.where(held, scale * share * np.exp(decay * (np.where(held, centre, start) - start)), 0)
+        by_row = np.exp(-decay * (rows[start:stop] - start))
+        power[start:stop] += by_row.astype(np.float32).T @ by_line.astype(np.float32)
     return power
 
 

@@ -53,7 +53,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact distribution; each gives its
       own mean. The distribution function is within 1e-5 of exact up to 1000 looks and within 4e-5 up to 1e6, the
       most it takes; the mean is exact; the largest value is that of the last cell. With a correlation, normals
-      filtered down range go through a table of quantiles: as close, from about 1.4 float32 normals a pixel.
+      filtered down range go through a table of quantiles: as close.
 
     Examples
     --------

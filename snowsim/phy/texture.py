@@ -1,8 +1,9 @@
 """Texture of unlayered snow, down range and along track, and gain of the receiver from line to line."""
 
+import numba
 import numpy as np
-from scipy.ndimage import correlate1d
-from scipy.signal import lfilter
+
+from snowsim.phy.correlated import draw_normals
 
 NEPERS = np.log(10) / 10  # per dB
 REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Gaussian
@@ -29,13 +30,26 @@ def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
     reach = int(np.ceil(REACH_LINES * sigma_lines))
     taps = np.exp(-((np.arange(-reach, reach + 1) / sigma_lines) ** 2) / 2)
     taps *= spread / np.sqrt((taps**2).sum())
-    white = rng.standard_normal((n_range_bins, n_range_lines + 2 * reach), dtype=np.float32)
-    rough = correlate1d(white, taps.astype(np.float32), axis=1)[:, reach : reach + n_range_lines]
+    white = draw_normals((n_range_bins, n_range_lines + 2 * reach), rng)
     kept = np.exp(-1 / length_bins)
-    rough[1:] *= np.sqrt(1 - kept**2)  # the first row keeps its variance: the series starts stationary
-    rough = lfilter(np.ones(1, np.float32), np.array([1, -kept], np.float32), rough, axis=0)
+    rough = np.empty((n_range_bins, n_range_lines), dtype=np.float32)
+    filter_texture(white, taps.astype(np.float32), *np.float32([kept, np.sqrt(1 - kept**2)]), rough)
     rough -= np.float32(spread**2 / 2)
     return np.exp(rough, out=rough)
+
+
+@numba.njit(cache=True, nogil=True)
+def filter_texture(white, taps, kept, fresh, rough):
+    """Filter white normals along track, then each row as a share of the one above and its own: fills `rough`."""
+    n_range_bins, n_range_lines = rough.shape
+    for row in range(n_range_bins):
+        rough[row] = np.float32(0)
+        for tap in range(taps.size):
+            for line in range(n_range_lines):
+                rough[row, line] += taps[tap] * white[row, line + tap]
+        if row > 0:  # the first row keeps its variance: the series starts stationary
+            for line in range(n_range_lines):
+                rough[row, line] = kept * rough[row - 1, line] + fresh * rough[row, line]
 
 
 def draw_gain(n_range_lines, spread_db, *, rng):

@@ -8,7 +8,7 @@ from scipy.stats import gamma, kstest
 
 from lib.diagnostics.phy_errors import correlated_distance, planted_scene
 from snowsim.phy import draw_speckle, plan, render
-from snowsim.phy.correlated import HALF_TAPS, LARGEST_ERROR, correlating_taps, normal_quantiles
+from snowsim.phy.correlated import HALF_TAPS, LARGEST_ERROR, correlating_taps, draw_normals, normal_quantiles
 
 LOOKS = [1, 5, 16, 100]
 # A Hann window at 0.58 and 0.31 of its resolution, a slow decay, one that turns negative, one lag far off.
@@ -52,7 +52,7 @@ def test_correlation_drawn_is_that_asked_for(correlation, n_looks, rng):
 @pytest.mark.parametrize("n_looks", LOOKS)
 def test_without_correlation_each_normal_gives_its_own_quantile(n_looks):
     drawn = correlated((40, 50), n_looks, [1, 0, 0], np.random.default_rng(4))
-    normal = np.random.default_rng(4).standard_normal((40, 50), dtype=np.float32).astype(float)
+    normal = draw_normals((40, 50), np.random.default_rng(4)).astype(float)
     upper = gammainccinv(n_looks, ndtr(-np.abs(normal))) / n_looks
     expected = np.where(normal > 0, upper, gammaincinv(n_looks, ndtr(-np.abs(normal))) / n_looks)
     # Straight lines between nodes 1/256 apart are off by up to z^2 / 8 / 256^2 of the value: 3e-5 at four deviations.

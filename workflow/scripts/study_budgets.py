@@ -1,6 +1,5 @@
 """Scores of one network on validation scenes, by settings that make its training cheaper or dearer."""
 
-
 import pandas as pd
 from job import progress, run
 
