@@ -75,13 +75,16 @@ def test_workflow(benchmark, rng, n_looks, correlation):
         benchmark(rng.standard_normal, (N_BINS, N_LINES), dtype=np.float32)
         return
     layer_bins, parameters = planted_scene(N_LAYERS, N_LINES, N_BINS, rng)
-    fading = 10 ** (0.1 * rng.standard_normal(layer_bins.shape))
-    varied = {"peak_power": parameters["peak_power"][:, None] * fading, "n_looks": n_looks}
-    varied |= {
-        "decay_rate": rng.uniform(0.03, 0.15, N_LAYERS),
-        "texture": (0.02, 13.0, 2.0),
-        "line_gain_spread_db": 0.4,
+    # Unpicked snow: a layer for each of three e-folding depths, within a bin below the surface, with texture.
+    layer_bins = np.insert(layer_bins, 1, layer_bins[0] + [[0.25], [0.5], [0.75]], axis=0)
+    parameters = {
+        name: np.insert(parameters[name], 1, [0.01] * 3) if name in SHAPES else of for name, of in parameters.items()
     }
+    parameters["variance_bins2"][1:4] = 10
+    fading = 10 ** (0.1 * rng.standard_normal(layer_bins.shape))
+    varied = {"peak_power": parameters["peak_power"][:, None] * fading, "n_looks": n_looks, "line_gain_spread_db": 0.4}
+    varied["decay_rate"] = np.insert(rng.uniform(0.03, 0.15, N_LAYERS), 1, [0.03, 0.01, 0.003])
+    varied |= {"texture": (0.02, 13.0, 2.0), "textured_layers": np.isin(np.arange(len(layer_bins)), [1, 2, 3])}
     if correlation == "measured":
         varied["speckle_correlation"] = [1.0, 0.54, 0.06]
 

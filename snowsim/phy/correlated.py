@@ -33,7 +33,9 @@ def draw_correlated(mean_power, n_looks, correlation, rng):
 
 def draw_normals(shape, rng):
     """Normals to be filtered, float32: 16 random bits choose one of `CELLS` equally likely cells, each its own mean."""
-    return np.take(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16))
+    normals = np.empty(shape, dtype=np.float32)
+    look_up(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16), np.ones((1, 1), np.float32), normals)
+    return normals
 
 
 @lru_cache(maxsize=1)
@@ -111,6 +113,19 @@ def _quantile(normal, n_looks):
     """Quantile of Gamma(M) / M at the probability of a normal, exact in both tails."""
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
     return np.where(normal < 0, below, gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))) / n_looks
+
+
+@numba.njit(cache=True, nogil=True)
+def look_up(table, cells, factors, values):
+    """Fill `values`, (row, line), with the values in a table that `cells` number, times factors, (row or 1, ...)."""
+    n_rows, n_lines = cells.shape
+    for row in range(n_rows):
+        if factors.size == 1:
+            for line in range(n_lines):
+                values[row, line] = table[cells[row, line]]
+        else:
+            for line in range(n_lines):
+                values[row, line] = table[cells[row, line]] * factors[row, line]
 
 
 @numba.njit(cache=True, nogil=True)

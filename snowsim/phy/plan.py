@@ -17,8 +17,8 @@ OPTIONAL = {"speckle_correlation", "texture", "textured_layers", "line_gain_spre
 COST_NORMAL = 8.6
 COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
 COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
-COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 3.0, "correlated": 12.0}
-COST_LOOK, COST_TEXTURE = 18.0, 30.0
+COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 2.0, "correlated": 6.0}
+COST_LOOK, COST_TEXTURE = 18.0, 6.0
 MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is used
 
 

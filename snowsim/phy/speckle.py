@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import gammainc, gammaincinv
 
 from snowsim.echogram import check_choice
-from snowsim.phy.correlated import draw_correlated
+from snowsim.phy.correlated import draw_correlated, look_up
 
 METHODS = ("looks", "gamma", "cube", "quantile")
 MINIMUM_LOOKS_CUBE = 10  # below, a cube turns negative once in 1e12 draws or more often
@@ -80,8 +80,9 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         return draw_correlated(mean_power, n_looks, correlation, rng)
     if method == "quantile":
         cell = rng.integers(0, QUANTILES, size=mean_power.shape, dtype=np.uint16)
-        power = np.take(quantile_table(n_looks).astype(mean_power.dtype, copy=False), cell)
-        power *= mean_power
+        mean_power = np.ascontiguousarray(mean_power)
+        power = np.empty_like(mean_power)
+        look_up(quantile_table(n_looks), cell, mean_power, power)
         return power
     draw = draw_gamma if method == "gamma" else _draw_cube
     return draw(mean_power, n_looks, rng)
