@@ -34,7 +34,7 @@ def draw_correlated(mean_power, n_looks, correlation, rng):
 def draw_normals(shape, rng):
     """Normals to be filtered, float32: 16 random bits choose one of `CELLS` equally likely cells, each its own mean."""
     normals = np.empty(shape, dtype=np.float32)
-    look_up(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16), np.ones((1, 1), np.float32), normals)
+    look_up(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16), np.empty((0, 0), np.float32), normals)
     return normals
 
 
@@ -117,10 +117,10 @@ def _quantile(normal, n_looks):
 
 @numba.njit(cache=True, nogil=True)
 def look_up(table, cells, factors, values):
-    """Fill `values`, (row, line), with the values in a table that `cells` number, times factors, (row or 1, ...)."""
+    """Fill `values`, (row, line), with the values in a table that `cells` number, times factors if there are any."""
     n_rows, n_lines = cells.shape
     for row in range(n_rows):
-        if factors.size == 1:
+        if factors.size == 0:
             for line in range(n_lines):
                 values[row, line] = table[cells[row, line]]
         else:

@@ -9,9 +9,10 @@ PANELS = {  # of each network: the data it was trained on, the score, and what i
 }
 
 
-def budgets(**tables):
+def budgets(tracker, cgan, guided):
     """Scores on validation scenes against core-seconds of a training; a line: steps alone; the default is filled."""
     figure, axes = new_figure(2, 2, width=9, height=6.5)
+    tables = {"tracker": tracker, "cgan": cgan, "guided": guided}
     panels = ((tables[network], *panel) for network, of_network in PANELS.items() for panel in of_network)
     for ax, (table, trained_on, score, label) in zip(axes.flat, panels, strict=True):
         table = table.assign(change=table["change"].fillna(""), trained_on=table["trained_on"].fillna(""))
