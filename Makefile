@@ -53,6 +53,7 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_scenes.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_tracker.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
 

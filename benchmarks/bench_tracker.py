@@ -1,4 +1,8 @@
-"""Cost of the trackers that config/paper.yaml asks for, from a few gradients on the scenes of a finished run.
+"""Cost of training the tracker: against a plain PyTorch loop and the arithmetic alone, and at the paper's scale.
+
+``python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn (eager, float32,
+contiguous layout, AdamW as it comes, loss and fusion as usually written) on the same scenes, and a product of matrices
+with as many multiplications as a step's convolutions. It prints the ratios and fails where the package is slower.
 
 ``python benchmarks/bench_tracker.py RESULTS`` takes an epoch of two real scenes, of two label scenes and of the highest
 label scene (10 gradients and an update each) by the published recipe, on a GPU where there is one. It prints seconds a
@@ -14,15 +18,86 @@ from pathlib import Path
 import numpy as np
 import torch
 import yaml
+from bench_cgan import draw_scene
+from torch.nn import functional
 
+from lib.machine import time_rounds
 from snowsim.io.scenes import SceneSet
+from snowsim.patches import draw_patches
+from snowsim.seeding import random_stream
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps
+from snowsim.tracker.network import MultiScaleNetwork
+from snowsim.tracker.train import rate_factor
 
 CONFIG = Path(__file__).parents[1] / "config"
 N_REAL, N_ADDED = 2360, {"rd": 0, "rd_gd": 1500, "rd_pd": 1500, "rd_pd_gd": 3000}
 N_EPOCH_COPIES = 5
+N_ROUNDS, N_STEPS, SEED = 7, 20, 1
 
 log = logging.getLogger(__name__)
+
+
+class PlainNetwork(MultiScaleNetwork):
+    """The network with its fusion as a convolution of joined maps."""
+
+    def forward(self, image):
+        x, sides = image, []
+        for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
+            x = functional.max_pool2d(x, 2, ceil_mode=True) if number else x
+            for convolution in stage:
+                x = functional.relu(convolution(x))
+            sides.append(self.enlarged(side(x), 2**number, image.shape[2:]))
+        return torch.stack([*sides, self.fuse(torch.cat(sides, dim=1))])
+
+
+def plain_steps(settings, scenes):
+    """The same training as anyone would write it down: draws, losses and schedule as in the package."""
+    network = PlainNetwork(settings.width)
+    network.initialise(rng=random_stream(SEED, "tracker", "network"))
+    optimiser = torch.optim.AdamW(network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay)
+    for step in range(settings.n_steps):
+        rng = random_stream(SEED, "tracker", "step", step)
+        rng.integers(len(settings.scales))
+        images, masks = draw_patches([scenes[step]], settings.n_range_bins, settings.n_range_lines, rng=rng)
+        layer = torch.from_numpy(masks)[:, None].float()
+        logits = network(network.to_input(images))
+        weight = torch.where(layer > 0, 1 - settings.layer_share, settings.layer_share)
+        losses = functional.binary_cross_entropy_with_logits(logits, layer.expand_as(logits), reduction="none") * weight
+        loss = losses.mean(dim=(1, 2, 3, 4)).sum()
+        for group in optimiser.param_groups:
+            group["lr"] = settings.learning_rate * rate_factor(settings, step)
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+        yield step + 1, {"total": loss.item()}
+
+
+def n_products(settings):
+    """Multiplications of the convolutions of a step: forward, and twice as many backward."""
+    counted = []
+    network = MultiScaleNetwork(settings.width)
+    for layer in network.modules():
+        if isinstance(layer, torch.nn.Conv2d) and layer.kernel_size == (3, 3):
+            layer.register_forward_hook(lambda layer, given, out: counted.append(out.numel() * layer.weight[0].numel()))
+    network(torch.zeros(settings.batch_size, 1, settings.n_range_bins, settings.n_range_lines))
+    return 3 * sum(counted)
+
+
+def compare(settings):
+    """Ratio of a plain step's cost to the package's, beside the arithmetic of a step as one product of matrices."""
+    scenes = TrainingSet([draw_scene(number, 300) for number in range(8)], seed=SEED)
+    steps = {"package": train_steps(Training(settings, seed=SEED), scenes), "plain": plain_steps(settings, scenes)}
+    size = round(n_products(settings) ** (1 / 3))
+    square = torch.randn(size, size).to(getattr(torch, settings.precision))
+    works = {name: lambda taken=taken: [next(taken) for _ in range(N_STEPS)] for name, taken in steps.items()}
+    works["product"] = lambda: [square @ square for _ in range(N_STEPS)]
+    # Processor time: other work on the machine does not count.
+    runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
+    cost = {name: np.median([s for run, _, s in runs if run == name]) / N_STEPS for name in works}
+    log.info("width %d: %.1f ms a step, plain %.1f ms (ratio %.2f), its arithmetic %.1f ms (ratio %.2f)",
+             settings.width, 1e3 * cost["package"], 1e3 * cost["plain"], cost["plain"] / cost["package"],
+             1e3 * cost["product"], cost["product"] / cost["package"])  # fmt: skip
+    return cost["plain"] / cost["package"]
 
 
 def paper_settings():
@@ -84,4 +159,9 @@ def project(results):
 if __name__ == "__main__":
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stdout)
     torch.set_num_threads(1)
-    project(sys.argv[1])
+    if len(sys.argv) > 1:
+        project(sys.argv[1])
+    else:
+        training = yaml.safe_load((CONFIG / "config.yaml").read_text())["tracker"]["training"]
+        if compare(Settings(**{**training, "n_steps": 10**9})) < 1:
+            sys.exit("a step is slower than a plain loop's")
