@@ -148,20 +148,23 @@ def fading_products(summary, powers, frame_of):
 def fading(products, speckle):
     """Standard deviation [dB], 1/e length [lines] and exponent of fading, and nugget [dB^2], from products by lag.
 
-    ``C(h) = s^2 exp(-(h / l)^p)`` at lags of one line and more, less its mean over pairs of a block, which subtracting
-    the block's mean removes from every lag; the excess at lag 0 is the nugget: speckle.
+    ``C(h) = s^2 exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at lag h
+    twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over all n lines of a block.
+    The excess at lag 0 is the nugget: speckle.
     """
     n = products[:, 1]
     if n.min() < BLOCK_LINES * FEWEST_BLOCKS or products[0, 0] <= 0:
         return np.full(4, np.nan)
     covariance = products[:, 0] / n
-    lag = np.arange(BLOCK_LINES)
-    pairs = np.where(lag > 0, 2, 1) * (BLOCK_LINES - lag) / BLOCK_LINES**2
+    lags = np.append(0, FADING_LAGS)
 
     def expected(parameters):
         variance, length, exponent = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
-        kernel = variance * np.exp(-((lag / length) ** exponent))
-        return kernel[np.append(0, FADING_LAGS)] - (pairs * kernel).sum() - speckle / BLOCK_LINES
+        kernel = variance * np.exp(-((np.arange(BLOCK_LINES) / length) ** exponent))
+        above = np.cumsum(kernel)
+        with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
+        removed = 2 * np.array([with_mean[lag:].mean() for lag in lags]) - with_mean.mean()
+        return kernel[lags] - removed - speckle / BLOCK_LINES
 
     first = [np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5]
     bounds = ([np.log(1e-4), 0.0, 0.3], [np.log(1e3), np.log(4.0 * BLOCK_LINES), 2.0])

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from snowsim.phy.texture import draw_gain, draw_texture
 from snowsim.statistics import fit, summarise
 from snowsim.statistics.radiometry import _two_spreads
+from snowsim.statistics.speckle import FADING_LAGS, fading
 from snowsim.statistics.texture import texture as fit_texture
 
 N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
@@ -75,6 +76,16 @@ def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speck
     # 5 looks: (10 / ln 10)^2 psi1(5) = 4.17 dB^2; some 40,000 independent lines tell it to 1 %.
     assert_allclose(fading["fading_nugget_db2"], 4.17, rtol=0.05)
     assert planted_radiometry.isel(interface=0)["fading_spread_db"] < 0.3
+
+
+def test_fading_longer_than_half_a_block_comes_back():
+    """Exact expectation: covariance of a Gaussian process about the mean of its 256 lines, by the matrix itself."""
+    at = np.arange(256)
+    centred = np.eye(256) - 1 / 256
+    covariance = centred @ (2.4**2 * np.exp(-((np.abs(at - at[:, None]) / 150) ** 1.5)) + 4 * np.eye(256)) @ centred
+    means = np.array([np.diagonal(covariance, lag).mean() for lag in (0, *FADING_LAGS)])
+    n = 40 * (256 - np.append(0, FADING_LAGS))
+    assert_allclose(fading(np.stack([means * n, n, n], axis=1), 4.0), [2.4, 150, 1.5, 4], rtol=1e-3)
 
 
 def test_planted_texture_and_gain_come_back(rng):
