@@ -11,8 +11,8 @@ from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
 SHAPE_GROUPS = 60  # averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %
-# Residuals of this many standard deviations have half weight: Holland & Welsch (1977), Commun. Stat. A6, 813-827.
-CAUCHY = 2.385
+# Residuals so many standard deviations above the model have half weight, as of Cauchy's law; those below it keep it.
+CAUCHY = 1.0
 CLUSTER_GROUPS = 13  # averaged lines, about a block, within which misfit is taken as constant
 FEWEST_CLUSTERS = 8  # of a flight; a short flight has shorter clusters
 MAX_STEPS = 25
@@ -44,7 +44,7 @@ def deblend(groups, decay_rate):
     linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset
     are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs from
     it only if the Bayesian information criterion favours it, see `departing`. Residuals are weighted by 1 / P^2 because
-    of speckle, and large ones less (`CAUCHY`), because unpicked echoes are no part of the waveform. A broad prior
+    of speckle, and positive ones less (`CAUCHY`), because unpicked echoes only add to the waveforms. A broad prior
     (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked ones is kept as a
     nuisance at an interpolated row; below the last pick nothing is annotated.
 
@@ -195,8 +195,9 @@ def _normal_equations(shape, lines, deviation):
         n = line.layers.size
         powers, _ = solve_powers(linear, line)
         relative = (line.signal - powers @ linear) / line.scale
-        # Solved again with less weight on large residuals.
-        weighed = replace(line, scale=line.scale * np.sqrt(1 + (relative / (CAUCHY * deviation)) ** 2))
+        # Solved again with less weight on residuals above the model.
+        above = np.maximum(relative, 0) / (CAUCHY * deviation)
+        weighed = replace(line, scale=line.scale * np.sqrt(1 + above**2))
         powers, factor = solve_powers(linear, weighed)
         model = powers @ linear
         residuals.append((line.signal - model) / line.scale)
@@ -214,7 +215,8 @@ def _normal_equations(shape, lines, deviation):
     leverage /= np.maximum(n_lines, 1)[:, None]
     residuals = np.concatenate(residuals)
     deviation = max(np.median(np.abs(residuals)) / 0.6745, 1e-6)
-    loss = np.log1p((residuals / (CAUCHY * deviation)) ** 2).mean() * deviation**2
+    above, below = (np.maximum(sign * residuals, 0) / (CAUCHY * deviation) for sign in (1, -1))
+    loss = (np.log1p(above**2) + below**2).mean() * deviation**2
     return hessian, scores.sum(axis=0), scores, leverage, deviation, loss
 
 

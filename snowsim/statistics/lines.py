@@ -14,6 +14,8 @@ RISE_DEVIATIONS = 7.0  # above its peak, a waveform is cut at 1e-10 of the peak
 FALL_NEPERS = 14.0  # and below it at 1e-6
 BACKGROUND_FALLS = (30.0, 100.0, 1000.0)  # [bins] e-folding depths of unpicked scatter; sums of them fit most declines
 BACKGROUND_RISE = 0.1  # [per bin] how fast it sets in below the surface: about a waveform's decay
+ECHO_ROOM = 14.0  # [bins] between two picks from which on snow between them has an echo of its own, halfway
+ECHO_VARIANCE = 0.6  # [bins^2] of its Gaussian: about that of the range response
 
 
 @dataclass(frozen=True)
@@ -144,10 +146,15 @@ def rescale(line, model):
 
 
 def background_columns(line):
-    """Power of unpicked snow, by e-folding depth of its decline below the surface, (fall, row); no free shape.
+    """Power of unpicked snow, no free shape: by e-folding depth of its decline, then an echo a slab, (column, row).
 
     Power from scatterers of density exp(-z / fall) is that exponential less the waveform's, ``exp(-rise z)``. It keeps
-    a decline that continues below a layer's own decay from being taken for the layer's.
+    a decline that continues below a layer's own decay from being taken for the layer's; so does an echo halfway
+    between two picks with the power of crusts there. One is enough: many could stand for a slower decay.
     """
-    depth = np.maximum(line.rows - (line.position[0].mean() if line.layers[0] == 0 else 0.0), 0)
-    return np.array([np.exp(-depth / fall) - np.exp(-BACKGROUND_RISE * depth) for fall in BACKGROUND_FALLS])
+    pick = line.position.mean(axis=1)
+    depth = np.maximum(line.rows - (pick[0] if line.layers[0] == 0 else 0.0), 0)
+    declines = [np.exp(-depth / fall) - np.exp(-BACKGROUND_RISE * depth) for fall in BACKGROUND_FALLS]
+    echo = (pick[:-1] + np.diff(pick) / 2)[np.diff(pick) >= ECHO_ROOM]
+    lag = line.rows - echo[:, None]
+    return np.concatenate([declines, waveform_exact(lag, ECHO_VARIANCE, BACKGROUND_RISE)])
