@@ -184,7 +184,8 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     flight's mean power of unpicked snow below the surface, one row for each e-folding depth; with ``none``, and with
     older statistics, eq. (1) has the layers alone, as printed. A scene that was drawn with powers has them in
     `peak_power`, for every row of `complete_layer_bins`; its notes hold noise, decay and the layer that gives a row
-    its waveform (-1 - k: e-folding depth k of the background); texture and gain by line are the flight's.
+    its waveform (-1 - k: e-folding depth k of the background). Gain by line is the flight's, and so is texture, which
+    multiplies all that is not labelled: it was measured on all power below the picks.
     """
     check_choice("background", background, BACKGROUNDS)
     if scene.peak_power is None:
@@ -198,7 +199,9 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
     flight = statistics.variables
     if "texture_variance" in flight:
         own["line_gain_spread_db"] = float(flight["line_gain_spread_db"])
-        own["textured_layers"] = np.array(scene.notes["waveform_row"]) < 0
+        background = np.array(scene.notes["waveform_row"]) < 0
+        n_labelled = np.isfinite(scene.layer_bins).any(axis=1).sum() + background.sum()
+        own["textured_layers"] = background | (np.arange(background.size) >= n_labelled)
         own["texture"] = [float(flight[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
     return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
 

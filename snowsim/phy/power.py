@@ -1,5 +1,6 @@
 """Mean power of a scene by eq. (1): exact, or within a tolerance as planned."""
 
+import numba
 import numpy as np
 
 from snowsim.phy.parameters import checked_power, checked_tolerance, checked_waveforms
@@ -98,25 +99,42 @@ def exact_power(waveforms):
 
 
 @np.errstate(under="ignore")
-def tail_power(waveforms, layers):
-    """Power of some layers below their centre, taken as tail throughout, float32 (range_bin, range_line).
+def tail_power(waveforms, layers, least=0.0):
+    """Power of some layers below their peak, taken as tail throughout, float32 (range_bin, range_line).
 
-    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, is a factor by row times one by line.
+    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, falls by one factor from bin to bin. A layer
+    ends where it is below `least` on all range lines.
     """
     variance, decay = (getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate"))
-    centre, rows = waveforms.centre_bins[layers], np.arange(waveforms.n_range_bins)
+    centre = waveforms.centre_bins[layers]
+    peak = np.ceil(centre + waveforms.peak_offset_bins[layers, None])
+    first = np.clip(np.nan_to_num(peak, nan=np.inf), 0, waveforms.n_range_bins).astype(int)
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
     scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance) * np.exp(decay**2 * variance / 2)
+    start = np.where(np.isfinite(centre), scale * share * np.exp(decay * (np.nan_to_num(centre) - first)), 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        n_rows = np.nan_to_num(
+            np.log(start.max(axis=1, initial=0) / least) / decay[:, 0], posinf=waveforms.n_range_bins
+        )
     power = np.zeros(waveforms.shape, dtype=np.float32)
-    first = np.clip(np.ceil(np.nan_to_num(centre, nan=np.inf)), 0, waveforms.n_range_bins).astype(int)
-    # From `last` on all go on; above, those that begin at one row are taken together.
-    last = first[np.isfinite(centre)].max(initial=0)
-    for start in np.unique(np.append(first[first < last], last)):
-        held, stop = (first <= last, None) if start == last else (first == start, last)
-        by_line = np.where(held, scale * share * np.exp(decay * (np.where(held, centre, start) - start)), 0)
-        by_row = np.exp(-decay * (rows[start:stop] - start))
-        power[start:stop] += by_row.astype(np.float32).T @ by_line.astype(np.float32)
+    _add_tails(first, n_rows, start.astype(np.float32), np.exp(-decay[:, 0]).astype(np.float32), power)
     return power
+
+
+@numba.njit(cache=True, nogil=True)
+def _add_tails(first, n_rows, value, factor, power):
+    """Add to `power` tails of layers from row `first`, of `value`, both (layer, range_line), down by `factor` a row."""
+    n_range_bins, n_lines = power.shape
+    for layer in range(first.shape[0]):
+        last = -1
+        for line in range(n_lines):
+            if value[layer, line] > 0:
+                last = max(last, first[layer, line])
+        for row in range(first[layer].min(), min(last + max(n_rows[layer], 0) + 1, n_range_bins)):
+            for line in range(n_lines):
+                on = row >= first[layer, line]
+                power[row, line] += value[layer, line] if on else np.float32(0)
+                value[layer, line] *= factor[layer] if on else np.float32(1)
 
 
 @np.errstate(under="ignore")

@@ -9,6 +9,8 @@ from snowsim.phy.power import planned_power, tail_power
 from snowsim.phy.speckle import draw_speckle
 from snowsim.phy.texture import draw_gain, draw_texture
 
+LEAST_TAIL = 1e-3  # of the noise: what has less has no texture
+
 
 def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=None, normalise="peak", align="peak"):
     """Power of one scene after M looks.
@@ -69,7 +71,7 @@ def mean_field(scene_plan, *, rng):
     if scene_plan.texture is not None:
         texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
         texture -= 1
-        texture *= tail_power(scene_plan.waveforms, scene_plan.textured_layers)
+        texture *= tail_power(scene_plan.waveforms, scene_plan.textured_layers, LEAST_TAIL * scene_plan.noise_power)
         power += texture
     if scene_plan.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)

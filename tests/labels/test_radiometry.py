@@ -51,6 +51,15 @@ def test_every_layer_drawn_is_kept_and_labels_are_some_of_them(drawn):
     assert 0.3 < share < 1, share
 
 
+def test_texture_is_on_background_and_on_echoes_without_a_label(drawn):
+    flight = statistics(texture_variance=0.02, texture_length_bins=12.0, texture_length_lines=2.0)
+    flight = flight.assign(line_gain_spread_db=0.4).assign_attrs(n_looks=16.0)
+    for scene in drawn[:20]:
+        rows, parameters = scene_parameters(scene, flight, rng=np.random.default_rng(1))
+        labelled = [row in scene.layer_bins[:, 0] for row in rows[:, 0]]
+        assert_array_equal(parameters["textured_layers"], np.logical_not(labelled))
+
+
 def test_power_and_noise_keep_the_mean_of_the_flight(drawn):
     surface = np.array([scene.peak_power[0].mean() for scene in drawn])
     noise = np.array([scene.notes["noise_power"] for scene in drawn])
