@@ -132,9 +132,9 @@ def test_planted_values_go_round_the_loop(planted, rng):
     edges = np.linspace(30, 60, 5)
     for summary in (whole, some):
         recovered = estimate(summary, zone_edge_bins=edges)
-        # 48 groups of 100 looks: a power to 2 %, a rate to 1 %; allow three of those.
+        # 48 groups of 100 looks: a power to 2 %, a rate to 2.5 % by its own standard error; allow three and four.
         assert_allclose(recovered["peak_power"], planted.peak_power, rtol=0.06)
-        assert_allclose(recovered["decay_rate"], planted.decay_rate, rtol=0.06)
+        assert_allclose(recovered["decay_rate"], planted.decay_rate, rtol=0.1)
         assert_allclose(recovered.attrs["bin_size_s"], bin_size_s, rtol=1e-12)
         # Positions are made on the sphere that distances are measured on; degrees hold 1e-14 of 70.
         assert_allclose(recovered.attrs["line_spacing_m"], 5.47, rtol=1e-7)

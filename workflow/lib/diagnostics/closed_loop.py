@@ -226,7 +226,8 @@ def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
 def thinned(summary, stride):
     """A summary with one in `stride` of its averaged range lines, at least one; picks and their power stay whole.
 
-    The groups of a scene differ in speckle alone: more of them cost time and disk, not accuracy.
+    The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and its share of the
+    power on its picks, where it happens to be strong or faint: with 2 of 12 a sixth of the fading is lost, with 6 none.
     """
     return [replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP}) for frame in summary]
 
