@@ -46,8 +46,9 @@ def test_border_cases_end_as_stated(atlas):
     outcome = borders.groupby("value")["outcome"].agg(lambda part: "beyond" if "beyond" in set(part) else part.iloc[0])
     refused = {"no layers", "surface alone", "less than a block", "no air above the surface", "layers cross"}
     assert set(outcome.index[outcome == "refused"]) == refused
-    # What planted layers still say stays within its bounds, but where a layer is hidden or half of it cut off.
-    assert set(outcome.index[outcome == "beyond"]) <= {"layer never picked", "picks below the record"}
+    # What planted layers still say stays within its bounds, but where a layer is hidden, half cut off or hardly picked.
+    lost = {"layer never picked", "picks below the record", "first slab picked in one frame"}
+    assert set(outcome.index[outcome == "beyond"]) <= lost
     note = borders.groupby("value")["note"].first()
     for case, words in {
         "layer in 4 groups": "1 layers left out",
