@@ -15,18 +15,9 @@ def seed_entropy(seed, *keys):
 
 
 def random_stream(seed, *keys):
-    """Random generator for one purpose, named by keys: ``random_stream(seed, "render_phy", scene)``.
+    """numpy.random.Generator for one purpose, named by keys (str or int, most general first), of a run's seed (int).
 
-    Parameters
-    ----------
-    seed : int
-        The seed of the configuration.
-    *keys : str or int
-        What the numbers are for, most general first.
-
-    Returns
-    -------
-    numpy.random.Generator
-        PCG64 seeded by `seed_entropy`: independent streams, whatever the order and division of work.
+    ``random_stream(seed, "render_phy", scene)``: PCG64 seeded by `seed_entropy`; streams are independent, whatever the
+    order and division of work.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))

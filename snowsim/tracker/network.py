@@ -163,20 +163,10 @@ NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork, "published":
 
 
 def track(network, image, *, precision="float32"):
-    """Probability of a layer in each pixel, by each output of the network.
+    """Probability of a layer in each pixel by each of `OUTPUTS`, float32 (output, range_bin, range_line) in [0, 1].
 
-    Parameters
-    ----------
-    network : MultiScaleNetwork, PublishedNetwork or LightNetwork
-    image : ndarray of uint8, (range_bin, range_line)
-        Any size; ValueError unless it has contrast.
-    precision : str
-        Arithmetic, `float32` or `bfloat16`.
-
-    Returns
-    -------
-    ndarray of float32, (output, range_bin, range_line)
-        In [0, 1]; `OUTPUTS`: side outputs 1 to 5, then the fuse.
+    `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if it has no contrast.
+    `precision` is that of the arithmetic, `float32` or `bfloat16`.
     """
     image = np.asarray(image)
     if image.dtype != np.uint8 or image.ndim != 2:
