@@ -308,7 +308,7 @@ rule study_cgan:
 # Scores of every network against the cost of its training.
 
 
-rule study_budgets:
+rule measure_budgets:
     input:
         train=benchmark_files("train"),
         validation=benchmark_files("validation"),
@@ -318,9 +318,9 @@ rule study_budgets:
     output:
         table="results/studies/budgets/{network}.csv",
     log:
-        "logs/study_budgets/{network}.log",
+        "logs/measure_budgets/{network}.log",
     benchmark:
-        "results/benchmarks/study_budgets/{network}.tsv"
+        "results/benchmarks/measure_budgets/{network}.tsv"
     wildcard_constraints:
         network="tracker|cgan|guided",
     resources:
@@ -343,7 +343,7 @@ rule study_budgets:
         "../scripts/study_budgets.py"
 
 
-rule study_all_budgets:
+rule study_budgets:
     input:
         figure_files("study_budgets"),
     message:
