@@ -91,10 +91,13 @@ def waveform_unchecked(x, variance, decay):
     deviation = np.sqrt(variance)
     z = (decay * variance - x) / (_SQRT2 * deviation)
     with np.errstate(under="ignore", over="ignore"):
-        rising = np.exp(-x * x / (2 * variance)) * erfcx(np.maximum(z, 0))
-        # Where z < 0 the exponent is negative; elsewhere this branch is not used.
-        falling = np.exp(np.minimum(decay * (decay * variance / 2 - x), 0)) * erfc(np.minimum(z, 0))
-        return _SQRT_HALF_PI * deviation * np.where(z >= 0, rising, falling)
+        z = np.asarray(z)
+        rises = z >= 0
+        # Where z < 0 the exponent of the falling branch is negative; elsewhere it is not used.
+        exponent = np.where(rises, -x * x / (2 * variance), np.minimum(decay * (decay * variance / 2 - x), 0))
+        factor = np.empty(rises.shape)
+        factor[rises], factor[~rises] = erfcx(z[rises]), erfc(z[~rises])
+        return _SQRT_HALF_PI * deviation * (np.exp(exponent) * factor)
 
 
 def _log_waveform(u, product):

@@ -78,38 +78,32 @@ def waveform_columns(described, line, *, with_slopes=False):
     ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g = a w``, they give
     its height, ``d log w0 / d log a = -a x0``, ``d log w0 / d log d = (1 - a x0) / 2``, and, by w' = 0, its movement.
     """
-    columns = np.zeros((4 if with_slopes else 1, line.layers.size, line.rows.size))
-    for position, spread in zip(line.position.T, line.spread.T, strict=True):
-        _add_columns(columns, described, line, position, spread)
-    columns /= line.position.shape[1]
-    return columns if with_slopes else columns[0]
-
-
-def _add_columns(columns, described, line, position, spread):
-    """Add the columns of one part of the lines to (1 or 4, layer, row)."""
-    lag = line.rows - (position + (described.offset - described.peak)[line.layers])[:, None]
-    wide = described.variance[line.layers] + spread
-    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)[:, None]) & (
-        lag * described.decay[line.layers, None] < FALL_NEPERS
-    )
-    of, lag = np.nonzero(reached)[0], lag[reached]
-    layer, wide = line.layers[of], wide[of]
+    position, spread = line.position.T[:, :, None], line.spread.T[:, :, None]
+    lag = line.rows - (position + (described.offset - described.peak)[line.layers][:, None])
+    wide = described.variance[line.layers][:, None] + spread
+    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)) & (lag * described.decay[line.layers][:, None] < FALL_NEPERS)
+    part, of = np.nonzero(reached)[:2]
+    lag, layer, wide = lag[reached], line.layers[of], wide[part, of, 0]
     decay, variance, peak = described.decay[layer], described.variance[layer], described.peak[layer]
     raw = waveform_exact(lag, wide, decay)
     unit = np.sqrt(variance / wide) / described.height[layer]
-    columns[0, reached] += unit * raw
-    if len(columns) == 1:
-        return
-    gaussian = np.exp(-(lag**2) / (2 * wide))
-    along = gaussian - decay * raw
-    by_decay = -((lag - decay * wide) * raw + wide * gaussian)
-    by_variance = raw / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
-    peak_by_decay = -variance * (1 - decay * peak) / peak
-    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
-    columns[1, reached] += unit * (decay * by_decay + along * peak_by_decay + raw * (decay * peak))
-    height_by_variance = (decay * peak - variance / wide) / 2
-    columns[2, reached] += unit * (variance * by_variance + along * peak_by_variance + raw * height_by_variance)
-    columns[3, reached] -= unit * along
+    values = [unit * raw]
+    if with_slopes:
+        gaussian = np.exp(-(lag**2) / (2 * wide))
+        along = gaussian - decay * raw
+        by_decay = -((lag - decay * wide) * raw + wide * gaussian)
+        by_variance = raw / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
+        peak_by_decay = -variance * (1 - decay * peak) / peak
+        peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
+        values.append(unit * (decay * by_decay + along * peak_by_decay + raw * (decay * peak)))
+        height_by_variance = (decay * peak - variance / wide) / 2
+        values.append(unit * (variance * by_variance + along * peak_by_variance + raw * height_by_variance))
+        values.append(-(unit * along))
+    columns = np.zeros((len(values), *reached.shape))
+    for column, filled in zip(columns, values, strict=True):
+        column[reached] = filled
+    columns = columns.sum(axis=1) / len(reached)
+    return columns if with_slopes else columns[0]
 
 
 @dataclass(frozen=True)
