@@ -198,7 +198,7 @@ for part, conventions in enumerate(TRIED_PARTS):
             seed=config["seed"],
             phy=config["phy"],
             n_scenes=LOOP_TRIED,
-            stride=LOOP_STRIDE,
+            stride=3 * LOOP_STRIDE,  # of shapes, which do not fade
             varies=config["labels"]["radiometry"] == "measured",
         message:
             "statistics of renders by {params.conventions}"
@@ -342,7 +342,7 @@ rule measure_phy:
         n_layers=15,
         n_range_lines=256,
         n_range_bins=256,
-        n_rounds=9,
+        n_rounds=7,
         seed=config["seed"],
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],
@@ -372,7 +372,7 @@ rule draw_atlases:
     params:
         seed=config["seed"],
         # Under half a minute; a flight of test size gets the ends of every sweep alone.
-        share=1.0 if config["flight"]["n_frames"] >= 10 else 0.2,
+        share=0.7 if config["flight"]["n_frames"] >= 10 else 0.2,
     message:
         "atlases of PHY and of the estimators"
     script:
