@@ -82,16 +82,6 @@ def counted(table, name, of_what, scenes):
     return f"{n} (`studies/tracker/{name}.csv`):\n\n"
 
 
-def networks(results):
-    """Trackers of other cost."""
-    fastest = read(results, "speed_accuracy_tracker").sort_values("seconds").groupby("setting", sort=False).first()
-    rows = []
-    for r in fastest.sort_values(["network", "width"]).itertuples():
-        name = f"{r.network.replace('_', '-')}, width {r.width}"
-        rows.append([name, f"{r.n_parameters:,}", f"{1e3 * r.seconds:.0f}", share(r.ods)])
-    return markdown(["network", "weights", "ms an image", "ODS"], rows)
-
-
 def tracker_atlas(results):
     """What becomes of a tracker under odd input and rates."""
     rows = []
@@ -107,4 +97,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, networks, tracker_atlas)
+STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, tracker_atlas)

@@ -16,7 +16,6 @@ STUDY = {
         {"name": "masked", "training_sets": ["rd"], "training": {"mask_unannotated": True}},
         {"name": "longer", "training_sets": ["rd"], "steps": 2},
     ],
-    "networks": [{"name": "width_4"}],
     "worth": [["pd", "rd"], ["longer/rd", "masked/rd"]],
 }
 
@@ -36,10 +35,10 @@ def test_runs_are_compared_with_what_is_named_once_or_with_their_default():
         (("masked", "rd_pd"), ("default", "rd_pd")),
     ]
     check_names(STUDY)
-    with pytest.raises(ValueError, match="worth: expected a setting, one of default, masked, longer, width_4, got"):
+    with pytest.raises(ValueError, match="worth: expected a setting, one of default, masked, longer, got"):
         check_names({**STUDY, "worth": [["mask/rd", "rd"]]})
     with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
-        check_names({**STUDY, "networks": [{"name": "masked"}]})
+        check_names({**STUDY, "ablation": [*STUDY["ablation"], {"name": "masked"}]})
 
 
 SETS = ["rd", "rd_gd"]

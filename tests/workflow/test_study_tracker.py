@@ -27,7 +27,7 @@ def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
 @pytest.mark.study
 def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     shutil.copytree(tiny_run, tmp_path / "run")
-    run_snakemake(tmp_path / "run", "--", "study_tracker", timeout=3600)
+    run_snakemake(tmp_path / "run", "--", "study_tracker", "study_budgets", timeout=3600)
     folder = tmp_path / "run/results/studies/tracker"
     ablation = pd.read_csv(folder / "ablation.csv")
     assert {"default", "masked", "full_labels", "balanced_by_image", "phy_as_printed"} <= set(ablation["setting"])
@@ -41,7 +41,9 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     assert set(worth["base"]) == {"default", "last_part"}
     atlas = pd.read_csv(folder / "atlas.csv")
     assert set(atlas.loc[atlas["status"] == "refused", "panel"]) == {"empty labels", "flat image"}
-    speed = pd.read_csv(tmp_path / "run/results/tables/speed_accuracy_tracker.csv")
-    assert set(speed["setting"]) == {"default", "width_4", "unet_2"}
-    for name in ("tracker_ablation", "tracker_worth", "speed_accuracy_tracker", "atlas_tracker"):
+    budgets = pd.read_csv(tmp_path / "run/results/studies/budgets/tracker.csv", na_filter=False)
+    assert list(budgets["change"]) == ["", "", "n_steps 2", "n_steps 2"]
+    assert list(budgets["trained_on"]) == ["rd", "pd", "rd", "pd"]
+    assert (budgets["core_seconds"] > 0).all()
+    for name in ("tracker_ablation", "tracker_worth", "atlas_tracker", "budgets"):
         assert (tmp_path / f"run/results/figures/{name}.svg").stat().st_size > 1000

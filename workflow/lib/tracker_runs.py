@@ -13,14 +13,9 @@ def ablation_of(study, training_sets):
     return {"default": {"training_sets": list(training_sets)}} | {each["name"]: each for each in study["ablation"]}
 
 
-def networks_of(study):
-    """Networks of other cost by name, on real scenes alone."""
-    return {each["name"]: {"training_sets": ["rd"], **each} for each in study["networks"]}
-
-
 def check_names(study):
     """Raise ValueError where two settings share a name, or a worth is asked for of a setting that there is not."""
-    names = [each["name"] for each in study["ablation"] + study["networks"]]
+    names = [each["name"] for each in study["ablation"]]
     for name in names:
         if names.count(name) > 1:
             msg = f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"

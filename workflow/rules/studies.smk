@@ -14,24 +14,21 @@ ABLATION_RUNS = [
     for setting, changes in ABLATION.items()
     for training_set in changes["training_sets"]
 ]
-NETWORKS = tracker_runs.networks_of(STUDY)
-STUDIED = {**ABLATION, **NETWORKS}
-TIMED = ["default", *NETWORKS]
 or_refused(tracker_runs.check_names, STUDY)
 WORTH = tracker_runs.worth_of(STUDY)
 WORTH_RUNS = list(dict.fromkeys(run for pair in WORTH for run in pair))
 
 
 wildcard_constraints:
-    setting="|".join(setting for setting in STUDIED if setting != "default"),
-    any_setting="|".join(STUDIED),
+    setting="|".join(setting for setting in ABLATION if setting != "default"),
+    any_setting="|".join(ABLATION),
 
 
 use rule render_phy as render_study_phy with:
     input:
         layers="results/labels/{shard}.nc",
         statistics=lambda w: STATISTICS[
-            tracker_runs.estimator_of(STUDIED[w.setting], config)
+            tracker_runs.estimator_of(ABLATION[w.setting], config)
         ],
         code=imported_by("render_phy.py"),
     output:
@@ -41,7 +38,7 @@ use rule render_phy as render_study_phy with:
     benchmark:
         "results/benchmarks/render_study_phy/{setting}/{shard}.tsv"
     params:
-        phy=lambda w: tracker_runs.phy_of(STUDIED[w.setting], config["phy"]),
+        phy=lambda w: tracker_runs.phy_of(ABLATION[w.setting], config["phy"]),
     message:
         "PHY renders of {wildcards.setting}, shard {wildcards.shard}"
 
@@ -50,7 +47,7 @@ use rule train_tracker as train_study_tracker with:
     input:
         real=real_scenes,
         phy=lambda w: tracker_runs.renders_of(
-            w.setting, STUDIED[w.setting], added_scenes("phy")(w)
+            w.setting, ABLATION[w.setting], added_scenes("phy")(w)
         ),
         cgan=added_scenes("cgan"),
         code=imported_by("train_tracker.py"),
@@ -62,10 +59,10 @@ use rule train_tracker as train_study_tracker with:
     benchmark:
         "results/benchmarks/train_study_tracker/{setting}/{training_set}/{replica}.tsv"
     params:
-        n_epochs=lambda w: tracker_runs.epochs_of(STUDIED[w.setting], TRACKER),
-        data=lambda w: tracker_runs.data_of(STUDIED[w.setting], TRACKER),
-        settings=lambda w: tracker_runs.training_of(STUDIED[w.setting], TRACKER),
-        skip=lambda w: STUDIED[w.setting].get("skip", 0),
+        n_epochs=lambda w: tracker_runs.epochs_of(ABLATION[w.setting], TRACKER),
+        data=lambda w: tracker_runs.data_of(ABLATION[w.setting], TRACKER),
+        settings=lambda w: tracker_runs.training_of(ABLATION[w.setting], TRACKER),
+        skip=lambda w: ABLATION[w.setting].get("skip", 0),
         checkpoint="results/checkpoints/train_study_tracker_{setting}_{training_set}_{replica}.safetensors",
         events=None,
     message:
@@ -133,32 +130,6 @@ use rule tabulate_ablation as tabulate_worth with:
         "what training sets are worth, on the test scenes"
 
 
-rule time_trackers:
-    input:
-        scenes=benchmark_files("validation"),
-        networks=[tracker_runs.network_file(name, "rd", 0) for name in TIMED],
-        counts=tracker_runs.count_files(
-            "validation", [(name, "rd") for name in TIMED], [0]
-        ),
-        code=imported_by("time_trackers.py"),
-    output:
-        table="results/tables/speed_accuracy_tracker.csv",
-    log:
-        "logs/time_trackers.log",
-    benchmark:
-        "results/benchmarks/time_trackers/all.tsv"
-    resources:
-        mem_mb=2000,
-    params:
-        names=TIMED,
-        n_scenes=5,
-        n_rounds=5,
-    message:
-        "seconds per image of trackers of other width"
-    script:
-        "../scripts/time_trackers.py"
-
-
 rule atlas_tracker:
     input:
         train=benchmark_files("train"),
@@ -189,7 +160,6 @@ rule study_tracker:
     input:
         "results/studies/tracker/ablation.csv",
         rules.tabulate_worth.output,
-        rules.time_trackers.output,
         rules.atlas_tracker.output,
         figure_files("study_tracker"),
     message:

@@ -1,4 +1,4 @@
-"""Studies of the tracker: what the settings of its training do to its scores, what it costs, and where it fails."""
+"""Studies of the tracker: what the settings of its training do to its scores, and where it fails."""
 
 import dataclasses
 from functools import partial
@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from lib.machine import device_name, time_rounds
 from snowsim.echogram import SURFACE_ROW, Scene, scene_height
 from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
@@ -22,23 +21,6 @@ def runs_table(counts, pairs, *, n_bootstrap, rng):
     named = pd.DataFrame(table.pop("name").tolist(), columns=["setting", "training_set"])
     named[["base", "base_training_set"]] = table.pop("base").tolist()
     return pd.concat([named, table], axis=1)
-
-
-def time_tracking(networks, images, n_rounds):
-    """Seconds per image of several trackers in turn; `networks` maps names to network, precision and what is known."""
-
-    def track_all(network, precision):
-        for image in images:
-            track(network, image, precision=precision)
-
-    works = {name: partial(track_all, network, precision) for name, (network, precision, _) in networks.items()}
-    n_pixels = sum(image.size for image in images) / len(images)
-    rows = [
-        {"setting": name, **networks[name][2], "repeat": repeat, "seconds": seconds / len(images)}
-        for name, repeat, seconds in time_rounds(works, n_rounds)
-    ]
-    table = pd.DataFrame(rows)
-    return table.assign(ns_per_pixel=1e9 * table["seconds"] / n_pixels, device=device_name())
 
 
 def training_atlas(real, settings, learning_rates, n_seeds):

@@ -1,4 +1,4 @@
-"""Studies of the tracker: ablation, what seeds resolve, cost against score, where it fails."""
+"""Studies of the tracker: ablation, what seeds resolve, where it fails."""
 
 import numpy as np
 
@@ -51,20 +51,6 @@ def plot_intervals(ax, rows, labels):
         ax.plot(row.difference, y, "o", color=COLOURS[row.training_set], markersize=4)
     ax.axvline(0, color="0.5", linewidth=0.8)
     ax.set_yticks(range(len(rows)), labels)
-
-
-def speed_accuracy_tracker(speed_accuracy_tracker):
-    """Fused ODS against the seconds per image of the fastest round, a point a network."""
-    figure, axes = new_figure(width=5)
-    for name, rows in speed_accuracy_tracker.groupby("setting", sort=False):
-        row = rows.loc[rows["seconds"].idxmin()]
-        light = row["network"] != "multi_scale"
-        axes[0, 0].plot(row["seconds"], row["ods"], "s" if light else "o", color=RED if light else BLACK)
-        label = f"width {row['width']}" + (f", {row['network']}" if light else "")
-        at, style = (row["seconds"], row["ods"]), {"textcoords": "offset points", "fontsize": 7, "gid": name}
-        axes[0, 0].annotate(label, at, (5, 3), **style)
-    axes[0, 0].set(xscale="log", xlabel="seconds per image", ylabel="ODS of fuse, validation scenes")
-    return figure
 
 
 def atlas_tracker(atlas):
