@@ -145,5 +145,5 @@ if __name__ == "__main__":
     if "--paper" in sys.argv:
         given = sys.argv[sys.argv.index("--paper") + 1 :]
         project_paper(float(given[0]) if given else 60.0)
-    elif compare(Settings(method="pix2pix", statistics="scene", depth=8, dropout=0.5)) < 1:
+    elif compare(Settings(method="pix2pix", statistics="scene", width=16, depth=8, dropout=0.5)) < 1:
         sys.exit("a step is slower than a plain loop's")

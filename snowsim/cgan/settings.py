@@ -42,10 +42,10 @@ class Settings:
     """
 
     method: str = "depth"
-    width: int = 16
+    width: int = 8
     depth: int = 5
     n_strided: int = 3
-    n_steps: int = 2500
+    n_steps: int = 2000
     batch_size: int = 1
     n_range_bins: int | None = 256
     n_range_lines: int | None = 192

@@ -60,8 +60,8 @@ class Settings:
     """
 
     width: int = 8
-    n_steps: int = 4000
-    batch_size: int = 1
+    n_steps: int = 1250
+    batch_size: int = 2
     n_accumulated: int = 1
     n_range_bins: int | None = 192
     n_range_lines: int | None = 128
@@ -110,5 +110,5 @@ def published(n_steps, width=64, **other):
     recipe = {"n_accumulated": 10, "n_range_bins": None, "n_range_lines": None, "scales": (1.0, 0.75, 0.5, 0.25)}
     recipe |= {"optimiser": "sgd", "learning_rate": 1e-6, "weight_decay": 2e-4, "schedule": "updates"}
     recipe |= {"published_multipliers": True, "reduction": "sum", "precision": "float32", "network": "published"}
-    recipe |= {"augmentation": "copies", "loss": "sigmoids", "layer_share": None}
+    recipe |= {"augmentation": "copies", "batch_size": 1, "loss": "sigmoids", "layer_share": None}
     return Settings(n_steps=n_steps, width=width, **(recipe | other))
