@@ -113,9 +113,8 @@ def tail_power(waveforms, layers, least=0.0):
     scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance) * np.exp(decay**2 * variance / 2)
     start = np.where(np.isfinite(centre), scale * share * np.exp(decay * (np.nan_to_num(centre) - first)), 0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        n_rows = np.nan_to_num(
-            np.log(start.max(axis=1, initial=0) / least) / decay[:, 0], posinf=waveforms.n_range_bins
-        )
+        n_rows = np.log(start.max(axis=1, initial=0) / least) / decay[:, 0]
+    n_rows = np.clip(np.nan_to_num(n_rows), 0, waveforms.n_range_bins).astype(int)
     power = np.zeros(waveforms.shape, dtype=np.float32)
     _add_tails(first, n_rows, start.astype(np.float32), np.exp(-decay[:, 0]).astype(np.float32), power)
     return power
@@ -130,7 +129,7 @@ def _add_tails(first, n_rows, value, factor, power):
         for line in range(n_lines):
             if value[layer, line] > 0:
                 last = max(last, first[layer, line])
-        for row in range(first[layer].min(), min(last + max(n_rows[layer], 0) + 1, n_range_bins)):
+        for row in range(first[layer].min(), min(last + n_rows[layer] + 1, n_range_bins)):
             for line in range(n_lines):
                 on = row >= first[layer, line]
                 power[row, line] += value[layer, line] if on else np.float32(0)
