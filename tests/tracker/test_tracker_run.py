@@ -45,12 +45,12 @@ def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
     assert pd.read_csv(given["losses"])["step"].tolist() == [5, 6, 7, 8, 9, 10]
     _, metadata = read_model(given["network"], {"kind": "tracker"})
     # 6 of 10 gradients, over 8 scenes.
-    assert metadata["epochs"] == 6 / 8
+    assert metadata["epochs"] == 6 * 2 / 8  # two scenes a step
 
 
 def composed(scene_files, n_epochs=None, n_steps=40, **data):
     with SceneSet(scene_files[0]) as real, SceneSet(scene_files[1]) as added:
-        scenes, settings = compose(real, [added], Settings(n_steps=n_steps), n_epochs, 1, added_per_real=0.6, **data)
+        scenes, settings = compose(real, [added], Settings(n_steps=n_steps, batch_size=1), n_epochs, 1, added_per_real=0.6, **data)
         return [scenes[position] for position in range(settings.n_steps)], settings
 
 
