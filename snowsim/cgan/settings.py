@@ -42,7 +42,7 @@ class Settings:
     """
 
     method: str = "depth"
-    width: int = 8
+    width: int = 16
     depth: int = 5
     n_strided: int = 3
     n_steps: int = 2000
