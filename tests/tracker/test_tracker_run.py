@@ -50,7 +50,9 @@ def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
 
 def composed(scene_files, n_epochs=None, n_steps=40, **data):
     with SceneSet(scene_files[0]) as real, SceneSet(scene_files[1]) as added:
-        scenes, settings = compose(real, [added], Settings(n_steps=n_steps, batch_size=1), n_epochs, 1, added_per_real=0.6, **data)
+        scenes, settings = compose(
+            real, [added], Settings(n_steps=n_steps, batch_size=1), n_epochs, 1, added_per_real=0.6, **data
+        )
         return [scenes[position] for position in range(settings.n_steps)], settings
 
 
