@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from snowsim.constants import EARTH_RADIUS_M
 
@@ -40,7 +39,7 @@ def place_at(position_km, accumulation_factor=1.0):
         msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
         raise ValueError(msg)
     latitude, longitude = (float(x) for x in line_coordinates(position_km))
-    elevation_m = float(PchipInterpolator(PROFILE_FRACTION, ELEVATION_M)(position_km / length_km))
+    elevation_m = float(_profile(ELEVATION_M, position_km / length_km))
     mean_m = float(accumulation_factor * accumulation_m(position_km))
     temperature_k = temperature_fausto09(elevation_m, latitude, longitude)
     return Place(float(position_km), latitude, longitude, elevation_m, mean_m, temperature_k)
@@ -48,7 +47,13 @@ def place_at(position_km, accumulation_factor=1.0):
 
 def accumulation_m(position_km):
     """Long-term mean accumulation at positions along the line [m w.e. / yr], of their shape."""
-    return PchipInterpolator(PROFILE_FRACTION, ACCUMULATION_M)(np.asarray(position_km) / line_length_km())
+    return _profile(ACCUMULATION_M, np.asarray(position_km) / line_length_km())
+
+
+def _profile(values, fraction):
+    from scipy.interpolate import PchipInterpolator  # slow to import, and the plan of a run needs no profile
+
+    return PchipInterpolator(PROFILE_FRACTION, values)(fraction)
 
 
 def temperature_fausto09(elevation_m, latitude, longitude):

@@ -190,11 +190,12 @@ def checked_settings(reference):
         _refuse_unknown(given, [f.name for f in fields(group)], f"reference.{name}")
         made[name] = group(**given)
     settings = Settings(**made)
-    _check_window(settings)
+    if settings != Settings():
+        check_window(settings)
     return settings
 
 
-def _check_window(settings):
+def check_window(settings):
     """Raise ValueError unless the window holds the first year's horizon where it is deepest, and room below it."""
     climate, radar = settings.climate, settings.radar
     wettest = place_at(line_length_km(), climate.accumulation_factor)

@@ -26,11 +26,19 @@ def module_file(name):
     return None
 
 
+def _statements(body):
+    """Statements and those inside them: expressions, most of a file, import nothing."""
+    for node in body:
+        yield node
+        for part in ("body", "orelse", "handlers", "finalbody", "cases"):
+            yield from _statements(getattr(node, part, ()))
+
+
 @functools.cache
 def imported_files(path):
     """Files of this project from which one file imports names, anywhere in it."""
     files = []
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in _statements(ast.parse(path.read_text()).body):
         if isinstance(node, ast.Import):
             files += [module_file(alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:

@@ -2,7 +2,7 @@
 # results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
 
 PRINTED = copy.deepcopy(config)
-update_config(PRINTED, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
+update_config(PRINTED, read_yaml("config/as_printed.yaml"))
 PRINTED["checkpoints"] |= {
     "folder": "results/as_printed/checkpoints",
     "events": "logs/as_printed/tensorboard",

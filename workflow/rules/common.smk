@@ -26,6 +26,11 @@ for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
     os.environ[f"{library}_NUM_THREADS"] = "1"
 
 
+def read_yaml(path):
+    """What a file of the workflow's own says, by the parser in C: every start of the workflow reads some."""
+    return yaml.load((ROOT / path).read_text(), Loader=yaml.CSafeLoader)
+
+
 def or_refused(function, *arguments):
     """What a function gives; its complaint as one line of the workflow's."""
     try:
@@ -40,7 +45,7 @@ RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas", "beyond": "nonstat
 
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
-    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+    schema = read_yaml("workflow/schemas/config.schema.yaml")
     error = jsonschema.exceptions.best_match(
         jsonschema.Draft202012Validator(schema).iter_errors(config)
     )
@@ -192,7 +197,7 @@ def imported_by(script):
     ]
 
 
-FIGURES = yaml.safe_load((ROOT / "workflow/figures.yaml").read_text())
+FIGURES = read_yaml("workflow/figures.yaml")
 
 
 def figure_files(stage):
