@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_solve
+from scipy.linalg.lapack import dpotrs
 
 from snowsim.statistics.departures import clustered, departing, lasting_misfit
-from snowsim.statistics.lines import background_columns, describe, prepare_line, rescale, solve_powers, waveform_columns
+from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powers, waveform_columns
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
@@ -40,7 +40,7 @@ def deblend(groups, decay_rate):
 
     Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of eq. (1) of Yari et
     al. (2021), averaged over the parts of a group: within a part, a layer's rows have a variance v_l, which to
-    second order only widens the Gaussian. Powers and `background_columns` are free in every group and
+    second order only widens the Gaussian. Powers and `Line.background` are free in every group and
     linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset
     are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs from
     it only if the Bayesian information criterion favours it, see `departing`. Residuals are weighted by 1 / P^2 because
@@ -162,7 +162,7 @@ def _columns(shape, groups):
     for group in range(len(groups.power)):
         line = prepare_line(groups, group)
         if line is not None:
-            yield group, line, np.concatenate([waveform_columns(described, line), background_columns(line)])
+            yield group, line, np.concatenate([waveform_columns(described, line), line.background])
 
 
 def _spread_out(present):
@@ -191,7 +191,7 @@ def _normal_equations(shape, lines, deviation):
     residuals = []
     for i, line in enumerate(lines):
         columns = waveform_columns(described, line, with_slopes=True)
-        linear = np.concatenate([columns[0], background_columns(line)])
+        linear = np.concatenate([columns[0], line.background])
         n = line.layers.size
         powers, _ = solve_powers(linear, line)
         relative = (line.signal - powers @ linear) / line.scale
@@ -206,7 +206,7 @@ def _normal_equations(shape, lines, deviation):
         slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
         mixed = linear / weighed.scale @ slopes.T
         at = (3 * line.layers[line.picked, None] + np.arange(3)).ravel()
-        by_shape = cho_solve(factor, mixed)
+        by_shape = dpotrs(factor, mixed)[0]
         hessian[np.ix_(at, at)] += slopes @ slopes.T - mixed.T @ by_shape
         leverage[np.ix_(line.layers[line.picked], at)] -= by_shape[:n][line.picked]
         n_lines[line.layers[line.picked]] += 1

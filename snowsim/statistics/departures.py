@@ -3,7 +3,7 @@
 import numpy as np
 
 from snowsim.phy.waveform import waveform_exact
-from snowsim.statistics.lines import background_columns, describe, solve_powers, waveform_columns
+from snowsim.statistics.lines import describe, solve_powers, waveform_columns
 
 MISFIT_LAGS = np.arange(-3, 13)  # [bins] of a layer's echo over which misfit is looked for
 ECHO_LAGS = np.arange(-8, 13)  # [bins] from the layer, where unpicked echoes lie that overlap it
@@ -28,7 +28,7 @@ def lasting_misfit(shape, lines):
     squares = []
     for line in lines:
         columns = waveform_columns(described, line, with_slopes=True)
-        linear = np.concatenate([columns[0], background_columns(line)])
+        linear = np.concatenate([columns[0], line.background])
         powers, _ = solve_powers(linear, line)
         residual = (line.signal - powers @ linear) / line.scale
         squares.append(np.median(residual**2) / 0.455)  # the median of chi-square with one degree of freedom

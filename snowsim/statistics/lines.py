@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.lapack import dposv
 from scipy.ndimage import uniform_filter1d
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak
@@ -42,6 +42,7 @@ class Line:
     position: np.ndarray  # (layer, part)
     spread: np.ndarray  # (layer, part)
     picked: np.ndarray  # (layer,), False for unpicked layers between picked ones
+    background: np.ndarray  # columns of unpicked snow, (column, row)
     scale: np.ndarray  # residuals are weighted by 1 / scale^2, (row,)
 
 
@@ -61,9 +62,9 @@ def prepare_line(groups, group):
     if signal.size <= 2 * layers.size:
         return None
     smooth = np.maximum(uniform_filter1d(signal, 9, mode="nearest") + groups.noise_power, groups.noise_power)
-    return Line(
-        rows[used], signal, groups.noise_power, smooth, layers, position, spread, np.isin(layers, picked), smooth
-    )
+    background = _background_columns(rows[used], position.mean(axis=1), layers[0] == 0)
+    within = (rows[used], signal, groups.noise_power, smooth, layers, position, spread, np.isin(layers, picked))
+    return Line(*within, background, smooth)
 
 
 def _between(layers, picked, values):
@@ -124,14 +125,17 @@ def describe(shape):
 
 
 def solve_powers(columns, line):
-    """Least-squares powers of a line, (layer,), and the factor of their normal matrix."""
+    """Least-squares powers of a line, (layer,), and the upper Cholesky factor of their normal matrix."""
     weighted = columns / line.scale
     normal = weighted @ weighted.T
     # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far below the noise.
     normal[np.diag_indices_from(normal)] *= 1 + 1e-9
     normal[np.diag_indices_from(normal)] += 1e-300
-    factor = cho_factor(normal)
-    return cho_solve(factor, weighted @ (line.signal / line.scale)), factor
+    factor, powers, refused = dposv(normal, weighted @ (line.signal / line.scale))  # SciPy's own checks cost as much
+    if refused:
+        msg = f"normal matrix of a line of {len(columns)} columns is not positive definite"
+        raise np.linalg.LinAlgError(msg)
+    return powers, factor
 
 
 def rescale(line, model):
@@ -139,16 +143,14 @@ def rescale(line, model):
     line.scale = np.maximum(model + line.noise_power, line.smooth)
 
 
-def background_columns(line):
+def _background_columns(rows, pick, has_surface):
     """Power of unpicked snow, no free shape: by e-folding depth of its decline, then an echo a slab, (column, row).
 
     Power from scatterers of density exp(-z / fall) is that exponential less the waveform's, ``exp(-rise z)``. It keeps
     a decline that continues below a layer's own decay from being taken for the layer's; so does an echo halfway
     between two picks with the power of crusts there. One is enough: many could stand for a slower decay.
     """
-    pick = line.position.mean(axis=1)
-    depth = np.maximum(line.rows - (pick[0] if line.layers[0] == 0 else 0.0), 0)
+    depth = np.maximum(rows - (pick[0] if has_surface else 0.0), 0)
     declines = [np.exp(-depth / fall) - np.exp(-BACKGROUND_RISE * depth) for fall in BACKGROUND_FALLS]
     echo = (pick[:-1] + np.diff(pick) / 2)[np.diff(pick) >= ECHO_ROOM]
-    lag = line.rows - echo[:, None]
-    return np.concatenate([declines, waveform_exact(lag, ECHO_VARIANCE, BACKGROUND_RISE)])
+    return np.concatenate([declines, waveform_exact(rows - echo[:, None], ECHO_VARIANCE, BACKGROUND_RISE)])
