@@ -1,6 +1,6 @@
 """Layers solved for jointly: powers and a shared waveform of eq. (1) on averaged range lines, noise known."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg.lapack import dpotrs
@@ -197,20 +197,21 @@ def _normal_equations(shape, lines, deviation):
         relative = (line.signal - powers @ linear) / line.scale
         # Solved again with less weight on residuals above the model.
         above = np.maximum(relative, 0) / (CAUCHY * deviation)
-        weighed = replace(line, scale=line.scale * np.sqrt(1 + above**2))
-        powers, factor = solve_powers(linear, weighed)
+        scale = line.scale * np.sqrt(1 + above**2)
+        powers, factor = solve_powers(linear, line, scale)
         model = powers @ linear
         residuals.append((line.signal - model) / line.scale)
         # Unpicked layers between picks help to explain the line, but at guessed rows do not constrain their shape.
-        slopes = (columns[1:] * powers[:n, None] / weighed.scale)[:, line.picked]
+        slopes = (columns[1:] * powers[:n, None] / scale)[:, line.picked]
         slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
-        mixed = linear / weighed.scale @ slopes.T
-        at = (3 * line.layers[line.picked, None] + np.arange(3)).ravel()
+        mixed = linear / scale @ slopes.T
+        layers = line.layers[line.picked]
+        at = (3 * layers[:, None] + np.arange(3)).ravel()
         by_shape = dpotrs(factor, mixed)[0]
-        hessian[np.ix_(at, at)] += slopes @ slopes.T - mixed.T @ by_shape
-        leverage[np.ix_(line.layers[line.picked], at)] -= by_shape[:n][line.picked]
-        n_lines[line.layers[line.picked]] += 1
-        scores[i, at] = slopes @ ((line.signal - model) / weighed.scale)
+        hessian[at[:, None], at] += slopes @ slopes.T - mixed.T @ by_shape
+        leverage[layers[:, None], at] -= by_shape[:n][line.picked]
+        n_lines[layers] += 1
+        scores[i, at] = slopes @ ((line.signal - model) / scale)
         rescale(line, model)
     leverage /= np.maximum(n_lines, 1)[:, None]
     residuals = np.concatenate(residuals)

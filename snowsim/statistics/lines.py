@@ -124,14 +124,19 @@ def describe(shape):
     return Described(decay, variance, shape[:, 2], *waveform_peak(variance, decay))
 
 
-def solve_powers(columns, line):
-    """Least-squares powers of a line, (layer,), and the upper Cholesky factor of their normal matrix."""
-    weighted = columns / line.scale
+def solve_powers(columns, line, scale=None):
+    """Least-squares powers of a line, (layer,), and the upper Cholesky factor of their normal matrix.
+
+    Residuals have the weights of the line's own scale where no other is given.
+    """
+    scale = line.scale if scale is None else scale
+    weighted = columns / scale
     normal = weighted @ weighted.T
     # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far below the noise.
-    normal[np.diag_indices_from(normal)] *= 1 + 1e-9
-    normal[np.diag_indices_from(normal)] += 1e-300
-    factor, powers, refused = dposv(normal, weighted @ (line.signal / line.scale))  # SciPy's own checks cost as much
+    diagonal = np.einsum("ii->i", normal)  # a view
+    diagonal *= 1 + 1e-9
+    diagonal += 1e-300
+    factor, powers, refused = dposv(normal, weighted @ (line.signal / scale))  # SciPy's own checks cost as much
     if refused:
         msg = f"normal matrix of a line of {len(columns)} columns is not positive definite"
         raise np.linalg.LinAlgError(msg)
