@@ -163,7 +163,8 @@ def fading(products, speckle):
         kernel = variance * np.exp(-((np.arange(BLOCK_LINES) / length) ** exponent))
         above = np.cumsum(kernel)
         with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
-        removed = 2 * np.array([with_mean[lag:].mean() for lag in lags]) - with_mean.mean()
+        below = np.cumsum(with_mean[::-1])[::-1][lags] / (BLOCK_LINES - lags)
+        removed = 2 * below - with_mean.mean()
         return kernel[lags] - removed - speckle / BLOCK_LINES
 
     first = [np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5]
