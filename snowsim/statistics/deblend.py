@@ -57,8 +57,7 @@ def deblend(groups, decay_rate):
     cluster = np.array([group for group, line in prepared.items() if line is not None])
     cluster //= int(np.clip(len(groups.power) // FEWEST_CLUSTERS, 1, CLUSTER_GROUPS))
     kind = np.minimum(np.arange(n_layers), 1)
-    starts = _starts(decay_rate, kind)
-    tried = (_solve(start, kind, lines, STEPS_TRIED) for start in starts)
+    tried = (_solve(start, kind, lines, STEPS_TRIED) for start in _starts(decay_rate, kind))
     solution = _solve(min(tried, key=lambda found: found.loss).shape_of_kind, kind, lines)
     # Misfit that no shape explains is estimated with a shape for every layer.
     lasting = lasting_misfit(
@@ -110,10 +109,9 @@ def _of_kind(kind):
 def _solve(start, kind, lines, n_steps=MAX_STEPS):
     """`Solution` from a start (kind, 3), by Gauss-Newton steps that each reweight the residuals."""
     spread = _of_kind(kind)
-    shape, last = start, np.inf
+    shape, last, deviation = start, np.inf, np.inf
     for line in lines:
         line.scale = line.smooth
-    deviation = np.inf
     for _ in range(n_steps):
         hessian, gradient, scores, leverage, deviation, loss = _normal_equations(shape[kind], lines, deviation)
         information = deviation**2 / np.tile(PRIOR_DEVIATION, len(shape)) ** 2
@@ -187,8 +185,7 @@ def _normal_equations(shape, lines, deviation):
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
     scores = np.zeros((len(lines), 3 * n_layers))
     leverage, n_lines = np.zeros((n_layers, 3 * n_layers)), np.zeros(n_layers)
-    described = describe(shape)
-    residuals = []
+    described, residuals = describe(shape), []
     for i, line in enumerate(lines):
         columns = waveform_columns(described, line, with_slopes=True)
         linear = np.concatenate([columns[0], line.background])

@@ -24,8 +24,7 @@ def lasting_misfit(shape, lines):
     it. From that follows the part that looks like another shape.
     """
     n_layers, described = len(shape), describe(shape)
-    profiles, n_lines = np.zeros((n_layers, 6, MISFIT_LAGS.size)), np.zeros(n_layers)
-    squares = []
+    profiles, n_lines, squares = np.zeros((n_layers, 6, MISFIT_LAGS.size)), np.zeros(n_layers), []
     for line in lines:
         columns = waveform_columns(described, line, with_slopes=True)
         linear = np.concatenate([columns[0], line.background])

@@ -125,10 +125,7 @@ def describe(shape):
 
 
 def solve_powers(columns, line, scale=None):
-    """Least-squares powers of a line, (layer,), and the upper Cholesky factor of their normal matrix.
-
-    Residuals have the weights of the line's own scale where no other is given.
-    """
+    """Least-squares powers of a line, (layer,), by its scale or another; upper Cholesky factor of the normal matrix."""
     scale = line.scale if scale is None else scale
     weighted = columns / scale
     normal = weighted @ weighted.T

@@ -163,13 +163,11 @@ def fading(products, speckle):
         kernel = variance * np.exp(-((np.arange(BLOCK_LINES) / length) ** exponent))
         above = np.cumsum(kernel)
         with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
-        below = np.cumsum(with_mean[::-1])[::-1][lags] / (BLOCK_LINES - lags)
-        removed = 2 * below - with_mean.mean()
+        removed = 2 * np.cumsum(with_mean[::-1])[::-1][lags] / (BLOCK_LINES - lags) - with_mean.mean()
         return kernel[lags] - removed - speckle / BLOCK_LINES
 
-    first = [np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5]
     bounds = ([np.log(1e-4), 0.0, 0.3], [np.log(1e3), np.log(4.0 * BLOCK_LINES), 2.0])
-    first = np.clip(first, *bounds)
+    first = np.clip([np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5], *bounds)
     fit = least_squares(lambda p: (expected(p) - covariance)[1:] * np.sqrt(n[1:] / n[1]), first, bounds=bounds)
     at_zero = expected(fit.x)[0]
     return np.array([np.exp(fit.x[0] / 2), np.exp(fit.x[1]), fit.x[2], covariance[0] - at_zero * products[0, 2] / n[0]])
