@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
-from snowsim.statistics.deblend import deblend, model_lines
+from snowsim.statistics.deblend import deblend
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
@@ -39,7 +39,7 @@ def paper_values(measured):
 
 def deblended_values(measured, groups):
     """Values by layer of the joint solution, with mean waveforms; and powers (group, layer)."""
-    shape, error, powers, power_error, own_shape = deblend(groups, measured.decay)
+    shape, error, powers, power_error, own_shape, modelled = deblend(groups, measured.decay)
     decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
     power, _, n_groups = nan_moments(powers)
     reliable = (n_groups > 0) & (power > 2 * power_error)
@@ -57,7 +57,7 @@ def deblended_values(measured, groups):
         (waveform_width(variance, decay * (1 + 1e-4)) - width) / 1e-4 * error[:, 0],
         (waveform_width(variance * (1 + 1e-4), decay) - width) / 1e-4 * error[:, 1],
     )
-    observed, modelled = _mean_waveforms(groups, model_lines(shape, groups))
+    observed, modelled = _mean_waveforms(groups, modelled)
     peak_offset, peak_value = waveform_peak(variance, decay)
     lag = LAGS - (shape[:, 2] - peak_offset)[:, None]
     alone = peak_power[0][:, None] * waveform_exact(lag, variance[:, None], decay[:, None]) / peak_value[:, None]

@@ -35,8 +35,8 @@ def deblend(groups, decay_rate):
     From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their medians are the start.
     Returns shapes (layer, 3), log decay rate, log variance and distance of the waveform's peak below the pick [bins];
     their standard errors; peak powers above noise, background and neighbours (group, layer), NaN where absent; the
-    standard error of their mean, (layer,), from their scatter and the errors of the shapes; and which layers have a
-    shape of their own, bool (layer,).
+    standard error of their mean, (layer,), from their scatter and the errors of the shapes; which layers have a shape
+    of their own, bool (layer,); and the fitted lines with their noise, (group, row), NaN where no row was used.
 
     Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of eq. (1) of Yari et
     al. (2021), averaged over the parts of a group: within a part, a layer's rows have a variance v_l, which to
@@ -72,11 +72,11 @@ def deblend(groups, decay_rate):
         solution = _solve(start, kind, lines)
     shape, covariance = _with_covariance(solution, cluster, kind)
     shape_error = np.sqrt(np.diag(covariance)).reshape(n_layers, 3)
-    powers = _powers(shape, groups)
+    powers, modelled = _powers(shape, groups)
     _, scatter, _ = nan_moments(powers)
     leverage = solution.leverage
     power_error = np.sqrt(scatter**2 + np.einsum("li,ij,lj->l", leverage, covariance, leverage))
-    return shape, shape_error, powers, power_error, kind > 1
+    return shape, shape_error, powers, power_error, kind > 1, modelled
 
 
 @dataclass(frozen=True)
@@ -146,23 +146,6 @@ def _with_covariance(solution, cluster, kind):
     return solution.shape_of_kind[kind], spread @ inverse @ scatter @ inverse @ spread.T
 
 
-def model_lines(shape, groups):
-    """Averaged lines of the fitted model with its noise, (group, row), in the rows the fit used; NaN elsewhere."""
-    lines = np.full(groups.power.shape, np.nan)
-    for group, line, columns in _columns(shape, groups):
-        lines[group, line.rows - FIRST_ROW] = solve_powers(columns, line)[0] @ columns + groups.noise_power
-    return lines
-
-
-def _columns(shape, groups):
-    """Yield the number of each group that can be fitted, its `Line` and its linear model."""
-    described = describe(shape)
-    for group in range(len(groups.power)):
-        line = prepare_line(groups, group)
-        if line is not None:
-            yield group, line, np.concatenate([waveform_columns(described, line), line.background])
-
-
 def _spread_out(present):
     """Groups to fit shapes to, sorted: for each layer, deepest first, evenly spaced ones until it has enough."""
     chosen = np.zeros(len(present), dtype=bool)
@@ -219,10 +202,19 @@ def _normal_equations(shape, lines, deviation):
 
 
 def _powers(shape, groups):
-    """Peak powers of all groups, (group, layer), NaN where a layer was not picked."""
-    powers = np.full(groups.present.shape, np.nan)
-    for group, line, columns in _columns(shape, groups):
-        first, _ = solve_powers(columns, line)
-        rescale(line, first @ columns)
+    """Peak powers of all groups, (group, layer), NaN where a layer was not picked; their lines as first fitted.
+
+    The latter are (group, row), with the noise, in the rows the fit used; NaN elsewhere.
+    """
+    powers, modelled = np.full(groups.present.shape, np.nan), np.full(groups.power.shape, np.nan)
+    described = describe(shape)
+    for group in range(len(groups.power)):
+        line = prepare_line(groups, group)
+        if line is None:
+            continue
+        columns = np.concatenate([waveform_columns(described, line), line.background])
+        model = solve_powers(columns, line)[0] @ columns
+        modelled[group, line.rows - FIRST_ROW] = model + groups.noise_power
+        rescale(line, model)
         powers[group, line.layers] = solve_powers(columns, line)[0][: line.layers.size]
-    return np.where(groups.present, powers, np.nan)
+    return np.where(groups.present, powers, np.nan), modelled
