@@ -59,9 +59,9 @@ class Settings:
         `unet`: see `snowsim.tracker.network`.
     """
 
-    width: int = 8
-    n_steps: int = 1250
-    batch_size: int = 2
+    width: int = 4
+    n_steps: int = 1000
+    batch_size: int = 4
     n_accumulated: int = 1
     n_range_bins: int | None = 192
     n_range_lines: int | None = 128
@@ -69,7 +69,7 @@ class Settings:
     flip: bool = True
     augmentation: str = "drawn"
     optimiser: str = "adamw"
-    learning_rate: float = 2e-3
+    learning_rate: float = 1e-3
     weight_decay: float = 1e-2
     schedule: str = "one_cycle"
     n_steps_per_tenth: int = 10_000

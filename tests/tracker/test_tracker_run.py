@@ -27,7 +27,7 @@ def scene_files(tmp_path):
 def arguments(folder, scene_files):
     """Arguments of the script, its files in `folder`."""
     options = {"seed": 1, "replica": "0", "device": "cpu", "n_epochs": None, "skip": 0, "checkpoint_steps": 10}
-    settings = {"width": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
+    settings = {"width": 2, "batch_size": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
     scenes = {"real": [scene_files[0]], "phy": [scene_files[1]], "cgan": [], "data": {"added_per_real": 0.6}}
     return scenes | options | paths_in(folder, network="network.safetensors") | {"settings": settings}
 
