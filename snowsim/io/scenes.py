@@ -100,7 +100,7 @@ class SceneSet:
     def __init__(self, paths):
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
-        self._where = []  # (file, index in it, its rows by ragged dimension)
+        self._where = []  # (file, index in it, rows by ragged dimension, name, notes and numbers)
         self.zones = []
         for path in paths:
             self._index(path)
@@ -116,31 +116,31 @@ class SceneSet:
         if getattr(file, "format", None) != FORMAT:
             msg = f"{path}: expected attribute format '{FORMAT}', got {getattr(file, 'format', None)!r}"
             raise ValueError(msg)
-        file.set_auto_mask(False)
-        counts = {"pixel_row": "n_range_bins", "layer_row": "n_layers", "complete_row": "n_complete_layers"}
-        ends = {row: np.cumsum(file[name][:]) for row, name in counts.items() if name in file.variables}
+        file.set_auto_maskandscale(False)
         self._files.append(file)
-        for i in range(len(file.dimensions["scene"])):
-            spans = {row: slice(end[i - 1] if i else 0, end[i]) for row, end in ends.items()}
-            self._where.append((file, i, spans))
-        self.zones += [int(zone) for zone in file["zone"][:]]
+        counts = {"pixel_row": "n_range_bins", "layer_row": "n_layers", "complete_row": "n_complete_layers"}
+        with library_errors(path, "scenes", "ones that can be read"):
+            ends = {row: np.cumsum(file[name][:]) for row, name in counts.items() if name in file.variables}
+            for i, rest in enumerate(zip(*(file[name][:].tolist() for name in ("name", "notes", *NUMBERS)), strict=True)):
+                spans = {row: slice(end[i - 1] if i else 0, end[i]) for row, end in ends.items()}
+                self._where.append((file, i, spans, rest))
+            self.zones += file["zone"][:].tolist()
 
     def __len__(self):
         return len(self._where)
 
     def __getitem__(self, item):
-        file, index, spans = self._where[item]
+        file, index, spans, (scene, notes, *numbers) = self._where[item]
         with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
-            n_range_bins = int(file["n_range_bins"][index])
             arrays = {}
             for name, (_, dtype) in ARRAYS.items():
                 if name in file.variables:
                     # Files of 0.1.0 hold as many complete layers as labelled ones, in the same rows.
                     values = np.asarray(file[name][spans[file[name].dimensions[0]]])
                     arrays[name] = values if dtype == "u1" else values.astype(float)
-            numbers = {name: file[name][index].item() for name in NUMBERS}
-            notes = json.loads(file["notes"][index])
-            return Scene(str(file["name"][index]), n_range_bins, **arrays, **numbers, notes=notes)
+            numbers = dict(zip(NUMBERS, numbers, strict=True))
+            n_range_bins = int(spans["pixel_row"].stop - spans["pixel_row"].start)
+            return Scene(scene, n_range_bins, **arrays, **numbers, notes=json.loads(notes))
 
     def close(self):
         """Close the files."""
