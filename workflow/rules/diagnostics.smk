@@ -342,7 +342,7 @@ rule measure_phy:
         n_layers=15,
         n_range_lines=256,
         n_range_bins=256,
-        n_rounds=7,
+        n_rounds=5,
         seed=config["seed"],
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],
