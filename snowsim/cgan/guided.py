@@ -35,7 +35,7 @@ def guide_of(scene, mean_power, power):
 
 
 def guide_map(guide, layer_bins, n_range_bins):
-    """`place_map`, mean and speckle of a guide, float32 (range_bin, range_line, 4)."""
+    """`place_map`, mean and speckle of a guide, float32 (range_bin, range_line, 5)."""
     maps = np.stack([guide.mean, guide.speckle], axis=2)
     return np.concatenate([place_map(guide, layer_bins, n_range_bins).astype(np.float32), maps], axis=2)
 

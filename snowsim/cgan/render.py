@@ -12,7 +12,7 @@ from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
 
-def render(generator, scene, settings, *, rng):
+def render(generator, scene, settings, *, brightness=None, rng):
     """Echogram of the layers of a `Scene`, the whole at once: uint8, (range_bin, range_line), of any size.
 
     It does not depend on which others are rendered, in what order or by how many processes.
@@ -25,19 +25,21 @@ def render(generator, scene, settings, *, rng):
     settings : Settings
         Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise is.
         FloatingPointError if a pixel is not finite.
+    brightness : array_like, (layer, range_line), optional
+        Of the layers in decibels above an image's 0, by the uppermost's mean; by default that of the image, or 1.
     rng : numpy.random.Generator
     """
     mask = scene.mask()
     if not mask.any():
         msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel in {mask.shape}"
         raise ValueError(msg)
-    depths, slabs = np.moveaxis(place_map(scene, scene.layer_bins, scene.n_range_bins), 2, 0)[:, None]
-    inputs = conditions(settings.method, mask[None], depths)
+    places = place_map(scene, scene.layer_bins, scene.n_range_bins, brightness)[None]
+    inputs = conditions(settings.method, mask[None], places)
     if settings.method == "guided":
         inputs = torch.cat([inputs, torch.from_numpy(scene.mean)[None, None]], dim=1)
     generator.eval()
     device = next(generator.parameters()).device
-    noise = generator.draw_noise(slabs, dropout=settings.dropout, rng=rng)
+    noise = generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise)
         grain = generator.grain(noise, *mask.shape)

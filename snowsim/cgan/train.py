@@ -119,16 +119,16 @@ def _draw_batch(training, held, n_scenes, guides, rng):
     # Half a grey level of dither: that observed images are whole numbers must not tell them from rendered ones.
     dither = (rng.random(images.shape, dtype=np.float32) - np.float32(0.5))[:, None] / 127.5
     image = (to_signed(images) + torch.from_numpy(dither)).to(device)
-    given = conditions(settings.method, masks & (settings.method != "guided"), places[..., 0]).to(device)
+    given = conditions(settings.method, masks & (settings.method != "guided"), places).to(device)
     if settings.method != "guided":
         noise = training.generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
         return Batch(given, noise, (given, given), image, image)
     _, masks, maps = crops(guides.__getitem__, len(guides), "guides", guide_map)
-    depths, slabs, mean, speckle = np.moveaxis(maps, 3, 0)
+    slabs, _, mean, speckle = np.moveaxis(maps[..., 1:], 3, 0)
     noise = training.generator.draw_noise(slabs.astype(int), dropout=settings.dropout, rng=rng)
     base, mean = (torch.from_numpy(values)[:, None].to(device) for values in (mean + speckle, mean.copy()))
-    inputs = torch.cat([conditions("guided", masks, depths).to(device), mean], dim=1)
-    return Batch(inputs, noise, (given, conditions("guided", masks & False, depths).to(device)), image, base, base)
+    inputs = torch.cat([conditions("guided", masks, maps).to(device), mean], dim=1)
+    return Batch(inputs, noise, (given, conditions("guided", masks & False, maps).to(device)), image, base, base)
 
 
 def _step(training, batch):

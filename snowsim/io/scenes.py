@@ -121,7 +121,8 @@ class SceneSet:
         counts = {"pixel_row": "n_range_bins", "layer_row": "n_layers", "complete_row": "n_complete_layers"}
         with library_errors(path, "scenes", "ones that can be read"):
             ends = {row: np.cumsum(file[name][:]) for row, name in counts.items() if name in file.variables}
-            for i, rest in enumerate(zip(*(file[name][:].tolist() for name in ("name", "notes", *NUMBERS)), strict=True)):
+            columns = (file[name][:].tolist() for name in ("name", "notes", *NUMBERS))
+            for i, rest in enumerate(zip(*columns, strict=True)):
                 spans = {row: slice(end[i - 1] if i else 0, end[i]) for row, end in ends.items()}
                 self._where.append((file, i, spans, rest))
             self.zones += file["zone"][:].tolist()

@@ -9,8 +9,9 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene, toy_scenes
 from trainings import begun
 
-from snowsim.cgan import Settings, Training, health, render
-from snowsim.cgan.health import checkerboard, faults, measure_losses, measure_renders
+from lib import cgan_health as health
+from lib.cgan_health import checkerboard, faults, measure_losses, measure_renders
+from snowsim.cgan import Settings, Training, render
 
 PIX2PIX = {"method": "pix2pix", "statistics": "scene", "dropout": 0.5}
 SIZE = {"width": 8, "depth": 4, "n_strided": 2, "n_range_bins": 64, "n_range_lines": 64}

@@ -3,9 +3,9 @@
 import dataclasses
 import time
 
+from lib.cgan_health import WINDOW_STEPS, faults, measure_losses, measure_renders
 from lib.patch_distance import scenes_distance
-from snowsim.cgan import Training, faults, measure_losses, measure_renders, train_steps, validate
-from snowsim.cgan.health import WINDOW_STEPS
+from snowsim.cgan import Training, train_steps, validate
 from snowsim.patches import draw_index
 
 N_SAMPLES = 3  # scenes of the sample sheet

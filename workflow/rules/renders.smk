@@ -58,6 +58,7 @@ rule render_cgan:
     input:
         layers=layers_of,
         generator="results/cgan/generator.safetensors",
+        statistics="results/statistics.nc",
         code=imported_by("render_cgan.py"),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",

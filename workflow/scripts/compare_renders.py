@@ -47,7 +47,8 @@ def compare_renders(
             rendered = dict(zip(("cgan", "phy"), renders, strict=True))
             rows += similarity.explain_scene(truth, rendered, n_looks, rng=stream(truth.name))
             of_errors += similarity.explain_errors(truth, rendered)
-    (render_by_cgan, _), flight = scene_renderer(generator, device), read_dataset(statistics)
+    flight = read_dataset(statistics)
+    render_by_cgan, _ = scene_renderer(generator, flight, device)
     renderers = {
         "cgan": lambda scene: render_by_cgan(scene, stream("cgan", scene.name)),
         "phy": lambda scene: render_scene(scene, flight, **conventions, rng=stream("phy", scene.name)).image,

@@ -4,23 +4,30 @@ import dataclasses
 
 from job import logger, progress, run
 
+from lib.guides import expected_brightness
 from lib.scope import outside
 from snowsim.cgan import Settings, render, trained_generator
+from snowsim.io.files import read_dataset
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.seeding import random_stream
 
 
-def scene_renderer(path_to_generator, device):
+def scene_renderer(path_to_generator, flight, device):
     """Function that renders a scene by a trained generator, given a random generator; and what it was trained on."""
     weights, metadata = read_model(path_to_generator, {"kind": "cgan generator"})
     settings = Settings(**metadata["settings"])
     network = trained_generator(weights, settings, device=device)
-    return lambda scene, rng: render(network, scene, settings, rng=rng), metadata["scope"]
+
+    def by_network(scene, rng):
+        brightness = expected_brightness(scene, flight) if settings.method == "depth" else None
+        return render(network, scene, settings, brightness=brightness, rng=rng)
+
+    return by_network, metadata["scope"]
 
 
-def render_shard(layers, generator, scenes, *, seed, device, source):
-    render_scene, scope = scene_renderer(generator, device)
+def render_shard(layers, generator, statistics, scenes, *, seed, device, source):
+    render_scene, scope = scene_renderer(generator, read_dataset(statistics), device)
     beyond = []
 
     def rendered(scene):

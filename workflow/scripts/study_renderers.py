@@ -24,8 +24,8 @@ def compare(
 ):  # fmt: skip
     flight = read_dataset(statistics)
     stream = partial(random_stream, seed, "render_phy")
-    by_network = {"cgan": scene_renderer(cgan, device), "guided": scene_renderer(guided, device)}
-    by_network["l1"] = scene_renderer(l1, device)
+    by_network = {"cgan": scene_renderer(cgan, flight, device), "guided": scene_renderer(guided, flight, device)}
+    by_network["l1"] = scene_renderer(l1, flight, device)
     guides = Guides([], flight, phy, seed=seed)
 
     def by_phy(scene):

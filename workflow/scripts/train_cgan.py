@@ -5,11 +5,12 @@ import dataclasses
 from job import logger, run
 from torch.utils.data import Subset
 
+from lib.cgan_health import faults
 from lib.cgan_training import Collapsed, Validation, held_out, sample_scenes
 from lib.guides import Guides
 from lib.scope import scope_of
 from lib.training import TrainingRun, check_memory, enough_memory
-from snowsim.cgan import Settings, Training, faults, least_bytes, train_steps
+from snowsim.cgan import Settings, Training, least_bytes, train_steps
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
