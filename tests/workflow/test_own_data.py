@@ -154,7 +154,7 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     done = run_snakemake(tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800)
     assert "left out: realism: it compares the synthetic flight with observed values" in text_of(done)
     results = tmp_path / "results"
-    # Images and masks are those of the reference run, so what never saw the statistics scores the same: no render.
+    # Images and masks are those of the reference run, so what never saw the statistics scores the same. Renders did.
     for table, same in {"table2": [], "table3": ["rd_ods", "rd_ois", "rd_ap"]}.items():
         ours, theirs = (pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported))
         assert list(ours.columns) == list(theirs.columns)
