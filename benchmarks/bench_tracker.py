@@ -58,7 +58,8 @@ def plain_steps(settings, scenes):
     for step in range(settings.n_steps):
         rng = random_stream(SEED, "tracker", "step", step)
         rng.integers(len(settings.scales))
-        images, masks = draw_patches([scenes[step]], settings.n_range_bins, settings.n_range_lines, rng=rng)
+        batch = [scenes[step * settings.batch_size + number] for number in range(settings.batch_size)]
+        images, masks = draw_patches(batch, settings.n_range_bins, settings.n_range_lines, rng=rng)
         layer = torch.from_numpy(masks)[:, None].float()
         logits = network(network.to_input(images))
         weight = torch.where(layer > 0, 1 - settings.layer_share, settings.layer_share)
