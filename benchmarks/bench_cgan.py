@@ -1,11 +1,13 @@
 """Cost of training the conditional GAN: against a plain PyTorch loop of the same networks, and at the paper's scale.
 
-``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager, float32, contiguous
-layout, Adam as it comes) on the same scenes, trains both for as many steps from the same weights and prints the ratio
-of their cost beside their losses. It fails where the package is slower.
+``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager,
+float32, contiguous layout, Adam as it comes) on the same scenes, trains both for as many steps from
+the same weights and prints the ratio of their cost beside their losses. It fails where the package
+is slower.
 
-``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless told) of the training
-that config/paper.yaml asks for, on a GPU where there is one, and prints what the whole would take.
+``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless
+told) of the training that config/paper.yaml asks for, on a GPU where there is one, and prints what
+the whole would take.
 """
 
 import dataclasses
@@ -41,7 +43,9 @@ def draw_scene(number, n_range_bins, n_range_lines=256, n_layers=8):
     layer_bins = 50 + np.arange(n_layers)[:, None] * rng.uniform(15, 25) + wave
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None]
     strength = rng.uniform(0.3, 1, (n_layers, 1, 1))
-    level = 60 + 150 * (strength * np.exp(-np.where(below < 0, 4 * below**2, below / 12))).max(axis=0)
+    level = 60 + 150 * (strength * np.exp(-np.where(below < 0, 4 * below**2, below / 12))).max(
+        axis=0
+    )
     image = np.minimum(np.rint(level * rng.gamma(16, 1 / 16, level.shape)), 255)
     return Scene(f"scene {number}", n_range_bins, layer_bins, image.astype(np.uint8))
 
@@ -59,7 +63,9 @@ def plain_steps(settings, scenes):
     for step in range(settings.n_steps):
         scene = scenes[draw_index(len(scenes), step, SEED, "cgan", "scenes")]
         rng = random_stream(SEED, "cgan", "step", step)
-        images, masks = draw_patches([scene], settings.n_range_bins, settings.n_range_lines, rng=rng)
+        images, masks = draw_patches(
+            [scene], settings.n_range_bins, settings.n_range_lines, rng=rng
+        )
         mask, image = to_signed(masks), to_signed(images)
         for adam in adams:
             for group in adam.param_groups:
@@ -67,7 +73,9 @@ def plain_steps(settings, scenes):
         noise = generator.draw_noise(np.zeros(masks.shape, int), dropout=settings.dropout, rng=rng)
         fake = generator(mask, noise)
         on_real, on_fake = discriminator(mask, image), discriminator(mask, fake.detach())
-        of_discriminator = 0.5 * (bce(on_real, torch.ones_like(on_real)) + bce(on_fake, torch.zeros_like(on_fake)))
+        of_discriminator = 0.5 * (
+            bce(on_real, torch.ones_like(on_real)) + bce(on_fake, torch.zeros_like(on_fake))
+        )
         adams[1].zero_grad()
         of_discriminator.backward()
         adams[1].step()
@@ -87,21 +95,38 @@ def package_steps(settings, scenes):
 
 def compare(settings):
     """Ratio of a plain step's cost to the package's."""
-    scenes = [draw_scene(number, n_range_bins) for number, n_range_bins in enumerate((300, 300, 300, 400, 520))]
+    scenes = [
+        draw_scene(number, n_range_bins)
+        for number, n_range_bins in enumerate((300, 300, 300, 400, 520))
+    ]
     loops = {"package": package_steps, "plain": plain_steps}
     for name, loop in loops.items():
-        trained = dataclasses.replace(settings, n_steps=N_TRAINED, precision=precision_of(name, settings))
+        trained = dataclasses.replace(
+            settings, n_steps=N_TRAINED, precision=precision_of(name, settings)
+        )
         late = [losses for _, losses in loop(trained, scenes)][-N_TRAINED // 3 :]
         means = {key: np.mean([losses[key] for losses in late]) for key in late[0]}
-        log.info("%-8s %s after %d steps", name, {k: round(float(v), 4) for k, v in means.items()}, N_TRAINED)
+        log.info(
+            "%-8s %s after %d steps",
+            name,
+            {k: round(float(v), 4) for k, v in means.items()},
+            N_TRAINED,
+        )
     endless = {
-        name: loop(dataclasses.replace(settings, n_steps=10**9, precision=precision_of(name, settings)), scenes)
+        name: loop(
+            dataclasses.replace(settings, n_steps=10**9, precision=precision_of(name, settings)),
+            scenes,
+        )
         for name, loop in loops.items()
     }
-    works = {name: lambda steps=steps: [next(steps) for _ in scenes] for name, steps in endless.items()}
+    works = {
+        name: lambda steps=steps: [next(steps) for _ in scenes] for name, steps in endless.items()
+    }
     # Processor time: other work on the machine does not count.
     runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
-    cost = {name: np.median([s for run, _, s in runs if run == name]) / len(scenes) for name in works}
+    cost = {
+        name: np.median([s for run, _, s in runs if run == name]) / len(scenes) for name in works
+    }
     ratios = [
         plain / package
         for (_, _, package), (_, _, plain) in zip(runs[0::2], runs[1::2], strict=True)
@@ -123,7 +148,10 @@ def project_paper(seconds):
     settings = Settings(**{**default, **paper})
     device = "cuda" if torch.cuda.is_available() else "cpu"
     # Heights as the benchmark has them: half of the scenes 300 rows, the others up to 750.
-    scenes = [draw_scene(number, height) for number, height in enumerate((300, 300, 300, 300, 330, 400, 500, 700))]
+    scenes = [
+        draw_scene(number, height)
+        for number, height in enumerate((300, 300, 300, 300, 330, 400, 500, 700))
+    ]
     steps = train_steps(Training(settings, seed=SEED, device=device), scenes)
     for _ in scenes:  # one of every height to warm up
         next(steps)
@@ -145,5 +173,7 @@ if __name__ == "__main__":
     if "--paper" in sys.argv:
         given = sys.argv[sys.argv.index("--paper") + 1 :]
         project_paper(float(given[0]) if given else 60.0)
-    elif compare(Settings(method="pix2pix", statistics="scene", width=16, depth=8, dropout=0.5)) < 1:
+    elif (
+        compare(Settings(method="pix2pix", statistics="scene", width=16, depth=8, dropout=0.5)) < 1
+    ):
         sys.exit("a step is slower than a plain loop's")

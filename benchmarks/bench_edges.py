@@ -1,7 +1,7 @@
 """Cost of edge scores: against the reference's seconds, against sparse assignment, and for a whole Table III.
 
-Run as ``python benchmarks/bench_edges.py``; it prints ratios and fails where one misses its target. Maps are made here,
-so no other file is needed.
+Run as ``python benchmarks/bench_edges.py``; it prints ratios and fails where one misses its target.
+Maps are made here, so no other file is needed.
 """
 
 import logging
@@ -41,9 +41,13 @@ def draw_map(shape, n_layers, *, rng):
     """An edge map such as a tracker makes (fading, displaced, noisy, 3 pixels wide) and its truth."""
     n_rows, n_lines = shape
     wave = gaussian_filter1d(rng.standard_normal((n_layers, n_lines)), 15, axis=1)
-    spacing = (n_rows - n_rows // 4) / n_layers * np.abs(1 + 0.3 * rng.standard_normal((n_layers, 1)))
+    spacing = (
+        (n_rows - n_rows // 4) / n_layers * np.abs(1 + 0.3 * rng.standard_normal((n_layers, 1)))
+    )
     layer_bins = n_rows / 8 + np.cumsum(np.maximum(spacing + 3 * wave, 2), axis=0)
-    displaced = layer_bins + 4 * gaussian_filter1d(rng.standard_normal(layer_bins.shape), 10, axis=1)
+    displaced = layer_bins + 4 * gaussian_filter1d(
+        rng.standard_normal(layer_bins.shape), 10, axis=1
+    )
     fading = np.clip(0.6 + 15 * gaussian_filter(rng.standard_normal(shape), 12), 0, 1)
     lines = 3 * gaussian_filter(layer_mask(displaced, n_rows).astype(float), 1.2)
     noise = 0.45 * gaussian_filter(rng.standard_normal(shape), 1.5)
@@ -53,7 +57,9 @@ def draw_map(shape, n_layers, *, rng):
 def sparse_assignment(predicted, truth):
     """Number of pairs by SciPy's minimum-cost assignment, connected component by component."""
     a, b = np.argwhere(predicted), np.argwhere(truth)
-    near = cKDTree(a).sparse_distance_matrix(cKDTree(b), MAX_DIST * np.hypot(*truth.shape), output_type="coo_matrix")
+    near = cKDTree(a).sparse_distance_matrix(
+        cKDTree(b), MAX_DIST * np.hypot(*truth.shape), output_type="coo_matrix"
+    )
     both = coo_matrix((near.data + 1, (near.row, near.col + len(a))), shape=(len(a) + len(b),) * 2)
     n_parts, part = connected_components(both, directed=False)
     n_a, row_in_part = number_in_part(part[: len(a)], n_parts)
@@ -69,7 +75,9 @@ def sparse_assignment(predicted, truth):
         price = np.concatenate([near.data[here] + 1, np.full(alone.size, 1e6)])
         rows = np.concatenate([row_in_part[near.row[here]], alone])
         columns = np.concatenate([column_in_part[near.col[here]], n_b[which] + alone])
-        graph = coo_matrix((price, (rows, columns)), shape=(alone.size, alone.size + n_b[which])).tocsr()
+        graph = coo_matrix(
+            (price, (rows, columns)), shape=(alone.size, alone.size + n_b[which])
+        ).tocsr()
         n_pairs += int((min_weight_full_bipartite_matching(graph)[1] < n_b[which]).sum())
     return n_pairs
 
@@ -78,7 +86,9 @@ def number_in_part(part, n_parts):
     """Size of every part, and every member's number within its own."""
     sizes = np.bincount(part, minlength=n_parts)
     number = np.empty(part.size, dtype=int)
-    number[np.argsort(part, kind="stable")] = np.arange(part.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    number[np.argsort(part, kind="stable")] = np.arange(part.size) - np.repeat(
+        np.cumsum(sizes) - sizes, sizes
+    )
     return sizes, number
 
 
@@ -98,11 +108,18 @@ def compare_with_reference():
     for shape, reference_s in REFERENCE_SECONDS.items():
         ours_s = []
         for n_layers in (3, 10, 22):
-            prediction, truth = draw_map(shape, n_layers, rng=random_stream(0, "reference", *shape, n_layers))
+            prediction, truth = draw_map(
+                shape, n_layers, rng=random_stream(0, "reference", *shape, n_layers)
+            )
             ours_s.append(cpu_seconds(match_counts, prediction, truth, THRESHOLDS))
             log.info("%s, %2d layers, not suppressed: %.1f ms", shape, n_layers, 1e3 * ours_s[-1])
         ratios.append(reference_s / np.mean(ours_s))
-        log.info("%s: %.0f x faster than the reference's %.1f s per image", shape, ratios[-1], reference_s)
+        log.info(
+            "%s: %.0f x faster than the reference's %.1f s per image",
+            shape,
+            ratios[-1],
+            reference_s,
+        )
     return min(ratios)
 
 
@@ -110,11 +127,15 @@ def compare_with_sparse_assignment():
     """Smallest ratio of sparse assignment's seconds to ours, at every ninth threshold scaled to all."""
     ratios = []
     for shape, n_layers in [((128, 256), 10), ((400, 256), 12)]:
-        prediction, truth = draw_map(shape, n_layers, rng=random_stream(0, "sparse", *shape, n_layers))
+        prediction, truth = draw_map(
+            shape, n_layers, rng=random_stream(0, "sparse", *shape, n_layers)
+        )
         for name, edges in (("suppressed", suppress(prediction)), ("not suppressed", prediction)):
             some = THRESHOLDS[4::9]
             start = time.process_time()
-            pairs = [sparse_assignment(thin_of_skimage(edges >= threshold), truth) for threshold in some]
+            pairs = [
+                sparse_assignment(thin_of_skimage(edges >= threshold), truth) for threshold in some
+            ]
             sparse_s = (time.process_time() - start) * THRESHOLDS.size / some.size
             ours = match_counts(edges, truth, some, thin="full")["matched_truth"].tolist()
             if ours != pairs:
@@ -146,7 +167,9 @@ def score_files(n_images=40):
     with tempfile.TemporaryDirectory() as folder:
         maps, masks = Path(folder, "predictions/fuse"), Path(folder, "truth")
         for image in range(n_images):
-            prediction, truth = draw_map((300, 256), 4 + image % 30, rng=random_stream(0, "files", image))
+            prediction, truth = draw_map(
+                (300, 256), 4 + image % 30, rng=random_stream(0, "files", image)
+            )
             write_image(maps / f"data_{image:03d}.png", (255 * prediction).astype(np.uint8))
             write_image(masks / f"layer_binary_{image:03d}.png", truth)
         return cpu_seconds(score_folders, maps.parent, masks) / n_images
@@ -172,12 +195,22 @@ def main():
     with ProcessPoolExecutor(max_workers=2) as pool:
         seconds = list(pool.map(score_run, range(4)))
     wall_s = time.perf_counter() - start
-    log.info("4 runs x 6 outputs x 60 images: %.1f ms per map, %.0f s in all", sum(seconds) / 1.44, sum(seconds))
+    log.info(
+        "4 runs x 6 outputs x 60 images: %.1f ms per map, %.0f s in all",
+        sum(seconds) / 1.44,
+        sum(seconds),
+    )
     log.info("    %.0f s of CPU on each of two cores", sum(seconds) / 2)
-    log.info("    %.0f s on the wall, the making of the maps included and whatever else the machine did", wall_s)
+    log.info(
+        "    %.0f s on the wall, the making of the maps included and whatever else the machine did",
+        wall_s,
+    )
     files_s = score_files()
     log.info("files of 300 x 256 pixels: %.1f ms of CPU an image", 1e3 * files_s)
-    log.info("first image of a process: %.1f s while compiling, %.2f s with compiled code at hand", *first_calls())
+    log.info(
+        "first image of a process: %.1f s while compiling, %.2f s with compiled code at hand",
+        *first_calls(),
+    )
     targets = {
         "100 x faster than the reference": reference >= 100,
         "5 x faster than sparse assignment": sparse >= 5,

@@ -1,7 +1,8 @@
 """PHY beside its equations as printed, one process and one thread: ``make benchmarks``.
 
-Each group of the printed table holds the form as printed and faster ones; the numbers in brackets are ratios to the
-fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include checks, plan and 8-bit scaling.
+Each group of the printed table holds the form as printed and faster ones; the numbers in brackets
+are ratios to the fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include
+checks, plan and 8-bit scaling.
 """
 
 import numpy as np
@@ -28,7 +29,10 @@ SHAPES = ("peak_power", "variance_bins2", "decay_rate")
 def planted_scene(n_layers, n_range_lines, n_range_bins, rng):
     """Wavy layers, 0 to -20 dB, over noise of -30 dB."""
     depth = np.linspace(50, n_range_bins - 30, n_layers)[:, None]
-    layer_bins = np.sort(depth + 0.3 * np.cumsum(0.1 * rng.standard_normal((n_layers, n_range_lines)), axis=1), axis=0)
+    layer_bins = np.sort(
+        depth + 0.3 * np.cumsum(0.1 * rng.standard_normal((n_layers, n_range_lines)), axis=1),
+        axis=0,
+    )
     parameters = {
         "peak_power": np.geomspace(1, 0.01, n_layers),
         "variance_bins2": rng.uniform(10, 15, n_layers),
@@ -50,7 +54,9 @@ def scene(rng):
 
 
 @pytest.mark.benchmark(group="whole scene, 8-bit scaling included")
-@pytest.mark.parametrize("method", ["one float32 normal per pixel", "as printed", "gamma", "cube", "quantile"])
+@pytest.mark.parametrize(
+    "method", ["one float32 normal per pixel", "as printed", "gamma", "cube", "quantile"]
+)
 def test_scene(benchmark, scene, rng, method):
     layer_bins, parameters = scene
     if method == "one float32 normal per pixel":
@@ -67,7 +73,9 @@ def test_scene(benchmark, scene, rng, method):
     assert image.shape == (N_BINS, N_LINES)
 
 
-@pytest.mark.benchmark(group="as the workflow calls it, radiometry measured, 8-bit scaling included")
+@pytest.mark.benchmark(
+    group="as the workflow calls it, radiometry measured, 8-bit scaling included"
+)
 @pytest.mark.parametrize("n_looks", [16, 100])
 @pytest.mark.parametrize("correlation", ["one float32 normal per pixel", "none", "measured"])
 def test_workflow(benchmark, rng, n_looks, correlation):
@@ -75,36 +83,53 @@ def test_workflow(benchmark, rng, n_looks, correlation):
         benchmark(rng.standard_normal, (N_BINS, N_LINES), dtype=np.float32)
         return
     layer_bins, parameters = planted_scene(N_LAYERS, N_LINES, N_BINS, rng)
-    # Unpicked snow: a layer for each of three e-folding depths, within a bin below the surface, with texture.
+    # Unpicked snow: a layer for each of three e-folding depths, within a bin below the surface,
+    # with texture.
     layer_bins = np.insert(layer_bins, 1, layer_bins[0] + [[0.25], [0.5], [0.75]], axis=0)
     parameters = {
-        name: np.insert(parameters[name], 1, [0.01] * 3) if name in SHAPES else of for name, of in parameters.items()
+        name: np.insert(parameters[name], 1, [0.01] * 3) if name in SHAPES else of
+        for name, of in parameters.items()
     }
     parameters["variance_bins2"][1:4] = 10
     fading = 10 ** (0.1 * rng.standard_normal(layer_bins.shape))
-    varied = {"peak_power": parameters["peak_power"][:, None] * fading, "n_looks": n_looks, "line_gain_spread_db": 0.4}
+    varied = {
+        "peak_power": parameters["peak_power"][:, None] * fading,
+        "n_looks": n_looks,
+        "line_gain_spread_db": 0.4,
+    }
     varied["decay_rate"] = np.insert(rng.uniform(0.03, 0.15, N_LAYERS), 1, [0.03, 0.01, 0.003])
-    varied |= {"texture": (0.02, 13.0, 2.0), "textured_layers": np.isin(np.arange(len(layer_bins)), [1, 2, 3])}
+    varied |= {
+        "texture": (0.02, 13.0, 2.0),
+        "textured_layers": np.isin(np.arange(len(layer_bins)), [1, 2, 3]),
+    }
     if correlation == "measured":
         varied["speckle_correlation"] = [1.0, 0.54, 0.06]
 
     def make():
-        return to_uint8(render(layer_bins, parameters | varied, N_BINS, rng=rng, tolerance_db=TOLERANCE_DB))
+        return to_uint8(
+            render(layer_bins, parameters | varied, N_BINS, rng=rng, tolerance_db=TOLERANCE_DB)
+        )
 
     image, _, _ = benchmark(make)
     assert image.shape == (N_BINS, N_LINES)
 
 
 @pytest.mark.benchmark(group="mean power")
-@pytest.mark.parametrize("way", [convolved_power, exact_power, power_in_support, recursive_power, table_power])
+@pytest.mark.parametrize(
+    "way", [convolved_power, exact_power, power_in_support, recursive_power, table_power]
+)
 def test_mean_power(benchmark, scene, way):
     layer_bins, parameters = scene
     shapes = [parameters[name] for name in SHAPES]
-    limits = () if way in (convolved_power, exact_power) else (parameters["noise_power"], TOLERANCE_DB)
+    limits = (
+        () if way in (convolved_power, exact_power) else (parameters["noise_power"], TOLERANCE_DB)
+    )
     waveforms = waveforms_of(layer_bins, parameters, N_BINS, "peak", "peak")
     power = benchmark(way, waveforms, *limits)
     exact = mean_power(layer_bins, *shapes, N_BINS)
-    error_db = 10 * np.log10((power + parameters["noise_power"]) / (exact + parameters["noise_power"]))
+    error_db = 10 * np.log10(
+        (power + parameters["noise_power"]) / (exact + parameters["noise_power"])
+    )
     benchmark.extra_info["largest_error_db"] = float(np.abs(error_db).max())
 
 
@@ -112,5 +137,8 @@ def test_mean_power(benchmark, scene, way):
 @pytest.mark.parametrize("method", ["looks", "gamma", "cube", "quantile"])
 def test_speckle(benchmark, scene, rng, method):
     layer_bins, parameters = scene
-    mean = mean_power(layer_bins, *(parameters[name] for name in SHAPES), N_BINS) + parameters["noise_power"]
+    mean = (
+        mean_power(layer_bins, *(parameters[name] for name in SHAPES), N_BINS)
+        + parameters["noise_power"]
+    )
     benchmark(draw_speckle, mean.astype(np.float32), 100, method=method, rng=rng)

@@ -1,7 +1,8 @@
 """Seconds of the reference flight, whether they grow in proportion, and what the paper's size would take.
 
 One process and one thread, CPU seconds, so that other work on the machine counts little: python
-benchmarks/bench_reference.py. Frames and scenes are independent, so N cores take an Nth of the sums.
+benchmarks/bench_reference.py. Frames and scenes are independent, so N cores take an Nth of the
+sums.
 """
 
 import sys
@@ -47,7 +48,9 @@ def main():
 
     def draw_scenes(split, n_scenes):
         for index in range(n_scenes):
-            draw_scene(index, split, **shared, n_looks=n_looks, rng=random_stream(1, "scene", split, index))
+            draw_scene(
+                index, split, **shared, n_looks=n_looks, rng=random_stream(1, "scene", split, index)
+            )
 
     say = sys.stdout.write
     draw_frames(1, 256)  # imports, caches

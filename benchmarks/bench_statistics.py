@@ -1,8 +1,9 @@
 """Flight statistics and label sets, one process and one thread: ``make benchmarks``.
 
-A planted flight of 20 layers, 700 rows, 2048 range lines: sums over it, then both estimators from frames to
-statistics, with range lines a second in the last column of the saved results; then 1500 label sets drawn from it.
-Seconds of the processor, so that other work on the machine does not count. The last test prints how memory grows.
+A planted flight of 20 layers, 700 rows, 2048 range lines: sums over it, then both estimators from
+frames to statistics, with range lines a second in the last column of the saved results; then 1500
+label sets drawn from it. Seconds of the processor, so that other work on the machine does not
+count. The last test prints how memory grows.
 """
 
 import time
@@ -46,7 +47,9 @@ def report_lines(benchmark, n_lines):
 
 @pytest.mark.benchmark(group="2048 range lines to sums", timer=time.process_time)
 def test_sums(benchmark, frames):
-    benchmark.pedantic(lambda: merge(summarise(*frame) for frame in frames), rounds=5, warmup_rounds=1)
+    benchmark.pedantic(
+        lambda: merge(summarise(*frame) for frame in frames), rounds=5, warmup_rounds=1
+    )
     report_lines(benchmark, N_FRAMES * N_LINES)
 
 
@@ -77,12 +80,16 @@ def test_memory_of_the_fit(capsys):
     peaks = {}
     for n_frames in (1, 3):
         tracemalloc.start()
-        kept = merge(summarise(*frame) for frame in planted_flight(n_frames).frames(np.random.default_rng(0)))
+        kept = merge(
+            summarise(*frame) for frame in planted_flight(n_frames).frames(np.random.default_rng(0))
+        )
         estimate(kept)
         peaks[n_frames] = tracemalloc.get_traced_memory()[1] / 2**20
         tracemalloc.stop()
     per_line = (peaks[3] - peaks[1]) * 2**20 / (2 * N_LINES)
     with capsys.disabled():
         text = ", ".join(f"{n * N_LINES} lines {peak:.0f} MiB" for n, peak in peaks.items())
-        print(f"\npeak of NumPy's memory in sums and fit: {text}; {per_line:.0f} bytes a further line")  # noqa: T201
+        print(
+            f"\npeak of NumPy's memory in sums and fit: {text}; {per_line:.0f} bytes a further line"
+        )  # noqa: T201
     assert per_line * 200_000 < 1.5 * 2**30

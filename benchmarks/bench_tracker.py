@@ -1,12 +1,14 @@
 """Cost of training the tracker: against a plain PyTorch loop and the arithmetic alone, and at the paper's scale.
 
-``python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn (eager, float32,
-contiguous layout, AdamW as it comes, loss and fusion as usually written) on the same scenes, and a product of matrices
-with as many multiplications as a step's convolutions. It prints the ratios and fails where the package is slower.
+``python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn
+(eager, float32, contiguous layout, AdamW as it comes, loss and fusion as usually written) on the
+same scenes, and a product of matrices with as many multiplications as a step's convolutions. It
+prints the ratios and fails where the package is slower.
 
-``python benchmarks/bench_tracker.py RESULTS`` takes an epoch of two real scenes, of two label scenes and of the highest
-label scene (10 gradients and an update each) by the published recipe, on a GPU where there is one. It prints seconds a
-megapixel and the peak of memory, and what the four trainings would take by their gradients and mean heights.
+``python benchmarks/bench_tracker.py RESULTS`` takes an epoch of two real scenes, of two label
+scenes and of the highest label scene (10 gradients and an update each) by the published recipe, on
+a GPU where there is one. It prints seconds a megapixel and the peak of memory, and what the four
+trainings would take by their gradients and mean heights.
 """
 
 import logging
@@ -54,16 +56,25 @@ def plain_steps(settings, scenes):
     """The same training as anyone would write it down: draws, losses and schedule as in the package."""
     network = PlainNetwork(settings.width)
     network.initialise(rng=random_stream(SEED, "tracker", "network"))
-    optimiser = torch.optim.AdamW(network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay)
+    optimiser = torch.optim.AdamW(
+        network.parameters(), lr=settings.learning_rate, weight_decay=settings.weight_decay
+    )
     for step in range(settings.n_steps):
         rng = random_stream(SEED, "tracker", "step", step)
         rng.integers(len(settings.scales))
-        batch = [scenes[step * settings.batch_size + number] for number in range(settings.batch_size)]
+        batch = [
+            scenes[step * settings.batch_size + number] for number in range(settings.batch_size)
+        ]
         images, masks = draw_patches(batch, settings.n_range_bins, settings.n_range_lines, rng=rng)
         layer = torch.from_numpy(masks)[:, None].float()
         logits = network(network.to_input(images))
         weight = torch.where(layer > 0, 1 - settings.layer_share, settings.layer_share)
-        losses = functional.binary_cross_entropy_with_logits(logits, layer.expand_as(logits), reduction="none") * weight
+        losses = (
+            functional.binary_cross_entropy_with_logits(
+                logits, layer.expand_as(logits), reduction="none"
+            )
+            * weight
+        )
         loss = losses.mean(dim=(1, 2, 3, 4)).sum()
         for group in optimiser.param_groups:
             group["lr"] = settings.learning_rate * rate_factor(settings, step)
@@ -79,7 +90,9 @@ def n_products(settings):
     network = MultiScaleNetwork(settings.width)
     for layer in network.modules():
         if isinstance(layer, torch.nn.Conv2d) and layer.kernel_size == (3, 3):
-            layer.register_forward_hook(lambda layer, given, out: counted.append(out.numel() * layer.weight[0].numel()))
+            layer.register_forward_hook(
+                lambda layer, given, out: counted.append(out.numel() * layer.weight[0].numel())
+            )
     network(torch.zeros(settings.batch_size, 1, settings.n_range_bins, settings.n_range_lines))
     return 3 * sum(counted)
 
@@ -87,10 +100,16 @@ def n_products(settings):
 def compare(settings):
     """Ratio of a plain step's cost to the package's, beside the arithmetic of a step as one product of matrices."""
     scenes = TrainingSet([draw_scene(number, 300) for number in range(8)], seed=SEED)
-    steps = {"package": train_steps(Training(settings, seed=SEED), scenes), "plain": plain_steps(settings, scenes)}
+    steps = {
+        "package": train_steps(Training(settings, seed=SEED), scenes),
+        "plain": plain_steps(settings, scenes),
+    }
     size = round(n_products(settings) ** (1 / 3))
     square = torch.randn(size, size).to(getattr(torch, settings.precision))
-    works = {name: lambda taken=taken: [next(taken) for _ in range(N_STEPS)] for name, taken in steps.items()}
+    works = {
+        name: lambda taken=taken: [next(taken) for _ in range(N_STEPS)]
+        for name, taken in steps.items()
+    }
     works["product"] = lambda: [square @ square for _ in range(N_STEPS)]
     # Processor time: other work on the machine does not count.
     runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
@@ -103,7 +122,10 @@ def compare(settings):
 
 def paper_settings():
     """Settings and epochs of config/paper.yaml; steps for one epoch of two scenes."""
-    default, paper = (yaml.safe_load((CONFIG / name).read_text())["tracker"] for name in ("config.yaml", "paper.yaml"))
+    default, paper = (
+        yaml.safe_load((CONFIG / name).read_text())["tracker"]
+        for name in ("config.yaml", "paper.yaml")
+    )
     steps = {"n_steps": 2 * N_EPOCH_COPIES}
     return Settings(**{**default["training"], **paper["training"], **steps}), paper["n_epochs"]
 
@@ -114,7 +136,9 @@ def time_epoch(name, scenes, settings, device):
     # On the CPU processor time: other work on the machine does not count.
     clock = time.perf_counter if device == "cuda" else time.process_time
     start = clock()
-    for _ in train_steps(training, TrainingSet(scenes, seed=1)):  # reading the losses waits for the device
+    for _ in train_steps(
+        training, TrainingSet(scenes, seed=1)
+    ):  # reading the losses waits for the device
         pass
     seconds = clock() - start
     if device == "cuda":
@@ -136,7 +160,13 @@ def copied_megapixels(n_rows, settings):
 def project(results):
     settings, n_epochs = paper_settings()
     device = "cuda" if torch.cuda.is_available() else "cpu"
-    log.info("width %d, %s, %s, %d threads", settings.width, settings.precision, device, torch.get_num_threads())
+    log.info(
+        "width %d, %s, %s, %d threads",
+        settings.width,
+        settings.precision,
+        device,
+        torch.get_num_threads(),
+    )
     files = {"real": "benchmark/train", "label": "phy/labels"}
     costs, mean_rows = {}, {}
     for kind, folder in files.items():
@@ -154,7 +184,13 @@ def project(results):
             n_epochs * n * copied_megapixels(mean_rows[kind], settings) * costs[kind]
             for kind, n in (("real", N_REAL), ("label", n_added))
         )
-        log.info("%-8s %d gradients, %d updates, %.1f days", name, n_gradients, n_gradients // 10, seconds / 86400)
+        log.info(
+            "%-8s %d gradients, %d updates, %.1f days",
+            name,
+            n_gradients,
+            n_gradients // 10,
+            seconds / 86400,
+        )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """What the workflow costs per scene, and what it takes to plan and run many.
 
-``python benchmarks/scale.py RUN > docs/scale.md``, where RUN is the folder of a finished default run (with results/ and
-logs/), made in a fresh clone by ``PYTHONPATH=benchmarks/import_clock make run``. Plans and label sets of 1500 and
-15,000 scenes are made anew in a temporary folder; 150,000 are projected.
+``python benchmarks/scale.py RUN > docs/scale.md``, where RUN is the folder of a finished default
+run (with results/ and logs/), made in a fresh clone by ``PYTHONPATH=benchmarks/import_clock make
+run``. Plans and label sets of 1500 and 15,000 scenes are made anew in a temporary folder; 150,000
+are projected.
 """
 
 import csv
@@ -50,7 +51,10 @@ def late_imports(run, rows):
     if len(lines) != len(rows):
         msg = f"{path}: expected a row for each of {len(rows)} jobs, found {len(lines)}"
         raise ValueError(msg)
-    life, imports = (sum(column) for column in zip(*(map(float, line.split("\t")) for line in lines), strict=True))
+    life, imports = (
+        sum(column)
+        for column in zip(*(map(float, line.split("\t")) for line in lines), strict=True)
+    )
     return imports - (life - sum(row[2] for row in rows))
 
 
@@ -100,7 +104,14 @@ def cost_table(run, config):
         mine = [row for row in rows if row[0] == rule]
         work, whole = sum(row[2] for row in mine), sum(row[1] for row in mine)
         start = (whole - work) / len(mine)
-        table[stage] = (n, unit, work / n, size_of(run, pattern) / n, start, max(row[3] for row in mine))
+        table[stage] = (
+            n,
+            unit,
+            work / n,
+            size_of(run, pattern) / n,
+            start,
+            max(row[3] for row in mine),
+        )
     return table
 
 
@@ -112,7 +123,9 @@ def call(folder, n_scenes, *arguments):
     words += ["--configfile", ROOT / "config/config.yaml", override, *arguments]
     with tempfile.TemporaryFile("w+") as output:
         begin = time.perf_counter()
-        process = subprocess.Popen(list(map(str, words)), stdout=output, stderr=subprocess.STDOUT, cwd=ROOT)
+        process = subprocess.Popen(
+            list(map(str, words)), stdout=output, stderr=subprocess.STDOUT, cwd=ROOT
+        )
         _, status, used = os.wait4(process.pid, 0)
         wall = time.perf_counter() - begin
         output.seek(0)
@@ -159,7 +172,12 @@ def write(run):
     """The page as lines of Markdown."""
     config = default_config()
     costs = cost_table(run, config)
-    yield from ("# Scale", "", "Made by `benchmarks/scale.py` from a finished default run, one core a job.", "")
+    yield from (
+        "# Scale",
+        "",
+        "Made by `benchmarks/scale.py` from a finished default run, one core a job.",
+        "",
+    )
     yield from ("## Cost of a stage", "")
     yield "| stage | units | s per unit | kB per unit | s to start a job | memory of a job [MB] |"
     yield "|---|---|---|---|---|---|"
@@ -190,7 +208,9 @@ def write(run):
             jobs, cpu, memory = plans[n]
             size, share = drawn[n][2], f"{drawn[n][1]:.0%}, {drawn[n][0]} jobs"
         else:
-            jobs, cpu, memory = (line_through([(k, plans[k][i]) for k in MEASURED], n) for i in range(3))
+            jobs, cpu, memory = (
+                line_through([(k, plans[k][i]) for k in MEASURED], n) for i in range(3)
+            )
             size, share = line_through([(k, drawn[k][2]) for k in MEASURED], n), "projected"
         both = n * (costs["PHY"][3] + costs["cGAN"][3]) / 1e9
         hours = [n * costs[name][2] / 3600 for name in ("PHY", "cGAN")]
@@ -213,7 +233,11 @@ def project_archive(config, costs):
     yield f"Assumed: {ARCHIVE_KM:,} km of track; all is proportional to it. At {per_km:.0f} lines per km these are"
     yield f"{n_frames:,.0f} frames of {config['flight']['n_range_lines']} lines or {n_scenes:,.0f} scenes of 256."
     yield f"On {CORES} cores, jobs of 100 frames or 1000 scenes:"
-    yield from ("", f"| stage | core h | min on {CORES} cores | jobs | files [GB] |", "|---|---|---|---|---|")
+    yield from (
+        "",
+        f"| stage | core h | min on {CORES} cores | jobs | files [GB] |",
+        "|---|---|---|---|---|",
+    )
     for name, stage, n, per_job in (
         ("statistics", "statistics", n_frames, 100),
         ("PHY render of every scene", "PHY", n_scenes, 1000),

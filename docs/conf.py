@@ -1,7 +1,7 @@
 """Sphinx builds the documentation with this: ``make docs``, or ``sphinx-build -n -W docs build/docs``.
 
-Nothing is fetched: equations become MathML, and the configuration reference is made from the default configuration and
-its schema while its page is read.
+Nothing is fetched: equations become MathML, and the configuration reference is made from the
+default configuration and its schema while its page is read.
 """
 
 import sys
@@ -22,7 +22,12 @@ author = "The snowsim developers"
 project_copyright = author
 version = release = snowsim.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_gallery.gen_gallery"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+]
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "examples"]
@@ -52,14 +57,17 @@ napoleon_use_rtype = False
 napoleon_use_param = False
 napoleon_use_ivar = True
 nitpicky = True
-# Docstrings say shapes and quantities between backquotes; only some of them are names that have a page.
+# Docstrings say shapes and quantities between backquotes; only some of them are names that have a
+# page.
 nitpick_ignore_regex = [(r"py:(obj|class)", r"(?s).*")]
 
 
 def fill_in(app, docname, source):
     """Put the configuration reference where its page asks for it."""
     if docname == "configuration":
-        source[0] = source[0].replace("<!-- generated: configuration -->", configuration.reference())
+        source[0] = source[0].replace(
+            "<!-- generated: configuration -->", configuration.reference()
+        )
 
 
 def visit_math(translator, node):

@@ -23,7 +23,12 @@ WORDS = {
     "object": "mapping",
     "null": "`null`",
 }
-BOUNDS = {"minimum": "at least", "exclusiveMinimum": "above", "maximum": "at most", "exclusiveMaximum": "below"}
+BOUNDS = {
+    "minimum": "at least",
+    "exclusiveMinimum": "above",
+    "maximum": "at most",
+    "exclusiveMaximum": "below",
+}
 
 
 class Setting(NamedTuple):
@@ -42,10 +47,21 @@ def read_settings(text, schema):
 
 def markdown(settings):
     """A table for each section, under a heading of its own."""
-    parts = [_table([setting for setting in settings if len(setting.path) == 1 and setting.default is not None])]
+    parts = [
+        _table(
+            [
+                setting
+                for setting in settings
+                if len(setting.path) == 1 and setting.default is not None
+            ]
+        )
+    ]
     for section in (setting for setting in settings if setting.default is None):
         held = [s for s in settings if s.path[:-1] == section.path and s.default is not None]
-        parts += [f"{'#' * (len(section.path) + 1)} {'.'.join(section.path)}", _plain(section.comment)]
+        parts += [
+            f"{'#' * (len(section.path) + 1)} {'.'.join(section.path)}",
+            _plain(section.comment),
+        ]
         if held:
             parts.append(_table(held))
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -109,7 +125,9 @@ def _table(settings):
         f"| `{s.path[-1]}` | {f'`{s.default}`' if s.default else ''} | {s.accepted} | {_plain(s.comment)} |"
         for s in settings
     ]
-    return "\n".join(["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|", *rows])
+    return "\n".join(
+        ["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|", *rows]
+    )
 
 
 def _plain(text):

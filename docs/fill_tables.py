@@ -1,8 +1,8 @@
 """Fill the tables of README.md and docs/accuracy.md from results/: ``python docs/fill_tables.py [results]``.
 
-A block stands between ``<!-- name -->`` and ``<!-- /name -->``; what was there is replaced. So every number on these
-pages has a file it came from, and a run of the default configuration renews them all. Blocks whose tables a run did not
-write stay as they are and are named on stderr.
+A block stands between ``<!-- name -->`` and ``<!-- /name -->``; what was there is replaced. So
+every number on these pages has a file it came from, and a run of the default configuration renews
+them all. Blocks whose tables a run did not write stay as they are and are named on stderr.
 """
 
 import sys
@@ -24,7 +24,12 @@ def similarity(results):
     rows = []
     for metric, (name, n) in METRICS.items():
         of_metric = table.loc[metric].loc[["min", "mean", "max"]]
-        rows.append([name, *(" / ".join(f"{value:.{n}f}" for value in of_metric[m]) for m in ("cgan", "phy"))])
+        rows.append(
+            [
+                name,
+                *(" / ".join(f"{value:.{n}f}" for value in of_metric[m]) for m in ("cgan", "phy")),
+            ]
+        )
     title = f"**Similarity of the renders of the {n_scenes} test masks to the observed scenes** (`table2.csv`),"
     return title + " min / mean / max:" + "\n\n" + markdown(["metric", "cGAN", "PHY"], rows)
 
@@ -34,7 +39,10 @@ def trackers(results):
     table = read(results, "table3").set_index("output")
     n_replicas = read(results, "table3_intervals")["n_replicas"].iloc[0]
     rows = [
-        [output.replace("_", " "), *("/".join(share(row[f"{s}_{m}"]) for m in ("ods", "ois", "ap")) for s in SETS)]
+        [
+            output.replace("_", " "),
+            *("/".join(share(row[f"{s}_{m}"]) for m in ("ods", "ois", "ap")) for s in SETS),
+        ]
         for output, row in table.iterrows()
     ]
     title = f"**Edge scores of the trackers**, ODS / OIS / AP, means of {n_replicas} trainings (`table3.csv`):"
@@ -45,9 +53,15 @@ def intervals(results):
     """Differences of the fuse to training on real scenes alone: by the study, where it has more trainings."""
     table = read(results, "table3_intervals").query("output == 'fuse'")
     n = table["n_replicas"].iloc[0]
-    few = f" {n} trainings a set are too few for more than an indication" if n < ENOUGH_TRAININGS else ""
+    few = (
+        f" {n} trainings a set are too few for more than an indication"
+        if n < ENOUGH_TRAININGS
+        else ""
+    )
     title = f"95 % intervals of the paired bootstrap over images and trainings (`table3_intervals.csv`).{few}"
-    table = table.drop(columns=["low", "high"]).rename(columns={"difference_low": "low", "difference_high": "high"})
+    table = table.drop(columns=["low", "high"]).rename(
+        columns={"difference_low": "low", "difference_high": "high"}
+    )
     if (results / "studies/tracker/worth.csv").is_file():
         of_defaults = "setting == 'default' and base == 'default' and base_training_set == 'rd'"
         study = read(results, "worth", "studies/tracker").query(of_defaults)
@@ -57,25 +71,39 @@ def intervals(results):
     table = table.set_index(["training_set", "metric"])
     added = {key: name for key, name in SETS.items() if key != "rd"}
     metrics = ("ods", "ois", "ap")
-    rows = [[metric.upper(), *(difference(table.loc[(key, metric)]) for key in added)] for metric in metrics]
+    rows = [
+        [metric.upper(), *(difference(table.loc[(key, metric)]) for key in added)]
+        for metric in metrics
+    ]
     title = f"Difference of the fused output to RD, {n} trainings a set,\n{title}:"
     return title + "\n\n" + markdown(["", *added.values()], rows)
 
 
 def picks(results):
     """Errors of picks followed through the fused output."""
-    table = read(results, "picks").groupby("training_set", sort=False).mean(numeric_only=True).loc[list(SETS)]
+    table = (
+        read(results, "picks")
+        .groupby("training_set", sort=False)
+        .mean(numeric_only=True)
+        .loc[list(SETS)]
+    )
     shown = {
-        "mean absolute error [bins]": [f"{value:.2f}" for value in table["mean_absolute_error_bins"]],
+        "mean absolute error [bins]": [
+            f"{value:.2f}" for value in table["mean_absolute_error_bins"]
+        ],
         "share of errors within 2 bins": [share(value) for value in table["share_within"]],
         "share of layer pixels picked": [share(value) for value in table["share_found"]],
-        "layers missed, of {:.0f}".format(*table["n_layers"]): [f"{n:.0f}" for n in table["n_missed_layers"]],
+        "layers missed, of {:.0f}".format(*table["n_layers"]): [
+            f"{n:.0f}" for n in table["n_missed_layers"]
+        ],
         "false layers": [f"{n:.0f}" for n in table["n_false_layers"]],
     }
-    title = (
-        "**Picks** followed through the fused output, at the threshold of its ODS (`picks.csv`), means of trainings:"
+    title = "**Picks** followed through the fused output, at the threshold of its ODS (`picks.csv`), means of trainings:"
+    return (
+        title
+        + "\n\n"
+        + markdown(["", *SETS.values()], [[name, *cells] for name, cells in shown.items()])
     )
-    return title + "\n\n" + markdown(["", *SETS.values()], [[name, *cells] for name, cells in shown.items()])
 
 
 def two_sample(results):
@@ -101,8 +129,13 @@ def closed_loop(results):
     for r in read(results, "closed_loop_summary").itertuples():
         amounts = [amount(value, r.unit) for value in (r.bound, r.median, r.median_standard_error)]
         reasons = "" if pd.isna(r.reasons) else r.reasons
-        rows.append([f"`{r.quantity}`", amounts[0], f"{r.n_within} of {r.n}", *amounts[1:], reasons])
-    return markdown(["quantity", "bound", "within", "median error", "its sampling", "reasons of those beyond"], rows)
+        rows.append(
+            [f"`{r.quantity}`", amounts[0], f"{r.n_within} of {r.n}", *amounts[1:], reasons]
+        )
+    return markdown(
+        ["quantity", "bound", "within", "median error", "its sampling", "reasons of those beyond"],
+        rows,
+    )
 
 
 def conventions(results):
@@ -120,7 +153,9 @@ def conventions(results):
 
 def waveforms(results):
     """Ways of computing the mean power."""
-    return timed(read(results, "speed_accuracy_waveforms"), "method", "error_db", "largest error [dB]")
+    return timed(
+        read(results, "speed_accuracy_waveforms"), "method", "error_db", "largest error [dB]"
+    )
 
 
 def speckle(results):
@@ -131,14 +166,21 @@ def speckle(results):
 
 def scenes(results):
     """Whole scenes by every renderer."""
-    return timed(read(results, "speed_accuracy_scenes"), "renderer", "error_db", "largest error [dB]")
+    return timed(
+        read(results, "speed_accuracy_scenes"), "renderer", "error_db", "largest error [dB]"
+    )
 
 
 def timed(table, what, quantity, title):
     """Fastest run of each method and setting, in the order of the table: time per pixel and error."""
     fastest = table.loc[table.groupby(["method", "setting"], sort=False)["seconds"].idxmin()]
     rows = [
-        [row["method"], row["setting"], digits(row["seconds"] / row["n_pixels"] * 1e9), error(row[quantity])]
+        [
+            row["method"],
+            row["setting"],
+            digits(row["seconds"] / row["n_pixels"] * 1e9),
+            error(row[quantity]),
+        ]
         for _, row in fastest.iterrows()
     ]
     return markdown([what, "setting", "ns per pixel", title], rows)
@@ -152,7 +194,10 @@ def plans(results):
         "plan_bound_db": "stated error bound [dB]",
     }
     table = read(results, "phy_plan").set_index("quantity")
-    rows = [[name, *(f"{table.loc[key, s]:.3g}" for s in ("min", "mean", "max"))] for key, name in names.items()]
+    rows = [
+        [name, *(f"{table.loc[key, s]:.3g}" for s in ("min", "mean", "max"))]
+        for key, name in names.items()
+    ]
     return markdown(["", "least", "mean", "most"], rows)
 
 
@@ -160,7 +205,10 @@ def atlas(results):
     """Outcomes of the atlas of PHY by method."""
     table = read(results, "atlas_phy_regions")
     counts = table.groupby("method", sort=False)[["n_within", "n_refused", "n_wrong"]].sum()
-    return markdown(["method", "within its bound", "refused", "wrong"], [[f"`{m}`", *r] for m, r in counts.iterrows()])
+    return markdown(
+        ["method", "within its bound", "refused", "wrong"],
+        [[f"`{m}`", *r] for m, r in counts.iterrows()],
+    )
 
 
 def realism(results):
@@ -168,7 +216,11 @@ def realism(results):
     rows = []
     for r in read(results, "realism").itertuples():
         single = pd.isna(r.low) or r.low == r.high
-        ours = digits(r.value) if single else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
+        ours = (
+            digits(r.value)
+            if single
+            else f"{digits(r.value)} ({digits(r.low)} to {digits(r.high)})"
+        )
         single = pd.isna(r.real_low) or r.real_low == r.real_high
         real = digits(r.real_low) if single else f"{digits(r.real_low)} to {digits(r.real_high)}"
         agrees = r.agrees if r.comparable else f"not compared: {r.reason}"
@@ -180,16 +232,24 @@ def cost(results):
     """Seconds and memory of every rule, from Snakemake's benchmarks."""
     rows = []
     for folder in sorted((results / "benchmarks").iterdir()):
-        runs = pd.concat([pd.read_csv(path, sep="\t", na_values="-") for path in sorted(folder.rglob("*.tsv"))])
+        runs = pd.concat(
+            [pd.read_csv(path, sep="\t", na_values="-") for path in sorted(folder.rglob("*.tsv"))]
+        )
         rows.append([f"`{folder.name}`", len(runs), runs["s"].sum(), runs["max_rss"].max()])
     rows.sort(key=lambda row: -row[2])
     total = sum(row[2] for row in rows)
     shown = [
-        [name, n, f"{s:.0f}", f"{100 * s / total:.0f} %", f"{rss:.0f}"] for name, n, s, rss in rows if s >= total / 200
+        [name, n, f"{s:.0f}", f"{100 * s / total:.0f} %", f"{rss:.0f}"]
+        for name, n, s, rss in rows
+        if s >= total / 200
     ]
     rest = [row for row in rows if row[2] < total / 200]
-    shown.append([f"{len(rest)} others", sum(r[1] for r in rest), f"{sum(r[2] for r in rest):.0f}", "", ""])
-    shown.append(["all", sum(r[1] for r in rows), f"{total:.0f}", "", f"{max(r[3] for r in rows):.0f}"])
+    shown.append(
+        [f"{len(rest)} others", sum(r[1] for r in rest), f"{sum(r[2] for r in rest):.0f}", "", ""]
+    )
+    shown.append(
+        ["all", sum(r[1] for r in rows), f"{total:.0f}", "", f"{max(r[3] for r in rows):.0f}"]
+    )
     return markdown(["rule", "jobs", "seconds", "share", "largest memory of a job [MB]"], shown)
 
 

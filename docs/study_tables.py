@@ -7,12 +7,18 @@ NAMES = [name for name, _ in METRICS.values()]
 
 def renderers(results):
     """Cost and worth of every renderer of label sets, means of trainings; positions of layers of uniform label sets."""
-    positions = read(results, "positions", "studies/cgan").groupby("renderer")["error_bins"].median()
+    positions = (
+        read(results, "positions", "studies/cgan").groupby("renderer")["error_bins"].median()
+    )
     rows = []
     for name, runs in read(results, "renderers", "studies/cgan").groupby("renderer", sort=False):
         mean = runs.mean(numeric_only=True)
-        shares = [share(mean[key]) for key in ("two_sample_network", "two_sample_texture", "ods", "ap")]
-        rows.append([name, f"{1e9 * mean['seconds_per_pixel']:.0f}", *shares, f"{positions[name]:.2f}"])
+        shares = [
+            share(mean[key]) for key in ("two_sample_network", "two_sample_texture", "ods", "ap")
+        ]
+        rows.append(
+            [name, f"{1e9 * mean['seconds_per_pixel']:.0f}", *shares, f"{positions[name]:.2f}"]
+        )
     header = ["renderer", "ns a pixel", "network", "texture", "ODS", "AP", "position error [bins]"]
     return markdown(header, rows)
 
@@ -21,11 +27,15 @@ def budgets(results):
     """Scores of every network by what its training costs, means of trainings."""
     rows = []
     for network in ("tracker", "cgan", "guided"):
-        table = read(results, network, "studies/budgets").fillna({"change": "default", "trained_on": ""})
+        table = read(results, network, "studies/budgets").fillna(
+            {"change": "default", "trained_on": ""}
+        )
         shown = {"rd": "ods", "pd": "ods", "": "distance"}
         of_changes = table.groupby("change", sort=False)
         for change, runs in of_changes:
-            by_set = [(name, shown[name], part) for name, part in runs.groupby("trained_on", sort=False)]
+            by_set = [
+                (name, shown[name], part) for name, part in runs.groupby("trained_on", sort=False)
+            ]
             scores = ", ".join(
                 f"{RUNS.get(name, score)} {share(part[score].mean()) if name else f'{part[score].mean():.2f}'}"
                 for name, score, part in by_set
@@ -44,7 +54,9 @@ def cgan_atlas(results):
         healthy = f"{len(runs) - len(faulty)} of {len(runs)}"
         means = [f"{runs['ssim'].mean():.2f}", f"{runs['psnr'].mean():.1f}"]
         rows.append([f"{rate:g}", f"{weight:g}", healthy, *means, ", ".join(kinds)])
-    return markdown(["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"], rows)
+    return markdown(
+        ["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"], rows
+    )
 
 
 def worth(results):
@@ -53,10 +65,14 @@ def worth(results):
     rows = []
     for r in table.itertuples():
         runs = (r.training_set, r.setting), (r.base_training_set, r.base)
-        names = [RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs]
+        names = [
+            RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs
+        ]
         resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
         means = f"{share(r.mean)} - {share(r.base_mean)}"
-        rows.append([" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.outcome])
+        rows.append(
+            [" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.outcome]
+        )
     header = ["sets", "score", "means", "difference", "bootstrap", "outcome"]
     return counted(table, "worth", "a set", "test") + markdown(header, rows)
 
@@ -70,7 +86,11 @@ def ablation(results):
         if (r.setting, r.training_set) == (r.base, r.base_training_set):
             rows[-1] += ["", "", ""]
         else:
-            rows[-1] += [f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}", difference(r), r.outcome]
+            rows[-1] += [
+                f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}",
+                difference(r),
+                r.outcome,
+            ]
     header = ["setting", "set", "ODS", "compared with", "difference", "outcome"]
     return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 
@@ -86,7 +106,9 @@ def tracker_atlas(results):
     """What becomes of a tracker under odd input and rates."""
     rows = []
     for panel, of_panel in read(results, "atlas", "studies/tracker").groupby("panel", sort=False):
-        cells = [f"{value:g}: {result_of(runs)}" for value, runs in of_panel.groupby("value", sort=False)]
+        cells = [
+            f"{value:g}: {result_of(runs)}" for value, runs in of_panel.groupby("value", sort=False)
+        ]
         rows.append([panel, ", ".join(cells)])
     return markdown(["panel", "value: result"], rows)
 

@@ -1,6 +1,7 @@
 """Install torch: the CPU build where an index for it is named, the build with GPU support where none is.
 
-Usage: install_torch.py VERSION [INDEX]. Part of setting up: runs before anything but pip is installed.
+Usage: install_torch.py VERSION [INDEX]. Part of setting up: runs before anything but pip is
+installed.
 """
 
 import subprocess

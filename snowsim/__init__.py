@@ -4,7 +4,8 @@ import importlib
 
 __version__ = "0.2.0"
 
-# What people script with, by the module it is in; loaded when asked for, so that importing the package imports nothing.
+# What people script with, by the module it is in; loaded when asked for, so that importing the
+# package imports nothing.
 FRONT = {"score_folders": "snowsim.scoring"}
 FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
 

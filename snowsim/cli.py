@@ -12,7 +12,10 @@ import click
 from snowsim import __version__
 from snowsim.constants import OUTPUTS
 
-EXISTING, FOLDER = click.Path(exists=True, path_type=Path), click.Path(file_okay=False, path_type=Path)
+EXISTING, FOLDER = (
+    click.Path(exists=True, path_type=Path),
+    click.Path(file_okay=False, path_type=Path),
+)
 NOT_NEGATIVE, POSITIVE = click.FloatRange(0), click.FloatRange(0, min_open=True)
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
@@ -31,7 +34,9 @@ def commands():
 @commands.command(short_help="Scenes in the published benchmark's layout, or as NetCDF.")
 @click.argument("sources", nargs=-1, required=True, type=EXISTING)
 @click.argument("folder", type=FOLDER)
-@click.option("--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes.")
+@click.option(
+    "--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes."
+)
 @click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
 def export(sources, folder, layers, netcdf):
     """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image pairs, or of one
@@ -84,13 +89,19 @@ def info(file):
 @click.argument("folder", type=FOLDER)
 @click.option("-n", "n", type=click.IntRange(1), default=1500, help="Scenes.")
 @click.option(
-    "--statistics", type=click.Path(exists=True, dir_okay=False), help="Of a flight; the reference's if none."
+    "--statistics",
+    type=click.Path(exists=True, dir_okay=False),
+    help="Of a flight; the reference's if none.",
 )
 @click.option("--format", "form", type=click.Choice(["pairs", "netcdf", "zarr"]), default="pairs")
 @click.option("--range-lines", "n_range_lines", type=click.IntRange(2), default=256)
-@click.option("--range-bins", "n_range_bins", type=click.IntRange(1), help="Default: as layers need.")
+@click.option(
+    "--range-bins", "n_range_bins", type=click.IntRange(1), help="Default: as layers need."
+)
 @click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
-@click.option("--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel.")
+@click.option(
+    "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel."
+)
 @click.option("--seed", type=click.IntRange(0), default=0)
 def scenes(folder, n, statistics, form, seed, **settings):
     """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER: as image pairs in
@@ -112,28 +123,42 @@ def scenes(folder, n, statistics, form, seed, **settings):
     click.echo(", ".join(f"{name} {count}" for name, count in counts.items()))
 
 
-@commands.command(short_help="Edge scores and errors of picks of a tracker.", context_settings=SHOWN)
+@commands.command(
+    short_help="Edge scores and errors of picks of a tracker.", context_settings=SHOWN
+)
 @click.argument("predictions", type=EXISTING)
 @click.argument("truth", type=EXISTING)
-@click.option("--output", type=click.Choice(OUTPUTS), help="Of the published predictor; default: fuse.")
-@click.option("--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores.")
+@click.option(
+    "--output", type=click.Choice(OUTPUTS), help="Of the published predictor; default: fuse."
+)
+@click.option(
+    "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
+)
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
-@click.option("--tolerance", type=NOT_NEGATIVE, default=0.0075, help="Of matches, as a share of the diagonal.")
+@click.option(
+    "--tolerance", type=NOT_NEGATIVE, default=0.0075, help="Of matches, as a share of the diagonal."
+)
 @click.option("--tolerance-bins", type=NOT_NEGATIVE, help="Of matches, in pixels instead.")
 @click.option("--max-distance-bins", type=POSITIVE, default=10.0, help="Of a pick from its layer.")
 @click.option("--within-bins", type=NOT_NEGATIVE, default=2.0, help="Errors to count as small.")
-@click.option("--bootstrap", "n_bootstrap", type=click.IntRange(1), default=1000, help="Resamples of the images.")
+@click.option(
+    "--bootstrap",
+    "n_bootstrap",
+    type=click.IntRange(1),
+    default=1000,
+    help="Resamples of the images.",
+)
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of the resamples.")
 @click.option("-j", "--processes", type=click.IntRange(1), default=1)
 @click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
 def score(predictions, truth, form, **settings):
     """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of PNG, NPY or NetCDF
-    files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false layers, of every image
-    and, with 95 % intervals by the bootstrap over images, of all.
+    files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false layers,
+    of every image and, with 95 % intervals by the bootstrap over images, of all.
 
-    Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask, layer numbers, or
-    layers in range bins. To data_NAME or NAME belongs layer_binary_NAME, layer_NAME, scene_NAME or NAME. The published
-    predictor's folder is taken as it stands.
+    Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask,
+    layer numbers, or layers in range bins. To data_NAME or NAME belongs layer_binary_NAME,
+    layer_NAME, scene_NAME or NAME. The published predictor's folder is taken as it stands.
 
     \b
     Examples:
@@ -147,7 +172,9 @@ def score(predictions, truth, form, **settings):
     from snowsim.scoring import score_folders
 
     def progress(steps, total):
-        return tqdm(steps, total=total, unit="image", leave=False, disable=None)  # none where nobody looks
+        return tqdm(
+            steps, total=total, unit="image", leave=False, disable=None
+        )  # none where nobody looks
 
     table = score_folders(predictions, truth, **settings, progress=progress)
     if form == "csv":
@@ -156,7 +183,10 @@ def score(predictions, truth, form, **settings):
     if form == "json":
         *images, found, low, high = json.loads(table.to_json(orient="records", double_precision=10))
         click.echo(
-            json.dumps({"settings": settings, "all": found, "low": low, "high": high, "images": images}, indent=1)
+            json.dumps(
+                {"settings": settings, "all": found, "low": low, "high": high, "images": images},
+                indent=1,
+            )
         )
         return
     images, (_, found), (_, low), (_, high) = table.iloc[:-3], *table.iloc[-3:].iterrows()
@@ -167,11 +197,17 @@ def score(predictions, truth, form, **settings):
         click.echo(f"  {name:<26} {found[name]:.4g}{interval}")
 
 
-@commands.command(short_help="Echogram and layers of a radar over annual snow.", context_settings=SHOWN)
+@commands.command(
+    short_help="Echogram and layers of a radar over annual snow.", context_settings=SHOWN
+)
 @click.argument("echogram", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--radar", type=click.Choice(PRESETS), default="snow-2-8")
 @click.option(
-    "--set", "changes", type=(str, float), multiple=True, help="A number of the radar, by its name in the API."
+    "--set",
+    "changes",
+    type=(str, float),
+    multiple=True,
+    help="A number of the radar, by its name in the API.",
 )
 @click.option("--accumulation-m", type=float, default=0.3, help="Of a year, in metres of water.")
 @click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
@@ -184,21 +220,25 @@ def simulate(echogram, radar, changes, n_range_lines, seed, **climate):
 
     \b
     Examples:
-      snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
-      snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10 --set height_m 300
+      snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5 snowsim simulate mine.nc
+      --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10 --set height_m 300
     """  # noqa: D205, D301
     import numpy as np
 
     from snowsim.front import Climate, Radar, simulate
     from snowsim.io.files import write_dataset
 
-    unknown = {name for name, _ in changes} - set(vars(Radar.preset(radar))) | {"window"} & dict(changes).keys()
+    unknown = {name for name, _ in changes} - set(vars(Radar.preset(radar))) | {"window"} & dict(
+        changes
+    ).keys()
     if unknown:
         msg = f"--set: a radar has no number {min(unknown)}"
         raise click.UsageError(msg)
     snow, radar = Climate(**climate), Radar.preset(radar, **dict(changes))
     found = simulate(snow, radar, n_range_lines=n_range_lines, rng=np.random.default_rng(seed))
-    for path, dataset in zip((echogram, echogram.with_name(f"{echogram.stem}_layers.nc")), found, strict=True):
+    for path, dataset in zip(
+        (echogram, echogram.with_name(f"{echogram.stem}_layers.nc")), found, strict=True
+    ):
         write_dataset(path, dataset)
         click.echo(f"{path}: {', '.join(f'{size} {name}' for name, size in dataset.sizes.items())}")
 

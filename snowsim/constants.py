@@ -5,13 +5,15 @@ ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 
 WATER_DENSITY_KG_M3 = 1000.0  # by convention, for metres of water equivalent
 GAS_CONSTANT_J_MOL_K = 8.31446261815324  # CODATA 2018, exact
 EARTH_RADIUS_M = 6.371e6  # mean radius; distances are taken on a sphere
-# Index of dry snow is 1 + this times density: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol. 23, 245-256.
+# Index of dry snow is 1 + this times density: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol.
+# 23, 245-256.
 KOVACS_M3_KG = 0.845e-3
 
 # Snow Radar, Table I of Yari et al. (2021), IEEE JSTARS 14.
 START_FREQUENCY_HZ = 2e9
 STOP_FREQUENCY_HZ = 8e9
-# What is processed of the sweep: 2012_Greenland_P3 parameter sheet of the radar's group, 2.30016 to 7.449984 GHz.
+# What is processed of the sweep: 2012_Greenland_P3 parameter sheet of the radar's group, 2.30016 to
+# 7.449984 GHz.
 PROCESSED_BANDWIDTH_HZ = 5.149824e9
 CENTRE_FREQUENCY_HZ = (START_FREQUENCY_HZ + STOP_FREQUENCY_HZ) / 2
 

@@ -27,7 +27,8 @@ class Scene:
     layer_bins : ndarray, (layer, range_line)
         Annotated layers in fractional range bins, row 0 the snow surface; NaN where not annotated.
     image : ndarray of uint8, (range_bin, range_line), or None
-        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are the powers of its 0 (plus 10 dB) and 255.
+        Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are the powers of its 0 (plus 10 dB)
+        and 255.
     complete_layer_bins : ndarray, (layer, range_line), or None
         Every layer there is, where `layer_bins` holds only what a picker found; may have more rows.
     peak_power : ndarray, (layer, range_line), or None
@@ -132,7 +133,8 @@ def to_uint8(power):
     -------
     image : ndarray of uint8, (range_bin, range_line)
     noise_floor_db, maximum_db : float
-        The smallest row mean of the dB image, and its maximum; the rule of the koenig_TC2016_ML data set.
+        The smallest row mean of the dB image, and its maximum; the rule of the koenig_TC2016_ML
+        data set.
     """
     power = np.asarray(power)
     bad = ~((power > 0) & np.isfinite(power))
@@ -166,10 +168,15 @@ def bin_size_s(echogram):
 def check_echogram(echogram, where="echogram"):
     """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
 
-    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt` evenly spaced; `Data`
-    (linear power, not negative, NaN where missing); `Latitude`, `Longitude`, `Elevation`, `Surface` along `slow_time`.
+    Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt`
+    evenly spaced; `Data` (linear power, not negative, NaN where missing); `Latitude`, `Longitude`,
+    `Elevation`, `Surface` along `slow_time`.
     """
-    _require(echogram, {"Data": {"twtt", "slow_time"}, **{name: {"slow_time"} for name in ECHOGRAM_ALONG_TRACK}}, where)
+    _require(
+        echogram,
+        {"Data": {"twtt", "slow_time"}, **{name: {"slow_time"} for name in ECHOGRAM_ALONG_TRACK}},
+        where,
+    )
     _check_slow_time(echogram, where)
     twtt = echogram["twtt"].values
     if twtt.size < 2 or not np.isfinite(twtt).all():
@@ -179,7 +186,8 @@ def check_echogram(echogram, where="echogram"):
     if (steps <= 0).any():
         msg = f"{where}: twtt must increase, falls at range_bin {int(np.argmax(steps <= 0)) + 1}"
         raise ValueError(msg)
-    # Files store travel time to about 1e-13 s; a thousandth of a bin is far above that and below any use.
+    # Files store travel time to about 1e-13 s; a thousandth of a bin is far above that and below
+    # any use.
     uneven = np.abs(twtt - np.linspace(twtt[0], twtt[-1], twtt.size)) > 1e-3 * steps.mean()
     if uneven.any():
         msg = f"{where}: twtt must be evenly spaced, is not at range_bin {int(np.argmax(uneven))}"
@@ -203,7 +211,9 @@ def layer_bins_of(layers, echogram):
     """Layers of a dataset in fractional range bins of an echogram, (layer, range_line), NaN where absent."""
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     if twtt.shape[1] != echogram.sizes["slow_time"]:
-        msg = f"layers cover {twtt.shape[1]} range lines, the echogram {echogram.sizes['slow_time']}"
+        msg = (
+            f"layers cover {twtt.shape[1]} range lines, the echogram {echogram.sizes['slow_time']}"
+        )
         raise ValueError(msg)
     return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
 

@@ -48,8 +48,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Returns
     -------
     echogram, layers : xarray.Dataset
-        As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in place of the snow;
-        `twtt` (layer, slow_time) [s] of every interface, and `peak_twtt`, where its echo peaks.
+        As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in
+        place of the snow; `twtt` (layer, slow_time) [s] of every interface, and `peak_twtt`, where
+        its echo peaks.
 
     Raises
     ------
@@ -98,11 +99,15 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         "Elevation": np.full(n_range_lines, float(radar.height_m)),
         "Surface": first_s + layer_bins[0] * radar.bin_s,
     }
-    attributes = vars(radar) | {"synthetic": "simulated from a snowpack and a radar, not observed data"}
+    attributes = vars(radar) | {
+        "synthetic": "simulated from a snowpack and a radar, not observed data"
+    }
     echogram = echogram_dataset("simulate", content, attributes)
     on = ("layer", "slow_time")
     bins = {"twtt": layer_bins, "peak_twtt": layer_bins + lag_bins[:, None]}
-    variables = {name: (on, first_s + rows * radar.bin_s, {"units": "s"}) for name, rows in bins.items()}
+    variables = {
+        name: (on, first_s + rows * radar.bin_s, {"units": "s"}) for name, rows in bins.items()
+    }
     variables |= {name: (on, np.full(shape, code, np.int8)) for name, code in CODES.items()}
     return echogram, xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, attributes)
 
@@ -125,17 +130,22 @@ class Scenes(Sequence):
         """`snowsim.echogram.Scene` of the same, with its layers and notes."""
         number = self._indices[index]
         rng = random_stream(self._seed, "scenes", number)
-        scene = draw_scene(self._model, self._model.n_range_lines, name=f"drawn_{number:06d}", rng=rng)
+        scene = draw_scene(
+            self._model, self._model.n_range_lines, name=f"drawn_{number:06d}", rng=rng
+        )
         scene = dataclasses.replace(scene, n_range_bins=self._n_range_bins or scene.n_range_bins)
         return render_scene(scene, self._statistics, rng=rng, **self._options)
 
     def write(self, folder, format="pairs", *, indices=None):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
 
-        `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for another.
+        `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
+        another.
         """
         check_choice("format", format, EXPORTS)
-        return EXPORTS[format](folder, map(self.scene, self._indices if indices is None else indices))
+        return EXPORTS[format](
+            folder, map(self.scene, self._indices if indices is None else indices)
+        )
 
 
 def scenes(
@@ -148,12 +158,15 @@ def scenes(
     ----------
     n : int
     statistics : "reference", path_like or xarray.Dataset, optional
-        Of a flight: the synthetic reference flight's, which come with the package, or others of `snowsim.statistics`.
+        Of a flight: the synthetic reference flight's, which come with the package, or others of
+        `snowsim.statistics`.
     renderer : {"phy"}, optional
     rng : int or numpy.random.Generator
-        Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for any `n`.
+        Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
+        any `n`.
     n_range_lines, n_range_bins : int, optional
-        Size of all images; by default each is as high as its layers require, so that images do not stack.
+        Size of all images; by default each is as high as its layers require, so that images do not
+        stack.
     radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
@@ -183,4 +196,6 @@ def scenes(
     n_range_bins = None if n_range_bins is None else checked_height(n_range_bins)
     model = prepare(statistics, n_range_lines, radiometry=radiometry)
     seed = int(np.random.default_rng(rng).integers(2**63))
-    return Scenes(n, model, statistics, seed, n_range_bins, {"n_looks": 16, "tolerance_db": 0.05} | phy)
+    return Scenes(
+        n, model, statistics, seed, n_range_bins, {"n_looks": 16, "tolerance_db": 0.05} | phy
+    )

@@ -14,7 +14,11 @@ def check_trainable(scene, *, empty=False):
     """ValueError, naming the `Scene`, unless its image has contrast, fits its layers and, not `empty`, shows one."""
     shape = (scene.n_range_bins, scene.n_range_lines)
     if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
-        got = "no image" if scene.image is None else f"{scene.image.dtype} of shape {scene.image.shape}"
+        got = (
+            "no image"
+            if scene.image is None
+            else f"{scene.image.dtype} of shape {scene.image.shape}"
+        )
         msg = f"scene {scene.name}: expected a uint8 image of shape {shape}, as its layers have, got {got}"
         raise ValueError(msg)
     if scene.image.min() == scene.image.max():
@@ -28,8 +32,8 @@ def check_trainable(scene, *, empty=False):
 def draw_index(n, position, seed, *keys):
     """Which of `n` items the draw at `position` gives: every one once, in random order, before any comes again.
 
-    `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training that resumes at a
-    position needs no saved sampler.
+    `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training
+    that resumes at a position needs no saved sampler.
     """
     times_through, place = divmod(position, n)
     return int(_order(n, seed, *keys, times_through)[place])
@@ -43,7 +47,8 @@ def _order(n, seed, *keys):
 def scaled(image, layer_bins, scale):
     """A scene at another size, its layers still one pixel thick.
 
-    The image is averaged down, layers are moved as curves: a mask resized like an image loses or thickens them.
+    The image is averaged down, layers are moved as curves: a mask resized like an image loses or
+    thickens them.
 
     Parameters
     ----------
@@ -66,7 +71,9 @@ def scaled(image, layer_bins, scale):
         return image, layer_bins
     n_range_bins, n_range_lines = (max(1, round(n * scale)) for n in image.shape)
     tensor = torch.from_numpy(np.ascontiguousarray(image))[None, None]
-    smaller = functional.interpolate(tensor, size=(n_range_bins, n_range_lines), mode="bilinear", antialias=True)
+    smaller = functional.interpolate(
+        tensor, size=(n_range_bins, n_range_lines), mode="bilinear", antialias=True
+    )
     # Pixel centres: bin b of n lies at (b + 1/2) / n of the height, whatever n is.
     line = (np.arange(n_range_lines) + 0.5) * (image.shape[1] / n_range_lines) - 0.5
     left = np.floor(line).astype(int)
@@ -79,22 +86,27 @@ def scaled(image, layer_bins, scale):
 def whole_copy(scene, scale, mirrored):
     """Image (uint8) and mask (bool) of a whole scene, (range_bin, range_line), resized alike or turned left to right.
 
-    As the published tracker code does it with OpenCV: sizes are truncated, values interpolated between the nearest two
-    by two pixels without averaging (within a grey level of OpenCV's integers), masks too, and on where above zero.
-    ValueError unless `check_trainable` passes the scene, with or without layers.
+    As the published tracker code does it with OpenCV: sizes are truncated, values interpolated
+    between the nearest two by two pixels without averaging (within a grey level of OpenCV's
+    integers), masks too, and on where above zero. ValueError unless `check_trainable` passes the
+    scene, with or without layers.
     """
     check_trainable(scene, empty=True)
     both = np.stack([scene.image, np.uint8(255) * scene.mask()])
     if scale != 1:
         size = [int(n * scale) for n in both.shape[1:]]
-        values = functional.interpolate(torch.from_numpy(both)[None].double(), size=size, mode="bilinear")[0]
+        values = functional.interpolate(
+            torch.from_numpy(both)[None].double(), size=size, mode="bilinear"
+        )[0]
         # Half a level goes up, however it was rounded.
         both = torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
 
 
-def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng):
+def draw_patches(
+    scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng
+):
     """One random crop of each scene, all of one size, each holding at least one annotated pixel.
 
     Parameters
@@ -108,8 +120,8 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, fl
     flip : bool
         Turn left and right about with probability 1/2, scene by scene.
     known : callable, optional
-        ``known(scene, layer_bins, n_range_bins)``, layers as scaled, gives a map of bool (range_bin, range_line) to be
-        cut like the mask. It consumes nothing of `rng`.
+        ``known(scene, layer_bins, n_range_bins)``, layers as scaled, gives a map of bool
+        (range_bin, range_line) to be cut like the mask. It consumes nothing of `rng`.
     rng : numpy.random.Generator
 
     Returns
@@ -125,7 +137,11 @@ def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, fl
         if not mask.any():
             msg = f"scene {scene.name}: mask without layers once scaled by {scale}"
             raise ValueError(msg)
-        whole.append((image, mask) if known is None else (image, mask, known(scene, layer_bins, image.shape[0])))
+        whole.append(
+            (image, mask)
+            if known is None
+            else (image, mask, known(scene, layer_bins, image.shape[0]))
+        )
     size = tuple(
         min([maps[0].shape[axis] for maps in whole] + ([] if wanted is None else [wanted]))
         for axis, wanted in enumerate((n_range_bins, n_range_lines))
@@ -151,7 +167,9 @@ def to_signed(array):
     """Float32 tensor (patch, 1, range_bin, range_line) in [-1, 1] of a stack of images (0 to 255) or masks."""
     array = np.asarray(array)
     full = 1 if array.dtype == bool else 255
-    return torch.from_numpy(array.astype(np.float32) * np.float32(2 / full) - np.float32(1))[:, None]
+    return torch.from_numpy(array.astype(np.float32) * np.float32(2 / full) - np.float32(1))[
+        :, None
+    ]
 
 
 def from_signed(tensor):

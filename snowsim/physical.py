@@ -13,10 +13,17 @@ from snowsim.reference.firn import density_herron_langway80, depth_herron_langwa
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
-# Of undulations, as the reference flight's: log of a year's accumulation from place to place, and lengths along track.
+# Of undulations, as the reference flight's: log of a year's accumulation from place to place, and
+# lengths along track.
 DRIFT_SD, DRIFT_LENGTH_M, DENSITY_LENGTH_M = 0.1, 3000.0, 900.0
-# What a climate may be, far beyond what dry snow is known from: else the firn is ice, or layers vanish, in rounding.
-CLIMATES = {"accumulation_m": (0.001, 10), "variability": (0, 2), "n_years": (1, 1000), "temperature_k": (200, 273.15)}
+# What a climate may be, far beyond what dry snow is known from: else the firn is ice, or layers
+# vanish, in rounding.
+CLIMATES = {
+    "accumulation_m": (0.001, 10),
+    "variability": (0, 2),
+    "n_years": (1, 1000),
+    "temperature_k": (200, 273.15),
+}
 CLIMATES |= {"surface_density_kg_m3": (50, 549), "density_sd_kg_m3": (0, 200)}
 
 
@@ -24,11 +31,13 @@ CLIMATES |= {"surface_density_kg_m3": (50, 549), "density_sd_kg_m3": (0, 200)}
 class Radar:
     """An airborne radar that looks straight down; `preset` has some that fly.
 
-    Of the processed sweep `centre_hz`, `bandwidth_hz` [Hz] and `window`, as `scipy.signal.get_window` names it; two-way
-    travel time of a range bin `bin_s` [s]; `widening` of the range response over the window's; antenna over the snow
-    `height_m` [m]; its two-sided 3 dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a
-    range line; `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB]. ValueError where
-    one is not positive, or bins are so short that speckle is alike over 16 of them.
+    Of the processed sweep `centre_hz`, `bandwidth_hz` [Hz] and `window`, as
+    `scipy.signal.get_window` names it; two-way travel time of a range bin `bin_s` [s]; `widening`
+    of the range response over the window's; antenna over the snow `height_m` [m]; its two-sided 3
+    dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
+    `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB].
+    ValueError where one is not positive, or bins are so short that speckle is alike over 16 of
+    them.
     """
 
     centre_hz: float
@@ -68,12 +77,16 @@ class Radar:
     def tail(self, slope, height_m):
         """Decay rate [1/s] of the echo of an interface of Gaussian slopes, and the share of it that the beam takes in.
 
-        The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2 s^2) / (cos^4 R^3)``
-        with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, and geometric
-        optics; at nadir ``(c / H) (8 ln 2 / beam^2 + 1 / 2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB
-        the annuli leave it by 0.01 dB on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
+        The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2
+        s^2) / (cos^4 R^3)`` with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans.
+        Antennas Propag. 25, 67-74, and geometric optics; at nadir ``(c / H) (8 ln 2 / beam^2 + 1 /
+        2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB the annuli leave it by 0.01 dB
+        on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
         """
-        beam, facets = 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2, 1 / (2 * np.square(slope, dtype=float))
+        beam, facets = (
+            8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2,
+            1 / (2 * np.square(slope, dtype=float)),
+        )
         fall_s = TAIL_DB * np.log(10) / 10 / (SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5))
         stretch = 1 + SPEED_OF_LIGHT_M_S * fall_s / (2 * height_m)
         fallen = beam * np.arccos(1 / stretch) ** 2 + facets * (stretch**2 - 1) - np.log(stretch)
@@ -82,9 +95,13 @@ class Radar:
     def speckle_correlation(self):
         """Autocorrelation of power where scatterers are many and alike, (lag,): the squared transform of w^2."""
         weight = get_window(self.window, N_FREQUENCIES) ** 2
-        frequency_hz = (np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5) * self.bandwidth_hz / self.widening
+        frequency_hz = (
+            (np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5) * self.bandwidth_hz / self.widening
+        )
         turn = np.exp(2j * np.pi * self.bin_s * np.outer(np.arange(MOST_LAGS + 1), frequency_hz))
-        held = np.trim_zeros(np.where((power := np.abs(turn @ weight / weight.sum()) ** 2) > 0.01, power, 0), "b")
+        held = np.trim_zeros(
+            np.where((power := np.abs(turn @ weight / weight.sum()) ** 2) > 0.01, power, 0), "b"
+        )
         if held.size > MOST_LAGS:
             msg = f"radar: bin_s must be longer, such as {0.72 / self.bandwidth_hz:g} s, got {self.bin_s:g} s: "
             msg += f"speckle is alike over {MOST_LAGS} bins"
@@ -95,15 +112,21 @@ class Radar:
 def _sweep(start_hz, stop_hz, **others):
     """`Radar` of a sweep, with two bins to the 3 dB width of its Hann window, 1.44 / B, where none are given."""
     width_hz = stop_hz - start_hz
-    return Radar(centre_hz=start_hz + width_hz / 2, bandwidth_hz=width_hz, **{"bin_s": 0.72 / width_hz} | others)
+    return Radar(
+        centre_hz=start_hz + width_hz / 2,
+        bandwidth_hz=width_hz,
+        **{"bin_s": 0.72 / width_hz} | others,
+    )
 
 
-# Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the reference flight's, see
-# config/config.yaml; no published beam was at hand, and on slopes of 0.03 it makes 2 % of the decay.
+# Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the
+# reference flight's, see config/config.yaml; no published beam was at hand, and on slopes of 0.03
+# it makes 2 % of the decay.
 PRESETS = {
     # Sweep: Table I of Yari et al. (2021), IEEE JSTARS 14; bins: product of 2016, 1.30 cm of air.
     "snow-2-8": _sweep(2e9, 8e9, bin_s=8.67e-11),
-    # Sweep: 2012_Greenland_P3 parameter sheet of the radar's group; bins: product of 2012; widening: sea ice 2016.
+    # Sweep: 2012_Greenland_P3 parameter sheet of the radar's group; bins: product of 2012;
+    # widening: sea ice 2016.
     "snow-2012": _sweep(2.30016e9, 7.449984e9, bin_s=2.886e-10, widening=1.15),
     # Sweep: the maker's page, cresis.ku.edu/snow-radar.
     "snow-2-18": _sweep(2e9, 18e9),
@@ -118,10 +141,11 @@ PRESETS = {
 class Snowpack:
     """Dry snow below its surface; depths that do not increase and values out of range are refused.
 
-    `depth_m` (layer,) or (layer, range_line): interfaces below the level of the mean surface [m], the surface first,
-    at 0 or its own height, down positive. `density_kg_m3`, alike: of the snow below each interface, at most ice's. By
-    layer or for all: `roughness_m`, standard deviation of height within a footprint, and `slope`, its rms along one
-    axis as seen from the air, in (0, 1]. `attenuation_db_m`: two-way, beside what interfaces reflect.
+    `depth_m` (layer,) or (layer, range_line): interfaces below the level of the mean surface [m],
+    the surface first, at 0 or its own height, down positive. `density_kg_m3`, alike: of the snow
+    below each interface, at most ice's. By layer or for all: `roughness_m`, standard deviation of
+    height within a footprint, and `slope`, its rms along one axis as seen from the air, in (0, 1].
+    `attenuation_db_m`: two-way, beside what interfaces reflect.
     """
 
     depth_m: np.ndarray
@@ -136,7 +160,10 @@ class Snowpack:
             held[name] = held[name][:, None] if held[name].ndim == 1 else held[name]
         shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
         shapes = (shape, shape, shape[:1], shape[:1], ())
-        held = {name: np.broadcast_to(value, to) for (name, value), to in zip(held.items(), shapes, strict=True)}
+        held = {
+            name: np.broadcast_to(value, to)
+            for (name, value), to in zip(held.items(), shapes, strict=True)
+        }
         above = np.r_["0,2", np.full(shape, -np.inf)[:1], held["depth_m"][:-1]]
         below_zero = np.nextafter(0, -1)
         least = (above, below_zero, below_zero, 0, below_zero)
@@ -154,9 +181,10 @@ class Snowpack:
 class Climate:
     """What annual layers of dry snow are drawn from.
 
-    `accumulation_m` [m w.e. / yr], 0.001 to 10; `variability`, of its logarithm from year to year, to 2: cores,
-    0.17-0.28; `n_years` of layers, to 1000; `temperature_k`, annual mean, 200 to 273.15: Summit of Greenland;
-    `surface_density_kg_m3`, 50 to 549; `density_sd_kg_m3` about the mean, to 200: cores, 18-39. ValueError for others.
+    `accumulation_m` [m w.e. / yr], 0.001 to 10; `variability`, of its logarithm from year to year,
+    to 2: cores, 0.17-0.28; `n_years` of layers, to 1000; `temperature_k`, annual mean, 200 to
+    273.15: Summit of Greenland; `surface_density_kg_m3`, 50 to 549; `density_sd_kg_m3` about the
+    mean, to 200: cores, 18-39. ValueError for others.
     """
 
     accumulation_m: float
@@ -175,13 +203,17 @@ class Climate:
     def draw(self, n_range_lines, line_spacing_m, *, rng):
         """`Snowpack` of annual layers below a flat surface, depth and mean density by Herron & Langway (1980)."""
         firn = (self.accumulation_m, self.temperature_k, self.surface_density_kg_m3)
-        drift = draw_along_track(self.n_years, n_range_lines, DRIFT_LENGTH_M / line_spacing_m, rng=rng)
+        drift = draw_along_track(
+            self.n_years, n_range_lines, DRIFT_LENGTH_M / line_spacing_m, rng=rng
+        )
         logs = self.variability * rng.standard_normal((self.n_years, 1)) + DRIFT_SD * drift
         water_m = self.accumulation_m * np.exp(logs - (self.variability**2 + DRIFT_SD**2) / 2)
         water_m = np.cumsum(np.r_[np.zeros((1, n_range_lines)), water_m], axis=0)
         middle_m = np.r_[(water_m[:-1] + water_m[1:]) / 2, water_m[-1:]]
         share = density_herron_langway80(middle_m, *firn) / ICE_DENSITY_KG_M3
-        anomaly = draw_along_track(self.n_years + 1, n_range_lines, DENSITY_LENGTH_M / line_spacing_m, rng=rng)
+        anomaly = draw_along_track(
+            self.n_years + 1, n_range_lines, DENSITY_LENGTH_M / line_spacing_m, rng=rng
+        )
         # In logits: of the s.d. asked for at the top, never below nothing or above ice.
         width = self.density_sd_kg_m3 / ICE_DENSITY_KG_M3 / (share[0] * (1 - share[0]))
         density = ICE_DENSITY_KG_M3 / (1 + (1 - share) / share * np.exp(-width * anomaly))
@@ -191,24 +223,33 @@ class Climate:
 def physical_parameters(snowpack, radar):
     """What PHY renders of a snowpack: travel time [s] below the level of the mean surface, and parameters.
 
-    Travel times (layer, range_line); `peak_power` (layer, range_line) relative to a flat mirror at the radar's height,
-    `variance_bins2` and `decay_rate` (layer,). They are meant for ``normalise="none"`` and ``align="gaussian"``: the
-    Gaussian lies at the interface's own travel time, and what width and tail spread is taken off its height.
+    Travel times (layer, range_line); `peak_power` (layer, range_line) relative to a flat mirror at
+    the radar's height, `variance_bins2` and `decay_rate` (layer,). They are meant for
+    ``normalise="none"`` and ``align="gaussian"``: the Gaussian lies at the interface's own travel
+    time, and what width and tail spread is taken off its height.
 
-    Interfaces are incoherent with each other, multiples are left out. Power: Fresnel at normal incidence with ``n = 1 +
-    0.845 rho``, Kovacs et al. (1995), losses at the interfaces above, attenuation, spherical spreading, and the share
-    that the beam takes in of what slopes scatter. Width: a Gaussian of the range response's height and area, wider by
-    the roughness, ``2 n r / c``. Tail: `Radar.tail`.
+    Interfaces are incoherent with each other, multiples are left out. Power: Fresnel at normal
+    incidence with ``n = 1 + 0.845 rho``, Kovacs et al. (1995), losses at the interfaces above,
+    attenuation, spherical spreading, and the share that the beam takes in of what slopes scatter.
+    Width: a Gaussian of the range response's height and area, wider by the roughness, ``2 n r /
+    c``. Tail: `Radar.tail`.
     """
     index = 1 + KOVACS_M3_KG * np.r_[0 * snowpack.density_kg_m3[:1], snowpack.density_kg_m3]
     above, below = index[:-1], index[1:]
     depth_m = snowpack.depth_m
-    below_s = 2 / SPEED_OF_LIGHT_M_S * np.cumsum(np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)], axis=0)
+    below_s = (
+        2
+        / SPEED_OF_LIGHT_M_S
+        * np.cumsum(np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)], axis=0)
+    )
 
     reflected = ((above - below) / (above + below)) ** 2
     passed = np.cumprod(np.r_[np.ones_like(reflected[:1]), (1 - reflected[:-1]) ** 2], axis=0)
     buried_m = depth_m - depth_m[:1]
-    lost = 10 ** (-snowpack.attenuation_db_m * buried_m / 10) * (radar.height_m / (radar.height_m + depth_m)) ** 2
+    lost = (
+        10 ** (-snowpack.attenuation_db_m * buried_m / 10)
+        * (radar.height_m / (radar.height_m + depth_m)) ** 2
+    )
 
     response = (radar.cell_s / radar.bin_s) ** 2 / (2 * np.pi)
     rough = (2 * above.mean(axis=1) * snowpack.roughness_m / SPEED_OF_LIGHT_M_S / radar.bin_s) ** 2

@@ -27,16 +27,18 @@ def score_folders(
     Parameters
     ----------
     predictions, truth : path_like
-        Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1] or 8-bit, layers bright; truth is
-        a mask, layer numbers, or layers in range bins; truth without a prediction is not scored. Of the published
-        predictor's folder, as it stands, the maps of `output` are scored, by default `fuse`.
+        Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1] or 8-bit,
+        layers bright; truth is a mask, layer numbers, or layers in range bins; truth without a
+        prediction is not scored. Of the published predictor's folder, as it stands, the maps of
+        `output` are scored, by default `fuse`.
     picks : bool
-        Predictions are layers, not edge maps, in the forms of the truth; they have no edge scores. Else picks are
-        followed through the edge maps, at the threshold of the best F of the set.
+        Predictions are layers, not edge maps, in the forms of the truth; they have no edge scores.
+        Else picks are followed through the edge maps, at the threshold of the best F of the set.
     suppressed : bool
         Edge maps are thin already: no non-maximum suppression.
     tolerance, tolerance_bins : float
-        Largest distance of a matched pair as a share of the image diagonal; or, where not None, in pixels.
+        Largest distance of a matched pair as a share of the image diagonal; or, where not None, in
+        pixels.
     max_distance_bins, within_bins : float
         How far from a layer a pick may lie to be its own; which errors count as small [range bins].
     n_bootstrap, seed : int
@@ -49,15 +51,16 @@ def score_folders(
     Returns
     -------
     pandas.DataFrame
-        A row for each `image`, then `all` of them, and the `low` and `high` end of its 95 % interval: `ods`, `ois`,
-        `ap`, `threshold` of the best F; `mean_absolute_error_bins`, `bias_bins`, `share_within`, `share_found` of the
-        true pixels; `n_layers`, `n_missed_layers`, `n_false_layers`.
+        A row for each `image`, then `all` of them, and the `low` and `high` end of its 95 %
+        interval: `ods`, `ois`, `ap`, `threshold` of the best F; `mean_absolute_error_bins`,
+        `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
+        `n_missed_layers`, `n_false_layers`.
 
     Raises
     ------
     ValueError
-        In one line: no pairs, a prediction without truth, sizes that differ, truth without a layer, maps that leave
-        [0, 1], dark layers on bright ground, files that cannot be read.
+        In one line: no pairs, a prediction without truth, sizes that differ, truth without a layer,
+        maps that leave [0, 1], dark layers on bright ground, files that cannot be read.
 
     Examples
     --------
@@ -98,7 +101,11 @@ def _edges_and_truth(prediction, truth, suppressed):
         found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
         msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
         raise ValueError(msg)
-    return probability if suppressed else suppress(probability, where=str(prediction)), mask, layer_bins
+    return (
+        probability if suppressed else suppress(probability, where=str(prediction)),
+        mask,
+        layer_bins,
+    )
 
 
 def _count(pair, *, suppressed, how):
@@ -119,27 +126,37 @@ def _pick(pair, *, suppressed, threshold, follow):
     if layer_bins.size == 0:
         raise refusal(truth, "truth", "at least one layer", "none")
     if picks.shape[1] != layer_bins.shape[1]:
-        raise refusal(prediction, "size", f"{layer_bins.shape[1]} range lines as {truth} has", picks.shape[1])
+        raise refusal(
+            prediction, "size", f"{layer_bins.shape[1]} range lines as {truth} has", picks.shape[1]
+        )
     return layer_rows(picks, layer_bins, **follow)
 
 
 def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     """Table of `score_folders` from what `match_counts` (or None) and `layer_rows` give of each image.
 
-    `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with replacement, NaN for one
-    image alone, whose `ods` and `ois` are its best F.
+    `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with
+    replacement, NaN for one image alone, whose `ods` and `ois` are its best F.
     """
     sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
     draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
     times = np.array([np.bincount(draw, minlength=len(names)) for draw in draws])
     # Every image once, all of them, and each as often as a resample has it.
-    parts = [sums, sums.sum().to_frame().T, pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns)]
+    parts = [
+        sums,
+        sums.sum().to_frame().T,
+        pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns),
+    ]
     parts = [errors_of_sums(part, bin_size_m=1)[PICK_SCORES] for part in parts]
     if counts is not None:
         stacked = stack_counts(counts)
         edges = [[_of_edges([image]) for image in counts], [_of_edges(stacked)]]
-        edges.append([dict(zip(METRICS, replica_scores([stacked], draw)[0], strict=True)) for draw in draws])
-        parts = [pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)]
+        edges.append(
+            [dict(zip(METRICS, replica_scores([stacked], draw)[0], strict=True)) for draw in draws]
+        )
+        parts = [
+            pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)
+        ]
     ends = parts[2].quantile([0.025, 0.975]) if len(names) > 1 else pd.DataFrame(index=range(2))
     table = pd.concat([*parts[:2], ends], ignore_index=True)
     table.insert(0, "image", [*names, "all", "low", "high"])

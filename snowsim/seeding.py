@@ -17,7 +17,7 @@ def seed_entropy(seed, *keys):
 def random_stream(seed, *keys):
     """numpy.random.Generator for one purpose, named by keys (str or int, most general first), of a run's seed (int).
 
-    ``random_stream(seed, "render_phy", scene)``: PCG64 seeded by `seed_entropy`; streams are independent, whatever the
-    order and division of work.
+    ``random_stream(seed, "render_phy", scene)``: PCG64 seeded by `seed_entropy`; streams are
+    independent, whatever the order and division of work.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))

@@ -5,7 +5,9 @@ import torch
 
 def arithmetic(device, precision):
     """Context in which networks compute in `precision`, `float32` or `bfloat16`; weights are float32 in both."""
-    return torch.autocast(torch.device(device).type, torch.bfloat16, enabled=precision == "bfloat16")
+    return torch.autocast(
+        torch.device(device).type, torch.bfloat16, enabled=precision == "bfloat16"
+    )
 
 
 def load_weights(network, weights, name):
@@ -37,13 +39,18 @@ def load_moments(optimiser, moments, name):
         parameter = parameters[int(index)]
         # Laid out in memory as the weights are; a number of steps is a scalar.
         optimiser.state[parameter] = {
-            key: (torch.empty_like(parameter) if value.ndim else torch.empty((), device=parameter.device)).copy_(
-                torch.as_tensor(value)
-            )
+            key: (
+                torch.empty_like(parameter)
+                if value.ndim
+                else torch.empty((), device=parameter.device)
+            ).copy_(torch.as_tensor(value))
             for key, value in values.items()
         }
 
 
 def on_cpu(state):
     """Nested dicts of tensors, brought to main memory where they are not there."""
-    return {key: on_cpu(value) if isinstance(value, dict) else value.detach().cpu() for key, value in state.items()}
+    return {
+        key: on_cpu(value) if isinstance(value, dict) else value.detach().cpu()
+        for key, value in state.items()
+    }

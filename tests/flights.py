@@ -7,9 +7,24 @@ from snowsim.reference.column import draw_column
 from snowsim.reference.radar import range_response
 from snowsim.seeding import random_stream
 
-BARE_FIRN = {"layering_sd_kg_m3": 0.0, "crusts_per_year": 0.0, "horizon_year_sd": 0.0, "horizon_local_sd": 0.0}
-BARE_RADAR = {"sensitivity_sd_db": 0.0, "missing_rate": 0.0, "saturated_rate": 0.0, "surface_to_noise_db": 60.0}
-BARE_RADAR |= {"sidelobe_db": -200.0, "band_noise_db": -200.0, "line_gain_sd_db": 0.0, "quantisation_db": 0.0}
+BARE_FIRN = {
+    "layering_sd_kg_m3": 0.0,
+    "crusts_per_year": 0.0,
+    "horizon_year_sd": 0.0,
+    "horizon_local_sd": 0.0,
+}
+BARE_RADAR = {
+    "sensitivity_sd_db": 0.0,
+    "missing_rate": 0.0,
+    "saturated_rate": 0.0,
+    "surface_to_noise_db": 60.0,
+}
+BARE_RADAR |= {
+    "sidelobe_db": -200.0,
+    "band_noise_db": -200.0,
+    "line_gain_sd_db": 0.0,
+    "quantisation_db": 0.0,
+}
 BARE = {"firn": BARE_FIRN, "radar": BARE_RADAR}  # interfaces alone: nothing that moves a peak
 
 

@@ -1,6 +1,7 @@
 """The published tracker code written again from its description, in plain PyTorch and SciPy, on plain arrays.
 
-github.com/BinaLab/MultiScale (`train.py`, `msnet/`, `modules/`): Rahnemoonfar et al. (2021). Nothing of the package.
+github.com/BinaLab/MultiScale (`train.py`, `msnet/`, `modules/`): Rahnemoonfar et al. (2021).
+Nothing of the package.
 """
 
 import numpy as np
@@ -47,7 +48,12 @@ class Net(nn.Module):
 def parameter_groups(net, lr, decay):
     """Rates of `tune_lrs`; the key of the decay of stage 5's biases is misspelt, so they have the optimiser's."""
     groups = []
-    for modules, factor in ((net.down[:4], 1), (net.down[4:], 100), (net.up, 0.01), ([net.fuse], 0.001)):
+    for modules, factor in (
+        (net.down[:4], 1),
+        (net.down[4:], 100),
+        (net.up, 0.01),
+        ([net.fuse], 0.001),
+    ):
         named = [item for module in modules for item in module.named_parameters()]
         weights, biases = ([p for name, p in named if kind in name] for kind in ("weight", "bias"))
         groups.append({"params": weights, "lr": lr * factor, "weight_decay": decay})
@@ -62,7 +68,10 @@ def rescaled(picture, rate):
     if rate == 1:
         return picture
     size = [int(n * rate) for n in picture.shape]
-    at = [np.clip((np.arange(m) + 0.5) * n / m - 0.5, 0, n - 1) for m, n in zip(size, picture.shape, strict=True)]
+    at = [
+        np.clip((np.arange(m) + 0.5) * n / m - 0.5, 0, n - 1)
+        for m, n in zip(size, picture.shape, strict=True)
+    ]
     values = map_coordinates(picture.astype(float), np.meshgrid(*at, indexing="ij"), order=1)
     return np.floor(np.round(values, 6) + 0.5).astype(np.uint8)
 
@@ -75,20 +84,25 @@ def copy_of(image, contour, transform):
         image, contour = rescaled(image, transform), rescaled(contour, transform)
     red, green, blue = 104.00698793, 116.66876762, 122.67891434
     grey = image.astype(np.float32) - np.float32(0.299 * red + 0.587 * green + 0.114 * blue)
-    return torch.from_numpy(grey)[None, None], torch.from_numpy((contour > 0).astype(np.float32))[None, None]
+    return torch.from_numpy(grey)[None, None], torch.from_numpy((contour > 0).astype(np.float32))[
+        None, None
+    ]
 
 
 def cross_entropy(prediction, label):
     positive = label.sum()
     total = label.numel()
     weight = torch.where(label == 1, (total - positive) / total, positive / total)
-    # The library's loss: logarithms cut at -100, no gradient where a probability is rounded to 0 or 1.
+    # The library's loss: logarithms cut at -100, no gradient where a probability is rounded to 0 or
+    # 1.
     return nn.BCELoss(weight=weight, reduction="sum")(prediction, label)
 
 
 def train(net, epochs, *, lr, decay, momentum, itersize, stepsize):
     """Train on lists of items an epoch; the sum of pixels of every output at every gradient."""
-    optimiser = torch.optim.SGD(parameter_groups(net, lr, decay), lr=lr, momentum=momentum, weight_decay=decay)
+    optimiser = torch.optim.SGD(
+        parameter_groups(net, lr, decay), lr=lr, momentum=momentum, weight_decay=decay
+    )
     scheduler = torch.optim.lr_scheduler.StepLR(optimiser, step_size=stepsize, gamma=0.1)
     losses = []
     for items in epochs:

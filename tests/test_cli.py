@@ -29,9 +29,24 @@ def place(tmp_path, monkeypatch):
         (tmp_path / folder).mkdir(parents=True)
     write_image(tmp_path / "made/fuse/data_a.png", (255 * TRUTH).astype(np.uint8))
     write_image(tmp_path / "true/layer_binary_a.png", TRUTH)
-    arrays = {"nan": np.where(TRUTH, np.nan, 0), "loud": 2.0 * TRUTH, "dim": TRUTH.astype(np.uint8), "none": 0 * RAMP}
-    arrays |= {"dark": 1.0 - TRUTH, "other": TRUTH[:40], "flat": TRUTH[0], "object": np.array([{}]), "shades": RAMP}
-    arrays |= {"crossing": np.array([[9.0], [3.0]]) + np.zeros(20), "one": TRUTH.astype(float), "narrow": RAMP[:2, :9]}
+    arrays = {
+        "nan": np.where(TRUTH, np.nan, 0),
+        "loud": 2.0 * TRUTH,
+        "dim": TRUTH.astype(np.uint8),
+        "none": 0 * RAMP,
+    }
+    arrays |= {
+        "dark": 1.0 - TRUTH,
+        "other": TRUTH[:40],
+        "flat": TRUTH[0],
+        "object": np.array([{}]),
+        "shades": RAMP,
+    }
+    arrays |= {
+        "crossing": np.array([[9.0], [3.0]]) + np.zeros(20),
+        "one": TRUTH.astype(float),
+        "narrow": RAMP[:2, :9],
+    }
     for name, values in arrays.items():
         np.save(tmp_path / f"{name}.npy", values)
     (tmp_path / "text.png").write_text("no image")
@@ -53,12 +68,20 @@ def place(tmp_path, monkeypatch):
         ("score made true --output side_2", 1, "made: predictions: expected a folder side_2"),
         ("score made/merge true", 1, "found pictures of several"),
         ("score made one.npy", 1, "one.npy: path: expected a folder, found a file"),
-        ("score other.npy one.npy", 1, "one.npy: size: expected that of the prediction, (40, 20), found (50, 20)"),
+        (
+            "score other.npy one.npy",
+            1,
+            "one.npy: size: expected that of the prediction, (40, 20), found (50, 20)",
+        ),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy shades.npy", 1, "shades.npy: mask: expected 0 and 1"),
         ("score one.npy dark.npy", 1, "inverted?"),
         ("score one.npy narrow.npy", 1, "narrow.npy: size: expected 20 range lines"),
-        ("score nan.npy one.npy", 1, "nan.npy: map: expected 8-bit numbers, or numbers in [0, 1], found nan"),
+        (
+            "score nan.npy one.npy",
+            1,
+            "nan.npy: map: expected 8-bit numbers, or numbers in [0, 1], found nan",
+        ),
         ("score loud.npy one.npy", 1, "found 2 at range_bin 10, range_line 0"),
         ("score dim.npy one.npy", 1, "dim.npy: map: expected 8-bit numbers up to 255"),
         ("score dark.npy one.npy", 1, "dark.npy: expected bright layers on a dark ground"),
@@ -69,7 +92,11 @@ def place(tmp_path, monkeypatch):
         ("score text.nc one.npy", 1, "text.nc: content: expected"),
         ("score scenes.nc one.npy", 1, "scenes.nc: variables: expected one of probability"),
         ("score --picks crossing.npy one.npy", 1, "crossing.npy: layers must increase strictly"),
-        ("score --picks narrow.npy one.npy", 1, "narrow.npy: size: expected 20 range lines as one.npy has"),
+        (
+            "score --picks narrow.npy one.npy",
+            1,
+            "narrow.npy: size: expected 20 range lines as one.npy has",
+        ),
         ("info nowhere", 2, "'nowhere' does not exist"),
         ("info text.nc", 1, "text.nc: content: expected"),
         ("info cut.npy", 1, "cut.npy: NPY: expected a whole array"),
@@ -94,8 +121,16 @@ def place(tmp_path, monkeypatch):
         ("simulate a.nc --set height_m tall", 2, "'tall' is not a valid float"),
         ("simulate a.nc --set height_m nan", 1, "radar: height_m must be positive"),
         ("simulate a.nc --set bandwidth_hz 1e9", 1, "bin_s must be longer, such as 7.2e-10 s"),
-        ("simulate a.nc --accumulation-m nan", 1, "accumulation_m must lie between 0.001 and 10, got nan"),
-        ("simulate a.nc --accumulation-m 1e9", 1, "accumulation_m must lie between 0.001 and 10, got 1000000000"),
+        (
+            "simulate a.nc --accumulation-m nan",
+            1,
+            "accumulation_m must lie between 0.001 and 10, got nan",
+        ),
+        (
+            "simulate a.nc --accumulation-m 1e9",
+            1,
+            "accumulation_m must lie between 0.001 and 10, got 1000000000",
+        ),
     ],
 )
 def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
@@ -110,19 +145,29 @@ def test_bad_input_ends_in_one_line(place, capsys, arguments, code, printed):
 
 
 WRITING = ["export frames out", "export frames out --netcdf", "simulate out/a.nc --range-lines 9"]
-WRITING += [f"scenes out -n 1 --range-lines 64 --format {form}" for form in ("pairs", "netcdf", "zarr")]
+WRITING += [
+    f"scenes out -n 1 --range-lines 64 --format {form}" for form in ("pairs", "netcdf", "zarr")
+]
 
 
 @pytest.mark.parametrize("arguments", ["score made true", "info made/fuse/data_a.png", *WRITING])
 def test_no_room_ends_in_one_line(place, rng, arguments):
     for name in "ab":
-        write_image(place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8))
+        write_image(
+            place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8)
+        )
         write_image(place / f"frames/layer_binary_{name}.png", TRUTH)
     command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
     # Standard output is a full disk; and no file may grow beyond 500 bytes.
     with open("/dev/full", "w") as full:
-        limit = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))) if arguments in WRITING else None
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, preexec_fn=limit)
+        limit = (
+            (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500)))
+            if arguments in WRITING
+            else None
+        )
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, preexec_fn=limit
+        )
     assert done.returncode == 1
     assert done.stderr.startswith("error: ")
     assert done.stderr.count("\n") == 1
@@ -143,15 +188,28 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     content = formats.truth(rng)
     content["Surface"][3] = np.nan
-    shifted = formats.compensated(content, np.arange(formats.N_LINES) % 5, n_kept=formats.N_BINS, truncate_time=True)
-    formats.write_nsidc("nsidc.nc", shifted, extra={"Elevation_Correction": shifted["Elevation_Correction"]})
-    formats.write_mat5("layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"]))
+    shifted = formats.compensated(
+        content, np.arange(formats.N_LINES) % 5, n_kept=formats.N_BINS, truncate_time=True
+    )
+    formats.write_nsidc(
+        "nsidc.nc", shifted, extra={"Elevation_Correction": shifted["Elevation_Correction"]}
+    )
+    formats.write_mat5(
+        "layers.mat", formats.layer_content([content["Surface"]], [1], content["GPS_time"])
+    )
     write_scenes("scenes.nc", toy_scenes(2))
     printed = {}
     for name in ("nsidc.nc", "layers.mat", "scenes.nc"):
         main(["info", name])
         printed[name] = capsys.readouterr().out
-    parts = ("IRSNO1B", "range bins of 0.2886 ns", "40 range lines", "undone", "dB", "Surface is unknown on 1 ")
+    parts = (
+        "IRSNO1B",
+        "range bins of 0.2886 ns",
+        "40 range lines",
+        "undone",
+        "dB",
+        "Surface is unknown on 1 ",
+    )
     for part in (*parts, "no supp"):
         assert part in printed["nsidc.nc"], part
     assert "id 1: 97.5% picked" in printed["layers.mat"]

@@ -31,7 +31,10 @@ def test_eight_bit_scaling_puts_floor_minus_ten_at_0_and_maximum_at_255():
     power = np.full((4, 8), 1e-3)
     power[1] = 1e-2
     power[2, 0] = 1.0
-    power[3, :4], power[3, 4:] = 1e-5, 1e-1  # mean -30 dB, as the first row; -50 dB lies below the scale
+    power[3, :4], power[3, 4:] = (
+        1e-5,
+        1e-1,
+    )  # mean -30 dB, as the first row; -50 dB lies below the scale
     image, noise_floor_db, maximum_db = eg.to_uint8(power)
     assert_allclose([noise_floor_db, maximum_db], [-30, 0], atol=1e-12)
     assert image[2, 0] == 255
@@ -51,7 +54,10 @@ def test_eight_bit_image_gives_power_back_within_half_a_step(rng):
 
 @pytest.mark.parametrize(
     ("value", "message"),
-    [*[(value, "range_bin 1, range_line 2") for value in (0, -1, np.nan, np.inf)], (1, "without contrast")],
+    [
+        *[(value, "range_bin 1, range_line 2") for value in (0, -1, np.nan, np.inf)],
+        (1, "without contrast"),
+    ],
 )
 def test_eight_bit_scaling_refuses_what_has_no_decibels_or_no_contrast(value, message):
     power = np.ones((3, 3))
@@ -78,7 +84,10 @@ def test_a_good_echogram_passes_in_any_order_of_dimensions():
         (lambda e: e.drop_vars("Surface"), "f.nc: expected variable Surface"),
         (lambda e: e.assign_coords(twtt=e["twtt"].values[::-1].copy()), "f.nc: twtt must increase"),
         (lambda e: e.assign_coords(twtt=e["twtt"].values ** 2), "f.nc: twtt must be evenly spaced"),
-        (lambda e: e.assign_coords(slow_time=np.arange(6.0)), "f.nc: slow_time: expected datetime64"),
+        (
+            lambda e: e.assign_coords(slow_time=np.arange(6.0)),
+            "f.nc: slow_time: expected datetime64",
+        ),
         (lambda e: e.isel(slow_time=[0, 2, 1, 3, 4, 5]), "f.nc: slow_time must increase"),
         (lambda e: e.assign(Data=-e["Data"]), "f.nc: Data: expected linear power"),
         (lambda e: e.assign(Surface=e["Data"]), "f.nc: Surface: expected dimensions"),

@@ -25,11 +25,15 @@ SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 
 def test_what_people_script_with_is_listed():
-    assert {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"} <= set(dir(snowsim))
+    assert {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"} <= set(
+        dir(snowsim)
+    )
 
 
 def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
-    echogram, layers = snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=rng)
+    echogram, layers = snowsim.simulate(
+        snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=5, rng=rng
+    )
     echogram.to_netcdf(tmp_path / "echogram.nc")
     layers.to_netcdf(tmp_path / "layers.nc")
     xr.testing.assert_equal(read_echogram(tmp_path / "echogram.nc")["Data"], echogram["Data"])
@@ -40,20 +44,30 @@ def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_
 
 def test_layers_are_as_bright_as_eq_1_and_noise_as_deep_as_the_radar_says(rng):
     # Slopes so small that no tail hides a layer.
-    snow, radar = snowsim.Snowpack(**SNOW, slope=0.001), snowsim.Radar.preset("ku-12-18", n_looks=400)
+    snow, radar = (
+        snowsim.Snowpack(**SNOW, slope=0.001),
+        snowsim.Radar.preset("ku-12-18", n_looks=400),
+    )
     echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=rng)
     profile = echogram["Data"].mean("slow_time").values
     _, given = physical_parameters(snow, radar)
     _, height = waveform_peak(given["variance_bins2"], given["decay_rate"])
-    at = np.rint((layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])) / radar.bin_s).astype(int)
+    at = np.rint(
+        (layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])) / radar.bin_s
+    ).astype(int)
     noise = profile[:20].mean()
-    # The nearest bin is off the peak by half a bin at most: below 0.4 dB; 400 lines of 400 looks: 0.01 dB.
-    assert_allclose(10 * np.log10(profile[at] / (given["peak_power"][:, 0] * height + noise)), 0, atol=0.4)
+    # The nearest bin is off the peak by half a bin at most: below 0.4 dB; 400 lines of 400 looks:
+    # 0.01 dB.
+    assert_allclose(
+        10 * np.log10(profile[at] / (given["peak_power"][:, 0] * height + noise)), 0, atol=0.4
+    )
     assert_allclose(10 * np.log10(profile[at[0]] / noise), 27, atol=0.4)
 
 
 def test_a_climate_draws_its_accumulation_and_its_variability(rng):
-    snow = snowsim.Climate(accumulation_m=0.3, n_years=60, density_sd_kg_m3=0.0).draw(2, 5.2, rng=rng)
+    snow = snowsim.Climate(accumulation_m=0.3, n_years=60, density_sd_kg_m3=0.0).draw(
+        2, 5.2, rng=rng
+    )
     density = (snow.density_kg_m3[:-1] + snow.density_kg_m3[1:]) / 2
     water_m = (np.diff(snow.depth_m, axis=0) * density / 1000).mean(axis=1)
     # 60 years of log s.d. 0.22, of years and drift: four of their standard errors.
@@ -67,7 +81,9 @@ def drawn():
 
 
 def test_a_scene_is_the_same_in_any_order_number_and_process(drawn):
-    more = pickle.loads(pickle.dumps(snowsim.scenes(100, rng=1, n_range_bins=320, n_range_lines=64)))
+    more = pickle.loads(
+        pickle.dumps(snowsim.scenes(100, rng=1, n_range_bins=320, n_range_lines=64))
+    )
     for number in (5, 2):
         assert_array_equal(drawn[number], more[number])
     assert (drawn[0][0] != drawn[1][0]).any()
@@ -98,16 +114,36 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
     [
         (lambda: snowsim.scenes(2, rng=1, renderer="cgan"), "renderer phy, got 2 and 'cgan'"),
         (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
-        (lambda: snowsim.scenes(2, rng=1).write("x", "gif"), "format must be one of pairs, netcdf, zarr, got 'gif'"),
-        (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
-        (lambda: snowsim.Radar.preset("snow-2-8", bandwidth_hz=11e9), "bandwidth_hz must be positive and below 1e"),
-        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
-        (lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]), "depth_m must be finite and increase with layer, got 1"),
-        (lambda: snowsim.Snowpack([0, 1], [300, 950]), "density_kg_m3 must .* between 0 and 917, got 950"),
-        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0), "n_years must lie between 1 and 1000, got 0"),
-        (lambda: snowsim.Climate(accumulation_m=0.3, temperature_k=280), "temperature_k must lie .* 273.15, got 280"),
         (
-            lambda: snowsim.simulate(snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None),
+            lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
+            "format must be one of pairs, netcdf, zarr, got 'gif'",
+        ),
+        (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
+        (
+            lambda: snowsim.Radar.preset("snow-2-8", bandwidth_hz=11e9),
+            "bandwidth_hz must be positive and below 1e",
+        ),
+        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
+        (
+            lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
+            "depth_m must be finite and increase with layer, got 1",
+        ),
+        (
+            lambda: snowsim.Snowpack([0, 1], [300, 950]),
+            "density_kg_m3 must .* between 0 and 917, got 950",
+        ),
+        (
+            lambda: snowsim.Climate(accumulation_m=0.3, n_years=0),
+            "n_years must lie between 1 and 1000, got 0",
+        ),
+        (
+            lambda: snowsim.Climate(accumulation_m=0.3, temperature_k=280),
+            "temperature_k must lie .* 273.15, got 280",
+        ),
+        (
+            lambda: snowsim.simulate(
+                snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None
+            ),
             "n_range_lines must be the 7 of the snowpack, got 8",
         ),
     ],
@@ -120,9 +156,13 @@ def test_what_cannot_be_is_refused_in_one_line(call, message):
 def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
     assert REFERENCE.stat().st_size < 4e6
     run, kept = ROOT / "results/statistics.nc", read_dataset(REFERENCE)
-    if not run.is_file() or (made := read_dataset(run)).attrs["n_range_lines"] != kept.attrs["n_range_lines"]:
+    if (
+        not run.is_file()
+        or (made := read_dataset(run)).attrs["n_range_lines"] != kept.attrs["n_range_lines"]
+    ):
         pytest.skip("no finished run of the default configuration under results")
-    # Sums of float32 echoes: the same on one machine type, else to some 1e-6 of what the flight tells to 1e-3.
+    # Sums of float32 echoes: the same on one machine type, else to some 1e-6 of what the flight
+    # tells to 1e-3.
     xr.testing.assert_allclose(kept, shipped(made), rtol=1e-4)
 
 
@@ -130,13 +170,18 @@ def test_commands_write_what_the_functions_give(tmp_path):
     assert set(cli.PRESETS) == set(PRESETS)
     asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
     assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
-    climate, radar = snowsim.Climate(accumulation_m=0.3), snowsim.Radar.preset("snow-2-8", height_m=400.0)
+    climate, radar = (
+        snowsim.Climate(accumulation_m=0.3),
+        snowsim.Radar.preset("snow-2-8", height_m=400.0),
+    )
     found = snowsim.simulate(climate, radar, n_range_lines=4, rng=np.random.default_rng(0))
     for name, dataset in zip(("a.nc", "a_layers.nc"), found, strict=True):
         xr.testing.assert_equal(read_dataset(tmp_path / name), dataset)
     done = CliRunner().invoke(cli.simulate, [*asked, "--set", "colour", "1"])
     assert (done.exit_code, "a radar has no number colour" in done.output) == (2, True)
-    assert "\n    snowsim simulate echogram.nc" in CliRunner().invoke(cli.simulate, ["--help"]).output
+    assert (
+        "\n    snowsim simulate echogram.nc" in CliRunner().invoke(cli.simulate, ["--help"]).output
+    )
     done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2

@@ -11,12 +11,27 @@ import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echogram", "seeding", "patches", "training"}
-FRONT = {"cli", "front", "scoring"}  # for people who script: may import any stage; nothing imports them
+FRONT = {
+    "cli",
+    "front",
+    "scoring",
+}  # for people who script: may import any stage; nothing imports them
 # A stage never imports another stage, but for these.
 ALLOWED = {
-    *(("io", "frames"), ("statistics", "phy.waveform"), ("cgan", "metrics"), ("tracker", "metrics")),
-    *(("physical", "reference.firn"), ("physical", "reference.climate")),  # the firn's physics is written once
-    *(("labels", "phy.power"), ("labels", "phy.parameters")),  # a layer is labelled where its mean power shows it
+    *(
+        ("io", "frames"),
+        ("statistics", "phy.waveform"),
+        ("cgan", "metrics"),
+        ("tracker", "metrics"),
+    ),
+    *(
+        ("physical", "reference.firn"),
+        ("physical", "reference.climate"),
+    ),  # the firn's physics is written once
+    *(
+        ("labels", "phy.power"),
+        ("labels", "phy.parameters"),
+    ),  # a layer is labelled where its mean power shows it
 }
 ONLY = {"torch": {"cgan", "tracker", "patches", "training"}}
 ONLY |= dict.fromkeys(("netCDF4", "h5py", "PIL", "safetensors"), {"io"})
@@ -52,13 +67,20 @@ def test_module_imports_only_what_its_place_allows(module):
         other = parts[1]
         if other in CORE | {stage, "__version__"} or stage in FRONT:
             continue
-        allowed = any(stage == a and (name == f"snowsim.{b}" or name.startswith(f"snowsim.{b}.")) for a, b in ALLOWED)
+        allowed = any(
+            stage == a and (name == f"snowsim.{b}" or name.startswith(f"snowsim.{b}."))
+            for a, b in ALLOWED
+        )
         assert allowed, f"{module} imports {name}"
 
 
 def test_only_io_opens_files():
     for module in MODULES:
-        calls = {node.func.id for node in nodes(module) if isinstance(node, ast.Call) and hasattr(node.func, "id")}
+        calls = {
+            node.func.id
+            for node in nodes(module)
+            if isinstance(node, ast.Call) and hasattr(node.func, "id")
+        }
         assert module.parts[0] == "io" or "open" not in calls, f"{module} opens a file"
 
 
@@ -73,11 +95,16 @@ print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagno
 
 
 @pytest.mark.parametrize("stage", ["reference", "phy", "coherent"])
-def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themselves_and_core_alone(stage):
+def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themselves_and_core_alone(
+    stage,
+):
     names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
     command = [sys.executable, "-c", CHILD, *(names or ["lib.diagnostics.coherent"])]
     done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
-    loaded = {"coherent" if name.startswith("lib.") else name.split(".")[1] for name in done.stdout.split()}
+    loaded = {
+        "coherent" if name.startswith("lib.") else name.split(".")[1]
+        for name in done.stdout.split()
+    }
     assert stage in loaded
     assert loaded - {stage, "__init__"} <= CORE
 
@@ -88,10 +115,18 @@ def test_settings_are_checked_without_what_draws():
     command = [sys.executable, "-c", check]
     loaded = set(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
     assert "snowsim.reference.settings" in loaded
-    assert not loaded & {"scipy", "torch", "xarray", "snowsim.reference.echo", "snowsim.reference.flight"}
+    assert not loaded & {
+        "scipy",
+        "torch",
+        "xarray",
+        "snowsim.reference.echo",
+        "snowsim.reference.flight",
+    }
 
 
 def test_the_reference_flight_has_the_names_it_promises_and_no_other():
-    assert all(getattr(snowsim.reference, name).__name__ == name for name in snowsim.reference.__all__)
+    assert all(
+        getattr(snowsim.reference, name).__name__ == name for name in snowsim.reference.__all__
+    )
     with pytest.raises(AttributeError, match="has no attribute 'draw_nothing'"):
         _ = snowsim.reference.draw_nothing

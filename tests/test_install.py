@@ -19,8 +19,15 @@ from snowsim.reference import checked_settings, draw_climate, draw_frame
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
 SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]
-NETWORKS = ("snowsim.cgan", "snowsim.tracker", "snowsim.patches", "snowsim.training", "snowsim.io.models")
-# With these modules not to be had, import all others, then run the examples of the public functions.
+NETWORKS = (
+    "snowsim.cgan",
+    "snowsim.tracker",
+    "snowsim.patches",
+    "snowsim.training",
+    "snowsim.io.models",
+)
+# With these modules not to be had, import all others, then run the examples of the public
+# functions.
 EXAMPLES = """
 import doctest, importlib, pkgutil, sys
 class Blocked:
@@ -43,7 +50,9 @@ sys.exit(runner.summarize().failed)
 
 
 def run_in(folder, *command):
-    done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, f"{command}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
     return done.stdout
 
@@ -83,12 +92,16 @@ def test_what_is_built_works_in_a_bare_environment(built, tmp_path, monkeypatch,
     python = bare(tmp_path, next(built.glob(f"*.{ending}")))
     assert "torch" not in run_in(tmp_path, python, "-m", "pip", "list")
     run_in(tmp_path, python, "-I", "-c", examples())
-    assert "all 1 images" in run_in(tmp_path, "bare/bin/snowsim", "score", "map.npy", "truth.npy")  # of an example
+    assert "all 1 images" in run_in(
+        tmp_path, "bare/bin/snowsim", "score", "map.npy", "truth.npy"
+    )  # of an example
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(SCRIPTS)))
-def test_the_readme_s_scripts_run_with_what_they_say_they_need(built, tmp_path, monkeypatch, number):
+def test_the_readme_s_scripts_run_with_what_they_say_they_need(
+    built, tmp_path, monkeypatch, number
+):
     monkeypatch.delenv("PYTHONPATH", raising=False)
     needed, *lines = SCRIPTS[number].splitlines()
     assert sum(bool(line.strip()) for line in lines) <= 10
@@ -96,13 +109,18 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(built, tmp_path, 
     layers = 60 + 30 * np.arange(4)[:, None] + np.round(3 * np.sin(np.arange(256) / 20))
     for name in "abc":
         write_image(tmp_path / f"test/layer_binary_{name}.png", layer_mask(layers, 300))
-        write_image(tmp_path / f"predictions/fuse/data_{name}.png", (200 * layer_mask(layers + 1, 300)).astype("u1"))
+        write_image(
+            tmp_path / f"predictions/fuse/data_{name}.png",
+            (200 * layer_mask(layers + 1, 300)).astype("u1"),
+        )
     settings = checked_settings({"radar": {"n_range_bins": 1000}})
     common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
     rows = ["frame\techogram\tlayers\trole"]
     for index, role in enumerate(("statistics", "test")):
         for kind, drawn in zip(
-            "el", draw_frame(index, 2, 1024, **common, rng=np.random.default_rng(index)), strict=True
+            "el",
+            draw_frame(index, 2, 1024, **common, rng=np.random.default_rng(index)),
+            strict=True,
         ):
             write_dataset(tmp_path / f"{role}_{kind}.nc", drawn)
         rows.append(f"{role}\t{role}_e.nc\t{role}_l.nc\t{role}")

@@ -31,10 +31,14 @@ def folders(tmp_path):
     """Predictions as the published predictor leaves them, and truth as the published benchmark has it."""
     for number in range(3):
         for output, offset in (("fuse", 1), ("side_1", 4), ("merge", 0)):
-            write_image(tmp_path / f"made/{output}/data_20120429_01_{number:03d}.png", edge_map(offset))
+            write_image(
+                tmp_path / f"made/{output}/data_20120429_01_{number:03d}.png", edge_map(offset)
+            )
         write_image(tmp_path / f"true/layer_binary_20120429_01_{number:03d}.png", MASK)
         write_image(tmp_path / f"true/data_20120429_01_{number:03d}.png", edge_map())
-    write_image(tmp_path / "true/layer_binary_20120429_01_999.png", MASK)  # a train scene: not predicted, not scored
+    write_image(
+        tmp_path / "true/layer_binary_20120429_01_999.png", MASK
+    )  # a train scene: not predicted, not scored
     return tmp_path / "made", tmp_path / "true"
 
 
@@ -43,13 +47,33 @@ def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys)
     printed = json.loads(capsys.readouterr().out)
     counts = match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)
     chain = score([counts], THRESHOLDS)
-    assert [row["image"] for row in printed["images"]] == [f"20120429_01_{number:03d}" for number in range(3)]
+    assert [row["image"] for row in printed["images"]] == [
+        f"20120429_01_{number:03d}" for number in range(3)
+    ]
     # JSON has ten decimals. Images that are all the same leave nothing to chance.
-    scores = {"ods": chain["ods"], "ap": chain["ap"], "share_within": 1, "n_missed_layers": 0, "n_false_layers": 0}
+    scores = {
+        "ods": chain["ods"],
+        "ap": chain["ap"],
+        "share_within": 1,
+        "n_missed_layers": 0,
+        "n_false_layers": 0,
+    }
     for name, value in scores.items():
         assert_allclose([printed[row][name] for row in ("all", "low", "high")], value, atol=1e-10)
-    main([*map(str, ["score", *folders]), "--output", "side_1", "--format", "csv", "--bootstrap", "1"])
-    assert "20120429_01_002,0,0," in capsys.readouterr().out  # 4 bins off: beyond 0.0075 diagonals of 210 pixels
+    main(
+        [
+            *map(str, ["score", *folders]),
+            "--output",
+            "side_1",
+            "--format",
+            "csv",
+            "--bootstrap",
+            "1",
+        ]
+    )
+    assert (
+        "20120429_01_002,0,0," in capsys.readouterr().out
+    )  # 4 bins off: beyond 0.0075 diagonals of 210 pixels
 
 
 def test_maps_of_the_reference_score_within_its_own_error(shared_data, tmp_path):
@@ -59,12 +83,18 @@ def test_maps_of_the_reference_score_within_its_own_error(shared_data, tmp_path)
         for folder, key in (("made", "pred"), ("true", "gt")):
             (tmp_path / folder).mkdir(exist_ok=True)
             np.save(tmp_path / folder / f"{file.stem}.npy", reference[key])
-        least, n = np.asarray(reference["count_r"]), {"n_truth": reference["sum_r"], "n_prediction": reference["sum_p"]}
-        # As for the counts themselves: no fewer pairs than the reference, and more by at most what its outliers cost.
+        least, n = (
+            np.asarray(reference["count_r"]),
+            {"n_truth": reference["sum_r"], "n_prediction": reference["sum_p"]},
+        )
+        # As for the counts themselves: no fewer pairs than the reference, and more by at most what
+        # its outliers cost.
         most = np.minimum(least + max(3, 0.006 * reference["gt"].sum()), np.minimum(*n.values()))
         for end, matched in (("low", least), ("high", most)):
             ends[end][file.stem] = [{"matched_truth": matched, "matched_prediction": matched, **n}]
-    table = score_folders(tmp_path / "made", tmp_path / "true", suppressed=True, n_bootstrap=1).set_index("image")
+    table = score_folders(
+        tmp_path / "made", tmp_path / "true", suppressed=True, n_bootstrap=1
+    ).set_index("image")
     for images in ends.values():
         images["all"] = sum(images.values(), [])
     assert len(images) == 14 + 1
@@ -83,19 +113,34 @@ def as_files(folder, form, layers, mask):
     elif form == "scene_x.nc":
         xr.Dataset({"layer_bins": (("range_line", "layer"), layers.T)}).to_netcdf(folder / form)
     else:
-        np.save(folder / "x.npy", {"mask": mask, "grey": 255 * mask.astype(np.uint8), "layers": layers}[form])
+        np.save(
+            folder / "x.npy",
+            {"mask": mask, "grey": 255 * mask.astype(np.uint8), "layers": layers}[form],
+        )
 
 
-@pytest.mark.parametrize("form", ["layer_binary_x.png", "x.png", "layer_x.png", "scene_x.nc", "mask", "grey", "layers"])
+@pytest.mark.parametrize(
+    "form", ["layer_binary_x.png", "x.png", "layer_x.png", "scene_x.nc", "mask", "grey", "layers"]
+)
 def test_every_form_of_truth_and_picks_gives_the_same_scores(tmp_path, form):
     as_files(tmp_path / "true", form, LAYERS, MASK)
     np.save(tmp_path / "x.npy", edge_map(1) / 255)
     table = score_folders(tmp_path / "x.npy", next((tmp_path / "true").iterdir()), n_bootstrap=1)
     expected = score([match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)])
-    assert_allclose(table[["ods", "ap"]].to_numpy(float)[:2], [[expected["ods"], expected["ap"]]] * 2, rtol=1e-12)
+    assert_allclose(
+        table[["ods", "ap"]].to_numpy(float)[:2],
+        [[expected["ods"], expected["ap"]]] * 2,
+        rtol=1e-12,
+    )
     as_files(tmp_path / "made", form, LAYERS + 3, layer_mask(LAYERS + 3, N_BINS))
-    table = score_folders(tmp_path / "made", tmp_path / "true", picks=True, n_bootstrap=1, within_bins=2.9)
-    assert table.loc[0, ["mean_absolute_error_bins", "share_within", "share_found"]].tolist() == [3, 0, 1]
+    table = score_folders(
+        tmp_path / "made", tmp_path / "true", picks=True, n_bootstrap=1, within_bins=2.9
+    )
+    assert table.loc[0, ["mean_absolute_error_bins", "share_within", "share_found"]].tolist() == [
+        3,
+        0,
+        1,
+    ]
     assert "ods" not in table
 
 
@@ -116,11 +161,19 @@ def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_pat
     for number, picks in enumerate((LAYERS, LAYERS[:2], np.vstack([LAYERS, LAYERS[-1] + 30]))):
         np.save(tmp_path / f"made/{number}.npy", picks)
         np.save(tmp_path / f"true/{number}.npy", LAYERS)
-    tables = [score_folders(tmp_path / "made", tmp_path / "true", picks=True, processes=n) for n in (1, 2)]
+    tables = [
+        score_folders(tmp_path / "made", tmp_path / "true", picks=True, processes=n) for n in (1, 2)
+    ]
     assert tables[0].equals(tables[1])
     counts = tables[0].set_index("image")[["n_layers", "n_missed_layers", "n_false_layers"]]
-    assert counts.loc[["0", "1", "2", "all"]].to_numpy().tolist() == [[3, 0, 0], [3, 1, 0], [3, 0, 1], [9, 1, 1]]
-    # Binomial of 3 draws at 1/3: none with 8/27, three with 1/27 = 3.7 %, more than the 2.5 % above the upper end.
+    assert counts.loc[["0", "1", "2", "all"]].to_numpy().tolist() == [
+        [3, 0, 0],
+        [3, 1, 0],
+        [3, 0, 1],
+        [9, 1, 1],
+    ]
+    # Binomial of 3 draws at 1/3: none with 8/27, three with 1/27 = 3.7 %, more than the 2.5 % above
+    # the upper end.
     assert counts.loc[["low", "high"], "n_missed_layers"].tolist() == [0, 3]
 
 
@@ -128,5 +181,8 @@ def test_a_tolerance_in_pixels_is_reached_exactly(tmp_path):
     np.save(tmp_path / "made.npy", layer_mask(LAYERS + 3, N_BINS))
     np.save(tmp_path / "true.npy", MASK)
     files = [tmp_path / f"{name}.npy" for name in ("made", "true")]
-    found = [score_folders(*files, suppressed=True, tolerance_bins=bins, n_bootstrap=1)["ods"][0] for bins in (2.9, 3)]
+    found = [
+        score_folders(*files, suppressed=True, tolerance_bins=bins, n_bootstrap=1)["ods"][0]
+        for bins in (2.9, 3)
+    ]
     assert found[0] < found[1] == 1

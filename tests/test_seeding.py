@@ -6,10 +6,21 @@ from snowsim.seeding import random_stream
 def test_a_stream_depends_on_every_key_and_their_order_and_has_not_changed_between_versions():
     draws = [
         random_stream(*keys).random()
-        for keys in [(1,), (2,), (1, "a"), (1, "b"), (1, "a", "b"), (1, "b", "a"), (1, "ab"), (1, "a", 1), (1, "a1")]
+        for keys in [
+            (1,),
+            (2,),
+            (1, "a"),
+            (1, "b"),
+            (1, "a", "b"),
+            (1, "b", "a"),
+            (1, "ab"),
+            (1, "a", 1),
+            (1, "a1"),
+        ]
     ]
     assert len(set(draws)) == len(draws)
-    # Frozen: computed with NumPy 2.4 (PCG64) when the scheme was written; a change here changes every result.
+    # Frozen: computed with NumPy 2.4 (PCG64) when the scheme was written; a change here changes
+    # every result.
     assert random_stream(20120429, "draw_labels", "label_000000").integers(1 << 30) == 1033317684
 
 

@@ -14,7 +14,13 @@ CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, 
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
 GUIDED, L1 = replace(CGAN, method="guided"), replace(CGAN, adversarial="none")
-NAMES = {"cgan": CGAN, "guided": GUIDED, "l1": L1, "tracker": TRACKER, "published tracker": PUBLISHED}
+NAMES = {
+    "cgan": CGAN,
+    "guided": GUIDED,
+    "l1": L1,
+    "tracker": TRACKER,
+    "published tracker": PUBLISHED,
+}
 ALL = pytest.mark.parametrize("settings", NAMES.values(), ids=NAMES)
 BOTH = pytest.mark.parametrize("settings", [CGAN, TRACKER], ids=["cgan", "tracker"])
 
@@ -32,14 +38,22 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
     whole, losses = trained(settings)
     broken, steps = begun(settings)
     assert len(list(islice(steps, n_before))) == n_before
-    write_model(tmp_path / "state.safetensors", broken.state(), {"step": n_before, "settings": asdict(settings)})
-    state, metadata = read_model(tmp_path / "state.safetensors", expected={"settings": asdict(settings)})
+    write_model(
+        tmp_path / "state.safetensors",
+        broken.state(),
+        {"step": n_before, "settings": asdict(settings)},
+    )
+    state, metadata = read_model(
+        tmp_path / "state.safetensors", expected={"settings": asdict(settings)}
+    )
     resumed, steps = begun(settings)
     resumed.restore(state, metadata["step"])
     assert [later for _, later in steps] == losses[n_before:]
     for name, training in (("whole", whole), ("resumed", resumed)):
         write_model(tmp_path / f"{name}.safetensors", training.state(), {"step": training.step})
-    assert (tmp_path / "whole.safetensors").read_bytes() == (tmp_path / "resumed.safetensors").read_bytes()
+    assert (tmp_path / "whole.safetensors").read_bytes() == (
+        tmp_path / "resumed.safetensors"
+    ).read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -73,9 +87,13 @@ def test_a_training_that_diverges_says_so(settings):
         (TRACKER, "tracker", "optimiser", tracker.trained_network),
     ],
 )
-def test_a_state_of_other_settings_is_refused_in_one_line(settings, network, optimiser, trained_network):
+def test_a_state_of_other_settings_is_refused_in_one_line(
+    settings, network, optimiser, trained_network
+):
     state = begun(replace(settings, width=5))[0].state()
-    with pytest.raises(ValueError, match=f"{network}: expected .* of shape .*, got .*: other settings") as error:
+    with pytest.raises(
+        ValueError, match=f"{network}: expected .* of shape .*, got .*: other settings"
+    ) as error:
         begun(settings)[0].restore(state, 1)
     assert "\n" not in str(error.value)
     with pytest.raises(ValueError, match=f"{network}: expected"):

@@ -10,13 +10,17 @@ def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
     """One scene, the same for the same number: wavy layers 3 rows wide over a dim, speckled ground."""
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
-    wave = rng.uniform(2, 5) * np.sin(2 * np.pi * (line / n_range_lines * rng.uniform(0.5, 1.5) + rng.random()))
+    wave = rng.uniform(2, 5) * np.sin(
+        2 * np.pi * (line / n_range_lines * rng.uniform(0.5, 1.5) + rng.random())
+    )
     depths = np.cumsum(rng.uniform(12, 18, n_layers))
     layer_bins = depths[:, None] + wave * np.linspace(0.3, 1, n_layers)[:, None]
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None, :]
     level = 40 + 140 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
     image = level * rng.gamma(16, 1 / 16, level.shape)
-    return Scene(f"toy {number}", n_range_bins, layer_bins, np.minimum(np.rint(image), 255).astype(np.uint8))
+    return Scene(
+        f"toy {number}", n_range_bins, layer_bins, np.minimum(np.rint(image), 255).astype(np.uint8)
+    )
 
 
 def toy_scenes(n):
@@ -30,5 +34,7 @@ def toy_guides(n):
     for scene in toy_scenes(n):
         below = np.arange(scene.n_range_bins)[:, None] - scene.layer_bins[:, None, :]
         mean = 1 + 50 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
-        guides.append(guide_of(scene, mean, mean * np.random.default_rng(7).gamma(16, 1 / 16, mean.shape)))
+        guides.append(
+            guide_of(scene, mean, mean * np.random.default_rng(7).gamma(16, 1 / 16, mean.shape))
+        )
     return guides

@@ -62,7 +62,9 @@ def check_killed_training(script, arguments, whole):
     checkpoint, every_steps = Path(arguments["checkpoint"]), arguments["checkpoint_steps"]
     n_steps = arguments["settings"]["n_steps"]
     names = {path.name for path in whole.iterdir() if path.is_file()}
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])}
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])
+    }
     command = [sys.executable, "-c", CHILD.format(script=script), repr(arguments)]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
         for line in child.stdout:

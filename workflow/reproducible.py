@@ -1,12 +1,14 @@
 """What "byte-identical" covers, and how two runs compare.
 
-python workflow/reproducible.py [RESULTS] prints a digest of every file that must not differ between two runs.
-python workflow/reproducible.py OLD NEW compares two results folders, also where files and columns have other names
-since: value by value, and figures by the numbers they draw. It prints every difference and fails where there is one.
+python workflow/reproducible.py [RESULTS] prints a digest of every file that must not differ between
+two runs. python workflow/reproducible.py OLD NEW compares two results folders, also where files and
+columns have other names since: value by value, and figures by the numbers they draw. It prints
+every difference and fails where there is one.
 
-The same configuration and seed give the same bytes for everything under results/ but what states times: benchmarks,
-the speed-accuracy and convolution tables and figures, and the report that quotes them; and but checkpoints of
-unfinished trainings, which go when these end. Logs lie outside results/.
+The same configuration and seed give the same bytes for everything under results/ but what states
+times: benchmarks, the speed-accuracy and convolution tables and figures, and the report that quotes
+them; and but checkpoints of unfinished trainings, which go when these end. Logs lie outside
+results/.
 """
 
 import hashlib
@@ -46,7 +48,11 @@ def reproducible_files(results):
     """Files under a results folder that must not differ between runs, sorted."""
     results = Path(results)
     names = (path.relative_to(results) for path in sorted(results.rglob("*")) if path.is_file())
-    return [results / name for name in names if not any(part.match(p) for part in (name, *name.parents) for p in TIMED)]
+    return [
+        results / name
+        for name in names
+        if not any(part.match(p) for part in (name, *name.parents) for p in TIMED)
+    ]
 
 
 def digests(results):
@@ -60,12 +66,19 @@ def digests(results):
 def compare(old, new):
     """Differences between two results folders, a line each: every value of every file that both must hold."""
     names = {str(path.relative_to(old)) for path in reproducible_files(old)}
-    moved = {name: reduce(lambda part, move: part.replace(*move), MOVED_FILES.items(), name) for name in sorted(names)}
+    moved = {
+        name: reduce(lambda part, move: part.replace(*move), MOVED_FILES.items(), name)
+        for name in sorted(names)
+    }
     added = {str(path.relative_to(new)) for path in reproducible_files(new)} - set(moved.values())
     differences = [f"{name}: only in {new}" for name in sorted(added)]
     for name, new_name in moved.items():
         path = Path(new) / new_name
-        differences += compare_files(Path(old) / name, path, new_name) if path.is_file() else [f"{new_name}: missing"]
+        differences += (
+            compare_files(Path(old) / name, path, new_name)
+            if path.is_file()
+            else [f"{new_name}: missing"]
+        )
     return differences
 
 
@@ -78,7 +91,10 @@ def compare_files(old, new, name):
     lines = [f"{name}: {key}: only in one of them" for key in sorted(before.keys() ^ after.keys())]
     for key in sorted(before.keys() & after.keys()):
         difference = largest_difference(before[key], after[key])
-        allowed = max((bound for pattern, bound in ALLOWED.items() if fnmatch(f"{name}: {key}", pattern)), default=0)
+        allowed = max(
+            (bound for pattern, bound in ALLOWED.items() if fnmatch(f"{name}: {key}", pattern)),
+            default=0,
+        )
         if difference > allowed:
             lines.append(f"{name}: {key}: differs by up to {difference:.3g}")
     return lines
@@ -90,8 +106,12 @@ def contents(path):
         import xarray as xr
 
         with xr.open_dataset(path, decode_cf=False) as dataset:
-            attributes = {f"attribute {key}": np.array(str(value)) for key, value in dataset.attrs.items()}
-            return attributes | {str(key): variable.to_numpy() for key, variable in dataset.variables.items()}
+            attributes = {
+                f"attribute {key}": np.array(str(value)) for key, value in dataset.attrs.items()
+            }
+            return attributes | {
+                str(key): variable.to_numpy() for key, variable in dataset.variables.items()
+            }
     if path.suffix in (".csv", ".parquet"):
         table = pd.read_csv(path) if path.suffix == ".csv" else pd.read_parquet(path)
         return {column: table[column].to_numpy() for column in table}

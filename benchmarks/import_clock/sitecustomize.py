@@ -1,7 +1,7 @@
 """Seconds that each job of a run spends on imports, wherever they stand, in logs/imports.tsv of the run.
 
-``PYTHONPATH=benchmarks/import_clock make run``: Python executes this file in every process before anything else. A row
-is the life of a process and the imports in it [s].
+``PYTHONPATH=benchmarks/import_clock make run``: Python executes this file in every process before
+anything else. A row is the life of a process and the imports in it [s].
 """
 
 import atexit

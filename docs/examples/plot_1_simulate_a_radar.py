@@ -2,7 +2,8 @@
 Simulate a radar
 ================
 
-A radar in physical units over twelve years of snow: its echogram, and the layers that a tracker should find.
+A radar in physical units over twelve years of snow: its echogram, and the layers that a tracker
+should find.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,9 @@
 A training set
 ==============
 
-Scenes drawn from the statistics of the synthetic reference flight, which come with the package, each with its mask. A
-``torch.utils.data.DataLoader`` accepts them directly; ``write`` saves them in the published benchmark's layout.
+Scenes drawn from the statistics of the synthetic reference flight, which come with the package,
+each with its mask. A ``torch.utils.data.DataLoader`` accepts them directly; ``write`` saves them in
+the published benchmark's layout.
 """
 
 import matplotlib.pyplot as plt

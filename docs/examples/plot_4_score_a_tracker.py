@@ -2,7 +2,8 @@
 Score a tracker
 ===============
 
-Edge scores of probability maps, here of a "tracker" that is only the vertical gradient of the image.
+Edge scores of probability maps, here of a "tracker" that is only the vertical gradient of the
+image.
 """
 
 import matplotlib.pyplot as plt

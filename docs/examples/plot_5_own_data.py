@@ -2,8 +2,8 @@
 Own data
 ========
 
-Read a flight, learn its statistics, draw similar scenes. Two simulated files stand in for yours; any format that
-`snowsim.io.read_echogram` and `snowsim.io.read_layers` know works.
+Read a flight, learn its statistics, draw similar scenes. Two simulated files stand in for yours;
+any format that `snowsim.io.read_echogram` and `snowsim.io.read_layers` know works.
 """
 
 import tempfile
@@ -24,6 +24,9 @@ for i in range(2):
     for kind, dataset in zip(("echogram", "layers"), frame, strict=True):
         dataset.to_netcdf(folder / f"{kind}_{i}.nc")
 
-flight = ((read_echogram(folder / f"echogram_{i}.nc"), read_layers(folder / f"layers_{i}.nc")) for i in range(2))
+flight = (
+    (read_echogram(folder / f"echogram_{i}.nc"), read_layers(folder / f"layers_{i}.nc"))
+    for i in range(2)
+)
 image, mask = snowsim.scenes(10, statistics=fit(flight), rng=1)[0]
 plt.imshow(image, cmap="gray", aspect="auto").axes.set(xlabel="range line", ylabel="range bin")

@@ -1,7 +1,8 @@
 """PHY's renders with a learned correction of their mean power: layers and speckle stay PHY's.
 
-Trained without pairs, on the likeness of corrected renders to observed scenes (Shrivastava et al. 2017, CVPR): picks
-that lack layers teach it nothing about layers, and the mean absolute correction keeps those PHY drew.
+Trained without pairs, on the likeness of corrected renders to observed scenes (Shrivastava et al.
+2017, CVPR): picks that lack layers teach it nothing about layers, and the mean absolute correction
+keeps those PHY drew.
 """
 
 from dataclasses import dataclass
@@ -31,13 +32,17 @@ def guide_of(scene, mean_power, power):
     maps = {"mean": (mean_db - bottom_db) * scale - 1, "speckle": (to_db(power) - mean_db) * scale}
     maps = {name: values.astype(np.float32) for name, values in maps.items()}
     maps |= {"image": image, "power": power, "noise_floor_db": floor_db, "maximum_db": maximum_db}
-    return Guide(scene.name, scene.n_range_bins, scene.layer_bins, zone=scene.zone, notes=scene.notes, **maps)
+    return Guide(
+        scene.name, scene.n_range_bins, scene.layer_bins, zone=scene.zone, notes=scene.notes, **maps
+    )
 
 
 def guide_map(guide, layer_bins, n_range_bins):
     """`place_map`, mean and speckle of a guide, float32 (range_bin, range_line, 5)."""
     maps = np.stack([guide.mean, guide.speckle], axis=2)
-    return np.concatenate([place_map(guide, layer_bins, n_range_bins).astype(np.float32), maps], axis=2)
+    return np.concatenate(
+        [place_map(guide, layer_bins, n_range_bins).astype(np.float32), maps], axis=2
+    )
 
 
 def correction(output):

@@ -14,21 +14,29 @@ N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out, pix2pi
 class UNetGenerator(nn.Module):
     """U-Net of pix2pix from inputs to an image, (patch, channel, range_bin, range_line) in [-1, 1], the image's one.
 
-    Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``, `depth` halvings. Any
-    image size: inputs, the mask first, are continued to a multiple of ``2**depth``, downwards without layers and
-    sideways with the last range line, and the output cut back. With `statistics` ``scene`` features are normalised by
-    the images at hand, as published, with ``pixel`` over the channels of each pixel: then an image depends on what is
-    within ``3 * 2**depth`` pixels alone. With `is_noisy` its inputs have a random level for each slab, and it doubles
-    images before it convolves them (Odena, Dumoulin & Olah 2016, Distill): equal inputs leave no lattice. With
-    `has_grain` it learns a `grain` to be added to its images.
+    Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``,
+    `depth` halvings. Any image size: inputs, the mask first, are continued to a multiple of
+    ``2**depth``, downwards without layers and sideways with the last range line, and the output cut
+    back. With `statistics` ``scene`` features are normalised by the images at hand, as published,
+    with ``pixel`` over the channels of each pixel: then an image depends on what is within ``3 *
+    2**depth`` pixels alone. With `is_noisy` its inputs have a random level for each slab, and it
+    doubles images before it convolves them (Odena, Dumoulin & Olah 2016, Distill): equal inputs
+    leave no lattice. With `has_grain` it learns a `grain` to be added to its images.
     """
 
-    def __init__(self, width=64, depth=8, n_inputs=1, *, statistics="scene", is_noisy=False, has_grain=False):
+    def __init__(
+        self, width=64, depth=8, n_inputs=1, *, statistics="scene", is_noisy=False, has_grain=False
+    ):
         super().__init__()
         if depth < 2 or width < 1:
             msg = f"a generator needs depth >= 2 and width >= 1, got depth {depth}, width {width}"
             raise ValueError(msg)
-        self.depth, self.statistics, self.is_noisy, self.has_grain = depth, statistics, is_noisy, has_grain
+        self.depth, self.statistics, self.is_noisy, self.has_grain = (
+            depth,
+            statistics,
+            is_noisy,
+            has_grain,
+        )
         self.channels = [width * min(2**stage, 8) for stage in range(depth)]
         c = self.channels
         self.down = nn.ModuleList(
@@ -45,10 +53,14 @@ class UNetGenerator(nn.Module):
         if is_noisy:
             self.last = nn.Conv2d(n_out + n_inputs + 1, 1, 3, padding=1)
         if has_grain:
-            self.grains = nn.Conv2d(1, 1, (5, 1), padding=(2, 0), bias=False)  # range lines are independent
+            self.grains = nn.Conv2d(
+                1, 1, (5, 1), padding=(2, 0), bias=False
+            )  # range lines are independent
             self.gains = nn.Conv2d(1, 1, 1, bias=False)  # of a range line as a whole
         # Neither the outermost nor the innermost stage is normalised on the way down.
-        self.norm_down = nn.ModuleDict({str(stage): Norm(c[stage]) for stage in range(1, depth - 1)})
+        self.norm_down = nn.ModuleDict(
+            {str(stage): Norm(c[stage]) for stage in range(1, depth - 1)}
+        )
         self.norm_up = nn.ModuleList(Norm(c[stage - 1]) for stage in range(1, depth))
 
     def noisy_stages(self):
@@ -58,8 +70,9 @@ class UNetGenerator(nn.Module):
     def draw_noise(self, slabs, *, dropout=0.5, rng):
         """Noise of one pass for inputs of the shape of `slabs`, (patch, range_bin, range_line), the slab of each pixel.
 
-        A dict of tensors (patch, channel, row, column): by stage dropout, 0 or 1 / (1 - dropout), the only noise of
-        pix2pix; where the generator takes them ``white`` noise, and ``slab``, the same throughout a slab.
+        A dict of tensors (patch, channel, row, column): by stage dropout, 0 or 1 / (1 - dropout),
+        the only noise of pix2pix; where the generator takes them ``white`` noise, and ``slab``, the
+        same throughout a slab.
         """
         n_patches, *size = slabs.shape
         rows, columns = (-(-n // 2**self.depth) * 2**self.depth for n in size)
@@ -75,7 +88,9 @@ class UNetGenerator(nn.Module):
         if self.is_noisy:
             levels = rng.standard_normal((n_patches, int(slabs.max()) + 1), dtype=np.float32)
             noise["slab"] = torch.from_numpy(
-                np.take_along_axis(levels, slabs.reshape(n_patches, -1), 1).reshape(n_patches, 1, *size)
+                np.take_along_axis(levels, slabs.reshape(n_patches, -1), 1).reshape(
+                    n_patches, 1, *size
+                )
             )
         return noise
 
@@ -105,7 +120,9 @@ class UNetGenerator(nn.Module):
         """What to add to an image of this size: filtered noise, alike everywhere as speckle and gain are in dB."""
         if not self.has_grain:
             return 0.0
-        grain = self.grains(noise["white"].to(self.grains.weight)) + self.gains(noise["line"].to(self.gains.weight))
+        grain = self.grains(noise["white"].to(self.grains.weight)) + self.gains(
+            noise["line"].to(self.gains.weight)
+        )
         return grain[:, :, :n_range_bins, :n_range_lines]
 
     def _continued(self, inputs):
@@ -119,7 +136,8 @@ class UNetGenerator(nn.Module):
 class PatchDiscriminator(nn.Module):
     """PatchGAN of pix2pix: logits, one per patch, for real (mask, image) pairs against rendered ones.
 
-    Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that halve, of 1 to 4.
+    Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that
+    halve, of 1 to 4.
     """
 
     def __init__(self, width=64, n_strided=3, n_inputs=1):
@@ -148,22 +166,28 @@ class Norm(nn.Module):
 
     def __init__(self, n_channels):
         super().__init__()
-        self.weight, self.bias = nn.Parameter(torch.ones(n_channels)), nn.Parameter(torch.zeros(n_channels))
+        self.weight, self.bias = (
+            nn.Parameter(torch.ones(n_channels)),
+            nn.Parameter(torch.zeros(n_channels)),
+        )
 
     def forward(self, x, statistics):
         """By mean and variance of each channel over the images (`scene`), or of each pixel over channels (`pixel`)."""
         if statistics == "scene":
             return functional.batch_norm(x, None, None, self.weight, self.bias, training=True)
-        by_pixel = functional.layer_norm(x.permute(0, 2, 3, 1), x.shape[1:2], self.weight, self.bias, EPSILON)
+        by_pixel = functional.layer_norm(
+            x.permute(0, 2, 3, 1), x.shape[1:2], self.weight, self.bias, EPSILON
+        )
         return by_pixel.permute(0, 3, 1, 2)
 
 
 class ResizeConvolution(nn.Conv2d):
     """Every pixel doubled down and across, then convolved, 3x3 with zeros around; no doubled image is made.
 
-    Rows 2i and 2i + 1 of the result see two rows of x each, with weights (w0, w1 + w2) and (w0 + w1, w2): four
-    convolutions of 2x2, 16 products for 36. Those of odd rows and columns first, they fall into place one pixel late.
-    Adding weights costs more than it saves where there are many for few pixels.
+    Rows 2i and 2i + 1 of the result see two rows of x each, with weights (w0, w1 + w2) and (w0 +
+    w1, w2): four convolutions of 2x2, 16 products for 36. Those of odd rows and columns first, they
+    fall into place one pixel late. Adding weights costs more than it saves where there are many for
+    few pixels.
     """
 
     def forward(self, x):
@@ -173,7 +197,10 @@ class ResizeConvolution(nn.Conv2d):
         kernels = self.weight
         for axis in (2, 4):
             first, middle, last = kernels.unbind(axis)
-            halves = torch.stack([first + middle, last], axis), torch.stack([first, middle + last], axis)
+            halves = (
+                torch.stack([first + middle, last], axis),
+                torch.stack([first, middle + last], axis),
+            )
             kernels = torch.stack(halves, axis // 2)
         bias = None if self.bias is None else self.bias.repeat_interleave(4)
         both = functional.conv2d(x, kernels.flatten(0, 2), bias, padding=1)

@@ -23,10 +23,11 @@ def render(generator, scene, settings, *, brightness=None, rng):
     scene : Scene
         ValueError if its mask holds no layer.
     settings : Settings
-        Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise is.
-        FloatingPointError if a pixel is not finite.
+        Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise
+        is. FloatingPointError if a pixel is not finite.
     brightness : array_like, (layer, range_line), optional
-        Of the layers in decibels above an image's 0, by the uppermost's mean; by default that of the image, or 1.
+        Of the layers in decibels above an image's 0, by the uppermost's mean; by default that of
+        the image, or 1.
     rng : numpy.random.Generator
     """
     mask = scene.mask()
@@ -46,7 +47,11 @@ def render(generator, scene, settings, *, brightness=None, rng):
     if not torch.isfinite(image).all():
         msg = "generator renders values that are not finite: its training diverged"
         raise FloatingPointError(msg)
-    return corrected(scene, image)[0] if settings.method == "guided" else from_signed((image + grain).clamp(-1, 1))[0]
+    return (
+        corrected(scene, image)[0]
+        if settings.method == "guided"
+        else from_signed((image + grain).clamp(-1, 1))[0]
+    )
 
 
 def trained_generator(weights, settings, *, device="cpu"):
@@ -59,6 +64,11 @@ def trained_generator(weights, settings, *, device="cpu"):
 def validate(generator, scenes, settings, *, seed):
     """Render observed scenes and compare: means of `rmse`, `psnr`, `ssim` as a dict, and the renders as a list."""
     streams = (random_stream(seed, "cgan", "validation", scene.name) for scene in scenes)
-    images = [render(generator, scene, settings, rng=rng) for scene, rng in zip(scenes, streams, strict=True)]
+    images = [
+        render(generator, scene, settings, rng=rng)
+        for scene, rng in zip(scenes, streams, strict=True)
+    ]
     scores = [similarity(image, scene.image) for image, scene in zip(images, scenes, strict=True)]
-    return {name: float(np.mean([score[name] for score in scores])) for name in ("rmse", "psnr", "ssim")}, images
+    return {
+        name: float(np.mean([score[name] for score in scores])) for name in ("rmse", "psnr", "ssim")
+    }, images

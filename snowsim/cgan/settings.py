@@ -16,19 +16,20 @@ class Settings:
     Attributes
     ----------
     method : str
-        `pix2pix`, as published; `depth`: both networks know the depth, and noise is more than dropout; `guided`:
-        the generator corrects PHY's renders.
+        `pix2pix`, as published; `depth`: both networks know the depth, and noise is more than
+        dropout; `guided`: the generator corrects PHY's renders.
     width : int
         Channels of the outermost stage of both networks; 64 as published.
     depth, n_strided : int
-        Halvings of the generator and of the discriminator; 8 and 3 (patches of 70 pixels) as published.
+        Halvings of the generator and of the discriminator; 8 and 3 (patches of 70 pixels) as
+        published.
     n_steps, batch_size : int
         Gradient steps of each network; patches a step.
     n_range_bins, n_range_lines : int or None
         Size of random crops; None takes whole scenes, as pix2pix does.
     statistics : str
-        Normalise by those of each `scene`, as pix2pix does: they change with its height. `pixel`: over the channels of
-        each pixel, so that a layer is drawn alike in scenes of any height.
+        Normalise by those of each `scene`, as pix2pix does: they change with its height. `pixel`:
+        over the channels of each pixel, so that a layer is drawn alike in scenes of any height.
     learning_rate, beta1, beta2 : float
         Of Adam; the rate is constant for half the steps, then falls linearly to zero.
     l1_weight : float

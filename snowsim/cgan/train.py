@@ -21,7 +21,8 @@ N_LAGS = 5  # [range bins] as many as grain has weights
 class Training:
     """Both networks, `generator` and `discriminator`, their optimisers and the number of steps taken, `step`.
 
-    What a step draws depends on the seed and the step alone, so these and `seed` are all there is to resume from.
+    What a step draws depends on the seed and the step alone, so these and `seed` are all there is
+    to resume from.
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
@@ -37,7 +38,10 @@ class Training:
 
     def state(self):
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
-        networks = {"generator": self.generator.state_dict(), "discriminator": self.discriminator.state_dict()}
+        networks = {
+            "generator": self.generator.state_dict(),
+            "discriminator": self.discriminator.state_dict(),
+        }
         moments = {name: moments_of(optimiser) for name, optimiser in self._optimisers.items()}
         return on_cpu(networks | moments)
 
@@ -64,17 +68,20 @@ def least_bytes(settings):
     """Least memory for weights, gradients and moments of both networks, without images and activations."""
     with torch.device("meta"):
         networks = networks_of(settings)
-    return 4 * 4 * sum(parameter.numel() for network in networks for parameter in network.parameters())
+    return (
+        4 * 4 * sum(parameter.numel() for network in networks for parameter in network.parameters())
+    )
 
 
 def train_steps(training, scenes, guides=None):
     """Train from where `training` is to its last step; yields the steps taken and the losses (dict) of each.
 
-    A step updates the discriminator, then the generator, on random crops of scenes, drawn without replacement until all
-    were seen, flipped left to right half of the time. Losses: ``L_D = (A(D(x, y), 1) + A(D(x, G(x, z)), 0)) / 2``,
-    ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the adversarial A a cross-entropy (0.69 is undecided) or a
-    square (0.25): Isola et al. (2017), eq. (7) of Yari et al. (2021); `l1` is a share of half the grey range. `guided`
-    renders crops of `guides`, in place of y stands PHY's image of them, and the discriminator does not see the mask.
+    A step updates the discriminator, then the generator, on random crops of scenes, drawn without
+    replacement until all were seen, flipped left to right half of the time. Losses: ``L_D = (A(D(x,
+    y), 1) + A(D(x, G(x, z)), 0)) / 2``, ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the
+    adversarial A a cross-entropy (0.69 is undecided) or a square (0.25): Isola et al. (2017), eq.
+    (7) of Yari et al. (2021); `l1` is a share of half the grey range. `guided` renders crops of
+    `guides`, in place of y stands PHY's image of them, and the discriminator does not see the mask.
     ValueError without scenes or for one not trainable; FloatingPointError if a loss is not finite.
     """
     if len(scenes) == 0:
@@ -95,7 +102,8 @@ def train_steps(training, scenes, guides=None):
 class Batch:
     """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1], but for noise, a dict of them.
 
-    `given`: what the discriminator knows of observed and of rendered images; `base`: what a guided generator corrects.
+    `given`: what the discriminator knows of observed and of rendered images; `base`: what a guided
+    generator corrects.
     """
 
     inputs: torch.Tensor
@@ -109,14 +117,19 @@ class Batch:
 def _draw_batch(training, held, n_scenes, guides, rng):
     """`Batch` of the next step."""
     settings, device = training.settings, training.device
-    positions = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
+    positions = range(
+        training.step * settings.batch_size, (training.step + 1) * settings.batch_size
+    )
 
     def crops(get, n, of, known):
         drawn = [get(draw_index(n, position, training.seed, "cgan", of)) for position in positions]
-        return draw_patches(drawn, settings.n_range_bins, settings.n_range_lines, known=known, rng=rng)
+        return draw_patches(
+            drawn, settings.n_range_bins, settings.n_range_lines, known=known, rng=rng
+        )
 
     images, masks, places = crops(held, n_scenes, "scenes", place_map)
-    # Half a grey level of dither: that observed images are whole numbers must not tell them from rendered ones.
+    # Half a grey level of dither: that observed images are whole numbers must not tell them from
+    # rendered ones.
     dither = (rng.random(images.shape, dtype=np.float32) - np.float32(0.5))[:, None] / 127.5
     image = (to_signed(images) + torch.from_numpy(dither)).to(device)
     given = conditions(settings.method, masks & (settings.method != "guided"), places).to(device)
@@ -126,14 +139,27 @@ def _draw_batch(training, held, n_scenes, guides, rng):
     _, masks, maps = crops(guides.__getitem__, len(guides), "guides", guide_map)
     slabs, _, mean, speckle = np.moveaxis(maps[..., 1:], 3, 0)
     noise = training.generator.draw_noise(slabs.astype(int), dropout=settings.dropout, rng=rng)
-    base, mean = (torch.from_numpy(values)[:, None].to(device) for values in (mean + speckle, mean.copy()))
+    base, mean = (
+        torch.from_numpy(values)[:, None].to(device) for values in (mean + speckle, mean.copy())
+    )
     inputs = torch.cat([conditions("guided", masks, maps).to(device), mean], dim=1)
-    return Batch(inputs, noise, (given, conditions("guided", masks & False, maps).to(device)), image, base, base)
+    return Batch(
+        inputs,
+        noise,
+        (given, conditions("guided", masks & False, maps).to(device)),
+        image,
+        base,
+        base,
+    )
 
 
 def _step(training, batch):
     """Update both networks on one batch; the losses before the update."""
-    settings, generator, discriminator = training.settings, training.generator, training.discriminator
+    settings, generator, discriminator = (
+        training.settings,
+        training.generator,
+        training.discriminator,
+    )
     for optimiser in training._optimisers.values():
         for group in optimiser.param_groups:
             group["lr"] = learning_rate(settings, training.step)
@@ -145,7 +171,8 @@ def _step(training, batch):
     l1 = functional.l1_loss(rendered, batch.target)
     losses = {}
     if generator.has_grain:
-        # Of what the image lacks grain has the texture, not the pixels: the least error is an image without any.
+        # Of what the image lacks grain has the texture, not the pixels: the least error is an image
+        # without any.
         lacking = autocovariance((batch.target - rendered).detach())
         ((autocovariance(grain.float()) - lacking) ** 2).sum().backward()
         rendered = rendered + grain.detach()
@@ -172,7 +199,9 @@ def autocovariance(images):
     """
     change = images[..., 1:] - images[..., :-1]
     height = change.shape[2]
-    products = [(change[:, :, lag:] * change[:, :, : height - lag]).mean() / 2 for lag in range(N_LAGS)]
+    products = [
+        (change[:, :, lag:] * change[:, :, : height - lag]).mean() / 2 for lag in range(N_LAGS)
+    ]
     return torch.stack([*products, N_LAGS * (change.mean(dim=2) ** 2).mean() / 2])
 
 
@@ -181,7 +210,9 @@ def _decide(training, batch, rendered):
     discriminator, precision = training.discriminator, training.settings.precision
     with arithmetic(training.device, precision):
         if training.settings.method == "pix2pix":
-            return discriminator(batch.given[0], batch.image), discriminator(batch.given[1], rendered)
+            return discriminator(batch.given[0], batch.image), discriminator(
+                batch.given[1], rendered
+            )
         # Normalised together: by themselves, renders of twice the contrast are the same to it.
         return discriminator(torch.cat(batch.given), torch.cat([batch.image, rendered])).chunk(2)
 
@@ -202,4 +233,6 @@ def _adversarial(logits, target, settings):
 
 def _adam(network, settings):
     betas = (settings.beta1, settings.beta2)
-    return torch.optim.Adam(network.parameters(), lr=settings.learning_rate, betas=betas, fused=True)
+    return torch.optim.Adam(
+        network.parameters(), lr=settings.learning_rate, betas=betas, fused=True
+    )

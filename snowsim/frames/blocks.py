@@ -18,18 +18,21 @@ from snowsim.echogram import (
 
 OVERLAP_LINES = 6
 FLAGGED = "range lines flagged"  # how the reason of a block with such lines ends
-METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180  # of latitude, on the sphere of `echogram.along_track_m`
+METRES_PER_DEGREE = (
+    EARTH_RADIUS_M * np.pi / 180
+)  # of latitude, on the sphere of `echogram.along_track_m`
 
 
 def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):
     """Scenes of a level frame by the rule of the published benchmark, and why other blocks are none, by name.
 
-    Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50, and ends 100 rows
-    below its last layer but holds 300 rows at least; each is scaled to 8 bits by itself and called
-    ``{name}_{block:03d}``. Lines left over at the end are not used, nor are layers without a pick in a block. No scenes
-    are blocks with a `flagged` line (`leave_out_flagged`), without surface or with missing pixels: an image has no room
-    for gaps. `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower than a
-    block, or the overlap not smaller than it.
+    Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50,
+    and ends 100 rows below its last layer but holds 300 rows at least; each is scaled to 8 bits by
+    itself and called ``{name}_{block:03d}``. Lines left over at the end are not used, nor are
+    layers without a pick in a block. No scenes are blocks with a `flagged` line
+    (`leave_out_flagged`), without surface or with missing pixels: an image has no room for gaps.
+    `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower
+    than a block, or the overlap not smaller than it.
     """
     if not 0 <= overlap < n_range_lines:
         msg = f"overlap must lie in [0, {n_range_lines}), got {overlap}"
@@ -40,7 +43,11 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
         raise ValueError(msg)
     first_s, bin_s = float(echogram["twtt"].values[0]), bin_size_s(echogram)
-    flagged = echogram["flagged"].values if "flagged" in echogram else np.zeros(power.shape[1], dtype=bool)
+    flagged = (
+        echogram["flagged"].values
+        if "flagged" in echogram
+        else np.zeros(power.shape[1], dtype=bool)
+    )
     scenes, skipped = [], {}
     starts = range(0, power.shape[1] - n_range_lines + 1, n_range_lines - overlap)
     for block, start in enumerate(starts):
@@ -74,9 +81,10 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     """Echogram and layers of a scene with an image, so that statistics can be fitted to a benchmark of images.
 
-    `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range lines [m]: images
-    tell neither. Scenes that do not tell their decibels need `contrast_db`, from the noise floor to the maximum (8-bit
-    255). Positions and times are placeholders. Power comes back in steps of a 255th of the contrast.
+    `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range
+    lines [m]: images tell neither. Scenes that do not tell their decibels need `contrast_db`, from
+    the noise floor to the maximum (8-bit 255). Positions and times are placeholders. Power comes
+    back in steps of a 255th of the contrast.
     """
     if scene.image is None:
         msg = f"{scene.name}: a frame needs an image, the scene has none"
@@ -98,18 +106,29 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
 def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
     """Power and layers as datasets of the Open Polar Radar convention, due north, one line a millisecond.
 
-    `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent. Times and positions
-    are placeholders: frames sort by `minute`, their lines have the distance that `latitude` [deg] gives them.
+    `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent.
+    Times and positions are placeholders: frames sort by `minute`, their lines have the distance
+    that `latitude` [deg] gives them.
     """
     n_lines = power.shape[1]
     milliseconds = 60_000 * minute + np.arange(n_lines)
     slow_time = np.datetime64("2012-01-01", "ns") + milliseconds * np.timedelta64(1, "ms")
     twtt = layer_bins * bin_s
-    along = {"Latitude": latitude, "Longitude": np.full(n_lines, -40.0), "Elevation": np.zeros(n_lines)}
+    along = {
+        "Latitude": latitude,
+        "Longitude": np.full(n_lines, -40.0),
+        "Elevation": np.zeros(n_lines),
+    }
     along["Surface"] = twtt[0]
     echogram = xr.Dataset(
-        {"Data": (("twtt", "slow_time"), power), **{key: ("slow_time", values) for key, values in along.items()}},
-        coords={"twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}), "slow_time": slow_time},
+        {
+            "Data": (("twtt", "slow_time"), power),
+            **{key: ("slow_time", values) for key, values in along.items()},
+        },
+        coords={
+            "twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}),
+            "slow_time": slow_time,
+        },
     )
     picks = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
     for name, code in (("quality", 1), ("type", 2)):

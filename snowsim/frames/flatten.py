@@ -7,10 +7,11 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
 
 METHODS = ("surface", "elevation", "none")
-# Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each. Not here by
-# default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB below a bright echo: layers stay
-# where they are, and the same supplement lies beside the plain product; `low_SNR`, weak, but measured: without such
-# lines the mean power would come out too high; `land_ice`, what is on the ground, no defect.
+# Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
+# Not here by default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB
+# below a bright echo: layers stay where they are, and the same supplement lies beside the plain
+# product; `low_SNR`, weak, but measured: without such lines the mean power would come out too high;
+# `land_ice`, what is on the ground, no defect.
 FLAGGED_BY = (
     "coh_noise_removal_artifact",  # power that is no echo, in the air that gives the noise and under the picks
     "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
@@ -23,10 +24,11 @@ FLAGGED_BY = (
 def align_layers(layers, echogram, where="layers"):
     """Layers on the range lines of an echogram, and as seen from its antenna; `where` names them in messages.
 
-    `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type` are those of the
-    nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram - z_layers) / c`` where both are
-    known, as in the CReSIS toolbox. ValueError if the layers do not cover the echogram's time span to within one of
-    their own lines, if one lies outside the echogram's window, or if they cross.
+    `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type`
+    are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
+    - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
+    not cover the echogram's time span to within one of their own lines, if one lies outside the
+    echogram's window, or if they cross.
     """
     theirs, ours = layers["slow_time"].values, echogram["slow_time"].values
     left, weight = _between(theirs, ours, where)
@@ -45,9 +47,13 @@ def align_layers(layers, echogram, where="layers"):
     _check_window(twtt, echogram, where)
     flags = {name: layers[name].transpose("layer", "slow_time") for name in ("quality", "type")}
     variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
-    variables |= {name: (("layer", "slow_time"), f.values[:, nearer], f.attrs) for name, f in flags.items()}
+    variables |= {
+        name: (("layer", "slow_time"), f.values[:, nearer], f.attrs) for name, f in flags.items()
+    }
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
-    coordinates = {"slow_time": ours} | {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
+    coordinates = {"slow_time": ours} | {
+        name: c for name, c in layers.coords.items() if c.dims == ("layer",)
+    }
     aligned = xr.Dataset(variables, coordinates, layers.attrs)
     check_layers(aligned, where)
     return aligned
@@ -63,7 +69,9 @@ def _between(theirs, ours, where):
         raise ValueError(msg)
     # Beyond the ends, by less than a line: the outermost picks hold.
     ours_s = np.clip(ours_s, 0, theirs_s[-1])
-    left = np.clip(np.searchsorted(theirs_s, ours_s, side="right") - 1, 0, max(theirs_s.size - 2, 0))
+    left = np.clip(
+        np.searchsorted(theirs_s, ours_s, side="right") - 1, 0, max(theirs_s.size - 2, 0)
+    )
     if theirs_s.size == 1:
         return left, np.zeros(ours_s.size)
     return left, (ours_s - theirs_s[left]) / (theirs_s[left + 1] - theirs_s[left])
@@ -83,11 +91,12 @@ def _check_window(twtt, echogram, where):
 def flatten(echogram, layers, *, method="surface"):
     """Echogram and layers with traces shifted by whole bins, so that the surface, or the aircraft, stays level.
 
-    Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line between its
-    neighbours where it is not picked, into the row of its median; "elevation" takes out the aircraft's change of height
-    above the ellipsoid, as the CReSIS toolbox does; "none" nothing. Where the shift of a line is k bins, ``Elevation +=
-    k dt c / 2`` and ``t += k dt``. Nothing is lost: rows are added at both ends, NaN where no trace reaches. A frame
-    that is level already comes back as it is, so files compensated before need no setting. ValueError if the method is
+    Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line
+    between its neighbours where it is not picked, into the row of its median; "elevation" takes out
+    the aircraft's change of height above the ellipsoid, as the CReSIS toolbox does; "none" nothing.
+    Where the shift of a line is k bins, ``Elevation += k dt c / 2`` and ``t += k dt``. Nothing is
+    lost: rows are added at both ends, NaN where no trace reaches. A frame that is level already
+    comes back as it is, so files compensated before need no setting. ValueError if the method is
     unknown, or the surface is not picked at all.
     """
     if method not in METHODS:
@@ -121,7 +130,9 @@ def _shifted(echogram, layers, shift, bin_s):
     power = echogram["Data"].transpose("twtt", "slow_time").values
     n_bins, n_lines = power.shape
     lowest, highest = int(min(shift.min(), 0)), int(max(shift.max(), 0))
-    moved = np.full((n_bins + highest - lowest, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32))
+    moved = np.full(
+        (n_bins + highest - lowest, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32)
+    )
     for line, bins in enumerate(shift):
         moved[bins - lowest : bins - lowest + n_bins, line] = power[:, line]
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(moved.shape[0]) + lowest)
@@ -132,18 +143,23 @@ def _shifted(echogram, layers, shift, bin_s):
     for dataset, names in ((level, ("Surface", "Bottom")), (moved_layers, ("twtt",))):
         for name in names:
             if name in dataset:
-                dataset[name] = (dataset[name] + delay).transpose(*dataset[name].dims).assign_attrs(units="s")
+                dataset[name] = (
+                    (dataset[name] + delay).transpose(*dataset[name].dims).assign_attrs(units="s")
+                )
     for dataset in (level, moved_layers):
         if "Elevation" in dataset:
-            dataset["Elevation"] = (dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2).assign_attrs(units="m")
+            dataset["Elevation"] = (
+                dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2
+            ).assign_attrs(units="m")
     return level, moved_layers
 
 
 def resample_range(echogram, bin_s):
     """Echogram at another bin size in two-way travel time [s], two of which must fit into it.
 
-    Larger bins hold the mean power of what they cover, smaller ones the power interpolated between bin centres; the
-    first bin keeps its travel time. NaN spreads to every bin it touches. Within a millionth, it comes back as it is.
+    Larger bins hold the mean power of what they cover, smaller ones the power interpolated between
+    bin centres; the first bin keeps its travel time. NaN spreads to every bin it touches. Within a
+    millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
     if not bin_s > 0:
@@ -157,24 +173,33 @@ def resample_range(echogram, bin_s):
     if n_rows < 2:
         msg = f"bin_s {bin_s:g} s leaves fewer than two bins of {power.shape[0]} at {present_s:g} s"
         raise ValueError(msg)
-    # To a millionth of a bin: a centre that falls on another must not lean on its neighbour, which may be missing.
+    # To a millionth of a bin: a centre that falls on another must not lean on its neighbour, which
+    # may be missing.
     centres = np.round(ratio * np.arange(n_rows), 6)
     resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
     first_s = float(echogram["twtt"].values[0])
     dataset = echogram.drop_vars(["Data", "twtt"]).assign_coords(
         twtt=("twtt", first_s + bin_s * np.arange(n_rows), {"units": "s"})
     )
-    dataset["Data"] = (("twtt", "slow_time"), resampled.astype(power.dtype, copy=False), echogram["Data"].attrs)
+    dataset["Data"] = (
+        ("twtt", "slow_time"),
+        resampled.astype(power.dtype, copy=False),
+        echogram["Data"].attrs,
+    )
     return dataset.assign_attrs(resampled_from_bin_size_s=present_s)
 
 
 def _box_means(power, centres, ratio):
     """Mean over boxes of `ratio` bins about `centres`, by differences of the running integral."""
     missing = ~np.isfinite(power)
-    edges = np.clip(np.concatenate([centres - ratio / 2, [centres[-1] + ratio / 2]]) + 0.5, 0, power.shape[0])
+    edges = np.clip(
+        np.concatenate([centres - ratio / 2, [centres[-1] + ratio / 2]]) + 0.5, 0, power.shape[0]
+    )
 
     def between_edges(values):
-        integral = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)])
+        integral = np.concatenate(
+            [np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)]
+        )
         whole = np.minimum(edges.astype(int), values.shape[0] - 1)
         return np.diff(integral[whole] + (edges - whole)[:, None] * values[whole], axis=0)
 
@@ -193,10 +218,11 @@ def _interpolated(power, centres):
 def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
     """Echogram, with `flagged (slow_time)`, and layers without the power and picks of lines that have one of `flags`.
 
-    Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines stay, so that their
-    neighbours keep their distance. The echogram's `quality_mask (slow_time)` holds one bit a flag, named by its
-    attributes `flag_masks` and `flag_meanings` (CF conventions, section 3.5); it need not know them all. Without a
-    mask, echogram and layers come back as they are.
+    Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines
+    stay, so that their neighbours keep their distance. The echogram's `quality_mask (slow_time)`
+    holds one bit a flag, named by its attributes `flag_masks` and `flag_meanings` (CF conventions,
+    section 3.5); it need not know them all. Without a mask, echogram and layers come back as they
+    are.
     """
     held = flagged_lines(echogram)
     if held is None:
@@ -215,7 +241,11 @@ def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
 def flagged_lines(echogram):
     """Which range lines have each flag, {name: bool (range_line,)}; None for an echogram without a mask of flags."""
     mask = echogram.get("quality_mask")
-    if mask is None or mask.dtype.kind not in "iu" or not {"flag_masks", "flag_meanings"} <= set(mask.attrs):
+    if (
+        mask is None
+        or mask.dtype.kind not in "iu"
+        or not {"flag_masks", "flag_meanings"} <= set(mask.attrs)
+    ):
         return None
     names, bits = str(mask.attrs["flag_meanings"]).split(), np.atleast_1d(mask.attrs["flag_masks"])
     return {name: (mask.values & bit) != 0 for name, bit in zip(names, bits, strict=True)}

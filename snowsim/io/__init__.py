@@ -1,6 +1,7 @@
 """Files to datasets and back; the only package that opens files.
 
-Readers are imported where they are called: every job imports this package, and h5py, scipy and xarray take a second.
+Readers are imported where they are called: every job imports this package, and h5py, scipy and
+xarray take a second.
 """
 
 from snowsim.io.guard import refusal
@@ -12,20 +13,24 @@ def read_echogram(path, *, compensated=False):
     Parameters
     ----------
     path : path_like
-        IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar dataset (NetCDF, Zarr).
+        IRSNO1B NetCDF (plain, deconv, uwb), CReSIS L1B MAT (v5, v7.3), or an Open Polar Radar
+        dataset (NetCDF, Zarr).
     compensated : bool
-        Keep elevation compensation where a file has it; by default travel times are those to the antenna's `Elevation`.
+        Keep elevation compensation where a file has it; by default travel times are those to the
+        antenna's `Elevation`.
 
     Returns
     -------
     xarray.Dataset
-        Coordinates `slow_time` [UTC] and `twtt` [s]; `Data` (twtt, slow_time) in linear power, NaN where nothing was
-        recorded; `Latitude`, `Longitude`, `Elevation`, `Surface` along slow_time, and what else the file has.
+        Coordinates `slow_time` [UTC] and `twtt` [s]; `Data` (twtt, slow_time) in linear power, NaN
+        where nothing was recorded; `Latitude`, `Longitude`, `Elevation`, `Surface` along slow_time,
+        and what else the file has.
 
     Raises
     ------
     ValueError
-        One line, with file, variable, expected and found, for any file that is not a sound echogram.
+        One line, with file, variable, expected and found, for any file that is not a sound
+        echogram.
 
     Examples
     --------
@@ -50,7 +55,12 @@ def read_echogram(path, *, compensated=False):
         return cresis.read_cresis(path, compensated=compensated)
     if kind == "opr":
         return datasets.read_opr(path)
-    raise refusal(path, "format", "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)", sniff.in_words(kind))
+    raise refusal(
+        path,
+        "format",
+        "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)",
+        sniff.in_words(kind),
+    )
 
 
 def read_layers(path, *, names=None, missing="refuse"):
@@ -59,7 +69,8 @@ def read_layers(path, *, names=None, missing="refuse"):
     Parameters
     ----------
     path : path_like
-        CReSIS layer file, new (names from the organizer file beside it) or old, or an Open Polar Radar layers dataset.
+        CReSIS layer file, new (names from the organizer file beside it) or old, or an Open Polar
+        Radar layers dataset.
     names : iterable of str, optional
         Read these layers only, such as ``["surface", "Koenig_2"]``.
     missing : {"refuse", "skip"}
@@ -68,13 +79,14 @@ def read_layers(path, *, names=None, missing="refuse"):
     Returns
     -------
     xarray.Dataset
-        `twtt` [s], `quality`, `type` on (layer, slow_time), from the snow surface down; `layer` holds the names.
+        `twtt` [s], `quality`, `type` on (layer, slow_time), from the snow surface down; `layer`
+        holds the names.
 
     Raises
     ------
     ValueError
-        One line, with file, variable, expected and found, for any file that is not a sound set of layers; also where
-        no layer has a pick, or where layers cross.
+        One line, with file, variable, expected and found, for any file that is not a sound set of
+        layers; also where no layer has a pick, or where layers cross.
 
     Examples
     --------

@@ -18,7 +18,15 @@ HEAP = b"GCOL\x01"  # a global heap collection, version 1: HDF5 File Format Spec
 TEXT_LINK = 16  # bytes of a text's length, heap and place in it
 HEAP_HEADER, HEAP_OBJECT = 16, 16  # bytes in front of a collection and of each of its objects
 # What NetCDF-4 keeps for itself in an HDF5 file.
-PRIVATE = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "DIMENSION_LABELS", "_nc3_strict", "_NCProperties"}
+PRIVATE = {
+    "CLASS",
+    "NAME",
+    "REFERENCE_LIST",
+    "DIMENSION_LIST",
+    "DIMENSION_LABELS",
+    "_nc3_strict",
+    "_NCProperties",
+}
 PRIVATE_START = "_Netcdf4"
 NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
@@ -59,7 +67,12 @@ def check_texts(path, name, node):
         with path.open("rb") as file:
             file.seek(offset)
             links = file.read(node.size * TEXT_LINK)
-        lengths = [length for length, _, _ in struct.iter_unpack("<IQI", links[: len(links) // TEXT_LINK * TEXT_LINK])]
+        lengths = [
+            length
+            for length, _, _ in struct.iter_unpack(
+                "<IQI", links[: len(links) // TEXT_LINK * TEXT_LINK]
+            )
+        ]
         if sum(lengths) > size:
             raise refusal(path, name, f"texts within {size} bytes", f"{sum(lengths)} bytes of them")
 
@@ -87,7 +100,9 @@ def _check_heap(path, content, at):
     length = struct.unpack_from("<Q", content, at + 8)[0] if at + HEAP_HEADER <= len(content) else 0
     end = at + length
     if length < HEAP_HEADER or end > len(content):
-        raise refusal(path, f"HDF5 heap at byte {at}", "one within the file", f"one of {length} bytes")
+        raise refusal(
+            path, f"HDF5 heap at byte {at}", "one within the file", f"one of {length} bytes"
+        )
     offset = at + HEAP_HEADER
     while offset + HEAP_OBJECT <= end:
         index, _, _, object_length = struct.unpack_from("<HHIQ", content, offset)
@@ -101,14 +116,18 @@ def _check_heap(path, content, at):
 
 def names_in_netcdf3(path):
     """Names of the variables in a NetCDF file of version 3."""
-    with library_errors(path, "NetCDF", "a readable file"), scipy.io.netcdf_file(path, mmap=False) as file:
+    with (
+        library_errors(path, "NetCDF", "a readable file"),
+        scipy.io.netcdf_file(path, mmap=False) as file,
+    ):
         return set(file.variables)
 
 
 def read_netcdf(path, names=None):
     """Dataset of the variables of a NetCDF file, or of those of `names` that are there, with all attributes.
 
-    As they are stored: no fill value, scale or time is applied. A variable beyond the size limit is refused.
+    As they are stored: no fill value, scale or time is applied. A variable beyond the size limit is
+    refused.
     """
     read = _read3 if container_of(path) == "netcdf3" else _read4
     variables, attributes = read(path, names)
@@ -117,7 +136,10 @@ def read_netcdf(path, names=None):
 
 
 def _read3(path, names):
-    with library_errors(path, "NetCDF", "a readable file"), scipy.io.netcdf_file(path, mmap=False) as file:
+    with (
+        library_errors(path, "NetCDF", "a readable file"),
+        scipy.io.netcdf_file(path, mmap=False) as file,
+    ):
         variables = {}
         for name, variable in file.variables.items():
             if names is None or name in names:
@@ -140,7 +162,11 @@ def _read4(path, names):
             check_dataset(path, name, node)
             if bytes(np.asarray(node.attrs.get("NAME", b"")).tobytes()).startswith(NO_VARIABLE):
                 continue
-            variables[name] = (_dimensions(node, name), _values(path, name, node), _attributes(node))
+            variables[name] = (
+                _dimensions(node, name),
+                _values(path, name, node),
+                _attributes(node),
+            )
         return variables, _attributes(file)
 
 
@@ -164,7 +190,9 @@ def _dimensions(node, name):
 
 
 def _attributes(node):
-    names = [name for name in node.attrs if name not in PRIVATE and not name.startswith(PRIVATE_START)]
+    names = [
+        name for name in node.attrs if name not in PRIVATE and not name.startswith(PRIVATE_START)
+    ]
     return {name: _plain(node.attrs[name]) for name in names}
 
 

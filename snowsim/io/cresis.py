@@ -14,7 +14,14 @@ ALONG_TRACK_IF_ANY = ("Roll", "Pitch", "Heading", "Bottom")
 CODES = ("Elevation_Correction", "Truncate_Bins", "minData", "maxData")
 # Parameter structs by age; the newest that has a name is believed.
 PARAMETER_STRUCTS = (
-    *("param_records", "param_qlook", "param_get_heights", "param_array", "param_sar", "param_csarp"),
+    *(
+        "param_records",
+        "param_qlook",
+        "param_get_heights",
+        "param_array",
+        "param_sar",
+        "param_csarp",
+    ),
     *("param_combine_wf_chan", "param_combine", "param_vectors", "param_radar", "param"),
 )
 
@@ -22,17 +29,22 @@ PARAMETER_STRUCTS = (
 def read_cresis(path, *, compensated=False):
     """Echogram of a CReSIS L1B file; see `snowsim.io.read_echogram`.
 
-    `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax * maxData +
-    minData``. `Time` may be row or column, attitude and `Bottom` may be missing. GPS seconds lose their leap seconds.
+    `Data` is linear power; where `minData` and `maxData` stand beside integers ``dB = Data / intmax
+    * maxData + minData``. `Time` may be row or column, attitude and `Bottom` may be missing. GPS
+    seconds lose their leap seconds.
     """
     path = existing(path)
     values = read_matlab(path, (*NEEDED, *TIMES, *ALONG_TRACK_IF_ANY, *CODES, *PARAMETER_STRUCTS))
     needed = NEEDED if "UTC_time" in values else (*NEEDED, "GPS_time")
     check_present(path, needed, values, names_in)
     if "GPS_time" in values:
-        slow_time = datasets.from_gps_seconds(path, "GPS_time", vector(path, "GPS_time", values["GPS_time"]))
+        slow_time = datasets.from_gps_seconds(
+            path, "GPS_time", vector(path, "GPS_time", values["GPS_time"])
+        )
     else:
-        slow_time = datasets.from_utc_seconds(path, "UTC_time", vector(path, "UTC_time", values["UTC_time"]))
+        slow_time = datasets.from_utc_seconds(
+            path, "UTC_time", vector(path, "UTC_time", values["UTC_time"])
+        )
     n_lines = slow_time.size
     time = vector(path, "Time", values["Time"])
     if time.size < 2:
@@ -52,7 +64,9 @@ def read_cresis(path, *, compensated=False):
         n_recorded = None if kept is None else time.size - int(np.nan_to_num(bins).max(initial=0))
         recorded = {"first_bin": first_bin, "n_recorded": n_recorded}
         content = datasets.undo_compensation(path, content, bins, keep=compensated, **recorded)
-    return datasets.echogram_dataset(path, content, {"source_format": "CReSIS L1B MAT", **_parameters(values)})
+    return datasets.echogram_dataset(
+        path, content, {"source_format": "CReSIS L1B MAT", **_parameters(values)}
+    )
 
 
 def _holds(values, name):
@@ -69,7 +83,11 @@ def _kept_bins(path, values, time):
     largest = np.inf if truncated_along else time.size
     inside = (kept >= 1) & (kept <= largest)
     if kept.size < 2 or not inside.all() or (np.diff(kept) != 1).any():
-        found = f"{kept.size} values from {kept[0]:g}, not consecutive" if inside.all() else f"{kept[~inside][0]:g}"
+        found = (
+            f"{kept.size} values from {kept[0]:g}, not consecutive"
+            if inside.all()
+            else f"{kept[~inside][0]:g}"
+        )
         raise refusal(path, "Truncate_Bins", f"consecutive indices within 1 to {largest}", found)
     first_bin = int(kept[0]) - 1
     return None if truncated_along else kept.astype(int) - 1, first_bin

@@ -10,14 +10,24 @@ from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
 from snowsim.io.containers import read_netcdf
 from snowsim.io.guard import check_present, check_size, existing, library_errors, refusal
 
-UNITS = {"Data": "W (uncalibrated)", "Latitude": "degrees_north", "Longitude": "degrees_east", "Elevation": "m"}
+UNITS = {
+    "Data": "W (uncalibrated)",
+    "Latitude": "degrees_north",
+    "Longitude": "degrees_east",
+    "Elevation": "m",
+}
 UNITS |= {"Surface": "s", "Bottom": "s", "Roll": "radian", "Pitch": "radian", "Heading": "radian"}
 UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
 RANGES = {"Latitude": 90, "Longitude": 360}
-PARAMETERS = ("season_name", "radar_name", "day_seg")  # of all that a file tells, this much goes with the dataset
+PARAMETERS = (
+    "season_name",
+    "radar_name",
+    "day_seg",
+)  # of all that a file tells, this much goes with the dataset
 FIRST_DAY, LAST_YEAR = "1980-01-06", 2100
 SECONDS_OF_DAY = 86400
-# GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and Reference Systems Service.
+# GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
+# Reference Systems Service.
 LEAP_DAYS = sorted(
     [f"{year}-01-01" for year in (1988, 1990, 1991, 1996, 1999, 2006, 2009, 2017)]
     + [f"{year}-07-01" for year in (1981, 1982, 1983, 1985, 1992, 1993, 1994, 1997, 2012, 2015)]
@@ -29,8 +39,15 @@ def echogram_dataset(path, content, attributes):
     variables = {"Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]})}
     for name, values in content.items():
         if name not in ("Data", "twtt", "slow_time"):
-            variables[name] = values if isinstance(values, tuple) else ("slow_time", values, {"units": UNITS[name]})
-    coordinates = {"twtt": ("twtt", content["twtt"], {"units": "s"}), "slow_time": content["slow_time"]}
+            variables[name] = (
+                values
+                if isinstance(values, tuple)
+                else ("slow_time", values, {"units": UNITS[name]})
+            )
+    coordinates = {
+        "twtt": ("twtt", content["twtt"], {"units": "s"}),
+        "slow_time": content["slow_time"],
+    }
     dataset = xr.Dataset(variables, coordinates, attributes)
     return checked_echogram(path, dataset)
 
@@ -39,7 +56,9 @@ def checked_echogram(path, dataset):
     """The dataset, if it passes the validator and stays on Earth."""
     check_echogram(dataset, str(path))
     for name, largest in RANGES.items():
-        outside = np.abs(dataset[name].values) > largest  # NaN, where the position is unknown, is not outside
+        outside = (
+            np.abs(dataset[name].values) > largest
+        )  # NaN, where the position is unknown, is not outside
         if outside.any():
             found = f"{dataset[name].values[outside][0]:g} at range_line {int(np.argmax(outside))}"
             raise refusal(path, name, f"degrees within +-{largest}", found)
@@ -50,7 +69,9 @@ def read_opr(path):
     """Echogram dataset as it stands on disk, with dimensions put in the order (twtt, slow_time); checked."""
     dataset = load_opr(path, ("Data", "twtt", "slow_time", *ECHOGRAM_ALONG_TRACK))
     if set(dataset["Data"].dims) != {"twtt", "slow_time"}:
-        raise refusal(path, "Data", "dimensions twtt and slow_time", ", ".join(map(str, dataset["Data"].dims)))
+        raise refusal(
+            path, "Data", "dimensions twtt and slow_time", ", ".join(map(str, dataset["Data"].dims))
+        )
     return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
 
 
@@ -106,7 +127,11 @@ def from_utc_seconds(path, what, seconds, epoch="1970-01-01"):
     # Written so that NaN fails too.
     bad = ~((seconds + since >= first) & (seconds + since < last))
     if seconds.size == 0 or bad.any():
-        found = "none" if seconds.size == 0 else f"{seconds[bad][0]:g} at range_line {int(np.argmax(bad))}"
+        found = (
+            "none"
+            if seconds.size == 0
+            else f"{seconds[bad][0]:g} at range_line {int(np.argmax(bad))}"
+        )
         raise refusal(path, what, f"seconds since {epoch} that fall in 1980 to {LAST_YEAR}", found)
     whole = np.floor(seconds)
     nanoseconds = np.rint((seconds - whole) * 1e9).astype(np.int64)
@@ -116,8 +141,8 @@ def from_utc_seconds(path, what, seconds, epoch="1970-01-01"):
 def from_gps_seconds(path, what, seconds):
     """GPS seconds since 1970 as UTC datetime64[ns], (range_line,).
 
-    One offset holds for a whole file, that of its first line, as in the archive's own conversion to NetCDF: a frame
-    flown over a leap second stays in order.
+    One offset holds for a whole file, that of its first line, as in the archive's own conversion to
+    NetCDF: a frame flown over a leap second stays in order.
     """
     seconds = np.asarray(seconds, dtype=float)
     finite = seconds[np.isfinite(seconds)]
@@ -133,21 +158,32 @@ def unwrap_midnight(seconds_of_day):
     return seconds_of_day + SECONDS_OF_DAY * np.cumsum(wrapped), int(wrapped.sum())
 
 
-def undo_compensation(path, content, correction_bins, *, keep=False, first_bin=None, n_recorded=None):
+def undo_compensation(
+    path, content, correction_bins, *, keep=False, first_bin=None, n_recorded=None
+):
     """Content with traces shifted back by `correction_bins` (range_line,), inserted to simulate level flight.
 
-    `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m], `Surface` and perhaps
-    `Bottom` (range_line,) [s]. `first_bin` is the index, from 0, of the first kept row (`Truncate_Bins`); rows padded
-    below `n_recorded` bins of a trace count as missing. With `keep`, traces stay shifted and the bins are added.
+    `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m],
+    `Surface` and perhaps `Bottom` (range_line,) [s]. `first_bin` is the index, from 0, of the first
+    kept row (`Truncate_Bins`); rows padded below `n_recorded` bins of a trace count as missing.
+    With `keep`, traces stay shifted and the bins are added.
 
-    ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS toolbox's
-    compression, in which inserted bins hold zero power. They are NaN here, so that no zero passes for a measurement.
+    ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS
+    toolbox's compression, in which inserted bins hold zero power. They are NaN here, so that no
+    zero passes for a measurement.
     """
     if keep:
-        return {**content, "Elevation_Correction": ("slow_time", correction_bins, {"units": "range bins"})}
+        return {
+            **content,
+            "Elevation_Correction": ("slow_time", correction_bins, {"units": "range bins"}),
+        }
     data, twtt = content["Data"], content["twtt"]
     correction_bins = np.asarray(correction_bins, dtype=float)
-    whole = np.isfinite(correction_bins) & (correction_bins >= 0) & (correction_bins == np.floor(correction_bins))
+    whole = (
+        np.isfinite(correction_bins)
+        & (correction_bins >= 0)
+        & (correction_bins == np.floor(correction_bins))
+    )
     if not whole.all():
         found = f"{correction_bins[~whole][0]:g} at range_line {int(np.argmin(whole))}"
         raise refusal(path, "Elevation_Correction", "whole numbers of bins, not negative", found)
@@ -156,14 +192,24 @@ def undo_compensation(path, content, correction_bins, *, keep=False, first_bin=N
     check_size(path, "Elevation_Correction", (n_rows + n_extra, n_lines), data.dtype.itemsize)
     correction_bins = correction_bins.astype(int)
 
-    shifted = np.full((n_rows + n_extra, n_lines), np.nan, dtype=data.dtype if data.dtype.kind == "f" else float)
+    shifted = np.full(
+        (n_rows + n_extra, n_lines), np.nan, dtype=data.dtype if data.dtype.kind == "f" else float
+    )
     for line, bins in enumerate(correction_bins):
         start = 0 if first_bin is None else max(0, bins - first_bin)
-        stop = n_rows if n_recorded is None else max(start, min(n_rows, n_recorded + bins - (first_bin or 0)))
+        stop = (
+            n_rows
+            if n_recorded is None
+            else max(start, min(n_rows, n_recorded + bins - (first_bin or 0)))
+        )
         top = n_extra - bins
         shifted[top + start : top + stop, line] = data[start:stop, line]
     bin_size = (twtt[-1] - twtt[0]) / (twtt.size - 1)
-    undone = {**content, "Data": shifted, "twtt": twtt[0] + bin_size * (np.arange(n_rows + n_extra) - n_extra)}
+    undone = {
+        **content,
+        "Data": shifted,
+        "twtt": twtt[0] + bin_size * (np.arange(n_rows + n_extra) - n_extra),
+    }
     undone["Elevation"] = content["Elevation"] - correction_bins * bin_size * SPEED_OF_LIGHT_M_S / 2
     for name in ("Surface", "Bottom"):
         if name in content:

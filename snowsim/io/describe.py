@@ -31,14 +31,21 @@ def describe(path):
     if kind in ("cresis_layer", "cresis_layer_data", "opr_layers"):
         return _layers(in_words(kind), read_layers(path))
     if kind != "scenes":
-        raise refusal(path, "format", "an echogram, layers, scenes, an image or an array", in_words(kind))
+        raise refusal(
+            path, "format", "an echogram, layers, scenes, an image or an array", in_words(kind)
+        )
     with SceneSet(path) as scenes:
         return _scenes(in_words(kind), scenes)
 
 
 def _said(what, axes, layers, traps):
     """All of it; of the traps those that were found."""
-    return {"format": [what], "axes": axes, "layers": layers, "traps": [trap for trap, found in traps.items() if found]}
+    return {
+        "format": [what],
+        "axes": axes,
+        "layers": layers,
+        "traps": [trap for trap, found in traps.items() if found],
+    }
 
 
 def _echogram(what, echogram, stored):
@@ -53,14 +60,16 @@ def _echogram(what, echogram, stored):
         f"{lines.size} range lines over {along_track_m(echogram)[-1]:.4g} m, {lines[0]:.19} to {lines[-1]:.19} UTC",
     ]
     traps = {
-        "compensated for elevation (Elevation_Correction): undone when read": "Elevation_Correction" in stored,
+        "compensated for elevation (Elevation_Correction): undone when read": "Elevation_Correction"
+        in stored,
         "power stored in dB: linear when read": stored & {"amplitude", "minData"},
         "time in GPS seconds: without leap seconds when read": "GPS_time" in stored,
         f"{missing.mean():.2%} of pixels hold no power (NaN or 0)": missing.any(),
         f"{n_empty} range lines hold no power at all": n_empty,
         f"{n_last} range lines are strongest in their last bin": n_last,
         f"Surface is unknown on {n_unknown} range lines": n_unknown,
-        "no supplement beside it flags range lines": "amplitude" in stored and "quality_mask" not in echogram,
+        "no supplement beside it flags range lines": "amplitude" in stored
+        and "quality_mask" not in echogram,
     }
     return _said(what, axes, [], traps)
 
@@ -70,8 +79,11 @@ def _layers(what, layers):
     labels, empty = [str(label) for label in index], layers.attrs.get("empty_layers", "")
     traps = {
         f"without a pick, left out when read: {empty}": empty,
-        "none is named surface: frames need one": index.dtype.kind in "OUS" and surface_among(labels) != 0,
-        "names are not known: no organizer file beside it": any(label.startswith("id ") for label in labels),
+        "none is named surface: frames need one": index.dtype.kind in "OUS"
+        and surface_among(labels) != 0,
+        "names are not known: no organizer file beside it": any(
+            label.startswith("id ") for label in labels
+        ),
     }
     rows = [f"{label}: {row.mean():.1%} picked" for label, row in zip(labels, picked, strict=True)]
     return _said(what, [f"{picked.shape[1]} range lines"], rows, traps)
@@ -79,12 +91,22 @@ def _layers(what, layers):
 
 def _scenes(what, scenes):
     sizes = np.array([(s.n_range_bins, s.n_range_lines, len(s.layer_bins)) for s in scenes])
-    bins, lines, layers = (f"{low} to {high}" for low, high in zip(sizes.min(axis=0), sizes.max(axis=0), strict=True))
-    n_mute = sum(s.image is not None and not np.isfinite([s.noise_floor_db, s.maximum_db]).all() for s in scenes)
+    bins, lines, layers = (
+        f"{low} to {high}" for low, high in zip(sizes.min(axis=0), sizes.max(axis=0), strict=True)
+    )
+    n_mute = sum(
+        s.image is not None and not np.isfinite([s.noise_floor_db, s.maximum_db]).all()
+        for s in scenes
+    )
     n_outside = sum(bool(s.notes.get("outside_training")) for s in scenes)
     traps = {f"{n_mute} images do not hold their decibels": n_mute}
     traps[f"{n_outside} scenes lie outside what their generator was trained on"] = n_outside
-    return _said(what, [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"], [f"{layers} a scene"], traps)
+    return _said(
+        what,
+        [f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"],
+        [f"{layers} a scene"],
+        traps,
+    )
 
 
 def _image(what, path):

@@ -15,21 +15,24 @@ from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 FORMAT = "snowsim scene 1"
 LAYERS = ("annotated", "complete")
 MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
-# Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a number image a mask.
+# Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
+# number image a mask.
 NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
 def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     """Write scenes in the layout of the published benchmark.
 
-    For each scene `data_<name>.png` (8-bit), `layer_binary_<name>.png` (1-bit) and `layer_<name>.png` (layer numbers,
-    the surface being 1), then a list file with one `data_*.png` a line: what the loader of the published tracker
-    code reads. Decibels of the grey levels go into text chunks of the image. The same scenes give the same bytes.
-    Read back, images are exact and layers are rounded to whole bins; what leaves the window is not drawn.
+    For each scene `data_<name>.png` (8-bit), `layer_binary_<name>.png` (1-bit) and
+    `layer_<name>.png` (layer numbers, the surface being 1), then a list file with one `data_*.png`
+    a line: what the loader of the published tracker code reads. Decibels of the grey levels go into
+    text chunks of the image. The same scenes give the same bytes. Read back, images are exact and
+    layers are rounded to whole bins; what leaves the window is not drawn.
 
-    Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the "annotated" or, for
-    scenes that know both, the "complete" layers. Returned are `n_scenes` and `n_merged_pixels`, lost to a layer below.
-    Names that the loader would trip over, scenes without an image and more than 255 layers are refused.
+    Scenes are held one at a time; `folder` may hold other sets, each with its list. Labels are the
+    "annotated" or, for scenes that know both, the "complete" layers. Returned are `n_scenes` and
+    `n_merged_pixels`, lost to a layer below. Names that the loader would trip over, scenes without
+    an image and more than 255 layers are refused.
     """
     folder = Path(folder)
     check_choice("layers", layers, LAYERS)
@@ -55,8 +58,8 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
 def layer_numbers(layer_bins, n_range_bins):
     """Image of layer numbers, uint8 (range_bin, range_line), the surface 1 and no layer 0; how many pixels merged.
 
-    One pixel per layer (layer, range_line) and line, at the rounded bin; of two layers at one pixel, the lower. Layers
-    outside the window leave no pixel.
+    One pixel per layer (layer, range_line) and line, at the rounded bin; of two layers at one
+    pixel, the lower. Layers outside the window leave no pixel.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     if layer_bins.shape[0] > MAXIMUM_NUMBER:
@@ -74,8 +77,9 @@ def layer_numbers(layer_bins, n_range_bins):
 def export_netcdf(folder, scenes, *, list_name="all.lst"):
     """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file. Nothing is rounded.
 
-    `image` (range_bin, range_line), `layer_bins` and perhaps `complete_layer_bins` (layer, range_line), `mask`; what
-    grey levels mean, zone and notes are attributes. Scenes, with or without images, are held one at a time.
+    `image` (range_bin, range_line), `layer_bins` and perhaps `complete_layer_bins` (layer,
+    range_line), `mask`; what grey levels mean, zone and notes are attributes. Scenes, with or
+    without images, are held one at a time.
     """
     return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
 
@@ -98,16 +102,32 @@ def _export_datasets(folder, scenes, list_name, ending, write):
 
 def _dataset(scene):
     rows = ("range_bin", "range_line")
-    variables = {"layer_bins": (("layer", "range_line"), np.asarray(scene.layer_bins, dtype=float), {"units": "bin"})}
+    variables = {
+        "layer_bins": (
+            ("layer", "range_line"),
+            np.asarray(scene.layer_bins, dtype=float),
+            {"units": "bin"},
+        )
+    }
     if scene.complete_layer_bins is not None:
         complete = np.asarray(scene.complete_layer_bins, dtype=float)
-        variables["complete_layer_bins"] = (("complete_layer", "range_line"), complete, {"units": "bin"})
+        variables["complete_layer_bins"] = (
+            ("complete_layer", "range_line"),
+            complete,
+            {"units": "bin"},
+        )
     if scene.image is not None:
-        variables["image"] = (rows, scene.image, {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"})
+        variables["image"] = (
+            rows,
+            scene.image,
+            {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"},
+        )
     variables["mask"] = (rows, scene.mask().astype(np.uint8), {"long_name": "1 on a layer"})
     attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
     attributes |= {name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()}
-    return xr.Dataset(variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)})
+    return xr.Dataset(
+        variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)}
+    )
 
 
 def _listed(folder, scenes, list_name, file_name):

@@ -7,7 +7,8 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
-# pandas and xarray are imported where they are used: every job starts with this module, and half a second more each.
+# pandas and xarray are imported where they are used: every job starts with this module, and half a
+# second more each.
 
 # Less is no room: HDF5 keeps about as much in its buffers when it fails.
 FULL_DISK_BYTES = 2**20
@@ -17,8 +18,9 @@ FULL_DISK_BYTES = 2**20
 def written_whole(path):
     """Give a name beside `path` to write to; rename it to `path` on success, remove it on failure.
 
-    What a killed process left beside the same path is removed: nobody renames it any more. Where HDF5 says only
-    "HDF error", the room that is left shows whether the disk was full. A folder, as of Zarr, replaces one of its name.
+    What a killed process left beside the same path is removed: nobody renames it any more. Where
+    HDF5 says only "HDF error", the room that is left shows whether the disk was full. A folder, as
+    of Zarr, replaces one of its name.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,7 +38,11 @@ def written_whole(path):
         full = free < FULL_DISK_BYTES or number == errno.ENOSPC
         if not (full or number in (errno.EDQUOT, errno.EFBIG) or str(error).startswith("NetCDF: ")):
             raise
-        reason = f"the disk is full: {free} bytes left" if full else getattr(error, "strerror", None) or error
+        reason = (
+            f"the disk is full: {free} bytes left"
+            if full
+            else getattr(error, "strerror", None) or error
+        )
         msg = f"{path}: cannot be written, {reason}"
         raise OSError(msg) from error
     finally:
@@ -54,7 +60,9 @@ def write_dataset(path, dataset, *, compress=False):
     """Write an xarray dataset as NetCDF-4, whole or not at all; floats keep their type, no fill value is added."""
     packed = {"zlib": True, "shuffle": True, "complevel": 9} if compress else {}
     floats = {name: v for name, v in dataset.variables.items() if v.dtype.kind == "f"}
-    encoding = {name: {"_FillValue": None} | (packed if v.ndim else {}) for name, v in floats.items()}
+    encoding = {
+        name: {"_FillValue": None} | (packed if v.ndim else {}) for name, v in floats.items()
+    }
     with written_whole(path) as aside:
         dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
 

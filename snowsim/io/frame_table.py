@@ -21,23 +21,35 @@ HELD_OUT = ("validation", "test")
 def read_frames(path, *, root=None):
     """The table of frames, checked as far as it goes without opening the files it names.
 
-    Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to `root`, by default
-    the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test"). Lines that begin with #
-    are remarks. Rows that fail are reported together, each in a line; an echogram held out may have no other role.
+    Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to
+    `root`, by default the table's folder; made absolute), `role` ("statistics", "train",
+    "validation" or "test"). Lines that begin with # are remarks. Rows that fail are reported
+    together, each in a line; an echogram held out may have no other role.
     """
     path = existing(path)
     root = path.parent if root is None else Path(root)
     with library_errors(path, "table", "tab-separated text"):
-        lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
-        table = pd.read_csv(io.StringIO("\n".join(lines)), sep="\t", dtype=str, keep_default_na=False)
+        lines = [
+            line
+            for line in path.read_text(encoding="utf-8").splitlines()
+            if not line.startswith("#")
+        ]
+        table = pd.read_csv(
+            io.StringIO("\n".join(lines)), sep="\t", dtype=str, keep_default_na=False
+        )
     if sorted(table.columns) != sorted(COLUMNS):
-        raise refusal(path, "columns", ", ".join(COLUMNS), one_line(", ".join(map(str, table.columns)), 200))
+        raise refusal(
+            path, "columns", ", ".join(COLUMNS), one_line(", ".join(map(str, table.columns)), 200)
+        )
     if table.empty:
         raise refusal(path, "frames", "at least one row", "none")
     table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
         table[name] = [str((root / file).absolute()) if file else "" for file in table[name]]
-    troubles = [(row.frame or f"row {i + 1}", _trouble(row, table)) for i, row in enumerate(table.itertuples())]
+    troubles = [
+        (row.frame or f"row {i + 1}", _trouble(row, table))
+        for i, row in enumerate(table.itertuples())
+    ]
     _report(path, [(frame, trouble) for frame, trouble in troubles if trouble], len(table))
     return table
 
@@ -45,12 +57,14 @@ def read_frames(path, *, root=None):
 def check_frames(table, *, bin_s=None, blocks=False, **options):
     """Read every frame once, one at a time; one ValueError names all that fail.
 
-    `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin size most of them
-    have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame that gives none fails.
+    `bin_s` and `options` are those of `read_frame`; without `bin_s`, all frames must have the bin
+    size most of them have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame
+    that gives none fails.
 
-    Returned is the table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many scenes a frame was
-    cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of these for a flagged line
-    (`n_flagged_blocks`); how many range lines are flagged (`n_flagged_lines`), and how many have which flag (`flags`).
+    Returned is the table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many
+    scenes a frame was cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of
+    these for a flagged line (`n_flagged_blocks`); how many range lines are flagged
+    (`n_flagged_lines`), and how many have which flag (`flags`).
     """
     rows, failed = [], []
     names = options.get("layer_names") or ()
@@ -65,17 +79,40 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
             failed.append((row.frame, str(error)))
             continue
         sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
-        counts = (len(scenes), len(skipped), sum(reason.endswith(FLAGGED) for reason in skipped.values()))
-        rows.append((row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_flagged(echogram)))
-    columns = ["frame", "n_range_lines", "n_range_bins", "n_layers", "bin_size_s", "n_scenes", "n_skipped"]
+        counts = (
+            len(scenes),
+            len(skipped),
+            sum(reason.endswith(FLAGGED) for reason in skipped.values()),
+        )
+        rows.append(
+            (row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_flagged(echogram))
+        )
+    columns = [
+        "frame",
+        "n_range_lines",
+        "n_range_bins",
+        "n_layers",
+        "bin_size_s",
+        "n_scenes",
+        "n_skipped",
+    ]
     columns += ["n_flagged_blocks", "n_flagged_lines", "flags"]
     found = pd.DataFrame(rows, columns=columns)
     if len(found):
         # Of bin sizes equal to a millionth, the one most frames have.
-        usual = found["bin_size_s"].groupby(found["bin_size_s"].map("{:.6e}".format)).agg(["size", "first"])
+        usual = (
+            found["bin_size_s"]
+            .groupby(found["bin_size_s"].map("{:.6e}".format))
+            .agg(["size", "first"])
+        )
         usual = usual.sort_values("size", kind="stable")["first"].iloc[-1]
         for row in found[(found["bin_size_s"] / usual - 1).abs() > 1e-6].itertuples():
-            failed.append((row.frame, f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s"))
+            failed.append(
+                (
+                    row.frame,
+                    f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s",
+                )
+            )
     if not failed:
         reason = "layer_names: expected layers that some frame has, found it in none"
         failed = [(name, reason) for name in names if name not in picked]
@@ -92,18 +129,28 @@ def scenes_of_frame(row, echogram, layers):
     return scenes, skipped
 
 
-def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, flagged_by=frames.FLAGGED_BY, source=None):
+def read_frame(
+    row,
+    *,
+    bin_s=None,
+    flattening="surface",
+    layer_names=None,
+    flagged_by=frames.FLAGGED_BY,
+    source=None,
+):
     """Echogram and layers of one row of the table, fit for statistics and blocks.
 
-    `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram is brought to `bin_s`
-    [s], by default its own bin size, and levelled ("surface", "elevation", "none": see `snowsim.frames.flatten`). With
-    `layer_names`, from the surface down, layer i is the same one in all frames, a row of NaN where a frame lacks it; by
-    default all layers with picks are taken. Range lines with one of the `flagged_by` of the supplement hold neither
-    power nor picks. `source` is the format the echogram must have ("nsidc", "cresis", "opr"); by default any.
+    `row` has attributes `echogram` and `layers`, such as `table.itertuples()` gives. The echogram
+    is brought to `bin_s` [s], by default its own bin size, and levelled ("surface", "elevation",
+    "none": see `snowsim.frames.flatten`). With `layer_names`, from the surface down, layer i is the
+    same one in all frames, a row of NaN where a frame lacks it; by default all layers with picks
+    are taken. Range lines with one of the `flagged_by` of the supplement hold neither power nor
+    picks. `source` is the format the echogram must have ("nsidc", "cresis", "opr"); by default any.
 
-    Both come on the same range lines, the snow surface as layer 0, with `flagged (slow_time)` where the echogram has
-    flags. Refused are files that are not sound or whose layers do not cover the echogram, leave its window, cross or
-    have none named surface, frames whose range lines are all flagged, and unknown flags.
+    Both come on the same range lines, the snow surface as layer 0, with `flagged (slow_time)` where
+    the echogram has flags. Refused are files that are not sound or whose layers do not cover the
+    echogram, leave its window, cross or have none named surface, frames whose range lines are all
+    flagged, and unknown flags.
     """
     unknown = [flag for flag in flagged_by if flag not in sniff.SUPPLEMENT_FLAGS]
     if unknown:
@@ -119,15 +166,24 @@ def read_frame(row, *, bin_s=None, flattening="surface", layer_names=None, flagg
     labels = [str(label) for label in index]
     if index.dtype.kind in "OUS" and surface_among(labels) != 0:
         found = one_line(", ".join(labels), 200)
-        raise refusal(row.layers, "layer", "one named surface (from the organizer file beside it)", found)
+        raise refusal(
+            row.layers, "layer", "one named surface (from the organizer file beside it)", found
+        )
     if layer_names is not None:
-        layers = layers.reindex(layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2})
+        layers = layers.reindex(
+            layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2}
+        )
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
     # Before levelling: a flagged line must not decide where the surface lies.
     echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
     n_flagged, flags = frames.count_flagged(echogram)
     if n_flagged == echogram.sizes["slow_time"]:
-        raise refusal(row.echogram, "quality_mask", "a range line without a flag", f"all {n_flagged} flagged ({flags})")
+        raise refusal(
+            row.echogram,
+            "quality_mask",
+            "a range line without a flag",
+            f"all {n_flagged} flagged ({flags})",
+        )
     if bin_s is not None:
         echogram = frames.resample_range(echogram, bin_s)
     return frames.flatten(echogram, layers, method=flattening)
@@ -163,5 +219,8 @@ def _trouble(row, table):
 
 def _report(path, failed, n_frames):
     if failed:
-        lines = [f"{path}: {len(failed)} of {n_frames} frames fail", *(f"{name}: {line}" for name, line in failed)]
+        lines = [
+            f"{path}: {len(failed)} of {n_frames} frames fail",
+            *(f"{name}: {line}" for name, line in failed),
+        ]
         raise ValueError("\n".join(lines))

@@ -8,7 +8,8 @@ import numpy as np
 
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-# A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32, 0.6 GB.
+# A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32,
+# 0.6 GB.
 MAXIMUM_BYTES = 2**30
 
 
@@ -27,7 +28,8 @@ def one_line(text, limit=400):
 def library_errors(path, what, expected):
     """Turn an error a library raises on a damaged file into the one-line ValueError; nothing else belongs inside.
 
-    Any error: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError, zlib.error and many more.
+    Any error: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError,
+    zlib.error and many more.
     """
     try:
         yield
@@ -57,13 +59,22 @@ def check_size(path, what, shape, itemsize):
     """Refuse an array whose declared size is beyond `MAXIMUM_BYTES`, before a byte of it is read."""
     n_bytes = math.prod(map(int, shape)) * itemsize
     if n_bytes > MAXIMUM_BYTES:
-        raise refusal(path, what, f"at most {MAXIMUM_BYTES} bytes", f"{n_bytes} declared by shape {tuple(shape)}")
+        raise refusal(
+            path,
+            what,
+            f"at most {MAXIMUM_BYTES} bytes",
+            f"{n_bytes} declared by shape {tuple(shape)}",
+        )
 
 
 def numeric(path, what, array):
     """A real numeric array, or ValueError; booleans count as integers."""
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiub":
-        found = "a function handle or object" if array is None else getattr(array, "dtype", type(array).__name__)
+        found = (
+            "a function handle or object"
+            if array is None
+            else getattr(array, "dtype", type(array).__name__)
+        )
         raise refusal(path, what, "real numbers", found)
     return np.asarray(array)  # sheds subclasses
 
@@ -105,9 +116,12 @@ def container_of(path):
         return "png"
     if head.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05")):
         return "netcdf3"
-    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2; MATLAB writes 512.
+    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2; MATLAB
+    # writes 512.
     if any(head[at : at + 8] == HDF5_SIGNATURE for at in (0, 512, 1024, 2048)):
         return "hdf5"
     if head[126:128] in (b"IM", b"MI") and head[124:126] in (b"\x00\x01", b"\x01\x00"):
         return "mat5"
-    raise refusal(path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr", f"first bytes {head[:8]!r}")
+    raise refusal(
+        path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr", f"first bytes {head[:8]!r}"
+    )

@@ -17,8 +17,9 @@ NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
 def read_image(path, *, binary=False):
     """Grey PNG image as uint8 (range_bin, range_line), and the `NUMBERS_IN_TEXT` its text chunks hold.
 
-    With `binary`, a mask is expected, 1-bit or of two grey levels of which one is 0, and returned as bool; with None,
-    what there is, 1-bit or 8-bit. What is no whole, grey PNG image of a bearable size is refused.
+    With `binary`, a mask is expected, 1-bit or of two grey levels of which one is 0, and returned
+    as bool; with None, what there is, 1-bit or 8-bit. What is no whole, grey PNG image of a
+    bearable size is refused.
     """
     path = existing(path)
     with library_errors(path, "PNG", "a whole grey image"), warnings.catch_warnings():
@@ -27,7 +28,9 @@ def read_image(path, *, binary=False):
             with Image.open(path, formats=["PNG"]) as file:
                 columns, rows = file.size
                 if not 0 < columns * rows <= MAXIMUM_PIXELS:
-                    raise refusal(path, "PNG", f"1 to {MAXIMUM_PIXELS} pixels", f"{rows} rows of {columns}")
+                    raise refusal(
+                        path, "PNG", f"1 to {MAXIMUM_PIXELS} pixels", f"{rows} rows of {columns}"
+                    )
                 if file.mode not in (("L",) if binary is False else ("1", "L")):
                     what = "8-bit grey" if binary is False else "1-bit or 8-bit grey"
                     raise refusal(path, "PNG", what, f"mode {file.mode}")
@@ -61,6 +64,8 @@ def write_image(path, image, numbers=None):
     for name, number in (numbers or {}).items():
         info.add_text(name, repr(NUMBERS_IN_TEXT[name](number)))
     buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image)).save(buffer, format="PNG", compress_level=6, pnginfo=info)
+    Image.fromarray(np.ascontiguousarray(image)).save(
+        buffer, format="PNG", compress_level=6, pnginfo=info
+    )
     with written_whole(path) as aside:
         aside.write_bytes(buffer.getvalue())

@@ -12,7 +12,8 @@ from snowsim.io.matlab import read_matlab
 from snowsim.io.sniff import names_in
 
 SURFACE = "surface"
-# What the first two entries of an old file are where it gives no names: the format's own convention.
+# What the first two entries of an old file are where it gives no names: the format's own
+# convention.
 OLD_NAMES = ("surface", "bottom")
 # What a dataset holds on (layer, slow_time), and its attributes.
 PICKS = {
@@ -25,8 +26,9 @@ PICKS = {
 def read_cresis_layers(path, *, names=None, missing="refuse"):
     """Layers of a new CReSIS layer file (`CSARP_layer`), all or those of `names`; see `snowsim.io.read_layers`.
 
-    Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name comes twice), without
-    one they are "id 1", "id 2", ... Layers without a pick are left out and listed in `attrs["empty_layers"]`.
+    Names come from the organizer file `layer_YYYYMMDD_SS.mat` beside it (group:name where a name
+    comes twice), without one they are "id 1", "id 2", ... Layers without a pick are left out and
+    listed in `attrs["empty_layers"]`.
     """
     path = existing(path)
     values = read_matlab(path, ("gps_time", "twtt", "id", "quality", "type", "lat", "lon", "elev"))
@@ -41,7 +43,11 @@ def read_cresis_layers(path, *, names=None, missing="refuse"):
     for name, default in (("quality", 1), ("type", 2)):
         flags = values.get(name, np.empty(0))
         absent = flags is None or np.size(flags) == 0
-        flags = np.full((n_layers, n_lines), default) if absent else matrix(path, name, flags, n_layers, n_lines)
+        flags = (
+            np.full((n_layers, n_lines), default)
+            if absent
+            else matrix(path, name, flags, n_layers, n_lines)
+        )
         content[name] = _flags(path, name, flags)
     content["names"], content["groups"] = _organized(path, ids)
     dataset = _layers_dataset(path, content, values, ("lat", "lon", "elev"), "CReSIS layer")
@@ -51,8 +57,9 @@ def read_cresis_layers(path, *, names=None, missing="refuse"):
 def read_cresis_layer_data(path, *, names=None, missing="refuse"):
     """Layers of an old CReSIS layer file (`CSARP_layerData`); as `read_cresis_layers`.
 
-    Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else 2. Entries without
-    a name are the surface and the bottom, in this order, as the format has it; a third without one is refused.
+    Picks are `layerData{i}.value{2}.data`; where `value{1}` has a manual pick, the type is 1, else
+    2. Entries without a name are the surface and the bottom, in this order, as the format has it; a
+    third without one is refused.
     """
     path = existing(path)
     values = read_matlab(path, ("layerData", "GPS_time", "Latitude", "Longitude", "Elevation"))
@@ -66,15 +73,18 @@ def read_cresis_layer_data(path, *, names=None, missing="refuse"):
     content = {name: np.array([part[name] for part in parts]) for name in PICKS}
     content |= {name: [part[name] for part in parts] for name in ("names", "groups")}
     content["slow_time"] = from_gps_seconds(path, "GPS_time", gps_time)
-    dataset = _layers_dataset(path, content, values, ("Latitude", "Longitude", "Elevation"), "CReSIS layerData")
+    dataset = _layers_dataset(
+        path, content, values, ("Latitude", "Longitude", "Elevation"), "CReSIS layerData"
+    )
     return _chosen(path, dataset, names, missing)
 
 
 def read_opr_layers(path, *, names=None, missing="refuse"):
     """Layers dataset of Open Polar Radar as it stands on disk, (layer, slow_time); checked.
 
-    A single layer without a `layer` dimension gets one. Layers with names are ordered from the surface down; numbered
-    ones keep their order, the first being the surface. `names` selects by the values of `layer`.
+    A single layer without a `layer` dimension gets one. Layers with names are ordered from the
+    surface down; numbered ones keep their order, the first being the surface. `names` selects by
+    the values of `layer`.
     """
     dataset = load_opr(path, ("twtt", "slow_time", "quality", "type"))
     single = [name for name in PICKS if dataset[name].dims == ("slow_time",)]
@@ -82,21 +92,31 @@ def read_opr_layers(path, *, names=None, missing="refuse"):
         dataset = dataset.assign({name: dataset[name].expand_dims("layer") for name in single})
     for name in PICKS:
         if set(dataset[name].dims) != {"layer", "slow_time"}:
-            raise refusal(path, name, "dimensions layer and slow_time", ", ".join(map(str, dataset[name].dims)))
+            raise refusal(
+                path,
+                name,
+                "dimensions layer and slow_time",
+                ", ".join(map(str, dataset[name].dims)),
+            )
     return _chosen(path, dataset.transpose("layer", "slow_time", ...), names, missing)
 
 
 def order_from_surface(twtt, names, path="layers"):
     """Order of layers (layer, range_line) from the surface down, by what lies above what, (layer,) of int.
 
-    Layer i goes before j if it is above it on some line both are picked on. Layers that share no line are ordered by
-    their median depth below the surface. The layer named "surface" goes before all others. Layers that cross or
-    touch, also by way of others, are refused.
+    Layer i goes before j if it is above it on some line both are picked on. Layers that share no
+    line are ordered by their median depth below the surface. The layer named "surface" goes before
+    all others. Layers that cross or touch, also by way of others, are refused.
     """
     twtt = np.asarray(twtt, dtype=float)
     n_layers = len(names)
     with np.errstate(invalid="ignore"):
-        above = np.array([[np.any(twtt[i] <= twtt[j]) and i != j for j in range(n_layers)] for i in range(n_layers)])
+        above = np.array(
+            [
+                [np.any(twtt[i] <= twtt[j]) and i != j for j in range(n_layers)]
+                for i in range(n_layers)
+            ]
+        )
     both = np.argwhere(above & above.T)
     if both.size:
         i, j = both[0]
@@ -153,7 +173,9 @@ def _organized(path, ids):
         check_present(organizer, ("lyr_id", "lyr_name"), values, names_in)
         known = vector(organizer, "lyr_id", values["lyr_id"])
         names = _texts(organizer, "lyr_name", values["lyr_name"], known.size)
-        groups = _texts(organizer, "lyr_group_name", values.get("lyr_group_name", [""] * known.size), known.size)
+        groups = _texts(
+            organizer, "lyr_group_name", values.get("lyr_group_name", [""] * known.size), known.size
+        )
         named = {number: pair for number, *pair in zip(known, names, groups, strict=True)}
     pairs = [named.get(number, [f"id {number:g}", ""]) for number in ids]
     return [name for name, _ in pairs], [group for _, group in pairs]
@@ -171,13 +193,25 @@ def _entry(path, number, entry, n_lines):
     """Picks, flags and names of one `layerData` entry."""
     where = f"layerData{{{number + 1}}}"
     value = entry.get("value") if isinstance(entry, dict) else None
-    if not isinstance(value, list) or len(value) < 2 or not all(isinstance(v, dict) and "data" in v for v in value[:2]):
+    if (
+        not isinstance(value, list)
+        or len(value) < 2
+        or not all(isinstance(v, dict) and "data" in v for v in value[:2])
+    ):
         raise refusal(path, f"{where}.value", "two structs with data", type(value).__name__)
     manual = value[0]["data"]
-    manual = np.full(n_lines, np.nan) if np.size(manual) == 0 else vector(path, f"{where}.value{{1}}", manual, n_lines)
+    manual = (
+        np.full(n_lines, np.nan)
+        if np.size(manual) == 0
+        else vector(path, f"{where}.value{{1}}", manual, n_lines)
+    )
     picks = vector(path, f"{where}.value{{2}}.data", value[1]["data"], n_lines)
     quality = entry.get("quality")
-    quality = np.ones(n_lines) if np.size(quality) != n_lines else vector(path, f"{where}.quality", quality, n_lines)
+    quality = (
+        np.ones(n_lines)
+        if np.size(quality) != n_lines
+        else vector(path, f"{where}.quality", quality, n_lines)
+    )
     name = entry.get("name")
     if not isinstance(name, str) or not name:
         if number >= len(OLD_NAMES):
@@ -194,11 +228,16 @@ def _layers_dataset(path, content, values, positions, source):
     if np.isinf(content["twtt"]).any():
         raise refusal(path, "twtt", "finite travel times or NaN", "infinite ones")
     names, groups = content["names"], content["groups"]
-    names = [f"{group}:{n}" if names.count(n) > 1 else n for n, group in zip(names, groups, strict=True)]
+    names = [
+        f"{group}:{n}" if names.count(n) > 1 else n for n, group in zip(names, groups, strict=True)
+    ]
     if len(set(names)) < len(names):
         raise refusal(path, "layers", "names that differ", one_line(", ".join(names), 200))
     picked = np.isfinite(content["twtt"]).any(axis=1)
-    variables = {name: (("layer", "slow_time"), content[name], attributes) for name, attributes in PICKS.items()}
+    variables = {
+        name: (("layer", "slow_time"), content[name], attributes)
+        for name, attributes in PICKS.items()
+    }
     for name, ours in zip(positions, ("Latitude", "Longitude", "Elevation"), strict=True):
         if name in values:
             along_track = vector(path, name, values[name], content["slow_time"].size)
@@ -225,7 +264,9 @@ def _chosen(path, dataset, names, missing):
     keep = [i for i, label in enumerate(labels) if label in wanted and (picked[i] or not named)]
     if not picked[keep].any():
         empty = ", ".join(label for label, has in zip(labels, picked, strict=True) if not has)
-        raise refusal(path, "twtt", "at least one layer with picks", f"only NaN in {one_line(empty, 200)}")
+        raise refusal(
+            path, "twtt", "at least one layer with picks", f"only NaN in {one_line(empty, 200)}"
+        )
     dataset = dataset.isel(layer=keep)
     if named:
         order = order_from_surface(dataset["twtt"].values, [labels[i] for i in keep], path)

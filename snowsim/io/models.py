@@ -18,8 +18,9 @@ KEY = "snowsim"  # one header entry: safetensors keeps no order among several, a
 def write_model(path, arrays, metadata):
     """Write arrays and what made them to one safetensors file, whole or not at all.
 
-    Arrays or CPU tensors are nested by string or integer keys without `/`; metadata is what JSON holds: kind, settings,
-    seed, step, fingerprint of the data. The version of this package is added.
+    Arrays or CPU tensors are nested by string or integer keys without `/`; metadata is what JSON
+    holds: kind, settings, seed, step, fingerprint of the data. The version of this package is
+    added.
     """
     header = {"format": FORMAT, "version": __version__, **metadata}
     flat = {name: np.asarray(array, order="C") for name, array in _flat(arrays)}
@@ -30,8 +31,8 @@ def write_model(path, arrays, metadata):
 def read_model(path, expected=None):
     """Arrays, nested as written with keys as text, and metadata of a file of `write_model`; nothing in it is executed.
 
-    A file that is truncated, no model, or made with other metadata than `expected` is refused: settings, seed and
-    fingerprint of the training it is to continue.
+    A file that is truncated, no model, or made with other metadata than `expected` is refused:
+    settings, seed and fingerprint of the training it is to continue.
     """
     try:
         with safe_open(path, framework="numpy") as file:

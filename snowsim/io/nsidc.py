@@ -11,17 +11,31 @@ from snowsim.io.guard import check_present, existing, matrix, one_line, refusal,
 from snowsim.io.sniff import SUPPLEMENT_FLAGS, names_in
 
 NEEDED = ("amplitude", "time", "fasttime", "lat", "lon", "altitude", "Surface")
-ALONG_TRACK = {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation", "Surface": "Surface", "Bottom": "Bottom"}
+ALONG_TRACK = {
+    "lat": "Latitude",
+    "lon": "Longitude",
+    "altitude": "Elevation",
+    "Surface": "Surface",
+    "Bottom": "Bottom",
+}
 ATTITUDE = {"roll": "Roll", "pitch": "Pitch", "heading": "Heading"}
-SECONDS = {"microseconds": 1e-6, "us": 1e-6, "nanoseconds": 1e-9, "ns": 1e-9, "seconds": 1.0, "s": 1.0}
+SECONDS = {
+    "microseconds": 1e-6,
+    "us": 1e-6,
+    "nanoseconds": 1e-9,
+    "ns": 1e-9,
+    "seconds": 1.0,
+    "s": 1.0,
+}
 
 
 def read_nsidc(path, *, compensated=False):
     """Echogram of an IRSNO1B file; see `snowsim.io.read_echogram`.
 
-    `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes NaN; `time`
-    (seconds of day, UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes `twtt`; degrees of attitude
-    become radians. With a supplement beside it, bit i of `quality_mask` (slow_time) is flag i of its `flag_meanings`.
+    `amplitude` (dB) becomes linear power, -inf (bins that elevation compensation inserted) becomes
+    NaN; `time` (seconds of day, UTC) becomes `slow_time`, on past midnight; `fasttime` (us) becomes
+    `twtt`; degrees of attitude become radians. With a supplement beside it, bit i of `quality_mask`
+    (slow_time) is flag i of its `flag_meanings`.
     """
     path = existing(path)
     # As stored: no fill value is set in these files, and a default one must not hide a value.
@@ -44,7 +58,11 @@ def read_nsidc(path, *, compensated=False):
     if "Elevation_Correction" in stored:
         bins = vector(path, "Elevation_Correction", stored["Elevation_Correction"].values, n_lines)
         content = datasets.undo_compensation(path, content, bins, keep=compensated)
-    attributes = {"source_format": "IRSNO1B NetCDF", "midnights_passed": n_midnights, **_parameters(path)}
+    attributes = {
+        "source_format": "IRSNO1B NetCDF",
+        "midnights_passed": n_midnights,
+        **_parameters(path),
+    }
     supplement = find_supplement(path)
     if supplement is not None:
         content["quality_mask"] = _quality_mask(supplement, n_lines)
@@ -58,7 +76,11 @@ def find_supplement(path):
     frame = re.match(r".*?\d{8}_\d{2}_\d{3}", path.stem)
     variant = path.stem[frame.end() :] if frame else ""
     base = frame.group() if frame else path.stem
-    names = [f"{path.stem}_supplement.nc", f"{base}_supplement{variant}.nc", f"{base}_supplement.nc"]
+    names = [
+        f"{path.stem}_supplement.nc",
+        f"{base}_supplement{variant}.nc",
+        f"{base}_supplement.nc",
+    ]
     return next((path.with_name(name) for name in names if path.with_name(name).is_file()), None)
 
 
@@ -126,7 +148,10 @@ def _quality_mask(path, n_lines):
     for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
         if name in stored:
             flags = vector(path, name, stored[name].values)
-            if flags.size not in (1, n_lines):  # flags are set for a frame as a whole, or line by line
+            if flags.size not in (
+                1,
+                n_lines,
+            ):  # flags are set for a frame as a whole, or line by line
                 raise refusal(path, name, f"1 or {n_lines} values", f"shape {stored[name].shape}")
             mask |= bit * (flags != 0).astype(np.uint8)
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}

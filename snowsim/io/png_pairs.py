@@ -19,16 +19,18 @@ DATA_SCALES = ("power", "db")
 class PairSet(Sequence):
     """Scenes of a directory in the layout of the published benchmark; a scene is read when it is asked for.
 
-    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a scene, by name; or
-    a list file with one such name a line, relative to the list (a second name, the label, is not needed). `data_scale`,
-    "power" or "db", says what floating-point `data` of .mat pairs are, which non-negative numbers do not tell. No
-    scene, a missing file or a name that comes twice is refused.
+    `path` is a directory, of which every `data_*.png` (if there is none, every `data_*.mat`) is a
+    scene, by name; or a list file with one such name a line, relative to the list (a second name,
+    the label, is not needed). `data_scale`, "power" or "db", says what floating-point `data` of
+    .mat pairs are, which non-negative numbers do not tell. No scene, a missing file or a name that
+    comes twice is refused.
 
-    A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of `data_`. Layer number k
-    is row k - 1 of `layer_bins`; numbers that occur nowhere between others leave a row of NaN. A mask alone tells no
-    numbers: the k-th run of pixels from the top of a column is then layer k - 1 there, so below a gap in a layer the
-    deeper ones count up by one; positions, and the mask itself, stay exact. A run of several pixels counts at its
-    middle. Where both labels are there, they must agree.
+    A label is found by putting `layer_` (layer numbers) or `layer_binary_` (mask) in place of
+    `data_`. Layer number k is row k - 1 of `layer_bins`; numbers that occur nowhere between others
+    leave a row of NaN. A mask alone tells no numbers: the k-th run of pixels from the top of a
+    column is then layer k - 1 there, so below a gap in a layer the deeper ones count up by one;
+    positions, and the mask itself, stay exact. A run of several pixels counts at its middle. Where
+    both labels are there, they must agree.
     """
 
     def __init__(self, path, *, data_scale=None):
@@ -62,7 +64,8 @@ class PairSet(Sequence):
     def check(self):
         """Read every scene once; one ValueError names all that fail, also those not as wide as most.
 
-        A list of a dict for each scene: `name`, `n_range_bins`, `n_range_lines`, `n_layers`, and whether it `tells_db`.
+        A list of a dict for each scene: `name`, `n_range_bins`, `n_range_lines`, `n_layers`, and
+        whether it `tells_db`.
         """
         rows, failed = [], []
         for path in self._paths:
@@ -73,7 +76,14 @@ class PairSet(Sequence):
                 continue
             sizes = {"n_range_bins": scene.n_range_bins, "n_range_lines": scene.n_range_lines}
             tells_db = bool(np.isfinite([scene.noise_floor_db, scene.maximum_db]).all())
-            rows.append({"name": scene.name, **sizes, "n_layers": len(scene.layer_bins), "tells_db": tells_db})
+            rows.append(
+                {
+                    "name": scene.name,
+                    **sizes,
+                    "n_layers": len(scene.layer_bins),
+                    "tells_db": tells_db,
+                }
+            )
         usual = Counter(row["n_range_lines"] for row in rows).most_common(1)
         for row in rows:
             if row["n_range_lines"] != usual[0][0]:
@@ -93,7 +103,8 @@ def scene_name(path):
 def read_pair(path, *, data_scale=None):
     """Scene of one `data_*` file and the labels beside it; see `PairSet`.
 
-    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased masks; bad images.
+    Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased
+    masks; bad images.
     """
     path = existing(path)
     if container_of(path) == "png":
@@ -102,7 +113,9 @@ def read_pair(path, *, data_scale=None):
     else:
         image, texts = _mat_image(path, data_scale)
         where, numbers, mask = _mat_labels(path, image.shape)
-    layer_bins = layers_of_mask(mask, where) if numbers is None else layers_of_numbers(numbers, where)
+    layer_bins = (
+        layers_of_mask(mask, where) if numbers is None else layers_of_numbers(numbers, where)
+    )
     if not np.isfinite(layer_bins).any():
         raise refusal(where, "labels", "at least one layer", "none")
     check_layer_bins(layer_bins, str(where))
@@ -136,11 +149,17 @@ def layers_of_numbers(numbers, where="labels"):
 def layers_of_mask(mask, where="mask"):
     """Layers of a binary mask, (layer, range_line) in range bins: the k-th run from the top of a column is layer k.
 
-    More than half of the pixels on, as in an inverted mask, are refused, but for images one range bin high.
+    More than half of the pixels on, as in an inverted mask, are refused, but for images one range
+    bin high.
     """
     mask = np.asarray(mask, dtype=bool)
     if len(mask) > 1 and mask.mean() > MAXIMUM_SHARE_ON:
-        raise refusal(where, "mask", "layers on a dark ground", f"{100 * mask.mean():.0f} % of pixels on: inverted?")
+        raise refusal(
+            where,
+            "mask",
+            "layers on a dark ground",
+            f"{100 * mask.mean():.0f} % of pixels on: inverted?",
+        )
     edge = np.zeros((1, mask.shape[1]), dtype=np.int8)
     steps = np.diff(np.concatenate([edge, mask.astype(np.int8), edge]), axis=0)
     # Transposed, so that both lists run down one column after another and pair up.
@@ -196,13 +215,22 @@ def _mat_image(path, data_scale):
     if data.ndim != 2 or data.size == 0:
         raise refusal(path, "data", "a 2-D image", f"shape {data.shape}")
     if not np.isfinite(data).all():
-        raise refusal(path, "data", "finite values", f"{int((~np.isfinite(data)).sum())} that are not")
-    if data.min() >= 0 and data.max() <= 255 and (data == np.floor(data)).all() and data_scale is None:
+        raise refusal(
+            path, "data", "finite values", f"{int((~np.isfinite(data)).sum())} that are not"
+        )
+    if (
+        data.min() >= 0
+        and data.max() <= 255
+        and (data == np.floor(data)).all()
+        and data_scale is None
+    ):
         return data.astype(np.uint8), {}
     scale = "db" if data.min() < 0 else data_scale
     if scale is None:
         found = f"{data.dtype} from {data.min():g} to {data.max():g}"
-        raise refusal(path, "data", "whole numbers from 0 to 255, or data_scale set to power or db", found)
+        raise refusal(
+            path, "data", "whole numbers from 0 to 255, or data_scale set to power or db", found
+        )
     power = 10 ** (data.astype(float) / 10) if scale == "db" else data.astype(float)
     with library_errors(path, "data", "an echogram"):
         image, noise_floor_db, maximum_db = to_uint8(power)
@@ -210,7 +238,10 @@ def _mat_image(path, data_scale):
 
 
 def _mat_labels(path, shape):
-    label = next((p for p in (_beside(path, "layer_"), _beside(path, "layer_binary_")) if p is not None), path)
+    label = next(
+        (p for p in (_beside(path, "layer_"), _beside(path, "layer_binary_")) if p is not None),
+        path,
+    )
     values = read_matlab(label, ("layer",))
     if "layer" not in values:
         raise refusal(label, "layer", "variable layer", "none")

@@ -24,10 +24,11 @@ NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
 def write_scenes(path, scenes, attributes=None):
     """Write scenes to one file, in order, holding one at a time.
 
-    At least one, all with the same number of range lines and the same arrays present; others are refused. `attributes`
-    are global (what made them; ``synthetic``). Images and layers of all scenes stand below each other (the contiguous
-    ragged arrays of the CF conventions, section 9.3.3); `n_range_bins`, `n_layers` and `n_complete_layers` tell where
-    each begins. Layer bins are float32: 1e-4 bins at row 2000.
+    At least one, all with the same number of range lines and the same arrays present; others are
+    refused. `attributes` are global (what made them; ``synthetic``). Images and layers of all
+    scenes stand below each other (the contiguous ragged arrays of the CF conventions, section
+    9.3.3); `n_range_bins`, `n_layers` and `n_complete_layers` tell where each begins. Layer bins
+    are float32: 1e-4 bins at row 2000.
     """
     with written_whole(path) as aside, netCDF4.Dataset(aside, "w") as file:
         file.format = FORMAT
@@ -53,7 +54,14 @@ def _define(file, scene):
         if dimension not in file.dimensions:
             file.createDimension(dimension, None)
         chunks = (64, scene.n_range_lines)
-        file.createVariable(name, dtype, (dimension, "range_line"), chunksizes=chunks, zlib=dtype != "u1", complevel=1)
+        file.createVariable(
+            name,
+            dtype,
+            (dimension, "range_line"),
+            chunksizes=chunks,
+            zlib=dtype != "u1",
+            complevel=1,
+        )
     counts = {"n_range_bins": "i4", "n_layers": "i4"}
     counts |= {"n_complete_layers": "i4"} if scene.complete_layer_bins is not None else {}
     for name, dtype in ({"name": str, "notes": str} | counts | NUMBERS).items():
@@ -77,10 +85,14 @@ def _append(file, scene, path):
         file[name][index] = getattr(scene, name)
     lengths = {"pixel_row": scene.n_range_bins, "layer_row": scene.layer_bins.shape[0]}
     if scene.complete_layer_bins is not None:
-        lengths["complete_row"] = file["n_complete_layers"][index] = scene.complete_layer_bins.shape[0]
+        lengths["complete_row"] = file["n_complete_layers"][index] = (
+            scene.complete_layer_bins.shape[0]
+        )
     for name in held:
         dimension = ARRAYS[name][0]
-        file[name][starts[dimension] : starts[dimension] + lengths[dimension]] = getattr(scene, name)
+        file[name][starts[dimension] : starts[dimension] + lengths[dimension]] = getattr(
+            scene, name
+        )
 
 
 class SceneSet:
@@ -108,7 +120,8 @@ class SceneSet:
 
     def _index(self, path):
         try:
-            # Without cycles of references a file closes with its last user, not whenever Python collects garbage.
+            # Without cycles of references a file closes with its last user, not whenever Python
+            # collects garbage.
             file = netCDF4.Dataset(path, keepweakref=True)
         except (OSError, RuntimeError) as error:
             msg = f"{path}: expected a scene file (NetCDF-4), cannot be read: {error}"
@@ -118,9 +131,17 @@ class SceneSet:
             raise ValueError(msg)
         file.set_auto_maskandscale(False)
         self._files.append(file)
-        counts = {"pixel_row": "n_range_bins", "layer_row": "n_layers", "complete_row": "n_complete_layers"}
+        counts = {
+            "pixel_row": "n_range_bins",
+            "layer_row": "n_layers",
+            "complete_row": "n_complete_layers",
+        }
         with library_errors(path, "scenes", "ones that can be read"):
-            ends = {row: np.cumsum(file[name][:]) for row, name in counts.items() if name in file.variables}
+            ends = {
+                row: np.cumsum(file[name][:])
+                for row, name in counts.items()
+                if name in file.variables
+            }
             columns = (file[name][:].tolist() for name in ("name", "notes", *NUMBERS))
             for i, rest in enumerate(zip(*columns, strict=True)):
                 spans = {row: slice(end[i - 1] if i else 0, end[i]) for row, end in ends.items()}
@@ -136,7 +157,8 @@ class SceneSet:
             arrays = {}
             for name, (_, dtype) in ARRAYS.items():
                 if name in file.variables:
-                    # Files of 0.1.0 hold as many complete layers as labelled ones, in the same rows.
+                    # Files of 0.1.0 hold as many complete layers as labelled ones, in the same
+                    # rows.
                     values = np.asarray(file[name][spans[file[name].dimensions[0]]])
                     arrays[name] = values if dtype == "u1" else values.astype(float)
             numbers = dict(zip(NUMBERS, numbers, strict=True))

@@ -6,10 +6,16 @@ from snowsim.io.guard import container_of, existing, one_line, refusal
 from snowsim.io.matlab import names_in_mat5
 
 SUPPLEMENT_FLAGS = (
-    *("coh_noise_removal_artifact", "deconvolution_artifact", "vertical_stripes_artifact", "missing_data"),
+    *(
+        "coh_noise_removal_artifact",
+        "deconvolution_artifact",
+        "vertical_stripes_artifact",
+        "missing_data",
+    ),
     *("no_good_data", "low_SNR", "unclassified_artifact", "land_ice"),
 )
-# In words, and the variables that make it; a file is what it has the largest share of, earlier entries winning a tie.
+# In words, and the variables that make it; a file is what it has the largest share of, earlier
+# entries winning a tie.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
     "cresis": ("a CReSIS L1B echogram", ("Data", "Time", "GPS_time", *ECHOGRAM_ALONG_TRACK)),
@@ -32,7 +38,10 @@ def sniff(path):
     if container_of(path) == "png":
         return "png"
     names = names_in(path)
-    share = {kind: sum(name in names for name in wanted) / len(wanted) for kind, (_, wanted) in FORMATS.items()}
+    share = {
+        kind: sum(name in names for name in wanted) / len(wanted)
+        for kind, (_, wanted) in FORMATS.items()
+    }
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
         found = one_line(", ".join(sorted(names)) or "none", 200)
@@ -50,4 +59,6 @@ def names_in(path):
     container = container_of(path)
     if container == "zarr":
         return {item.name for item in path.iterdir() if item.is_dir()}
-    return {"mat5": names_in_mat5, "hdf5": names_in_hdf5, "netcdf3": names_in_netcdf3}[container](path)
+    return {"mat5": names_in_mat5, "hdf5": names_in_hdf5, "netcdf3": names_in_netcdf3}[container](
+        path
+    )

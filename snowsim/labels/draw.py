@@ -62,32 +62,42 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     Returns
     -------
     snowsim.echogram.Scene
-        `notes` holds `n_layers` below the surface, `n_slabs_beyond` (deeper than the flight shows), `n_samples` of
-        thickness, `n_touched` and `n_means_touched` by the rule for thin slabs, `first_thickness_bins` drawn, and mean
-        and variance of thickness before and after that rule, `thickness_{mean,variance}_{drawn,kept}`; with trends
-        and folds what `draw_nonstationary` notes.
+        `notes` holds `n_layers` below the surface, `n_slabs_beyond` (deeper than the flight shows),
+        `n_samples` of thickness, `n_touched` and `n_means_touched` by the rule for thin slabs,
+        `first_thickness_bins` drawn, and mean and variance of thickness before and after that rule,
+        `thickness_{mean,variance}_{drawn,kept}`; with trends and folds what `draw_nonstationary`
+        notes.
     """
     model = statistics if isinstance(statistics, LabelModel) else prepare(statistics, n_range_lines)
     if model.n_range_lines != n_range_lines:
         msg = f"label model was prepared for {model.n_range_lines} range lines, got {n_range_lines}"
         raise ValueError(msg)
-    # Random numbers are drawn in the order of the first release, so that its scenes can be reproduced.
+    # Random numbers are drawn in the order of the first release, so that its scenes can be
+    # reproduced.
     n_layers = None if model.n_layers is None else int(rng.integers(*model.n_layers, endpoint=True))
     edges = model.zone_edge_bins
     if model.first_quantile_bins is None:
         first = rng.uniform(edges[0], edges[-1])
     else:
-        first = np.interp(rng.uniform(), np.linspace(0, 1, model.first_quantile_bins.size), model.first_quantile_bins)
+        first = np.interp(
+            rng.uniform(),
+            np.linspace(0, 1, model.first_quantile_bins.size),
+            model.first_quantile_bins,
+        )
     zone = int(np.searchsorted(edges[1:-1], first, side="right"))
     n_layers = model.draw_n_layers(zone, rng=rng) if n_layers is None else n_layers
     n_slabs = max(n_layers, 1)  # a scene without layers drops its only slab at the end
     slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
-    anomaly = model.factor("relative", model.relative_correlation, n_slabs) @ rng.standard_normal(n_slabs)
+    anomaly = model.factor("relative", model.relative_correlation, n_slabs) @ rng.standard_normal(
+        n_slabs
+    )
     factor = model.relative_mean[zone, slab] + model.relative_deviation[zone, slab] * anomaly
     factor[0] = 1
     mean = _mirrored(first * factor)
     variances = model.variances(zone)[slab]
-    series = draw_series(variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng)
+    series = draw_series(
+        variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng
+    )
     drawn = mean[:, None] + series
     # Drawn last: without trends and folds, scenes do not change by a byte.
     extra = model.nonstationary
@@ -96,7 +106,11 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     thickness = _mirrored(drawn)
     layer_bins = np.cumsum(np.concatenate([model.draw_surface(rng=rng), thickness]), axis=0)
     notes = {
-        **{"n_layers": n_layers, "n_slabs_beyond": max(n_layers - model.n_slabs, 0), "n_samples": drawn.size},
+        **{
+            "n_layers": n_layers,
+            "n_slabs_beyond": max(n_layers - model.n_slabs, 0),
+            "n_samples": drawn.size,
+        },
         "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
         "n_means_touched": int((first * factor[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
         "first_thickness_bins": float(first),
@@ -106,7 +120,13 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "thickness_variance_kept": float(thickness.var()) if n_layers else 0.0,
         **moved,
     }
-    scene = Scene(name=name, n_range_bins=scene_height(layer_bins), layer_bins=layer_bins, zone=zone, notes=notes)
+    scene = Scene(
+        name=name,
+        n_range_bins=scene_height(layer_bins),
+        layer_bins=layer_bins,
+        zone=zone,
+        notes=notes,
+    )
     return scene if model.radiometry is None else add_radiometry(scene, model.radiometry, rng=rng)
 
 

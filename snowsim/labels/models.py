@@ -8,7 +8,9 @@ from scipy.optimize import minimize
 from snowsim.echogram import check_choice
 
 FAINTEST = 1e-8  # of the largest density: below it lie rounding and leakage, not undulations that a scene shows
-LONGEST_PERIOD = 1e5  # [lines] of the corner of a Matern spectrum: longer than a block it has no effect
+LONGEST_PERIOD = (
+    1e5  # [lines] of the corner of a Matern spectrum: longer than a block it has no effect
+)
 
 
 def _white(wavenumber, _):
@@ -55,14 +57,15 @@ MODELS = (TABULATED, *SPECTRA)
 def fit_spectrum(name, psd):
     """The density of a law most likely behind a mean periodogram, (wavenumber,), and its scale and shape.
 
-    ``white``: a. ``power_law``: a k^-b. ``ar1``: a / |1 - r exp(2 pi i k)|^2. ``matern``: a (k0^2 + k^2)^-b. `psd` is
-    one-sided from wavenumber 0 to 1/2, as `snowsim.statistics` gives it; the density is 0 at 0 and half the law's
-    value at 1/2, as periodograms are, and 0 throughout where `psd` is. An unknown law is refused.
+    ``white``: a. ``power_law``: a k^-b. ``ar1``: a / |1 - r exp(2 pi i k)|^2. ``matern``: a (k0^2 +
+    k^2)^-b. `psd` is one-sided from wavenumber 0 to 1/2, as `snowsim.statistics` gives it; the
+    density is 0 at 0 and half the law's value at 1/2, as periodograms are, and 0 throughout where
+    `psd` is. An unknown law is refused.
 
-    Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P of n periodograms.
-    The scale that minimises it follows from the shape; the shape by L-BFGS-B. Wavenumbers 0 and 1/2 are left out, and
-    those 80 dB below the largest density. The law is fitted to the expected periodogram of blocks, as tabulated;
-    a plain one includes its leakage.
+    Whittle (1953), Ark. Mat. 2, 423-434: ``-log L = n sum_k (log S_k + P_k / S_k)`` for the mean P
+    of n periodograms. The scale that minimises it follows from the shape; the shape by L-BFGS-B.
+    Wavenumbers 0 and 1/2 are left out, and those 80 dB below the largest density. The law is fitted
+    to the expected periodogram of blocks, as tabulated; a plain one includes its leakage.
     """
     check_choice("psd", name, SPECTRA)
     spectrum = SPECTRA[name]
@@ -93,7 +96,8 @@ def label_model(zone_model, psd):
     """
     density = zone_model["thickness_psd"].transpose("zone", "slab", "wavenumber")
     return zone_model.assign(
-        thickness_psd=(density.dims, densities_of(density.values, psd)), thickness_psd_tabulated=density
+        thickness_psd=(density.dims, densities_of(density.values, psd)),
+        thickness_psd_tabulated=density,
     ).assign_attrs(n_zones=zone_model.sizes["zone"], psd=psd)
 
 

@@ -6,8 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 ITERATIONS = 20  # of Richardson-Lucy
-# Density that a wave of unit variance and half a cycle per block has in the first two cycles of a tapered, detrended
-# spectrum, divided by the number of lines of the block.
+# Density that a wave of unit variance and half a cycle per block has in the first two cycles of a
+# tapered, detrended spectrum, divided by the number of lines of the block.
 HALF_CYCLE_SHOWS = np.array([0.0722, 0.0084])
 SETTLED = 20  # rounds; each leaves a third of the error of the one before
 
@@ -16,9 +16,10 @@ SETTLED = 20  # rounds; each leaves a third of the error of the one before
 def leakage_matrix(n_lines, n_long):
     """Expected periodogram of `n_lines` cut from a series of `n_long`, per unit variance at each of its wavenumbers.
 
-    (wavenumber, long wavenumber): one-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from ``j / n_long``, j =
-    1 ... n_long / 2. A cosine of random phase has ``E|X_k|^2 = (|D(f_j - f_k)|^2 + |D(f_j + f_k)|^2) / 2`` per unit
-    variance, with the Dirichlet kernel D of the cut; the block's mean does not reach k >= 1.
+    (wavenumber, long wavenumber): one-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from
+    ``j / n_long``, j = 1 ... n_long / 2. A cosine of random phase has ``E|X_k|^2 = (|D(f_j -
+    f_k)|^2 + |D(f_j + f_k)|^2) / 2`` per unit variance, with the Dirichlet kernel D of the cut; the
+    block's mean does not reach k >= 1.
     """
     wavenumber = np.arange(1, n_lines // 2 + 1) / n_lines
     long_wavenumber = np.arange(1, n_long // 2 + 1) / n_long
@@ -37,11 +38,12 @@ def leakage_matrix(n_lines, n_long):
 def line_variances(psd, n_long):
     """Variance at each wavenumber of a long series whose cut blocks have the mean periodogram `psd`.
 
-    `psd (..., wavenumber)` is one-sided, of blocks about their mean, from wavenumber 0 to 1/2; the variances (..., long
-    wavenumber) go from ``1 / n_long`` to 1/2, `n_long` being at least twice the length of a block. A series built on
-    the block's own wavenumbers would end where it began. A longer one does not, but cutting it leaks low wavenumbers
-    into high ones a second time. Richardson-Lucy iterations (Richardson 1972, J. Opt. Soc. Am. 62, 55) find positive
-    variances whose leaked periodogram is the one observed.
+    `psd (..., wavenumber)` is one-sided, of blocks about their mean, from wavenumber 0 to 1/2; the
+    variances (..., long wavenumber) go from ``1 / n_long`` to 1/2, `n_long` being at least twice
+    the length of a block. A series built on the block's own wavenumbers would end where it began. A
+    longer one does not, but cutting it leaks low wavenumbers into high ones a second time.
+    Richardson-Lucy iterations (Richardson 1972, J. Opt. Soc. Am. 62, 55) find positive variances
+    whose leaked periodogram is the one observed.
     """
     n_lines = 2 * (psd.shape[-1] - 1)
     matrix = leakage_matrix(n_lines, n_long)
@@ -59,10 +61,11 @@ def line_variances(psd, n_long):
 def plain_variances(psd, trend_variance, n_long):
     """The same for spectra (..., wavenumber) that do not leak, taken about a trend of given variance (...).
 
-    Density is interpolated in the logarithm between wavenumbers. The trend is the part of slower waves within a block:
-    one wave of half a cycle per block represents them all. With its variance, and the share of faster waves, the rise
-    of least-squares lines through cut blocks, from first line to last, has `trend_variance`. The lines do not remove
-    all of this wave: what it adds to the first two cycles is subtracted there, down to a tenth at most.
+    Density is interpolated in the logarithm between wavenumbers. The trend is the part of slower
+    waves within a block: one wave of half a cycle per block represents them all. With its variance,
+    and the share of faster waves, the rise of least-squares lines through cut blocks, from first
+    line to last, has `trend_variance`. The lines do not remove all of this wave: what it adds to
+    the first two cycles is subtracted there, down to a tenth at most.
     """
     n_lines = 2 * (psd.shape[-1] - 1)
     at = np.arange(2, n_long // 2 + 1) * (n_lines / n_long) - 1
@@ -89,8 +92,8 @@ def lengthened(variances, n_long):
 def draw_series(variances, mixing, n_lines, *, rng):
     """Gaussian series of `n_lines` about their means, (row, range_line), correlated by band of wavenumber.
 
-    `variances (row, long wavenumber)` are those of `line_variances`; `mixing` holds for each band a slice of long
-    wavenumbers and a factor C (row, row) of the correlation matrix C C^T there.
+    `variances (row, long wavenumber)` are those of `line_variances`; `mixing` holds for each band a
+    slice of long wavenumbers and a factor C (row, row) of the correlation matrix C C^T there.
     """
     n_rows, n_wavenumbers = variances.shape
     normal = rng.standard_normal((2, n_rows, n_wavenumbers))
@@ -101,17 +104,22 @@ def draw_series(variances, mixing, n_lines, *, rng):
     # irfft halves all but the last; there one real normal must carry the variance.
     spectrum *= np.sqrt(variances) * (n_long / 2)
     spectrum[:, -1] = spectrum[:, -1].real * 2
-    series = np.fft.irfft(np.concatenate([np.zeros((n_rows, 1)), spectrum], axis=1), n_long)[:, :n_lines]
+    series = np.fft.irfft(np.concatenate([np.zeros((n_rows, 1)), spectrum], axis=1), n_long)[
+        :, :n_lines
+    ]
     return series - series.mean(axis=1, keepdims=True)
 
 
 def correlation_factor(correlation_by_separation, n_rows):
     """Factor C of the correlation matrix of rows, C C^T, from correlation by separation; the last value continues.
 
-    Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the diagonal back to one.
+    Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the
+    diagonal back to one.
     """
     separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
-    matrix = correlation_by_separation[np.minimum(separation, len(correlation_by_separation) - 1)].astype(float)
+    matrix = correlation_by_separation[
+        np.minimum(separation, len(correlation_by_separation) - 1)
+    ].astype(float)
     np.fill_diagonal(matrix, 1.0)
     values, vectors = np.linalg.eigh(matrix)
     factor = vectors * np.sqrt(np.maximum(values, 0))
@@ -129,7 +137,8 @@ def _interpolated(values, at):
 class Nonstationary:
     """Trends and folds of layers in percolation and ablation zones, which the paper leaves to future work; zeros: none.
 
-    ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no picks resolve.
+    ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no
+    picks resolve.
     """
 
     trend_sd: float = 0.0  # of the change of mean thickness from the first line of a scene to its last, over the mean
@@ -155,11 +164,11 @@ class Nonstationary:
 def draw_nonstationary(thickness, nonstationary, *, rng):
     """Thickness (slab, range_line) [bins] with a trend and folds, and notes; what is off takes no number from `rng`.
 
-    The trend is a gradient of accumulation, one for all slabs: thickness times ``1 + g (x / (N - 1) - 1/2)``, g ~ N(0,
-    trend_sd^2), noted as `trend`; it leaves the mean of the scene as it was. A fold moves the layer at mean depth z
-    below the surface by ``A (z / Z) sin(2 pi x / L + phase)``, Z the deepest, A ~ N(0, fold_sd_bins^2), noted as
-    `fold_bins`: slabs share it by their mean thickness, the surface stays flat. Its curvature is ``A (z / Z) (2 pi /
-    L)^2`` at most.
+    The trend is a gradient of accumulation, one for all slabs: thickness times ``1 + g (x / (N - 1)
+    - 1/2)``, g ~ N(0, trend_sd^2), noted as `trend`; it leaves the mean of the scene as it was. A
+    fold moves the layer at mean depth z below the surface by ``A (z / Z) sin(2 pi x / L + phase)``,
+    Z the deepest, A ~ N(0, fold_sd_bins^2), noted as `fold_bins`: slabs share it by their mean
+    thickness, the surface stays flat. Its curvature is ``A (z / Z) (2 pi / L)^2`` at most.
     """
     notes = {}
     lines = np.arange(thickness.shape[1])

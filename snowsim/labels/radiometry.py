@@ -10,18 +10,34 @@ from snowsim.phy.parameters import row_waveforms
 from snowsim.phy.power import mean_power
 
 NEPERS = np.log(10) / 10  # per dB
-WINDOW_LINES = 80  # over which the rise of a layer is averaged: four averaged lines, as for the deepest picks
+WINDOW_LINES = (
+    80  # over which the rise of a layer is averaged: four averaged lines, as for the deepest picks
+)
 STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
 TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
 
 
 SPREADS = (
-    *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
+    *(
+        "noise_spread_db",
+        "surface_to_noise_spread_db",
+        "common_spread_db",
+        "layer_spread_db",
+        "decay_spread",
+    ),
     *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
 )
 FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
 # What a label model needs of the flight's statistics beside thickness.
-NEEDED = (*SPREADS, *FADING, "background_power", "noise_power", "peak_power", "variance_bins2", "decay_rate")
+NEEDED = (
+    *SPREADS,
+    *FADING,
+    "background_power",
+    "noise_power",
+    "peak_power",
+    "variance_bins2",
+    "decay_rate",
+)
 
 
 @dataclass(frozen=True)
@@ -68,13 +84,14 @@ def _without_gaps(statistics, name):
 def add_radiometry(scene, model, *, rng):
     """The scene with `peak_power`, every layer drawn in `complete_layer_bins`, and labels only where they show.
 
-    Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried layers together; each
-    layer; and its fading along track, a Gaussian process of autocorrelation ``exp(-(h / l)^p)`` about its mean.
-    Unpicked snow is a background, one row just below the surface for each of its e-folding depths, and echoes at random
-    distances below the last label, which rise out of it as in the flight. Layers are labelled down to the deepest that
-    shows, see `_labelled`; weaker ones between are labelled too, as a reader who follows the years would.
-    `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row takes its waveform
-    from, or -1 - k for e-folding depth k of the background), and counts.
+    Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried
+    layers together; each layer; and its fading along track, a Gaussian process of autocorrelation
+    ``exp(-(h / l)^p)`` about its mean. Unpicked snow is a background, one row just below the
+    surface for each of its e-folding depths, and echoes at random distances below the last label,
+    which rise out of it as in the flight. Layers are labelled down to the deepest that shows, see
+    `_labelled`; weaker ones between are labelled too, as a reader who follows the years would.
+    `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row
+    takes its waveform from, or -1 - k for e-folding depth k of the background), and counts.
     """
     spread, n_layers, n_lines = model.spread, *scene.layer_bins.shape
     level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
@@ -83,10 +100,14 @@ def add_radiometry(scene, model, *, rng):
     common_db = spread["common_spread_db"] * rng.standard_normal()
     block_db = common_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
     block_db[0] = surface_db * rng.standard_normal()
-    variance = np.full((n_layers, 1), spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2)
+    variance = np.full(
+        (n_layers, 1), spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
+    )
     variance[0] = surface_db**2
     faded, fading_variance = _faded(model, n_layers, n_lines, rng=rng)
-    labelled = model.peak_power[level, None] * _about_mean(block_db + faded, variance + fading_variance)
+    labelled = model.peak_power[level, None] * _about_mean(
+        block_db + faded, variance + fading_variance
+    )
     noise_power = model.noise_power * _about_mean(noise_db * rng.standard_normal(), noise_db**2)
     decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
 
@@ -103,8 +124,15 @@ def add_radiometry(scene, model, *, rng):
     just_below = scene.layer_bins[:1] + (1 + np.arange(falls.size)[:, None]) / (falls.size + 1)
 
     rows = np.concatenate([scene.layer_bins[:1], just_below, scene.layer_bins[1:], further])
-    power = [labelled[:1], np.tile(strength * model.background_power[falls, None], n_lines), labelled[1:], echoes]
-    waveform_row = np.concatenate([[0], -1 - falls, level[1:], np.full(below.size, level[-1] if n_layers > 1 else 0)])
+    power = [
+        labelled[:1],
+        np.tile(strength * model.background_power[falls, None], n_lines),
+        labelled[1:],
+        echoes,
+    ]
+    waveform_row = np.concatenate(
+        [[0], -1 - falls, level[1:], np.full(below.size, level[-1] if n_layers > 1 else 0)]
+    )
     dressed = dataclasses.replace(
         scene,
         complete_layer_bins=rows,
@@ -119,7 +147,10 @@ def add_radiometry(scene, model, *, rng):
         },
     )
     layer_bins, rise_db = _labelled(dressed, model)
-    notes = {"n_pixels_unlabelled": int(np.isnan(layer_bins).sum()), "median_rise_db": float(np.median(rise_db))}
+    notes = {
+        "n_pixels_unlabelled": int(np.isnan(layer_bins).sum()),
+        "median_rise_db": float(np.median(rise_db)),
+    }
     return dataclasses.replace(dressed, layer_bins=layer_bins, notes=dressed.notes | notes)
 
 
@@ -128,7 +159,9 @@ def labelled_or_not(scene):
     if scene.peak_power is None:
         return scene.layer_bins
     n_background = sum(row < 0 for row in scene.notes["waveform_row"])
-    return np.delete(scene.complete_layer_bins, 1 + np.arange(n_background), axis=0)[: len(scene.layer_bins)]
+    return np.delete(scene.complete_layer_bins, 1 + np.arange(n_background), axis=0)[
+        : len(scene.layer_bins)
+    ]
 
 
 def _about_mean(deviation_db, variance_db2):
@@ -138,7 +171,9 @@ def _about_mean(deviation_db, variance_db2):
 
 def _distances(spacing, *, rng):
     """Distances below the last label of echoes `spacing` bins apart on average, down to the end of the image."""
-    distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8))
+    distances = np.cumsum(
+        1 + rng.exponential(max(spacing - 1, 0.1), int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8)
+    )
     return distances[distances < ROWS_BELOW_LAST_LAYER]
 
 
@@ -151,18 +186,22 @@ def _faded(model, n_layers, n_lines, *, rng):
     density = np.maximum(np.fft.fft(shapes).real, 0)
     kind = np.minimum(np.arange(n_layers), 1)
     white = np.fft.fft(rng.standard_normal((n_layers, n_long)))
-    series = np.fft.ifft(white * np.sqrt(density[kind])).real[:, :n_lines] * model.fading[kind, 0, None]
+    series = (
+        np.fft.ifft(white * np.sqrt(density[kind])).real[:, :n_lines] * model.fading[kind, 0, None]
+    )
     lines = np.arange(n_lines)
     pairs = np.where(lines > 0, 2, 1) * (n_lines - lines) / n_lines**2
     kept = np.array([1 - (pairs * shape[:n_lines]).sum() for shape in shapes])
-    return series - series.mean(axis=1, keepdims=True), (model.fading[kind, 0] ** 2 * kept[kind])[:, None]
+    return series - series.mean(axis=1, keepdims=True), (model.fading[kind, 0] ** 2 * kept[kind])[
+        :, None
+    ]
 
 
 def _labelled(scene, model):
     """Layers, NaN below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
 
-    A layer shows if in half or more of its lines its mean power, averaged along it over `WINDOW_LINES`, rises over the
-    minimum between it and the layer above by `end_contrast_db`.
+    A layer shows if in half or more of its lines its mean power, averaged along it over
+    `WINDOW_LINES`, rises over the minimum between it and the layer above by `end_contrast_db`.
     """
     noise_power = scene.notes["noise_power"]
     shapes = row_waveforms(scene.notes, model.variance_bins2, model.decay_rate)
@@ -175,7 +214,9 @@ def _labelled(scene, model):
     layer_bins = scene.layer_bins.copy()
     n_lines = layer_bins.shape[1]
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
-    rows = layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]  # (slab, step, line)
+    rows = (
+        layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]
+    )  # (slab, step, line)
     whole = np.clip(np.floor(rows).astype(int), 0, scene.n_range_bins - 2)
     share = rows - whole
     lines = np.arange(n_lines)

@@ -15,16 +15,21 @@ MOST_SEEDS = 100
 def compare(counts, pairs, *, n_bootstrap, rng):
     """Differences of edge scores between pairs of names, a row per pair and metric of `METRICS`.
 
-    `counts` maps a name to a list over replicas of lists over images of count dicts, in one order: replica r of every
-    name began from the same weights. `n_bootstrap` resamples of the images, the same for every name, give the images'
-    error. Columns `name, base, metric, mean, base_mean`, those of `paired_difference`, and `bootstrap_low,
-    bootstrap_high`, percentiles of resamples of images and replicas at once, narrow where replicas are few.
-    Names without counts, or with unlike numbers of replicas or images, are refused.
+    `counts` maps a name to a list over replicas of lists over images of count dicts, in one order:
+    replica r of every name began from the same weights. `n_bootstrap` resamples of the images, the
+    same for every name, give the images' error. Columns `name, base, metric, mean, base_mean`,
+    those of `paired_difference`, and `bootstrap_low, bootstrap_high`, percentiles of resamples of
+    images and replicas at once, narrow where replicas are few. Names without counts, or with unlike
+    numbers of replicas or images, are refused.
     """
-    stacked = {name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()}
+    stacked = {
+        name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()
+    }
     for name, base in pairs:
         sizes = [
-            [replica["n_truth"].shape[0] for replica in stacked[which]] if which in stacked else "no counts"
+            [replica["n_truth"].shape[0] for replica in stacked[which]]
+            if which in stacked
+            else "no counts"
             for which in (name, base)
         ]
         if sizes[0] != sizes[1] or sizes[0] == "no counts":
@@ -35,7 +40,8 @@ def compare(counts, pairs, *, n_bootstrap, rng):
     places = rng.random((n_bootstrap, max(map(len, stacked.values()))))
     points = {name: replica_scores(replicas) for name, replicas in stacked.items()}
     resampled = {
-        name: np.array([replica_scores(replicas, images) for images in draws]) for name, replicas in stacked.items()
+        name: np.array([replica_scores(replicas, images) for images in draws])
+        for name, replicas in stacked.items()
     }
     rows = []
     for name, base in pairs:
@@ -47,7 +53,13 @@ def compare(counts, pairs, *, n_bootstrap, rng):
             both = np.take_along_axis(differences, replicas, axis=1).mean(axis=1)
             low, high = np.percentile(both, [50 * LEVEL, 100 - 50 * LEVEL])
             rows.append(
-                {"name": name, "base": base, "metric": metric, "mean": here.mean(), "base_mean": there.mean()}
+                {
+                    "name": name,
+                    "base": base,
+                    "metric": metric,
+                    "mean": here.mean(),
+                    "base_mean": there.mean(),
+                }
                 | paired_difference(here - there, image_error, n_images)
                 | {"bootstrap_low": low, "bootstrap_high": high}
             )
@@ -57,16 +69,18 @@ def compare(counts, pairs, *, n_bootstrap, rng):
 def paired_difference(differences, image_error, n_images):
     """Mean of paired differences, (replica,), with 95 % interval and test, and what such a comparison could resolve.
 
-    `image_error` is the standard error of the mean that comes from the choice of images; of a single replica it is all
-    that is known. Returns `difference`, `low`, `high`, `p_value` (two-sided: the level at which the interval just
-    reaches zero), `outcome` (`higher`, `lower` or `not resolved`), `seed_spread`, the standard deviation between
-    replicas (NaN for one), `image_error`, `detectable`, the smallest true difference found in 80 % of cases,
-    `seeds_to_resolve`, the replicas that would find a true difference as large as this one in 80 % of cases (-1 where a
-    hundred do not), `n_replicas`, `n_images`.
+    `image_error` is the standard error of the mean that comes from the choice of images; of a
+    single replica it is all that is known. Returns `difference`, `low`, `high`, `p_value`
+    (two-sided: the level at which the interval just reaches zero), `outcome` (`higher`, `lower` or
+    `not resolved`), `seed_spread`, the standard deviation between replicas (NaN for one),
+    `image_error`, `detectable`, the smallest true difference found in 80 % of cases,
+    `seeds_to_resolve`, the replicas that would find a true difference as large as this one in 80 %
+    of cases (-1 where a hundred do not), `n_replicas`, `n_images`.
 
-    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n + (t_{images-1} e)^2`` with
-    the 0.975 quantiles of Student's t, for the detectable difference ``t_0.975 + t_0.8``. Each part keeps its own
-    degrees of freedom, so that two seeds are not taken for more; the interval covers a little more than 95 %.
+    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n +
+    (t_{images-1} e)^2`` with the 0.975 quantiles of Student's t, for the detectable difference
+    ``t_0.975 + t_0.8``. Each part keeps its own degrees of freedom, so that two seeds are not taken
+    for more; the interval covers a little more than 95 %.
     """
     differences = np.asarray(differences, dtype=float)
     n = differences.size
@@ -75,7 +89,12 @@ def paired_difference(differences, image_error, n_images):
     errors = spread, n, image_error, n_images
     reach = float(_reach([1 - LEVEL / 2], *errors))
     outcome = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
-    found = {"difference": mean, "low": mean - reach, "high": mean + reach, "p_value": _p_value(abs(mean), *errors)}
+    found = {
+        "difference": mean,
+        "low": mean - reach,
+        "high": mean + reach,
+        "p_value": _p_value(abs(mean), *errors),
+    }
     found |= {"outcome": outcome, "seed_spread": spread, "image_error": image_error}
     found["detectable"] = float(_reach([1 - LEVEL / 2, POWER], *errors))
     found["seeds_to_resolve"] = _seeds_to_resolve(abs(mean), spread, image_error, n_images)
@@ -85,12 +104,15 @@ def paired_difference(differences, image_error, n_images):
 def holm(p_values):
     """P values of several tests, corrected for their number: Holm (1979), Scand. J. Stat. 6, 65-70.
 
-    The k-th smallest of m, counted from 0, times m - k, at most 1, and never less than a smaller one's.
+    The k-th smallest of m, counted from 0, times m - k, at most 1, and never less than a smaller
+    one's.
     """
     p_values = np.asarray(p_values, dtype=float)
     order = np.argsort(p_values)
     corrected = np.empty_like(p_values)
-    corrected[order] = np.minimum(np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1)), 1)
+    corrected[order] = np.minimum(
+        np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1)), 1
+    )
     return corrected
 
 
@@ -101,7 +123,9 @@ def _reach(probabilities, spread, n, image_error, n_images):
         return sum(student.ppf(probability, freedom) for probability in probabilities)
 
     n = np.asarray(n)
-    of_seeds = np.where(n > 1, quantiles(np.maximum(n - 1, 1)) * np.nan_to_num(spread) / np.sqrt(n), 0.0)
+    of_seeds = np.where(
+        n > 1, quantiles(np.maximum(n - 1, 1)) * np.nan_to_num(spread) / np.sqrt(n), 0.0
+    )
     return np.hypot(of_seeds, quantiles(max(n_images - 1, 1)) * image_error)
 
 
@@ -112,7 +136,9 @@ def _p_value(difference, *errors):
         return float(_reach([1 - level / 2], *errors)) - difference
 
     least = 1e-12
-    return least if beyond(least) < 0 else 1.0 if difference == 0 else float(brentq(beyond, least, 1))
+    return (
+        least if beyond(least) < 0 else 1.0 if difference == 0 else float(brentq(beyond, least, 1))
+    )
 
 
 def _seeds_to_resolve(difference, spread, image_error, n_images):
@@ -126,5 +152,7 @@ def _seeds_to_resolve(difference, spread, image_error, n_images):
 
 def replica_scores(replicas, images=slice(None)):
     """`METRICS` of every replica, given its stacked counts, on some images, (replica, metric)."""
-    scores = [score({name: values[images] for name, values in replica.items()}) for replica in replicas]
+    scores = [
+        score({name: values[images] for name, values in replica.items()}) for replica in replicas
+    ]
     return np.array([[one[metric] for metric in METRICS] for one in scores])

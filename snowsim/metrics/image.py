@@ -55,14 +55,22 @@ def similarity(image, reference):
 def ssim_map(image, reference):
     """Structural similarity around every pixel of two uint8 images, float64 (range_bin, range_line), at most 1.
 
-    Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh & Simoncelli (2004), IEEE
-    TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``, ``C = (K 255)^2``, K1 0.01, K2 0.03. Moments
-    are those of the population under a Gaussian window, sigma 1.5 pixels, cut at 5; within 5 pixels of the border both
-    images are mirrored, the edge pixel repeated. Refuses what `similarity` refuses.
+    Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh &
+    Simoncelli (2004), IEEE TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``,
+    ``C = (K 255)^2``, K1 0.01, K2 0.03. Moments are those of the population under a Gaussian
+    window, sigma 1.5 pixels, cut at 5; within 5 pixels of the border both images are mirrored, the
+    edge pixel repeated. Refuses what `similarity` refuses.
     """
     _check_images(image, reference)
-    options = {"gaussian_weights": True, "sigma": WINDOW_SIGMA, "use_sample_covariance": False, "full": True}
-    return structural_similarity(image, reference, data_range=DATA_RANGE, K1=0.01, K2=0.03, **options)[1]
+    options = {
+        "gaussian_weights": True,
+        "sigma": WINDOW_SIGMA,
+        "use_sample_covariance": False,
+        "full": True,
+    }
+    return structural_similarity(
+        image, reference, data_range=DATA_RANGE, K1=0.01, K2=0.03, **options
+    )[1]
 
 
 def _check_images(image, reference):

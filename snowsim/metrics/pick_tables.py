@@ -17,11 +17,13 @@ SUMS = (
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     """What became of every true layer of a scene, and every picked layer that is none, as sums over range lines.
 
-    `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present. Columns `layer`
-    (-1: a picked layer of which less than half belongs to any true one), `depth_bins` (mean below the surface) and
-    `SUMS`: true pixels, those with a pick, sum of errors (pick less truth) and of their absolute values [range bins],
-    errors of at most `within_bins`; the same of the thickness of the slab above, where both of its bounds have a pick;
-    picks of false layers; 1 or 0 for a layer, one missed (a pick in less than half of its range lines), a false one.
+    `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present.
+    Columns `layer` (-1: a picked layer of which less than half belongs to any true one),
+    `depth_bins` (mean below the surface) and `SUMS`: true pixels, those with a pick, sum of errors
+    (pick less truth) and of their absolute values [range bins], errors of at most `within_bins`;
+    the same of the thickness of the slab above, where both of its bounds have a pick; picks of
+    false layers; 1 or 0 for a layer, one missed (a pick in less than half of its range lines), a
+    false one.
     """
     picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
     error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
@@ -37,7 +39,13 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
             continue
         found = error_bins[layer][np.isfinite(error_bins[layer])]
         thickness = thickness_error[layer][np.isfinite(thickness_error[layer])]
-        of_layer = (n_true, found.size, found.sum(), np.abs(found).sum(), int((np.abs(found) <= within_bins).sum()))
+        of_layer = (
+            n_true,
+            found.size,
+            found.sum(),
+            np.abs(found).sum(),
+            int((np.abs(found) <= within_bins).sum()),
+        )
         of_slab = (thickness.size, thickness.sum(), np.abs(thickness).sum())
         sums = (*of_layer, *of_slab, 0, 1, int(2 * found.size < n_true), 0)
         rows.append((layer, np.nanmean(truth) - surface_bin, *sums))
@@ -51,9 +59,10 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
 def pool_picks(rows, by, *, bin_size_m):
     """Errors of picks, from rows of `layer_rows`, pooled over all pixels of each group of the columns `by`.
 
-    Columns of `by`, in order of first appearance, then `mean_absolute_error_bins`, `bias_bins`, the same of the
-    thickness and all four as `_m`, with range bins of `bin_size_m` in snow; `share_within`, `share_found` of the true
-    pixels, `n_layers`, `n_missed_layers`, `n_false_layers`, `n_true`, `n_found`. NaN where nothing was found.
+    Columns of `by`, in order of first appearance, then `mean_absolute_error_bins`, `bias_bins`, the
+    same of the thickness and all four as `_m`, with range bins of `bin_size_m` in snow;
+    `share_within`, `share_found` of the true pixels, `n_layers`, `n_missed_layers`,
+    `n_false_layers`, `n_true`, `n_found`. NaN where nothing was found.
     """
     if len(rows) == 0 or not bin_size_m > 0:
         msg = f"expected rows of picks and bin_size_m above 0, got {len(rows)} and {bin_size_m}"
@@ -65,7 +74,9 @@ def pool_picks(rows, by, *, bin_size_m):
 def errors_of_sums(sums, bin_size_m):
     """Columns of `pool_picks` beside the others of a table, from its columns `SUMS`."""
     # NaN, not a warning, where a group has none.
-    n_found, n_thickness, n_true = (sums[n].where(sums[n] > 0) for n in ("n_found", "n_thickness", "n_true"))
+    n_found, n_thickness, n_true = (
+        sums[n].where(sums[n] > 0) for n in ("n_found", "n_thickness", "n_true")
+    )
     table = sums.drop(columns=list(SUMS))
     for name, total, n in (
         ("mean_absolute_error", "absolute_error", n_found),

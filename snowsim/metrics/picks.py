@@ -17,16 +17,20 @@ class _Followed:
     last_bin: float
 
 
-def pick_layers(edges, *, threshold, max_step_bins=3.0, max_gap_lines=20, min_lines=20, where="image"):
+def pick_layers(
+    edges, *, threshold, max_step_bins=3.0, max_gap_lines=20, min_lines=20, where="image"
+):
     """Follow layers through an edge map, usually suppressed, range line by range line and in order.
 
-    In every range line each run of pixels at or above `threshold`, usually that of the best F, is one pick, at its
-    centroid. Picks join the layers followed so far such that layers keep their order and steps are below
-    `max_step_bins`; a pick that joins none begins a layer. More than `max_gap_lines` without a pick end a layer; one
-    with fewer picks than `min_lines` is dropped as a speck.
+    In every range line each run of pixels at or above `threshold`, usually that of the best F, is
+    one pick, at its centroid. Picks join the layers followed so far such that layers keep their
+    order and steps are below `max_step_bins`; a pick that joins none begins a layer. More than
+    `max_gap_lines` without a pick end a layer; one with fewer picks than `min_lines` is dropped as
+    a speck.
 
-    Returns fractional range bins (layer, range_line), NaN without a pick, strictly increasing with layer index where
-    present. Maps that leave [0, 1], named `where`, and thresholds not above 0 are refused.
+    Returns fractional range bins (layer, range_line), NaN without a pick, strictly increasing with
+    layer index where present. Maps that leave [0, 1], named `where`, and thresholds not above 0 are
+    refused.
     """
     edges = np.asarray(edges, dtype=float)
     if edges.ndim != 2 or edges.size == 0 or not (edges.min() >= 0 and edges.max() <= 1):
@@ -41,14 +45,20 @@ def pick_layers(edges, *, threshold, max_step_bins=3.0, max_gap_lines=20, min_li
         found = _line_picks(edges[:, line], threshold)
         following = [layer for layer in layers if line - layer.last_line <= max_gap_lines + 1]
         joined = _align(np.array([layer.last_bin for layer in following]), found, max_step_bins)
-        layer_of_pick = {int(pick): layer for layer, pick in zip(following, joined, strict=True) if pick >= 0}
+        layer_of_pick = {
+            int(pick): layer for layer, pick in zip(following, joined, strict=True) if pick >= 0
+        }
         place = 0
         for pick, position in enumerate(found):
             layer = layer_of_pick.get(pick)
             if layer is None:
                 layer = _Followed(np.full(n_lines, np.nan), line, position)
-                # Below all that are picked above it here, above all that are picked below it; else by depth.
-                stop = next((layers.index(layer_of_pick[i]) for i in sorted(layer_of_pick) if i > pick), len(layers))
+                # Below all that are picked above it here, above all that are picked below it; else
+                # by depth.
+                stop = next(
+                    (layers.index(layer_of_pick[i]) for i in sorted(layer_of_pick) if i > pick),
+                    len(layers),
+                )
                 while place < stop and layers[place].last_bin < position:
                     place += 1
                 layers.insert(place, layer)
@@ -63,10 +73,11 @@ def pick_layers(edges, *, threshold, max_step_bins=3.0, max_gap_lines=20, min_li
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
     """Assign picks to true layers, both (row, range_line), in every range line by itself and keeping their order.
 
-    Of all assignments that keep the order, the one with the least sum of distances, where a layer without a pick counts
-    `max_distance_bins`; found by dynamic programming. Returns the error of each layer, pick less truth [range bins],
-    NaN where the layer is absent or has no pick, and where each pick was used. Layers that cross, unlike widths and
-    distances not above 0 are refused.
+    Of all assignments that keep the order, the one with the least sum of distances, where a layer
+    without a pick counts `max_distance_bins`; found by dynamic programming. Returns the error of
+    each layer, pick less truth [range bins], NaN where the layer is absent or has no pick, and
+    where each pick was used. Layers that cross, unlike widths and distances not above 0 are
+    refused.
     """
     picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
     check_layer_bins(picks, "picks")
@@ -103,7 +114,8 @@ def _line_picks(strength, threshold):
 def _align(expected, found, max_distance):
     """Index of what was found for each entry expected, -1 for none: the order-keeping assignment of least distance."""
     n, m = expected.size, found.size
-    # gain[i, j]: the most that the first i expected and the first j found can save of max_distance each.
+    # gain[i, j]: the most that the first i expected and the first j found can save of max_distance
+    # each.
     gain = np.zeros((n + 1, m + 1))
     for i in range(1, n + 1):
         for j in range(1, m + 1):

@@ -8,8 +8,9 @@ from scipy.signal import savgol_coeffs
 def equivalent_number_of_looks(power):
     """Equivalent number of looks of a homogeneous region of linear power, ``mean^2 / variance`` (unbiased variance).
 
-    Infinite where the power is constant. It is the M of Gamma(M) speckle if pixels are independent; structure in the
-    region makes it smaller. Refused: fewer than two pixels, negative or infinite power, and nothing but zeros.
+    Infinite where the power is constant. It is the M of Gamma(M) speckle if pixels are independent;
+    structure in the region makes it smaller. Refused: fewer than two pixels, negative or infinite
+    power, and nothing but zeros.
     """
     power = np.asarray(power, dtype=float)
     if power.size < 2 or not np.isfinite(power).all() or (power < 0).any() or not power.any():
@@ -22,8 +23,9 @@ def equivalent_number_of_looks(power):
 def autocorrelation(image, lags, *, along):
     """Autocorrelation of an image, in any unit, about its overall mean at lags [pixels], (lag,).
 
-    ``mean(d(x) d(x + lag)) / mean(d^2)``, d the deviation from the mean of the image; the upper mean is over the pairs
-    there are `along` "range_bin" or "range_line". Constant images and lags out of range are refused.
+    ``mean(d(x) d(x + lag)) / mean(d^2)``, d the deviation from the mean of the image; the upper
+    mean is over the pairs there are `along` "range_bin" or "range_line". Constant images and lags
+    out of range are refused.
     """
     deviation = _deviation(image)
     if along not in ("range_bin", "range_line"):
@@ -43,16 +45,22 @@ def autocorrelation(image, lags, *, along):
 def radial_psd(image, n_bands=32):
     """Power spectral density of an image, averaged over rings of the wavenumber plane.
 
-    Returns the centres of `n_bands` rings of equal width between 0 and 0.5 [cycles per pixel], corners beyond left out,
-    and the two-sided density there [unit of the image squared, pixels squared] under a Hann window, mean removed: white
-    noise of unit variance gives 1. Images that are constant, or too small for a ring to hold a wavenumber, are refused.
+    Returns the centres of `n_bands` rings of equal width between 0 and 0.5 [cycles per pixel],
+    corners beyond left out, and the two-sided density there [unit of the image squared, pixels
+    squared] under a Hann window, mean removed: white noise of unit variance gives 1. Images that
+    are constant, or too small for a ring to hold a wavenumber, are refused.
     """
     deviation = _deviation(image)
-    # Half a sample inside both ends: an even window without zeros, so that no row or column is thrown away.
-    windows = [np.sin(np.pi * (np.arange(length) + 0.5) / length) ** 2 for length in deviation.shape]
+    # Half a sample inside both ends: an even window without zeros, so that no row or column is
+    # thrown away.
+    windows = [
+        np.sin(np.pi * (np.arange(length) + 0.5) / length) ** 2 for length in deviation.shape
+    ]
     window = windows[0][:, None] * windows[1]
     spectrum = np.abs(np.fft.fft2(deviation * window)) ** 2 / np.sum(window**2)
-    wavenumbers = np.hypot(*np.meshgrid(*(np.fft.fftfreq(length) for length in deviation.shape), indexing="ij"))
+    wavenumbers = np.hypot(
+        *np.meshgrid(*(np.fft.fftfreq(length) for length in deviation.shape), indexing="ij")
+    )
     band = (wavenumbers * (2 * n_bands)).astype(int)
     used = (band < n_bands) & (wavenumbers > 0)
     n_in_band = np.bincount(band[used], minlength=n_bands)
@@ -75,12 +83,14 @@ def radial_psd_distance_db(image, reference, n_bands=32):
 def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
     """Distance from every layer to the peak that an image shows near it, with the layer's slope and curvature.
 
-    The peak is the brightest pixel of the range line within `search_bins` of the layer and not beyond half way to the
-    next layer; of equals their mean. Where the brightest is the first or last pixel searched there is no local peak.
+    The peak is the brightest pixel of the range line within `search_bins` of the layer and not
+    beyond half way to the next layer; of equals their mean. Where the brightest is the first or
+    last pixel searched there is no local peak.
 
-    Returns arrays (layer, range_line): `error_bins`, peak less layer (positive: the peak lies deeper), NaN without a
-    peak; `slope` [bins per range line] and `curvature` [bins per range line squared], of a parabola fitted over
-    `window_lines`, odd and at least 3, NaN where they meet a gap or the end of the block.
+    Returns arrays (layer, range_line): `error_bins`, peak less layer (positive: the peak lies
+    deeper), NaN without a peak; `slope` [bins per range line] and `curvature` [bins per range line
+    squared], of a parabola fitted over `window_lines`, odd and at least 3, NaN where they meet a
+    gap or the end of the block.
     """
     image, layer_bins = np.asarray(image, dtype=float), np.asarray(layer_bins, dtype=float)
     if image.ndim != 2 or layer_bins.ndim != 2 or image.shape[1] != layer_bins.shape[1]:
@@ -94,7 +104,9 @@ def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
         msg = f"search_bins must be at least 1 and window_lines odd and at least 3, {got}"
         raise ValueError(msg)
     fits = [savgol_coeffs(window_lines, 2, deriv=order, use="dot") for order in (1, 2)]
-    slope, curvature = (correlate1d(layer_bins, fit, axis=1, mode="constant", cval=np.nan) for fit in fits)
+    slope, curvature = (
+        correlate1d(layer_bins, fit, axis=1, mode="constant", cval=np.nan) for fit in fits
+    )
     return {
         "error_bins": _peak_bins(image, layer_bins, search_bins) - layer_bins,
         "slope": slope,
@@ -135,7 +147,9 @@ def _deviation(image):
     """Deviation of a 2-D image from its mean; ValueError if there is none."""
     image = np.asarray(image, dtype=float)
     if image.ndim != 2 or image.size == 0 or not np.isfinite(image).all():
-        msg = f"image must be (range_bin, range_line), finite and not empty, got shape {image.shape}"
+        msg = (
+            f"image must be (range_bin, range_line), finite and not empty, got shape {image.shape}"
+        )
         raise ValueError(msg)
     if image.min() == image.max():
         msg = f"image must not be constant, every pixel is {image.flat[0]:g}"

@@ -11,7 +11,9 @@ HALF_TAPS = 16  # range bins to either side that the filter reaches, and the mos
 LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
 SMALLEST_TAP = 1e-6  # of the one in the middle; smaller ones at the ends are left out
 N_FREQUENCIES = 513  # of the spectrum whose root is the filter
-N_HERMITE = 40  # terms of the quantile function: the last are below 1e-15 of its variance at one look
+N_HERMITE = (
+    40  # terms of the quantile function: the last are below 1e-15 of its variance at one look
+)
 CELLS = 65536  # of normals that are drawn, one for each value of 16 random bits
 REACH, PER_UNIT = 8, 256  # of the table of quantiles, in deviations of the normal
 
@@ -19,8 +21,9 @@ REACH, PER_UNIT = 8, 256  # of the table of quantiles, in deviations of the norm
 def draw_correlated(mean_power, n_looks, correlation, rng):
     """Power of Gamma(M) about `mean_power`, autocorrelated down range by `correlation (lag,)` where that is constant.
 
-    One normal per pixel, see `draw_normals`, and one for each bin that the filter reaches beyond either end, so that
-    speckle at the edges is like elsewhere. The distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks.
+    One normal per pixel, see `draw_normals`, and one for each bin that the filter reaches beyond
+    either end, so that speckle at the edges is like elsewhere. The distribution function is within
+    1e-5 of Gamma(M) / M up to 1000 looks.
     """
     taps, _ = correlating_taps(correlation, n_looks)
     n_range_bins, n_range_lines = mean_power.shape
@@ -34,7 +37,12 @@ def draw_correlated(mean_power, n_looks, correlation, rng):
 def draw_normals(shape, rng):
     """Normals to be filtered, float32: 16 random bits choose one of `CELLS` equally likely cells, each its own mean."""
     normals = np.empty(shape, dtype=np.float32)
-    look_up(_normal_cells(), rng.integers(0, CELLS, shape, dtype=np.uint16), np.empty((0, 0), np.float32), normals)
+    look_up(
+        _normal_cells(),
+        rng.integers(0, CELLS, shape, dtype=np.uint16),
+        np.empty((0, 0), np.float32),
+        normals,
+    )
     return normals
 
 
@@ -49,7 +57,12 @@ def _normal_cells():
 def correlating_taps(correlation, n_looks):
     """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes of a flight."""
     asked = np.asarray(correlation, dtype=float)
-    if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1 or not (np.abs(asked) <= 1).all():
+    if (
+        asked.ndim != 1
+        or not 1 <= asked.size <= HALF_TAPS + 1
+        or asked[0] != 1
+        or not (np.abs(asked) <= 1).all()
+    ):
         got = np.array2string(asked.ravel(), precision=3, threshold=8)
         msg = f"speckle correlation must be 1 at lag 0 and in [-1, 1] at {HALF_TAPS} or fewer lags more, got {got}"
         raise ValueError(msg)
@@ -60,17 +73,21 @@ def correlating_taps(correlation, n_looks):
 def _correlating_taps(correlation, n_looks):
     """Filter of white normals, (tap,), that gives power this autocorrelation, and the largest error at any lag.
 
-    `correlation (lag,)` is that of Gamma(M) power of constant mean, from lag 0 on, and zero beyond its end. Normals of
-    correlation r give power of correlation ``sum_n a_n^2 r^n / sum_n a_n^2``, ``a_n`` the Hermite coefficients of the
-    quantile function (Mehler 1866, J. reine angew. Math. 66, 161-176); this grows with r and is inverted. The filter is
-    symmetric and its transform the root of the spectrum. An estimated correlation may have a partly negative spectrum,
-    which no process has: that part is set to zero. ValueError if the correlation changes by over `LARGEST_ERROR`.
+    `correlation (lag,)` is that of Gamma(M) power of constant mean, from lag 0 on, and zero beyond
+    its end. Normals of correlation r give power of correlation ``sum_n a_n^2 r^n / sum_n a_n^2``,
+    ``a_n`` the Hermite coefficients of the quantile function (Mehler 1866, J. reine angew. Math.
+    66, 161-176); this grows with r and is inverted. The filter is symmetric and its transform the
+    root of the spectrum. An estimated correlation may have a partly negative spectrum, which no
+    process has: that part is set to zero. ValueError if the correlation changes by over
+    `LARGEST_ERROR`.
     """
     asked = np.array(correlation)
     shares = _hermite_shares(n_looks)
     grid = np.linspace(-1, 1, 4001)
     of_normals = np.interp(asked, polynomial.polyval(grid, shares), grid)
-    phase = np.pi * np.arange(N_FREQUENCIES)[:, None] / (N_FREQUENCIES - 1) * np.arange(1, asked.size)
+    phase = (
+        np.pi * np.arange(N_FREQUENCIES)[:, None] / (N_FREQUENCIES - 1) * np.arange(1, asked.size)
+    )
     spectrum = 1 + 2 * np.cos(phase) @ of_normals[1:]
     half = np.fft.irfft(np.sqrt(np.maximum(spectrum, 0)))[: HALF_TAPS + 1]
     half = half[: np.flatnonzero(np.abs(half) > SMALLEST_TAP * half[0])[-1] + 1]
@@ -104,7 +121,9 @@ def normal_quantiles(n_looks):
 
     Linear between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
     """
-    table = _quantile(np.arange(-REACH * PER_UNIT, REACH * PER_UNIT + 1) / PER_UNIT, n_looks).astype(np.float32)
+    table = _quantile(
+        np.arange(-REACH * PER_UNIT, REACH * PER_UNIT + 1) / PER_UNIT, n_looks
+    ).astype(np.float32)
     table.flags.writeable = False
     return table
 
@@ -112,7 +131,9 @@ def normal_quantiles(n_looks):
 def _quantile(normal, n_looks):
     """Quantile of Gamma(M) / M at the probability of a normal, exact in both tails."""
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
-    return np.where(normal < 0, below, gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))) / n_looks
+    return (
+        np.where(normal < 0, below, gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))) / n_looks
+    )
 
 
 @numba.njit(cache=True, nogil=True)

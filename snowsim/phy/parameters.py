@@ -21,10 +21,11 @@ EXACT_BOUND_DB = 1e-11
 class Waveforms:
     """One scene's layers as the terms of eq. (1), ``P_s = sum_l amplitude_l w_l(x - centre_l)``.
 
-    `centre_bins` (layer, range_line) are centres of the Gaussians, NaN where the layer is absent. By layer: `amplitude`
-    [power per bin], `variance_bins2` and `decay_rate` [per bin] of the waveform, how far it peaks below its centre,
-    `peak_offset_bins`, and its power there, `peak_power`. `n_range_bins` is the height of the window. If powers vary
-    along track, those by layer are the largest, and `line_share` (layer, range_line) is the share of that, 0 to 1.
+    `centre_bins` (layer, range_line) are centres of the Gaussians, NaN where the layer is absent.
+    By layer: `amplitude` [power per bin], `variance_bins2` and `decay_rate` [per bin] of the
+    waveform, how far it peaks below its centre, `peak_offset_bins`, and its power there,
+    `peak_power`. `n_range_bins` is the height of the window. If powers vary along track, those by
+    layer are the largest, and `line_share` (layer, range_line) is the share of that, 0 to 1.
     """
 
     centre_bins: np.ndarray
@@ -42,11 +43,13 @@ class Waveforms:
         return self.n_range_bins, self.centre_bins.shape[1]
 
 
-def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align):
+def checked_waveforms(
+    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align
+):
     """`Waveforms` from the arguments of `mean_power`.
 
-    ValueError with name, value and position for values of wrong shape or sign, layers that cross, unknown options, and
-    powers whose sum overflows.
+    ValueError with name, value and position for values of wrong shape or sign, layers that cross,
+    unknown options, and powers whose sum overflows.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(layer_bins)
@@ -54,7 +57,9 @@ def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_rang
     line_share = None
     if np.ndim(peak_power) == 2:
         given["peak_power"], line_share = _largest_and_share(peak_power, layer_bins)
-    per_layer = {name: _per_layer(name, value, layer_bins.shape[0]) for name, value in given.items()}
+    per_layer = {
+        name: _per_layer(name, value, layer_bins.shape[0]) for name, value in given.items()
+    }
     peak_power, variance_bins2, decay_rate = per_layer.values()
     for name, value, options in (("normalise", normalise, NORMALISE), ("align", align, ALIGN)):
         check_choice(name, value, options)
@@ -68,12 +73,18 @@ def checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_rang
         raise ValueError(msg)
     centre_bins = layer_bins - offset_bins[:, None] if align == "peak" else layer_bins
     height = checked_height(n_range_bins)
-    return Waveforms(centre_bins, amplitude, variance_bins2, decay_rate, offset_bins, reached, height, line_share)
+    return Waveforms(
+        centre_bins, amplitude, variance_bins2, decay_rate, offset_bins, reached, height, line_share
+    )
 
 
 def checked_height(n_range_bins):
     """Height of a window as int; ValueError unless it is a whole number of at least one."""
-    if not (np.isscalar(n_range_bins) and n_range_bins == np.floor(n_range_bins) and 1 <= n_range_bins < 2**31):
+    if not (
+        np.isscalar(n_range_bins)
+        and n_range_bins == np.floor(n_range_bins)
+        and 1 <= n_range_bins < 2**31
+    ):
         msg = f"n_range_bins must be a whole number of at least 1, got {n_range_bins!r}"
         raise ValueError(msg)
     return int(n_range_bins)
@@ -134,15 +145,23 @@ def _largest_and_share(peak_power, layer_bins):
 
 
 def draw_parameters(
-    statistics, n_layers, *, width="fitted", width_bounds=None, n_looks=None, speckle_correlation="measured", rng
+    statistics,
+    n_layers,
+    *,
+    width="fitted",
+    width_bounds=None,
+    n_looks=None,
+    speckle_correlation="measured",
+    rng,
 ):
     """Parameters of `render` for one scene of `n_layers` layers, surface included, from the statistics of a flight.
 
-    A layer without a positive, finite value takes that of the layer above it, so layers deeper than the flight shows
-    look like its deepest. `width` is ``fitted``, each layer's own variance, or ``paper``, variances from U(bounds), the
-    bounds of the measured 1/e width taken as variances, as printed, or `width_bounds`; only ``paper`` uses `rng`.
-    `n_looks` is the flight's by default. `speckle_correlation` is ``measured``, or ``none``: independent range bins, as
-    printed; older statistics, without it, give none.
+    A layer without a positive, finite value takes that of the layer above it, so layers deeper than
+    the flight shows look like its deepest. `width` is ``fitted``, each layer's own variance, or
+    ``paper``, variances from U(bounds), the bounds of the measured 1/e width taken as variances, as
+    printed, or `width_bounds`; only ``paper`` uses `rng`. `n_looks` is the flight's by default.
+    `speckle_correlation` is ``measured``, or ``none``: independent range bins, as printed; older
+    statistics, without it, give none.
     """
     check_choice("width", width, WIDTHS)
     check_choice("speckle_correlation", speckle_correlation, SPECKLE_CORRELATIONS)
@@ -180,12 +199,13 @@ def draw_parameters(
 def scene_parameters(scene, statistics, *, background="measured", **options):
     """Layers to render and parameters of `render` for a scene: its own radiometry where it has one, else the flight's.
 
-    `options` are those of `draw_parameters`. With `background` ``measured``, a scene without powers of its own has the
-    flight's mean power of unpicked snow below the surface, one row for each e-folding depth; with ``none``, and with
-    older statistics, eq. (1) has the layers alone, as printed. A scene that was drawn with powers has them in
-    `peak_power`, for every row of `complete_layer_bins`; its notes hold noise, decay and the layer that gives a row
-    its waveform (-1 - k: e-folding depth k of the background). Gain by line is the flight's, and so is texture, which
-    multiplies all that is not labelled: it was measured on all power below the picks.
+    `options` are those of `draw_parameters`. With `background` ``measured``, a scene without powers
+    of its own has the flight's mean power of unpicked snow below the surface, one row for each
+    e-folding depth; with ``none``, and with older statistics, eq. (1) has the layers alone, as
+    printed. A scene that was drawn with powers has them in `peak_power`, for every row of
+    `complete_layer_bins`; its notes hold noise, decay and the layer that gives a row its waveform
+    (-1 - k: e-folding depth k of the background). Gain by line is the flight's, and so is texture,
+    which multiplies all that is not labelled: it was measured on all power below the picks.
     """
     check_choice("background", background, BACKGROUNDS)
     if scene.peak_power is None:
@@ -194,7 +214,9 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
             return scene.layer_bins, parameters
         return _with_background(scene.layer_bins, parameters, statistics)
     parameters = draw_parameters(statistics, max(scene.notes["waveform_row"]) + 1, **options)
-    variance, decay = row_waveforms(scene.notes, parameters["variance_bins2"], parameters["decay_rate"])
+    variance, decay = row_waveforms(
+        scene.notes, parameters["variance_bins2"], parameters["decay_rate"]
+    )
     own = {"peak_power": scene.peak_power, "noise_power": scene.notes["noise_power"]}
     flight = statistics.variables
     if "texture_variance" in flight:
@@ -202,8 +224,13 @@ def scene_parameters(scene, statistics, *, background="measured", **options):
         background = np.array(scene.notes["waveform_row"]) < 0
         n_labelled = np.isfinite(scene.layer_bins).any(axis=1).sum() + background.sum()
         own["textured_layers"] = background | (np.arange(background.size) >= n_labelled)
-        own["texture"] = [float(flight[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")]
-    return scene.complete_layer_bins, parameters | own | {"variance_bins2": variance, "decay_rate": decay}
+        own["texture"] = [
+            float(flight[f"texture_{name}"]) for name in ("variance", "length_bins", "length_lines")
+        ]
+    return scene.complete_layer_bins, parameters | own | {
+        "variance_bins2": variance,
+        "decay_rate": decay,
+    }
 
 
 def _with_background(layer_bins, parameters, statistics):
@@ -224,7 +251,9 @@ def row_waveforms(notes, variance_bins2, decay_rate):
     row, falls = np.array(notes["waveform_row"]), np.array(notes["background_falls"])
     layer = np.clip(row, 0, len(variance_bins2) - 1)
     own_decay = np.asarray(decay_rate)[layer] * notes["decay_factor"]
-    return np.asarray(variance_bins2)[layer], np.where(row < 0, 1 / falls[np.maximum(-1 - row, 0)], own_decay)
+    return np.asarray(variance_bins2)[layer], np.where(
+        row < 0, 1 / falls[np.maximum(-1 - row, 0)], own_decay
+    )
 
 
 def _down_to(statistics, name, n_layers):

@@ -5,7 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from snowsim.phy.correlated import correlating_taps
-from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_power, checked_tolerance, checked_waveforms
+from snowsim.phy.parameters import (
+    EXACT_BOUND_DB,
+    Waveforms,
+    checked_power,
+    checked_tolerance,
+    checked_waveforms,
+)
 from snowsim.phy.speckle import check_method, checked_looks
 from snowsim.phy.tables import Supports, allowed_error, find_supports
 from snowsim.phy.texture import checked_texture
@@ -13,7 +19,8 @@ from snowsim.phy.texture import checked_texture
 PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
 OPTIONAL = {"speckle_correlation", "texture", "textured_layers", "line_gain_spread_db"}
 
-# Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to other machines.
+# Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to
+# other machines.
 COST_NORMAL = 8.6
 COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
 COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
@@ -26,12 +33,14 @@ MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is u
 class Plan:
     """How one scene is modelled: `planned_power` and `render_plan` follow it.
 
-    `noise_power` is what errors are measured against and what rendering adds; `n_looks` is NaN where only mean power is
-    wanted; `supports` is None for the closed form on every pixel. No pixel of ``P_s + noise_power`` is further than
-    `bound_db` from exact. `n_terms` counts pixels times layers computed, `cost_normals` is the predicted cost per pixel
-    in draws of one float32 normal. `correlation` (lag,) of speckle down range is None where range bins are independent;
-    drawn speckle differs by at most `correlation_error` at any lag. `texture`, or None, goes to `draw_texture` for the
-    echo of `textured_layers`; range lines differ in gain by `line_gain_spread_db`. Neither is an error of the mean.
+    `noise_power` is what errors are measured against and what rendering adds; `n_looks` is NaN
+    where only mean power is wanted; `supports` is None for the closed form on every pixel. No pixel
+    of ``P_s + noise_power`` is further than `bound_db` from exact. `n_terms` counts pixels times
+    layers computed, `cost_normals` is the predicted cost per pixel in draws of one float32 normal.
+    `correlation` (lag,) of speckle down range is None where range bins are independent; drawn
+    speckle differs by at most `correlation_error` at any lag. `texture`, or None, goes to
+    `draw_texture` for the echo of `textured_layers`; range lines differ in gain by
+    `line_gain_spread_db`. Neither is an error of the mean.
     """
 
     waveforms: Waveforms
@@ -68,7 +77,9 @@ class Plan:
         """Numbers to keep with the scene, JSON-able."""
         return {
             "plan_method": self.method,
-            "plan_speckle": self.speckle if self.correlation is None else f"{self.speckle}, correlated",
+            "plan_speckle": self.speckle
+            if self.correlation is None
+            else f"{self.speckle}, correlated",
             "plan_correlation_error": self.correlation_error,
             "plan_tolerance_db": self.tolerance_db,
             "plan_bound_db": self.bound_db,
@@ -81,11 +92,21 @@ class Plan:
         }
 
 
-def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, normalise="peak", align="peak"):
+def plan(
+    layer_bins,
+    parameters,
+    n_range_bins,
+    *,
+    tolerance_db,
+    speckle=None,
+    normalise="peak",
+    align="peak",
+):
     """`Plan` of a scene, before any pixel is computed; arguments as for `render`, refusals too.
 
-    `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile` with one. Where
-    `parameters` hold a `speckle_correlation`, `quantile` replaces `gamma`: only it draws correlated range bins.
+    `speckle` is a method of `draw_speckle`, by default `gamma` without a tolerance and `quantile`
+    with one. Where `parameters` hold a `speckle_correlation`, `quantile` replaces `gamma`: only it
+    draws correlated range bins.
     """
     if set(parameters) - OPTIONAL != set(PARAMETERS):
         got = ", ".join(map(str, parameters)) or "none"
@@ -103,7 +124,9 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     check_method(speckle, n_looks, correlation)
     gain_db = checked_power("line_gain_spread_db", parameters.get("line_gain_spread_db", 0.0))
     texture = checked_texture(parameters.get("texture"))
-    layers = np.asarray(parameters.get("textured_layers", np.ones(waveforms.amplitude.size)), dtype=bool)
+    layers = np.asarray(
+        parameters.get("textured_layers", np.ones(waveforms.amplitude.size)), dtype=bool
+    )
     if layers.shape != waveforms.amplitude.shape:
         msg = f"textured_layers: expected one for each of {waveforms.amplitude.size} layers, got shape {layers.shape}"
         raise ValueError(msg)
@@ -111,11 +134,17 @@ def plan(layer_bins, parameters, n_range_bins, *, tolerance_db, speckle=None, no
     if texture is None:
         return replace(planned, line_gain_spread_db=gain_db)
     cost = planned.cost_normals + COST_TEXTURE / COST_NORMAL
-    with_texture = {"texture": texture, "textured_layers": np.flatnonzero(layers), "cost_normals": cost}
+    with_texture = {
+        "texture": texture,
+        "textured_layers": np.flatnonzero(layers),
+        "cost_normals": cost,
+    }
     return replace(planned, line_gain_spread_db=gain_db, **with_texture)
 
 
-def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None):
+def plan_power(
+    waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None
+):
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
@@ -125,7 +154,11 @@ def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="ga
         found = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
         if found is not None:
             n_table, n_exponential = found.n_rows(waveforms.centre_bins, waveforms.n_range_bins)
-            cost_found = COST_NODE * found.n_nodes() + COST_TABLE_TERM * n_table + COST_EXPONENTIAL_TERM * n_exponential
+            cost_found = (
+                COST_NODE * found.n_nodes()
+                + COST_TABLE_TERM * n_table
+                + COST_EXPONENTIAL_TERM * n_exponential
+            )
             if cost_found < cost and found.n_nodes() <= MOST_NODES:
                 supports, bound_db, cost = found, float(-10 * np.log10(1 - found.error)), cost_found
                 n_terms = n_table + n_exponential
@@ -137,7 +170,17 @@ def plan_power(waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="ga
     cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
     correlation_error = 0.0 if correlation is None else correlating_taps(correlation, n_looks)[1]
     return Plan(
-        *(waveforms, noise_power, n_looks, tolerance_db, speckle, supports, bound_db, n_terms, cost_normals),
+        *(
+            waveforms,
+            noise_power,
+            n_looks,
+            tolerance_db,
+            speckle,
+            supports,
+            bound_db,
+            n_terms,
+            cost_normals,
+        ),
         correlation=correlation,
         correlation_error=correlation_error,
     )

@@ -17,12 +17,14 @@ def mean_power(
 ):  # fmt: skip
     """Mean power of layered snow, without noise.
 
-    Neglected: correlation between layers, off-nadir energy other than in the decay, surface roughness.
+    Neglected: correlation between layers, off-nadir energy other than in the decay, surface
+    roughness.
 
     Parameters
     ----------
     layer_bins : array_like, (layer, range_line)
-        Fractional range bins, increasing with depth; NaN where absent. Tails of layers outside the window count, too.
+        Fractional range bins, increasing with depth; NaN where absent. Tails of layers outside the
+        window count, too.
     peak_power : array_like, (layer,) or (layer, range_line)
         Linear power, not negative; along track it may be NaN only where the layer is absent.
     variance_bins2 : array_like, (layer,)
@@ -32,13 +34,17 @@ def mean_power(
     n_range_bins : int
         Height of the window.
     tolerance_db : float, optional
-        Largest error of ``P_s + noise_power`` at any pixel [dB]. By default exact to the resolution of float64.
+        Largest error of ``P_s + noise_power`` at any pixel [dB]. By default exact to the resolution
+        of float64.
     noise_power : float, optional
-        Noise that the tolerance includes; by default 1e-4 of the scene's largest P_s. It is not added.
+        Noise that the tolerance includes; by default 1e-4 of the scene's largest P_s. It is not
+        added.
     normalise : {"peak", "none"}
-        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian does, unconvolved.
+        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian
+        does, unconvolved.
     align : {"peak", "gaussian"}
-        ``peak``: the waveform's peak lies on the layer; ``gaussian``: as printed, the Gaussian's does.
+        ``peak``: the waveform's peak lies on the layer; ``gaussian``: as printed, the Gaussian's
+        does.
 
     Returns
     -------
@@ -47,7 +53,8 @@ def mean_power(
     Raises
     ------
     ValueError
-        If a power is negative or not finite, a variance, rate or tolerance not positive, a shape wrong, layers cross.
+        If a power is negative or not finite, a variance, rate or tolerance not positive, a shape
+        wrong, layers cross.
 
     Notes
     -----
@@ -67,7 +74,9 @@ def mean_power(
     >>> bool(np.abs(10 * np.log10((rough + 1e-3) / (power + 1e-3))).max() < 0.05)
     True
     """
-    waveforms = checked_waveforms(layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align)
+    waveforms = checked_waveforms(
+        layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align
+    )
     if noise_power is not None:
         noise_power = checked_power("noise_power", noise_power)
     elif checked_tolerance(tolerance_db) is None:
@@ -93,7 +102,9 @@ def exact_power(waveforms):
     present = np.isfinite(waveforms.centre_bins)
     for layer, lines in enumerate(present):
         x_bins = rows - waveforms.centre_bins[layer, lines]
-        one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        one = waveform_unchecked(
+            x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer]
+        )
         power[:, lines] += _amplitude(waveforms, layer, lines) * one
     return power
 
@@ -102,21 +113,31 @@ def exact_power(waveforms):
 def tail_power(waveforms, layers, least=0.0):
     """Power of some layers below their peak, taken as tail throughout, float32 (range_bin, range_line).
 
-    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, falls by one factor from bin to bin. A layer
-    ends where it is below `least` on all range lines.
+    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, falls by one factor from bin
+    to bin. A layer ends where it is below `least` on all range lines.
     """
-    variance, decay = (getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate"))
+    variance, decay = (
+        getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate")
+    )
     centre = waveforms.centre_bins[layers]
     peak = np.ceil(centre + waveforms.peak_offset_bins[layers, None])
     first = np.clip(np.nan_to_num(peak, nan=np.inf), 0, waveforms.n_range_bins).astype(int)
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
-    scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance) * np.exp(decay**2 * variance / 2)
-    start = np.where(np.isfinite(centre), scale * share * np.exp(decay * (np.nan_to_num(centre) - first)), 0)
+    scale = (
+        waveforms.amplitude[layers, None]
+        * np.sqrt(2 * np.pi * variance)
+        * np.exp(decay**2 * variance / 2)
+    )
+    start = np.where(
+        np.isfinite(centre), scale * share * np.exp(decay * (np.nan_to_num(centre) - first)), 0
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         n_rows = np.log(start.max(axis=1, initial=0) / least) / decay[:, 0]
     n_rows = np.clip(np.nan_to_num(n_rows), 0, waveforms.n_range_bins).astype(int)
     power = np.zeros(waveforms.shape, dtype=np.float32)
-    _add_tails(first, n_rows, start.astype(np.float32), np.exp(-decay[:, 0]).astype(np.float32), power)
+    _add_tails(
+        first, n_rows, start.astype(np.float32), np.exp(-decay[:, 0]).astype(np.float32), power
+    )
     return power
 
 
@@ -143,7 +164,9 @@ def _least_largest_power(waveforms):
     x_bins = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1) - waveforms.centre_bins
     present = np.isfinite(x_bins)
     layer, line = np.nonzero(present)
-    one = waveform_unchecked(x_bins[present], waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+    one = waveform_unchecked(
+        x_bins[present], waveforms.variance_bins2[layer], waveforms.decay_rate[layer]
+    )
     return float((_amplitude(waveforms, layer, line) * one).max(initial=0))
 
 

@@ -12,7 +12,17 @@ from snowsim.phy.texture import draw_gain, draw_texture
 LEAST_TAIL = 1e-3  # of the noise: what has less has no texture
 
 
-def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=None, normalise="peak", align="peak"):
+def render(
+    layer_bins,
+    parameters,
+    n_range_bins,
+    *,
+    tolerance_db,
+    rng,
+    speckle=None,
+    normalise="peak",
+    align="peak",
+):
     """Power of one scene after M looks.
 
     Parameters
@@ -20,18 +30,19 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     layer_bins : array_like, (layer, range_line)
         Fractional range bins; NaN where absent.
     parameters : mapping
-        `peak_power` (layer) or (layer, range_line), `variance_bins2`, `decay_rate` (layer), `noise_power` and
-        `n_looks`; optional: `speckle_correlation` (lag) down range, see `draw_speckle`; `texture` (variance, length in
-        bins, in lines), see `snowsim.phy.texture`, and the `textured_layers` (layer) whose tail it multiplies, by
-        default all; `line_gain_spread_db`.
+        `peak_power` (layer) or (layer, range_line), `variance_bins2`, `decay_rate` (layer),
+        `noise_power` and `n_looks`; optional: `speckle_correlation` (lag) down range, see
+        `draw_speckle`; `texture` (variance, length in bins, in lines), see `snowsim.phy.texture`,
+        and the `textured_layers` (layer) whose tail it multiplies, by default all;
+        `line_gain_spread_db`.
     n_range_bins : int
         Height of the scene.
     tolerance_db : float or None
         Largest error of the mean power, noise included, at any pixel [dB]; None for exact.
     rng : numpy.random.Generator
     speckle : str, optional
-        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one. Correlated speckle is
-        drawn by `quantile` for `gamma` and refused for the others.
+        Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
+        Correlated speckle is drawn by `quantile` for `gamma` and refused for the others.
     normalise, align : str
         See `mean_power`.
 
@@ -62,7 +73,9 @@ def render(layer_bins, parameters, n_range_bins, *, tolerance_db, rng, speckle=N
     50
     """
     options = {"speckle": speckle, "normalise": normalise, "align": align}
-    return render_plan(plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options), rng=rng)
+    return render_plan(
+        plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options), rng=rng
+    )
 
 
 def mean_field(scene_plan, *, rng):
@@ -71,7 +84,9 @@ def mean_field(scene_plan, *, rng):
     if scene_plan.texture is not None:
         texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
         texture -= 1
-        texture *= tail_power(scene_plan.waveforms, scene_plan.textured_layers, LEAST_TAIL * scene_plan.noise_power)
+        texture *= tail_power(
+            scene_plan.waveforms, scene_plan.textured_layers, LEAST_TAIL * scene_plan.noise_power
+        )
         power += texture
     if scene_plan.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)
@@ -85,12 +100,21 @@ def render_plan(scene_plan, *, rng, mean=None):
     return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)
 
 
-def render_scene(scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn):
+def render_scene(
+    scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn
+):
     """The scene with its image and its plan's notes; `drawn` are options of `scene_parameters`, others of `render`."""
     layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
-    options = {"tolerance_db": tolerance_db, "speckle": speckle, "normalise": normalise, "align": align}
+    options = {
+        "tolerance_db": tolerance_db,
+        "speckle": speckle,
+        "normalise": normalise,
+        "align": align,
+    }
     planned = plan(layer_bins, parameters, scene.n_range_bins, **options)
     image, *scale = to_uint8(render_plan(planned, rng=rng))
     shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
     notes = scene.notes | planned.notes()
-    return dataclasses.replace(scene, **shown, complete_layer_bins=None, peak_power=None, notes=notes)
+    return dataclasses.replace(
+        scene, **shown, complete_layer_bins=None, peak_power=None, notes=notes
+    )

@@ -26,8 +26,8 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     method : {"looks", "gamma", "cube", "quantile"}
         See Notes.
     correlation : array_like, (lag,), optional
-        Autocorrelation of power down range where its mean is constant, 1 at lag 0 and zero beyond the last; only for
-        `quantile`. None: range bins are independent. Range lines always are.
+        Autocorrelation of power down range where its mean is constant, 1 at lag 0 and zero beyond
+        the last; only for `quantile`. None: range bins are independent. Range lines always are.
     rng : numpy.random.Generator
 
     Returns
@@ -38,8 +38,9 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     Raises
     ------
     ValueError
-        If a mean is negative or not finite, if the method is unknown or cannot draw the looks or correlation, or if no
-        process of Gamma(M) has the correlation: the nearest one differs by more than 0.05.
+        If a mean is negative or not finite, if the method is unknown or cannot draw the looks or
+        correlation, or if no process of Gamma(M) has the correlation: the nearest one differs by
+        more than 0.05.
 
     Notes
     -----
@@ -49,11 +50,12 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
     - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.
     - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17, 684-688. Its
-      distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3`` low. From 10 looks.
+      distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3`` low. From 10
+      looks.
     - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact distribution; each gives its
-      own mean. The distribution function is within 1e-5 of exact up to 1000 looks and within 4e-5 up to 1e6, the
-      most it takes; the mean is exact; the largest value is that of the last cell. With a correlation, normals
-      filtered down range go through a table of quantiles: as close.
+      own mean. The distribution function is within 1e-5 of exact up to 1000 looks and within 4e-5
+      up to 1e6, the most it takes; the mean is exact; the largest value is that of the last cell.
+      With a correlation, normals filtered down range go through a table of quantiles: as close.
 
     Examples
     --------
@@ -107,7 +109,9 @@ def check_method(method, n_looks, correlation=None):
         msg = f"speckle method cube needs at least {MINIMUM_LOOKS_CUBE} looks, got {n_looks:g}"
         raise ValueError(msg)
     if method == "quantile" and n_looks > MOST_LOOKS_QUANTILE:
-        msg = f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, got {n_looks:g}"
+        msg = (
+            f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, got {n_looks:g}"
+        )
         raise ValueError(msg)
     if correlation is not None and method != "quantile":
         msg = f"speckle method {method} draws independent range bins, a correlation needs quantile"
@@ -118,7 +122,8 @@ def check_method(method, n_looks, correlation=None):
 def quantile_table(n_looks):
     """Mean of each of 65536 equally likely cells of Gamma(M) / M, increasing, float32."""
     edges = gammaincinv(n_looks, np.arange(1, QUANTILES) / QUANTILES)
-    # The mean over a cell is QUANTILES / M times the integral of x p(x), and x p(x; M) = M p(x; M + 1).
+    # The mean over a cell is QUANTILES / M times the integral of x p(x), and x p(x; M) = M p(x; M +
+    # 1).
     below = np.concatenate([[0], gammainc(n_looks + 1, edges), [1]])
     table = (QUANTILES * np.diff(below)).astype(np.float32)
     table.flags.writeable = False
@@ -143,7 +148,9 @@ def draw_gamma(mean_power, shape, rng):
 
 
 def _draw_cube(mean_power, shape, rng):
-    root = rng.standard_normal(mean_power.shape, dtype=np.float32).astype(mean_power.dtype, copy=False)
+    root = rng.standard_normal(mean_power.shape, dtype=np.float32).astype(
+        mean_power.dtype, copy=False
+    )
     root *= 1 / (3 * np.sqrt(shape))
     root += 1 - 1 / (9 * shape)
     power = root * root

@@ -15,11 +15,15 @@ DEGREE = 5  # of the Taylor polynomials about the nodes of a sub-bin table
 
 # How the relative error of P_s + P_n is shared out; the last eighth is for rounding.
 SHARE_TRUNCATION, SHARE_TABLE, SHARE_TAIL, SHARE_ROUNDING = 1 / 2, 1 / 4, 1 / 8, 1 / 8
-SMALLEST_RELATIVE_NOISE = {np.float32: 1e-20, np.float64: 1e-200}  # far from underflow, products included
+SMALLEST_RELATIVE_NOISE = {
+    np.float32: 1e-20,
+    np.float64: 1e-200,
+}  # far from underflow, products included
 FLOAT32_RANGE = (1e-20, 1e20)
 LARGEST_ERROR = 0.5  # looser tolerances gain nothing
 MOST_PHASES = 4096
-# Taylor coefficients are differences that lose (a h / 2)^5 / 120 units in the last place: 9e3 at this product.
+# Taylor coefficients are differences that lose (a h / 2)^5 / 120 units in the last place: 9e3 at
+# this product.
 LARGEST_DECAY_STEP = 32
 TABLE_ROUNDING = 1e-11
 LINES_AT_A_TIME = 16  # one cache line of float32
@@ -34,9 +38,10 @@ def allowed_error(tolerance_db):
 class Supports:
     """Where and how each layer is modelled, arrays (layer,); distances are in bins below the layer's Gaussian centre.
 
-    Layers that are `kept` are read from a sub-bin table of `n_phases` nodes per bin between `first_bins` and
-    `tail_bins`, are a plain exponential from there to `last_bins`, and are left out elsewhere. `dtype` is that of
-    tables and sums. No pixel's ``P_s + P_n`` is off by more than the share `error`.
+    Layers that are `kept` are read from a sub-bin table of `n_phases` nodes per bin between
+    `first_bins` and `tail_bins`, are a plain exponential from there to `last_bins`, and are left
+    out elsewhere. `dtype` is that of tables and sums. No pixel's ``P_s + P_n`` is off by more than
+    the share `error`.
     """
 
     kept: np.ndarray
@@ -67,26 +72,29 @@ class Supports:
 def find_supports(waveforms, noise_power, error):
     """Smallest supports and coarsest tables that keep ``|P - P_s| <= error (P_s + P_n)`` at every pixel.
 
-    `noise_power` is P_n, positive; `error` lies in (0, 0.5]. Returns `Supports`, or None where only the closed form is
-    safe: noise or tolerance too close to the resolution of float64.
+    `noise_power` is P_n, positive; `error` lies in (0, 0.5]. Returns `Supports`, or None where only
+    the closed form is safe: noise or tolerance too close to the resolution of float64.
 
     Notes
     -----
     With ``w`` of variance d and rate a, its peak at x >= 0, L layers and ``b = error P_n / 2L``:
 
     - Truncation. ``w(x) <= w(0) exp(-x^2 / 2d)`` for x <= 0, ``w(x) <= sqrt(pi d / 2) exp(-x^2 / 2d)`` for x <= a d,
-      and ``w(x) <= sqrt(2 pi d) exp(a^2 d / 2 - a x)`` everywhere. The support ends where these fall below b; a pixel
-      lies beyond at most one end of each layer, so all layers together leave out at most ``error P_n / 2``.
+      and ``w(x) <= sqrt(2 pi d) exp(a^2 d / 2 - a x)`` everywhere. The support ends where these
+      fall below b; a pixel lies beyond at most one end of each layer, so all layers together leave
+      out at most ``error P_n / 2``.
     - Tail. ``w`` is that last exponential times ``1 - erfc(-z) / 2``, z = (a d - x) / sqrt(2 d).
     - Table. Taylor polynomials of degree p = 5 about nodes h apart. Cauchy's estimate on a circle of radius R bounds
-      the remainder by ``max |w| r^(p+1) / (1 - r)``, r = h / 2R. There ``|w(x + u + iv)| <= w(x + u) exp(v^2 / 2d)``,
-      because it holds for the Gaussian, and ``w(x + u) <= w(x) exp(|u s(x)|)``, because log w is concave with slope s.
-      ``-1/d <= s' <= 0`` and ``s(x) >= -min(a, x / d)``. On the rising edge s has no useful bound, but left of where
-      w crosses P_n / L the noise hides the layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with
-      k = R + h / 2 and S the largest of k / d, s at that crossing, and the trailing bound, the remainder is below
+      the remainder by ``max |w| r^(p+1) / (1 - r)``, r = h / 2R. There ``|w(x + u + iv)| <= w(x +
+      u) exp(v^2 / 2d)``, because it holds for the Gaussian, and ``w(x + u) <= w(x) exp(|u s(x)|)``,
+      because log w is concave with slope s. ``-1/d <= s' <= 0`` and ``s(x) >= -min(a, x / d)``. On
+      the rising edge s has no useful bound, but left of where w crosses P_n / L the noise hides the
+      layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with k = R + h / 2 and S
+      the largest of k / d, s at that crossing, and the trailing bound, the remainder is below
       ``exp(R^2 / 2d + R h / 2d + k S) r^(p+1) / (1 - r)`` of ``w + P_n / L``.
     - Powers that vary along track. Everything is worked out for a layer's largest power. Times a share s of 0 to 1 what
-      is left out only shrinks, and an error of ``e (w + P_n / L)`` stays below ``e (s w + P_n / L)``.
+      is left out only shrinks, and an error of ``e (w + P_n / L)`` stays below ``e (s w + P_n /
+      L)``.
     """
     n_layers = max(waveforms.amplitude.size, 1)
     reference = max(waveforms.peak_power.max(initial=0), noise_power)
@@ -111,8 +119,14 @@ def find_supports(waveforms, noise_power, error):
     clearance = erfcinv(2 * SHARE_TAIL * error * (1 - error))
     tail = np.minimum(decay * variance + np.sqrt(2) * deviation * clearance, last)
 
-    crossing = -deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(at_centre * n_layers / noise_power), 0))
-    rising = np.sqrt(2 / np.pi) / (deviation * erfcx((decay * variance - crossing) / (np.sqrt(2) * deviation))) - decay
+    crossing = -deviation * np.sqrt(
+        2 * np.maximum(log_amplitude + np.log(at_centre * n_layers / noise_power), 0)
+    )
+    rising = (
+        np.sqrt(2 / np.pi)
+        / (deviation * erfcx((decay * variance - crossing) / (np.sqrt(2) * deviation)))
+        - decay
+    )
     slope = np.maximum(rising, np.minimum(decay, tail / variance))
     n_phases, table_error = _coarsest_table(variance, decay, slope, SHARE_TABLE * error, kept)
     if table_error > SHARE_TABLE * error:
@@ -129,13 +143,19 @@ def _coarsest_table(variance, decay, slope, error, kept):
     # Minimises exp(R^2 / 2d + R S) / R^order.
     radius = variance / 2 * (np.sqrt(slope**2 + 4 * order / variance) - slope)
     wanted = np.log(error) - radius**2 / (2 * variance) - radius * slope
-    enough = np.maximum(np.log2(1 / (2 * radius)) - wanted / order / np.log(2), np.log2(decay / LARGEST_DECAY_STEP))
+    enough = np.maximum(
+        np.log2(1 / (2 * radius)) - wanted / order / np.log(2), np.log2(decay / LARGEST_DECAY_STEP)
+    )
     n_phases = 2 ** np.ceil(np.clip(enough, 0, np.log2(MOST_PHASES)))
     while True:
         step = 1 / n_phases
         ratio = step / (2 * radius)
         reach = radius + step / 2
-        exponent = radius * reach / variance - radius**2 / (2 * variance) + reach * np.maximum(slope, reach / variance)
+        exponent = (
+            radius * reach / variance
+            - radius**2 / (2 * variance)
+            + reach * np.maximum(slope, reach / variance)
+        )
         # Refused rather than overflowing: far more phases are needed, or more than are allowed.
         usable = (ratio < 1) & (exponent < 100) & (decay <= LARGEST_DECAY_STEP * n_phases)
         remainder = np.full(variance.shape, np.inf)
@@ -166,7 +186,9 @@ def tabulated_power(waveforms, supports, added_power):
     """Mean power of a scene by its supports plus `added_power`, `supports.dtype` (range_bin, range_line)."""
     kept = np.flatnonzero(supports.kept)
     variance, decay = waveforms.variance_bins2[kept], waveforms.decay_rate[kept]
-    first, tail, last = (edge[kept] for edge in (supports.first_bins, supports.tail_bins, supports.last_bins))
+    first, tail, last = (
+        edge[kept] for edge in (supports.first_bins, supports.tail_bins, supports.last_bins)
+    )
     n_phases = supports.n_phases[kept]
     # Powers near 1 keep float32 far from its limits.
     reference = max(waveforms.peak_power.max(initial=0), added_power) or 1.0
@@ -184,7 +206,9 @@ def tabulated_power(waveforms, supports, added_power):
     n_tail = np.clip(np.ceil(last - tail) + 1, 0, waveforms.n_range_bins).astype(np.int64)
     tail_start = np.concatenate([[0], np.cumsum(n_tail)])
     layer = np.repeat(np.arange(kept.size), n_tail)
-    exponential = np.exp(-decay[layer] * (np.arange(tail_start[-1]) - tail_start[layer])).astype(dtype)
+    exponential = np.exp(-decay[layer] * (np.arange(tail_start[-1]) - tail_start[layer])).astype(
+        dtype
+    )
     log_tail = np.log(amplitude * np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
 
     power = np.empty(waveforms.shape, dtype=dtype)
@@ -212,12 +236,17 @@ def _taylor(x, variance, decay, amplitude, dtype):
     for n in range(DEGREE):
         waveform = (gaussian - decay * waveform) / (n + 1)
         coefficients[n + 1] = waveform
-        gaussian_before, gaussian = gaussian, -(x * gaussian + gaussian_before) / (variance * (n + 1))
+        gaussian_before, gaussian = (
+            gaussian,
+            -(x * gaussian + gaussian_before) / (variance * (n + 1)),
+        )
     return coefficients
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
-def _add_layers(centre_bins, shares, distances, indices, table, exponential, noise, reference, power):
+def _add_layers(
+    centre_bins, shares, distances, indices, table, exponential, noise, reference, power
+):
     """Fill `power`, (range_bin, range_line), with reference * (noise + all layers); `shares` (layer, 1 or line)."""
     n_range_bins, n_lines = power.shape
     lines = np.empty((LINES_AT_A_TIME, n_range_bins), dtype=power.dtype)
@@ -245,10 +274,14 @@ def _add_layers(centre_bins, shares, distances, indices, table, exponential, noi
                     _add_polynomials(column[int(first) : int(tail)], table, at, delta, share)
                 n_tail = int(last + 1 - tail)
                 if n_tail > 0:
-                    scale = power.dtype.type(np.exp(distances[layer, 4] - distances[layer, 3] * (tail - centre)))
+                    scale = power.dtype.type(
+                        np.exp(distances[layer, 4] - distances[layer, 3] * (tail - centre))
+                    )
                     scale *= share
                     at = indices[layer, 4]
-                    _add_scaled(column[int(tail) : int(last) + 1], exponential[at : at + n_tail], scale)
+                    _add_scaled(
+                        column[int(tail) : int(last) + 1], exponential[at : at + n_tail], scale
+                    )
         for row in range(n_range_bins):
             for line in range(start, stop):
                 power[row, line] = reference * lines[line - start, row]
@@ -262,7 +295,12 @@ def _add_polynomials(column, table, at, delta, share):
     c3, c4, c5 = table[3, at:stop], table[4, at:stop], table[5, at:stop]
     for row in range(column.size):
         column[row] += share * (
-            c0[row] + delta * (c1[row] + delta * (c2[row] + delta * (c3[row] + delta * (c4[row] + delta * c5[row]))))
+            c0[row]
+            + delta
+            * (
+                c1[row]
+                + delta * (c2[row] + delta * (c3[row] + delta * (c4[row] + delta * c5[row])))
+            )
         )
 
 

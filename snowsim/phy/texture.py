@@ -12,7 +12,9 @@ REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Ga
 def checked_texture(texture):
     """(variance, length down range, length along track), or None if there is none; ValueError if they are not valid."""
     values = () if texture is None else tuple(map(float, texture))
-    if texture is not None and not (len(values) == 3 and np.isfinite(values).all() and min(values) >= 0 < values[1]):
+    if texture is not None and not (
+        len(values) == 3 and np.isfinite(values).all() and min(values) >= 0 < values[1]
+    ):
         msg = f"texture must be a variance and lengths in range bins and range lines, not negative, got {texture}"
         raise ValueError(msg)
     return values if values and values[0] > 0 else None
@@ -21,12 +23,14 @@ def checked_texture(texture):
 def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
     """Factors of power of mean 1, float32 (range_bin, range_line).
 
-    Lognormal of variance v; the logarithm has an autocorrelation of ``exp(-k / a)`` at k range bins and
-    ``exp(-(h / b)^2)`` at h range lines, (v, a, b) being `texture`.
+    Lognormal of variance v; the logarithm has an autocorrelation of ``exp(-k / a)`` at k range bins
+    and ``exp(-(h / b)^2)`` at h range lines, (v, a, b) being `texture`.
     """
     variance, length_bins, length_lines = texture
     spread = np.sqrt(np.log1p(variance))
-    sigma_lines = max(length_lines / 2, 1e-3)  # white noise filtered by taps of this width has that autocorrelation
+    sigma_lines = max(
+        length_lines / 2, 1e-3
+    )  # white noise filtered by taps of this width has that autocorrelation
     reach = int(np.ceil(REACH_LINES * sigma_lines))
     taps = np.exp(-((np.arange(-reach, reach + 1) / sigma_lines) ** 2) / 2)
     taps *= spread / np.sqrt((taps**2).sum())

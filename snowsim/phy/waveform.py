@@ -3,7 +3,8 @@
 import numpy as np
 from scipy.special import erfc, erfcx
 
-# Where the closed form, the peak and the width were checked against 80 digits; anything else is refused.
+# Where the closed form, the peak and the width were checked against 80 digits; anything else is
+# refused.
 SAFE_RANGE = {"variance_bins2": (1e-12, 1e12), "decay_rate": (1e-12, 1e6)}
 
 _SQRT2 = np.sqrt(2.0)
@@ -14,8 +15,9 @@ _SQRT_HALF_PI = np.sqrt(np.pi / 2)
 def waveform_exact(x_bins, variance_bins2, decay_rate):
     """Mean waveform of one layer of unit power, not normalised, at `x_bins` below the Gaussian's centre; broadcasts.
 
-    A Gaussian of variance `variance_bins2` [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per
-    bin]; zero where it underflows. Values that are not finite, or outside `SAFE_RANGE`, are refused.
+    A Gaussian of variance `variance_bins2` [bins^2] convolved with a one-sided exponential of rate
+    `decay_rate` [per bin]; zero where it underflows. Values that are not finite, or outside
+    `SAFE_RANGE`, are refused.
 
     Notes
     -----
@@ -37,9 +39,9 @@ def waveform_exact(x_bins, variance_bins2, decay_rate):
 def waveform_peak(variance_bins2, decay_rate):
     """How far the waveform peaks below the Gaussian's centre [bins] and its value there: two ndarray; broadcasts.
 
-    ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi d)) / a``, so ``value = exp(-x^2 / 2d) / a``.
-    Newton's method on ``log erfcx``, convex and decreasing, started on its left, converges from one side,
-    quadratically: a step below 1e-9 leaves rounding only.
+    ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi d)) / a``, so ``value =
+    exp(-x^2 / 2d) / a``. Newton's method on ``log erfcx``, convex and decreasing, started on its
+    left, converges from one side, quadratically: a step below 1e-9 leaves rounding only.
     """
     variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
     deviation = np.sqrt(variance_bins2)
@@ -50,15 +52,18 @@ def waveform_peak(variance_bins2, decay_rate):
 def waveform_width(variance_bins2, decay_rate):
     """Distance [bins] from the waveform's peak to where it has fallen to 1/e on the trailing side; broadcasts.
 
-    Newton's method on the concave ``log w``, started right of the root, converges from one side, quadratically.
+    Newton's method on the concave ``log w``, started right of the root, converges from one side,
+    quadratically.
     """
     variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
     deviation = np.sqrt(variance_bins2)
-    # The width in deviations depends on this product only, and by less than 1e-12 where it is large.
+    # The width in deviations depends on this product only, and by less than 1e-12 where it is
+    # large.
     product = np.minimum(decay_rate * deviation, 1e6)
     peak = _peak_in_deviations(product)
     target = _log_waveform(peak, product) - 1
-    # w <= sqrt(2 pi d) exp(a^2 d / 2 - a x) everywhere: where this bound meets the target lies to the right.
+    # w <= sqrt(2 pi d) exp(a^2 d / 2 - a x) everywhere: where this bound meets the target lies to
+    # the right.
     u = np.maximum((product**2 / 2 + np.log(2 * _SQRT_HALF_PI) - target) / product, peak)
     with np.errstate(under="ignore"):
         for _ in range(60):
@@ -73,16 +78,22 @@ def waveform_width(variance_bins2, decay_rate):
 def _peak_in_deviations(product):
     """Peak of the waveform in standard deviations, for decay times deviation `product`."""
     target = 1 / (_SQRT_HALF_PI * np.minimum(product, 1e4))
-    # Left of the root: erfcx(z) >= exp(z^2) for z <= 0, and >= 2 / sqrt(pi) / (z + sqrt(z^2 + 2)) for z >= 0.
+    # Left of the root: erfcx(z) >= exp(z^2) for z <= 0, and >= 2 / sqrt(pi) / (z + sqrt(z^2 + 2))
+    # for z >= 0.
     asymptote = 2 / (_SQRT_PI * target)
-    z = np.where(target >= 1, -np.sqrt(np.log(np.maximum(target, 1))), np.maximum(asymptote / 2 - 1 / asymptote, 0))
+    z = np.where(
+        target >= 1,
+        -np.sqrt(np.log(np.maximum(target, 1))),
+        np.maximum(asymptote / 2 - 1 / asymptote, 0),
+    )
     for _ in range(20):
         value = erfcx(z)
         step = np.log(value / target) / (2 / (_SQRT_PI * value) - 2 * z)
         z = z + step
         if np.all(np.abs(step) <= 1e-9 * (1 + np.abs(z))):
             break
-    # Where the two terms below cancel, the expansion of erfcx for large arguments is good to product^-5.
+    # Where the two terms below cancel, the expansion of erfcx for large arguments is good to
+    # product^-5.
     return np.where(product < 1e3, product - _SQRT2 * z, 1 / product - product**-3.0)
 
 
@@ -94,7 +105,9 @@ def waveform_unchecked(x, variance, decay):
         z = np.asarray(z)
         rises = z >= 0
         # Where z < 0 the exponent of the falling branch is negative; elsewhere it is not used.
-        exponent = np.where(rises, -x * x / (2 * variance), np.minimum(decay * (decay * variance / 2 - x), 0))
+        exponent = np.where(
+            rises, -x * x / (2 * variance), np.minimum(decay * (decay * variance / 2 - x), 0)
+        )
         factor = np.empty(rises.shape)
         factor[rises], factor[~rises] = erfcx(z[rises]), erfc(z[~rises])
         return _SQRT_HALF_PI * deviation * (np.exp(exponent) * factor)

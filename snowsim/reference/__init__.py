@@ -2,7 +2,14 @@
 
 from snowsim.reference.settings import Settings, checked_settings
 
-__all__ = ["Settings", "checked_settings", "draw_climate", "draw_complex_segment", "draw_frame", "draw_scene"]
+__all__ = [
+    "Settings",
+    "checked_settings",
+    "draw_climate",
+    "draw_complex_segment",
+    "draw_frame",
+    "draw_scene",
+]
 
 
 def __getattr__(name):

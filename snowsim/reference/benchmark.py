@@ -11,7 +11,9 @@ from snowsim.reference.radar import draw_surface_row
 
 SPLITS = ("train", "validation", "test")
 SLOTS = 160  # scenes of one track
-PERCOLATION_SHARE = 0.12  # of a track's scenes, in the last part of the line: more than the flight has
+PERCOLATION_SHARE = (
+    0.12  # of a track's scenes, in the last part of the line: more than the flight has
+)
 PERCOLATION_START = 0.95  # of the line
 STRIDE = 61  # coprime to SLOTS, near its golden section: any number of scenes spreads over the line
 SPARE_KM = 1.0
@@ -20,7 +22,8 @@ SPARE_KM = 1.0
 def scene_position(index, split, length_km):
     """Track and start [km] of a scene on a line of `length_km`, disjoint from every other and from the sample flight.
 
-    Each split (`train`, `validation`, `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
+    Each split (`train`, `validation`, `test`) flies tracks of its own, parallel to the flight's, of
+    160 places each.
     """
     if split not in SPLITS or index < 0:
         msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, got {split!r} and {index}"
@@ -38,15 +41,18 @@ def scene_position(index, split, length_km):
 def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, rng):
     """One scene of the benchmark, a `Scene`; `rng` is of this scene alone.
 
-    Complete layers are all autumn horizons down to where they fade: where their expected rise over the snow above them
-    falls below `visible_db`, see `n_visible_layers`. In `train`, `layer_bins` is what a semi-automatic picker found on
-    the image, else the complete layers. Surface near row 50, cropped 100 rows below the deepest layer, at least 300
-    rows. ValueError if the split is unknown or a scene would not fit its place.
+    Complete layers are all autumn horizons down to where they fade: where their expected rise over
+    the snow above them falls below `visible_db`, see `n_visible_layers`. In `train`, `layer_bins`
+    is what a semi-automatic picker found on the image, else the complete layers. Surface near row
+    50, cropped 100 rows below the deepest layer, at least 300 rows. ValueError if the split is
+    unknown or a scene would not fit its place.
     """
     radar = settings.radar
     track, start_km = scene_position(index, split, line_length_km())
     position_km = start_km + np.arange(n_range_lines) * radar.line_spacing_m / 1e3
-    room_km = (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM) / round(SLOTS * PERCOLATION_SHARE)
+    room_km = (
+        (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM) / round(SLOTS * PERCOLATION_SHARE)
+    )
     if n_range_lines * radar.line_spacing_m / 1e3 > room_km:
         msg = f"a scene must be shorter than {room_km:.2f} km, got {n_range_lines} lines of {radar.line_spacing_m} m"
         raise ValueError(msg)
@@ -64,6 +70,13 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     image, *scale = to_uint8(power)
     shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
     picked = pick_peaks(power, truth, settings.picks) if split == "train" else truth
-    notes = {"track": track, "start_km": start_km, "accumulation_m": column.place.accumulation_m, "n_looks": n_looks}
+    notes = {
+        "track": track,
+        "start_km": start_km,
+        "accumulation_m": column.place.accumulation_m,
+        "n_looks": n_looks,
+    }
     notes |= {"percolation": column.percolation, "fade_depth_m": column.fade_depth_m}
-    return Scene(f"{split}_{index:04d}", height, picked, complete_layer_bins=truth, **shown, notes=notes)
+    return Scene(
+        f"{split}_{index:04d}", height, picked, complete_layer_bins=truth, **shown, notes=notes
+    )

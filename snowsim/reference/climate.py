@@ -42,8 +42,9 @@ class Climate:
     """What all frames and scenes share; see `draw_climate`.
 
     Standard normal: `anomaly` (2, year) of accumulation at either end of the line, last year first;
-    `horizon_strength` (year,), how marked each autumn is; `crust_strength` (year, crust). `crust_age` (year, crust):
-    where in the year crusts lie, in (0, 1), NaN for none. `track_seed` seeds all that differs between parallel tracks.
+    `horizon_strength` (year,), how marked each autumn is; `crust_strength` (year, crust).
+    `crust_age` (year, crust): where in the year crusts lie, in (0, 1), NaN for none. `track_seed`
+    seeds all that differs between parallel tracks.
     """
 
     anomaly: np.ndarray
@@ -56,20 +57,31 @@ class Climate:
     def percolation(self, place):
         """Degree of percolation, 0 (dry) to 1."""
         firn = self.settings.firn
-        return float(1 / (1 + np.exp((place.elevation_m - firn.percolation_elevation_m) / firn.percolation_width_m)))
+        return float(
+            1
+            / (
+                1
+                + np.exp(
+                    (place.elevation_m - firn.percolation_elevation_m) / firn.percolation_width_m
+                )
+            )
+        )
 
     def fade_depth_m(self, track, place):
         """Depth over which density steps fall to 1/e at a place of a track."""
         firn = self.settings.firn
         waves = track_waves(self.track_seed, track, "fade", *FADE_WAVELENGTHS_KM)
-        above_least_m = (firn.fade_depth_m - firn.fade_least_m) * np.exp(firn.fade_sd * waves(place.position_km))
+        above_least_m = (firn.fade_depth_m - firn.fade_least_m) * np.exp(
+            firn.fade_sd * waves(place.position_km)
+        )
         return float(firn.fade_least_m + above_least_m)
 
     def draw_accumulation(self, track, position_km, n_years, *, rng):
         """Water equivalent of the slabs between autumn horizons, youngest first, (slab, range_line) [m w.e.].
 
-        Positive because every factor is an exponential. Undulations differ between tracks, years do not. `position_km`
-        (range_line,) is evenly spaced along the line; the first of `n_years` slabs is the open year.
+        Positive because every factor is an exponential. Undulations differ between tracks, years do
+        not. `position_km` (range_line,) is evenly spaced along the line; the first of `n_years`
+        slabs is the open year.
         """
         if n_years > N_YEARS:
             msg = f"n_years must be at most {N_YEARS}, got {n_years}"
@@ -77,20 +89,34 @@ class Climate:
         settings = self.settings.climate
         mean_m = settings.accumulation_factor * accumulation_m(position_km)
         undulation = track_waves(
-            self.track_seed, track, "undulation", settings.undulation_min_km, settings.undulation_max_km
+            self.track_seed,
+            track,
+            "undulation",
+            settings.undulation_min_km,
+            settings.undulation_max_km,
         )(position_km)
         turn = np.pi / 2 * position_km / line_length_km()
-        anomaly = np.outer(self.anomaly[0, :n_years], np.cos(turn)) + np.outer(self.anomaly[1, :n_years], np.sin(turn))
+        anomaly = np.outer(self.anomaly[0, :n_years], np.cos(turn)) + np.outer(
+            self.anomaly[1, :n_years], np.sin(turn)
+        )
         spacing_m = 1e3 * (position_km[1] - position_km[0])
         n_lines = position_km.size
         drift = draw_along_track(n_years, n_lines, settings.drift_length_m / spacing_m, rng=rng)
-        relief = draw_along_track(n_years + 1, n_lines, settings.relief_length_m / spacing_m, rng=rng)
-        variance = settings.undulation_sd**2 + settings.anomaly_sd**2 + settings.drift_sd**2 + 2 * settings.relief_sd**2
+        relief = draw_along_track(
+            n_years + 1, n_lines, settings.relief_length_m / spacing_m, rng=rng
+        )
+        variance = (
+            settings.undulation_sd**2
+            + settings.anomaly_sd**2
+            + settings.drift_sd**2
+            + 2 * settings.relief_sd**2
+        )
         log_factor = (
             settings.undulation_sd * undulation
             + settings.anomaly_sd * anomaly
             + settings.drift_sd * drift
-            # A hollow of an old surface is filled by the snow above: relief does not add up with depth.
+            # A hollow of an old surface is filled by the snow above: relief does not add up with
+            # depth.
             + settings.relief_sd * np.diff(relief, axis=0)
             - variance / 2
         )
@@ -121,9 +147,12 @@ def track_waves(track_seed, track, what, shortest_km, longest_km):
 def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
     """Smooth stationary series of zero mean and unit variance, (series, range_line).
 
-    Gaussian correlation ``exp(-(lag / correlation_lines)^2)``; white where the length is below half a range line.
+    Gaussian correlation ``exp(-(lag / correlation_lines)^2)``; white where the length is below half
+    a range line.
     """
-    width = correlation_lines / 2  # smoothing white noise by a Gaussian of this s.d. gives that correlation
+    width = (
+        correlation_lines / 2
+    )  # smoothing white noise by a Gaussian of this s.d. gives that correlation
     margin = int(np.ceil(4 * width))
     noise = rng.standard_normal((n_series, n_lines + 2 * margin))
     impulse = np.zeros(2 * margin + 1)

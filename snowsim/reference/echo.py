@@ -32,8 +32,9 @@ SURFACE_LENGTH_M = 120.0  # correlation of the surface echo's strength
 class Echo:
     """Mean power of the scatterers of a stretch.
 
-    `sub_bin_power` float32 (range_line, sub_bin): relative to the peak of a mean surface, `margin` sub-bins more at
-    either end, `noise_power` its thermal part. `without_echo` bool (range_line,): missing range lines.
+    `sub_bin_power` float32 (range_line, sub_bin): relative to the peak of a mean surface, `margin`
+    sub-bins more at either end, `noise_power` its thermal part. `without_echo` bool (range_line,):
+    missing range lines.
     """
 
     sub_bin_power: np.ndarray
@@ -45,7 +46,13 @@ class Echo:
     def cropped(self, n_range_bins):
         """The same with fewer range bins."""
         end = n_range_bins * self.radar.n_sub_bins + 2 * self.margin
-        return Echo(self.sub_bin_power[:, :end], self.margin, self.noise_power, self.without_echo, self.radar)
+        return Echo(
+            self.sub_bin_power[:, :end],
+            self.margin,
+            self.noise_power,
+            self.without_echo,
+            self.radar,
+        )
 
     def mean(self):
         """Mean detected power, (range_bin, range_line)."""
@@ -60,8 +67,9 @@ class Echo:
 def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
     """`Echo` of a stretch: surface, horizons, crusts, lenses, fine layering, thermal noise.
 
-    Interfaces scatter incoherently: over a footprint of 14.5 m their height varies by more than a wavelength. Multiple
-    reflections are left out; they are of the order of reflectivity squared, 40 dB down. `surface_row` is (range_line,).
+    Interfaces scatter incoherently: over a footprint of 14.5 m their height varies by more than a
+    wavelength. Multiple reflections are left out; they are of the order of reflectivity squared, 40
+    dB down. `surface_row` is (range_line,).
     """
     sub = radar.n_sub_bins
     n_lines = surface_row.size
@@ -70,7 +78,8 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
     roughness_m = np.hypot(radar.roughness_m, column.percolation * firn.percolation_blur_m)
     buried = interface_waveform(radar, radar.horizon_slope, float(roughness_m))
     surface = interface_waveform(radar, radar.surface_slope, radar.roughness_m)
-    # The radar is calibrated on a mean surface: its echo peaks at 1, and at the surface's own travel time.
+    # The radar is calibrated on a mean surface: its echo peaks at 1, and at the surface's own
+    # travel time.
     mean_surface = surface_reflectivity(firn.surface_density_kg_m3)
 
     at_surface = surface_row * sub + margin
@@ -82,7 +91,9 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
 
     length_lines = SURFACE_LENGTH_M / radar.line_spacing_m
     surface_db = radar.surface_sd_db * draw_along_track(1, n_lines, length_lines, rng=rng)[0]
-    _add_surface(power, at_surface - surface.lead, surface.power / surface.peak, 10 ** (surface_db / 10))
+    _add_surface(
+        power, at_surface - surface.lead, surface.power / surface.peak, 10 ** (surface_db / 10)
+    )
 
     power += _spread(power, sidelobes(radar), centred=True)
 
@@ -93,7 +104,9 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
     saturated = rng.random(n_lines) < radar.saturated_rate
     power *= (draw_roll_gain(n_lines, radar, rng=rng) * ~missing).astype(np.float32)[:, None]
     power[saturated] = np.minimum(power[saturated], np.float32(SATURATION_LEVEL))
-    power += np.where(saturated, SATURATION_NOISE * noise_power, noise_power).astype(np.float32)[:, None]
+    power += np.where(saturated, SATURATION_NOISE * noise_power, noise_power).astype(np.float32)[
+        :, None
+    ]
     power += np.float32(noise_power) * draw_coherent_noise(shape[1], radar, rng=rng)
     power *= gain.astype(np.float32)[:, None]
     return Echo(power, margin, float(noise_power), missing, radar)
@@ -118,8 +131,9 @@ def _scatterers(column, at_surface, shape, radar, lead):
 def _layering(column, at_surface, shape, firn, radar, *, rng):
     """Reflected power of the fine layering of density below the surface, float32.
 
-    The footprint averages over patches smaller than itself: of a layering of lateral scale l and standard deviation s
-    it sees ``s l / r``, r its radius, correlated between range lines whose footprints overlap.
+    The footprint averages over patches smaller than itself: of a layering of lateral scale l and
+    standard deviation s it sees ``s l / r``, r its radius, correlated between range lines whose
+    footprints overlap.
     """
     step_m = radar.bin_size_s / radar.n_sub_bins * SPEED_OF_LIGHT_M_S / 2
     index = refractive_index_kovacs95(firn.surface_density_kg_m3)
@@ -134,7 +148,12 @@ def _layering(column, at_surface, shape, firn, radar, *, rng):
     below_bins = (np.arange(shape[1]) - at_surface.mean()) / radar.n_sub_bins
     depth_m = np.interp(below_bins, column.table_bins, column.table_depth_m)
     mean_density = np.interp(below_bins, column.table_bins, column.table_density_kg_m3)
-    factor = KOVACS_M3_KG / (2 * (1 + KOVACS_M3_KG * mean_density)) * np.exp(-depth_m / firn.layering_fade_m) / kept
+    factor = (
+        KOVACS_M3_KG
+        / (2 * (1 + KOVACS_M3_KG * mean_density))
+        * np.exp(-depth_m / firn.layering_fade_m)
+        / kept
+    )
     jump *= factor.astype(np.float32)
     jump *= jump
     jump *= np.arange(shape[1], dtype=np.float32) > at_surface[:, None].astype(np.float32)
@@ -149,7 +168,8 @@ def _spread(power, waveform, *, centred=False):
     spectrum *= fft.rfft(waveform, length)
     first = waveform.size // 2 if centred else 0
     spread = fft.irfft(spectrum, length, axis=1)[:, first : first + n_sub]
-    # Rounding of the transform leaves about 1e-7 of the strongest echo, of either sign, where there is none.
+    # Rounding of the transform leaves about 1e-7 of the strongest echo, of either sign, where there
+    # is none.
     return np.maximum(spread, 0, dtype=np.float32)
 
 
@@ -176,12 +196,15 @@ def _add_surface(power, first, waveform, strength):
 def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
     """Fine layering of density about its trend, as in near-surface density logs, (profile, sample) [kg m-3].
 
-    Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length `length_m`, samples
-    `spacing_m` apart. float32: its rounding is 1e-7 of a field known to a few percent.
+    Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length
+    `length_m`, samples `spacing_m` apart. float32: its rounding is 1e-7 of a field known to a few
+    percent.
     """
     persistence = np.float32(np.exp(-spacing_m / length_m))
     noise = rng.standard_normal((n_profiles, n_samples), dtype=np.float32)
     # The first sample keeps unit variance: the series starts stationary.
     noise[:, 1:] *= np.sqrt(1 - persistence**2)
     one = np.ones(1, dtype=np.float32)
-    return np.float32(sd_kg_m3) * lfilter(one, np.array([1, -persistence], dtype=np.float32), noise, axis=1)
+    return np.float32(sd_kg_m3) * lfilter(
+        one, np.array([1, -persistence], dtype=np.float32), noise, axis=1
+    )

@@ -24,10 +24,11 @@ GOOD, AUTOMATIC = 1, 2  # quality and type in CReSIS layer files
 def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`; `rng` is its own.
 
-    Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts. Layers lie where the mean
-    echo of their horizon peaks, NaN where it hardly rises over the snow above or the range line is missing; layers too
-    deep to be seen are left out. Attributes say that they are synthetic, their looks and position.
-    ValueError if there is no such frame, or the frames do not fit on the line.
+    Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts. Layers
+    lie where the mean echo of their horizon peaks, NaN where it hardly rises over the snow above or
+    the range line is missing; layers too deep to be seen are left out. Attributes say that they are
+    synthetic, their looks and position. ValueError if there is no such frame, or the frames do not
+    fit on the line.
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
@@ -41,20 +42,32 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     start_km = (frame + 0.5) / n_frames * line_length_km() - length_km / 2
     position_km = start_km + np.arange(n_range_lines) * radar.line_spacing_m / 1e3
     surface_row = draw_surface_row(n_range_lines, radar.surface_bin, radar, rng=rng)
-    column = draw_column(climate, FLIGHT_TRACK, position_km, radar.n_range_bins - radar.surface_bin, rng=rng)
+    column = draw_column(
+        climate, FLIGHT_TRACK, position_km, radar.n_range_bins - radar.surface_bin, rng=rng
+    )
     echo = draw_echo(column, surface_row, radar.n_range_bins, settings.firn, radar, rng=rng)
     layer_bins = column.layer_bins(surface_row)
     mean_power = echo.mean()
-    n_visible = n_visible_layers(rise_db(mean_power, layer_bins, 1)[:, 0], settings.picks.visible_db)
+    n_visible = n_visible_layers(
+        rise_db(mean_power, layer_bins, 1)[:, 0], settings.picks.visible_db
+    )
     layer_bins = layer_bins[:n_visible]
     n_windows = max(1, n_range_lines // WINDOW_LINES)
-    picked = pick_visible(rise_db(mean_power, layer_bins, n_windows), layer_bins, settings.picks.gap_db)
+    picked = pick_visible(
+        rise_db(mean_power, layer_bins, n_windows), layer_bins, settings.picks.gap_db
+    )
     picked[:, echo.without_echo] = np.nan
     attributes = _attributes(column, position_km, settings)
     attributes |= {"frame": frame, "n_looks": radar.n_looks, "line_spacing_m": radar.line_spacing_m}
     twtt_s, along_track = _along_track(position_km, surface_row, radar, radar.n_range_bins)
     echogram = xr.Dataset(
-        {"Data": (("twtt", "slow_time"), echo.draw(radar.n_looks, rng=rng), {"units": "1", "long_name": "power"})},
+        {
+            "Data": (
+                ("twtt", "slow_time"),
+                echo.draw(radar.n_looks, rng=rng),
+                {"units": "1", "long_name": "power"},
+            )
+        },
         coords={"twtt": ("twtt", twtt_s, {"units": "s"}), "slow_time": along_track.slow_time},
         attrs=attributes,
     ).merge(along_track)
@@ -68,24 +81,31 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
 def draw_complex_segment(*, climate, settings, rng):
     """A 5 km segment of the flight, complex, elevation-compensated and undetected, for the Doppler spectrum.
 
-    It lies where the firn shows most years, away from the ends of the line. Variables: `Real` and `Imaginary` (twtt,
-    slow_time) float32, the looks of a range line as range lines of their own; `layer_twtt` (layer, slow_time) [s] of
-    all layers in the window, surface first. Scatterers are independent from look to look: the Doppler spectrum is flat
-    by construction, here as in the paper's claim, and proves nothing.
+    It lies where the firn shows most years, away from the ends of the line. Variables: `Real` and
+    `Imaginary` (twtt, slow_time) float32, the looks of a range line as range lines of their own;
+    `layer_twtt` (layer, slow_time) [s] of all layers in the window, surface first. Scatterers are
+    independent from look to look: the Doppler spectrum is flat by construction, here as in the
+    paper's claim, and proves nothing.
     """
     radar = settings.radar
     n_lines = round(SEGMENT_M / radar.line_spacing_m)
     length_km = n_lines * radar.line_spacing_m / 1e3
     factor = settings.climate.accumulation_factor
     places = [place_at(km, factor) for km in SEGMENT_CANDIDATES * line_length_km()]
-    n_years_seen = [climate.fade_depth_m(FLIGHT_TRACK, place) / place.accumulation_m for place in places]
+    n_years_seen = [
+        climate.fade_depth_m(FLIGHT_TRACK, place) / place.accumulation_m for place in places
+    ]
     start_km = places[int(np.argmax(n_years_seen))].position_km - length_km / 2
     position_km = start_km + np.arange(n_lines) * radar.line_spacing_m / 1e3
     surface_row = draw_surface_row(n_lines, radar.surface_bin, radar, rng=rng)
-    column = draw_column(climate, FLIGHT_TRACK, position_km, SEGMENT_ROWS - radar.surface_bin, rng=rng)
+    column = draw_column(
+        climate, FLIGHT_TRACK, position_km, SEGMENT_ROWS - radar.surface_bin, rng=rng
+    )
     echo = draw_echo(column, surface_row, SEGMENT_ROWS, settings.firn, radar, rng=rng)
     amplitude = np.sqrt(echo.sub_bin_power / 2)
-    looks = np.stack([draw_look(amplitude, radar, echo.margin, rng=rng) for _ in range(radar.n_looks)], axis=1)
+    looks = np.stack(
+        [draw_look(amplitude, radar, echo.margin, rng=rng) for _ in range(radar.n_looks)], axis=1
+    )
     looks = looks.reshape(-1, looks.shape[-1]).T  # (range_bin, look of a range line)
 
     layer_bins = column.layer_bins(surface_row)
@@ -126,7 +146,10 @@ def _attributes(column, position_km, settings):
 
 def _along_track(position_km, surface_row, radar, n_range_bins):
     """Fast time of a window, and the along-track variables of a dataset."""
-    twtt_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S + (np.arange(n_range_bins) - radar.surface_bin) * radar.bin_size_s
+    twtt_s = (
+        2 * radar.height_m / SPEED_OF_LIGHT_M_S
+        + (np.arange(n_range_bins) - radar.surface_bin) * radar.bin_size_s
+    )
     latitude, longitude = line_coordinates(position_km)
     ice_m = np.array([place_at(km).elevation_m for km in (position_km[0], position_km[-1])])
     ice_m = np.interp(position_km, position_km[[0, -1]], ice_m)
@@ -148,7 +171,9 @@ def _layers_dataset(picked, twtt_s, radar, slow_time, attributes):
     """Layer dataset of picks in range bins, down to the deepest layer with a pick."""
     deepest = int(np.flatnonzero(np.isfinite(picked).any(axis=1)).max(initial=0))
     picked = picked[: deepest + 1]
-    picks = {"twtt": (("layer", "slow_time"), twtt_s[0] + picked * radar.bin_size_s, {"units": "s"})}
+    picks = {
+        "twtt": (("layer", "slow_time"), twtt_s[0] + picked * radar.bin_size_s, {"units": "s"})
+    }
     for name, code in (("quality", GOOD), ("type", AUTOMATIC)):
         picks[name] = (("layer", "slow_time"), np.full(picked.shape, code, dtype=np.int8))
     return xr.Dataset(picks, {"layer": np.arange(len(picked)), "slow_time": slow_time}, attributes)

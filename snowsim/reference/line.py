@@ -11,8 +11,9 @@ LINE_START = (69.0, -38.5)
 LINE_END = (76.7, -64.6)
 EARTH_RADIUS_KM = EARTH_RADIUS_M / 1000
 
-# Schematic profiles along the line. Accumulation [m w.e. / yr]: south-central plateau, dry interior north of Summit,
-# wet north-west flank, in the range of Koenig et al. (2016), Cryosphere 10, 1739-1752. Ice surface [m]: rounded.
+# Schematic profiles along the line. Accumulation [m w.e. / yr]: south-central plateau, dry interior
+# north of Summit, wet north-west flank, in the range of Koenig et al. (2016), Cryosphere 10,
+# 1739-1752. Ice surface [m]: rounded.
 PROFILE_FRACTION = np.array([0.0, 0.25, 0.5, 0.7, 0.85, 0.95, 1.0])
 ACCUMULATION_M = np.array([0.40, 0.29, 0.23, 0.20, 0.28, 0.42, 0.55])
 ELEVATION_M = np.array([2550.0, 3000.0, 2900.0, 2650.0, 2250.0, 1800.0, 1300.0])
@@ -51,7 +52,9 @@ def accumulation_m(position_km):
 
 
 def _profile(values, fraction):
-    from scipy.interpolate import PchipInterpolator  # slow to import, and the plan of a run needs no profile
+    from scipy.interpolate import (
+        PchipInterpolator,
+    )  # slow to import, and the plan of a run needs no profile
 
     return PchipInterpolator(PROFILE_FRACTION, values)(fraction)
 
@@ -59,8 +62,8 @@ def _profile(values, fraction):
 def temperature_fausto09(elevation_m, latitude, longitude):
     """Annual mean near-surface air temperature over Greenland [K], from metres, degrees north and east.
 
-    ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van As, Boggild &
-    Johnsen (2009), J. Glaciol. 55, 95-105.
+    ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
+    As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
     """
     return 273.15 + 41.83 - 6.309e-3 * elevation_m - 0.7189 * latitude + 0.0672 * -longitude
 
@@ -83,4 +86,10 @@ def line_coordinates(position_km):
 
 def _unit_vector(latitude, longitude):
     latitude, longitude = np.radians(latitude), np.radians(longitude)
-    return np.array([np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)])
+    return np.array(
+        [
+            np.cos(latitude) * np.cos(longitude),
+            np.cos(latitude) * np.sin(longitude),
+            np.sin(latitude),
+        ]
+    )

@@ -7,21 +7,26 @@ from snowsim.echogram import crossing_layers
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
 REACH_BINS = 4  # how far from a layer the picker looks for its peak
-LAST_TRUSTED_BINS = 3.0  # a pick further off follows something else; the person who checks removes it
+LAST_TRUSTED_BINS = (
+    3.0  # a pick further off follows something else; the person who checks removes it
+)
 AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
 
 
 def rise_db(mean_power, layer_bins, n_windows):
     """How much each layer rises over the snow above it in mean power, (layer, window) [dB].
 
-    Power on the layer over the minimum between it and the layer above, each averaged along the layers over `n_windows`
-    pieces, so that no single minimum decides; infinite for the surface, NaN where the layer leaves the record.
-    `mean_power` (range_bin, range_line) is free of speckle, with noise; `layer_bins` (layer, range_line) complete.
+    Power on the layer over the minimum between it and the layer above, each averaged along the
+    layers over `n_windows` pieces, so that no single minimum decides; infinite for the surface, NaN
+    where the layer leaves the record. `mean_power` (range_bin, range_line) is free of speckle, with
+    noise; `layer_bins` (layer, range_line) complete.
     """
     n_bins, n_lines = mean_power.shape
     edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
-    between = layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]  # (slab, step, line)
+    between = (
+        layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]
+    )  # (slab, step, line)
     whole = np.floor(between).astype(int)
     inside = (whole >= 0) & (whole < n_bins - 1)
     whole = np.clip(whole, 0, n_bins - 2)  # read anywhere, then discarded
@@ -38,8 +43,8 @@ def rise_db(mean_power, layer_bins, n_windows):
 def n_visible_layers(rise, visible_db):
     """Number of layers, surface included and at least 1, down to where horizons fade.
 
-    The deepest horizon whose own rise (layer,) over the whole stretch, see `rise_db`, reaches `visible_db` decides:
-    weaker ones between are counted, as a reader who follows the years would.
+    The deepest horizon whose own rise (layer,) over the whole stretch, see `rise_db`, reaches
+    `visible_db` decides: weaker ones between are counted, as a reader who follows the years would.
     """
     seen = np.flatnonzero(rise[1:] >= visible_db)  # NaN compares false
     return 2 + int(seen[-1]) if seen.size else 1
@@ -59,14 +64,17 @@ def pick_visible(rise, layer_bins, gap_db):
 def pick_peaks(power, layer_bins, settings):
     """Layers as a semi-automatic picker finds them on an echogram, (layer, range_line), whole bins, NaN where lost.
 
-    A person marks a layer where it is clearest; from there the picker follows its peak to both sides, line by line, at
-    most one bin per line, on an image averaged along track. It loses a layer that rises too little over the snow above
-    and below (weak layers, and steep ones, which the averaging blurs), picks it up again behind the gap, and drops
-    short pieces. The person who checks removes pieces that follow something else: the picker misses pixels, it does
-    not invent layers. `power` is linear; the complete `layer_bins` lie inside it.
+    A person marks a layer where it is clearest; from there the picker follows its peak to both
+    sides, line by line, at most one bin per line, on an image averaged along track. It loses a
+    layer that rises too little over the snow above and below (weak layers, and steep ones, which
+    the averaging blurs), picks it up again behind the gap, and drops short pieces. The person who
+    checks removes pieces that follow something else: the picker misses pixels, it does not invent
+    layers. `power` is linear; the complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
-    smooth_db = uniform_filter1d(10 * np.log10(power), settings.picker_lines, axis=1, mode="nearest")
+    smooth_db = uniform_filter1d(
+        10 * np.log10(power), settings.picker_lines, axis=1, mode="nearest"
+    )
     near = np.rint(layer_bins).astype(int)
     # Half of the thinner slab beside it: beyond lies another layer.
     gaps = np.diff(layer_bins, axis=0).mean(axis=1)
@@ -98,7 +106,8 @@ def _follow(strip, near):
     clearness = np.nanmax(usable, axis=1) - np.nanmean(usable, axis=1)
     followed = np.zeros((n_layers, n_lines), dtype=int)
     for seed_side in (1, -1):
-        # One sweep for all layers: a layer sits on its seed's peak until the sweep has passed the seed.
+        # One sweep for all layers: a layer sits on its seed's peak until the sweep has passed the
+        # seed.
         seed = clearness.argmax(axis=1)
         at = strip[layers, :, seed].argmax(axis=1)
         order = range(n_lines) if seed_side == 1 else range(n_lines - 1, -1, -1)
@@ -106,7 +115,8 @@ def _follow(strip, near):
         for line in order:
             active = (line - seed) * seed_side >= 0
             if previous is not None:
-                # The strip moves with the rounded layer: the same row is another offset on the next line.
+                # The strip moves with the rounded layer: the same row is another offset on the next
+                # line.
                 moved = at + near[:, previous] - near[:, line]
                 candidates = np.clip(moved[:, None] + np.array([0, -1, 1]), 0, n_offsets - 1)
                 best = strip[layers[:, None], candidates, line].argmax(axis=1)
@@ -127,7 +137,9 @@ def _rise_of_peak(strip, followed, reach):
     known = np.where(np.isfinite(strip), strip, np.inf)
     above = np.where((distance < 0) & (distance >= -width), known, np.inf).min(axis=1)
     below = np.where((distance > 0) & (distance <= width), known, np.inf).min(axis=1)
-    valley = np.where(np.isfinite(above) & np.isfinite(below), (above + below) / 2, np.minimum(above, below))
+    valley = np.where(
+        np.isfinite(above) & np.isfinite(below), (above + below) / 2, np.minimum(above, below)
+    )
     return np.where(np.isfinite(valley), peak - valley, 0.0)
 
 

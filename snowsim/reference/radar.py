@@ -19,9 +19,10 @@ SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
 def hann_response(delay_s, bandwidth_hz):
     """Amplitude of an FMCW radar's response to a point, its beat signal weighted by a Hann window, 1 at zero delay.
 
-    Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with
-    ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an
-    equivalent width of 1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there and back, half of that in range.
+    Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) /
+    2`` with ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83.
+    Nulls at x = +-2 and an equivalent width of 1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there
+    and back, half of that in range.
     """
     x = np.asarray(delay_s, dtype=float) * bandwidth_hz
     return np.sinc(x) + 0.5 * (np.sinc(x - 1) + np.sinc(x + 1))
@@ -30,8 +31,9 @@ def hann_response(delay_s, bandwidth_hz):
 def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
     """Angular pattern of the backscatter of a gently rough interface, not normalised, 1 at nadir.
 
-    Geometric optics with Gaussian slopes, ``exp(-tan^2 / 2 s^2) / cos^4``, s the slope along one axis: Ulaby, Moore &
-    Fung (1982), Microwave Remote Sensing II, section 12-5; plus a diffuse share that follows the cosine.
+    Geometric optics with Gaussian slopes, ``exp(-tan^2 / 2 s^2) / cos^4``, s the slope along one
+    axis: Ulaby, Moore & Fung (1982), Microwave Remote Sensing II, section 12-5; plus a diffuse
+    share that follows the cosine.
     """
     angle_rad = np.asarray(angle_rad, dtype=float)
     facets = np.exp(-(np.tan(angle_rad) ** 2) / (2 * rms_slope**2)) / np.cos(angle_rad) ** 4
@@ -41,25 +43,31 @@ def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
 def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
     """Power from the annulus illuminated at a delay [s] after the nadir point, relative to zero delay.
 
-    Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay ``2 pi R dR/dt``,
-    spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane form of Brown (1977), IEEE Trans.
-    Antennas Propag. 25, 67-74, before his convolution with pulse and heights. `height_m`: antenna over interface;
-    `beamwidth_deg`: two-sided, 3 dB, of one antenna, Gaussian. Refraction in the firn above a buried interface is
-    neglected: over 20 m it moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried
-    interface is the one seen from the air, n times its own.
+    Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay
+    ``2 pi R dR/dt``, spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane
+    form of Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, before his convolution with pulse
+    and heights. `height_m`: antenna over interface; `beamwidth_deg`: two-sided, 3 dB, of one
+    antenna, Gaussian. Refraction in the firn above a buried interface is neglected: over 20 m it
+    moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried interface
+    is the one seen from the air, n times its own.
     """
     range_m = height_m + SPEED_OF_LIGHT_M_S * np.asarray(delay_s, dtype=float) / 2
     angle = np.arccos(height_m / range_m)
     two_way_gain = np.exp(-4 * np.log(2) * (angle / np.radians(beamwidth_deg)) ** 2) ** 2
-    return two_way_gain * backscatter_geometric_optics(angle, rms_slope, diffuse_share) * (height_m / range_m) ** 3
+    return (
+        two_way_gain
+        * backscatter_geometric_optics(angle, rms_slope, diffuse_share)
+        * (height_m / range_m) ** 3
+    )
 
 
 @dataclass(frozen=True)
 class Waveform:
     """Mean echo of one interface on the sub-bin grid, before the range response.
 
-    `power` float32 (sub_bin,) sums to 1: a rougher interface spreads its power, it does not add any. `lead`: sub-bins
-    from its first sample to the peak of the waveform as received; `peak`: height of that peak.
+    `power` float32 (sub_bin,) sums to 1: a rougher interface spreads its power, it does not add
+    any. `lead`: sub-bins from its first sample to the peak of the waveform as received; `peak`:
+    height of that peak.
     """
 
     power: np.ndarray
@@ -87,12 +95,18 @@ def interface_waveform(radar, rms_slope, roughness_m):
     finer = 8
     n_samples = radar.n_range_bins * radar.n_sub_bins  # the diffuse share reaches beyond any window
     delay_s = (np.arange(n_samples * finer) + 0.5) * step_s / finer
-    tail = annulus_power(delay_s, radar.height_m, rms_slope, radar.diffuse_share, radar.beamwidth_deg)
+    tail = annulus_power(
+        delay_s, radar.height_m, rms_slope, radar.diffuse_share, radar.beamwidth_deg
+    )
     tail = tail.reshape(-1, finer).mean(axis=1)
     tail = tail[: int(np.argmax(tail < TAIL_END * tail[0])) or n_samples]
     spread = roughness_m * 1.3 * 2 / SPEED_OF_LIGHT_M_S / step_s
     margin = int(np.ceil(4 * spread)) + 1
-    power = gaussian_filter1d(np.pad(tail, margin), spread, mode="constant") if spread > 0 else np.pad(tail, margin)
+    power = (
+        gaussian_filter1d(np.pad(tail, margin), spread, mode="constant")
+        if spread > 0
+        else np.pad(tail, margin)
+    )
     power /= power.sum()
     received = np.convolve(power, range_response(radar).astype(float) ** 2, mode="same")
     top = int(np.argmax(received))
@@ -104,7 +118,8 @@ def interface_waveform(radar, rms_slope, roughness_m):
 def received_mean(sub_bin_power, radar, margin):
     """Mean detected power at range bins, (range_line, range_bin), of the variance of scatterers (range_line, sub_bin).
 
-    `margin` sub-bins, at least half the length of `range_response`, come before bin 0 and after the last.
+    `margin` sub-bins, at least half the length of `range_response`, come before bin 0 and after the
+    last.
     """
     return _filtered(sub_bin_power, range_response(radar) ** 2, radar.n_sub_bins, margin)
 
@@ -112,13 +127,16 @@ def received_mean(sub_bin_power, radar, margin):
 def draw_look(amplitude, radar, margin, *, rng):
     """Complex echo of one look at range bins, complex64 (range_line, range_bin).
 
-    Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian; the range response
-    correlates neighbouring bins. `amplitude` float32 (range_line, sub_bin): square root of half their mean power.
-    float32: rounding is 1e-7 of a quantity that is itself random.
+    Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian;
+    the range response correlates neighbouring bins. `amplitude` float32 (range_line, sub_bin):
+    square root of half their mean power. float32: rounding is 1e-7 of a quantity that is itself
+    random.
     """
     parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
     parts *= amplitude
-    real, imaginary = (_filtered(part, range_response(radar), radar.n_sub_bins, margin) for part in parts)
+    real, imaginary = (
+        _filtered(part, range_response(radar), radar.n_sub_bins, margin) for part in parts
+    )
     return real + np.complex64(1j) * imaginary
 
 
@@ -149,23 +167,26 @@ def _filtered(field, taps, n_sub_bins, margin):
 def sidelobes(radar):
     """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred; to be added to the scatterers.
 
-    Deconvolution leaves a pedestal on both sides of every echo that falls exponentially with delay; within the main
-    lobe, 2 / B to either side, there is none. `sidelobe_db` is its level at zero delay relative to the echo's peak.
+    Deconvolution leaves a pedestal on both sides of every echo that falls exponentially with delay;
+    within the main lobe, 2 / B to either side, there is none. `sidelobe_db` is its level at zero
+    delay relative to the echo's peak.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
     half = int(np.ceil(PEDESTAL_FALLS * radar.sidelobe_fall_s / step_s))
     delay_s = np.abs(np.arange(-half, half + 1)) * step_s
     level = 10 ** (radar.sidelobe_db / 10) * np.exp(-delay_s / radar.sidelobe_fall_s)
     level[delay_s < 2 / radar.bandwidth_hz] = 0
-    # The range response that follows has a peak of 1 / its equivalent width, a Hann window's being 1.5 / B.
+    # The range response that follows has a peak of 1 / its equivalent width, a Hann window's being
+    # 1.5 / B.
     return (level * step_s * radar.bandwidth_hz / 1.5).astype(np.float32)
 
 
 def draw_coherent_noise(n_sub_bins, radar, *, rng):
     """Power of horizontal bands of coherent noise over thermal noise, float32 (sub_bin,).
 
-    Residual after removal of coherent noise: bands at fixed travel times, one every `band_spacing_s` on average, of
-    exponentially distributed power about `band_noise_db` and Gaussian shape.
+    Residual after removal of coherent noise: bands at fixed travel times, one every
+    `band_spacing_s` on average, of exponentially distributed power about `band_noise_db` and
+    Gaussian shape.
     """
     step_s = radar.bin_size_s / radar.n_sub_bins
     n_bands = rng.poisson(n_sub_bins * step_s / radar.band_spacing_s)
@@ -198,22 +219,28 @@ def draw_roll_gain(n_lines, radar, *, rng):
 
 def draw_receiver_gain(n_lines, radar, *, rng):
     """Receiver gain, (range_line,), linear power: brightness jumps, each until the next, and gain from line to line."""
-    jumps_db = np.where(rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
+    jumps_db = np.where(
+        rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0
+    )
     return 10 ** ((np.cumsum(jumps_db) + radar.line_gain_sd_db * rng.standard_normal(n_lines)) / 10)
 
 
 def draw_surface_row(n_lines, surface_bin, radar, *, rng):
     """Row of the surface after elevation compensation, (range_line,).
 
-    The aircraft's movement is removed in whole range bins, as in the product, which leaves its fraction; the tracker
-    that steers the compensation adds a slow error.
+    The aircraft's movement is removed in whole range bins, as in the product, which leaves its
+    fraction; the tracker that steers the compensation adds a slow error.
     """
     bin_m = radar.bin_size_s * SPEED_OF_LIGHT_M_S / 2
     persistence = np.exp(-radar.line_spacing_m / 200)
     movement = rng.standard_normal(n_lines)
     movement[1:] *= np.sqrt(1 - persistence**2)
-    movement = gaussian_filter1d(lfilter([1], [1, -persistence], movement), 5) * radar.jitter_m / bin_m
+    movement = (
+        gaussian_filter1d(lfilter([1], [1, -persistence], movement), 5) * radar.jitter_m / bin_m
+    )
     width, margin = 20, 100
-    error = gaussian_filter1d(rng.standard_normal(n_lines + 2 * margin), width)[margin : margin + n_lines]
+    error = gaussian_filter1d(rng.standard_normal(n_lines + 2 * margin), width)[
+        margin : margin + n_lines
+    ]
     error *= np.sqrt(2 * width * np.sqrt(np.pi))  # unit variance
     return surface_bin + movement - np.rint(movement) + radar.tracking_sd_bins * error

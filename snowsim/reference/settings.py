@@ -35,7 +35,8 @@ def check_limits(settings):
 class ClimateSettings:
     """Accumulation along the line; spreads are standard deviations of its logarithm."""
 
-    # Below half, a window holds more years than a climate has; above three, years are thicker than anywhere there.
+    # Below half, a window holds more years than a climate has; above three, years are thicker than
+    # anywhere there.
     accumulation_factor: float = limited(0.85, 0.5, 3)
     anomaly_sd: float = limited(0.18, 0, 1)
     undulation_sd: float = limited(0.07, 0, 1)
@@ -135,7 +136,12 @@ class RadarSettings:
 
     def __post_init__(self):
         check_limits(self)
-        for name, least in (("n_range_bins", 200), ("surface_bin", 10), ("n_sub_bins", 1), ("n_looks", 1)):
+        for name, least in (
+            ("n_range_bins", 200),
+            ("surface_bin", 10),
+            ("n_sub_bins", 1),
+            ("n_looks", 1),
+        ):
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
                 msg = f"radar.{name} must be an integer of at least {least}, got {value!r}"
@@ -174,14 +180,20 @@ class Settings:
     picks: PickSettings = field(default_factory=PickSettings)
 
 
-GROUPS = {"climate": ClimateSettings, "firn": FirnSettings, "radar": RadarSettings, "picks": PickSettings}
+GROUPS = {
+    "climate": ClimateSettings,
+    "firn": FirnSettings,
+    "radar": RadarSettings,
+    "picks": PickSettings,
+}
 GROUP_NAMES = {group: name for name, group in GROUPS.items()}
 
 
 def checked_settings(reference):
     """Settings from the `reference` section of a configuration: dicts `climate`, `firn`, `radar`, `picks`.
 
-    Missing keys keep their defaults. ValueError, naming the key, if one is unknown or a value out of range.
+    Missing keys keep their defaults. ValueError, naming the key, if one is unknown or a value out
+    of range.
     """
     _refuse_unknown(reference, GROUPS, "reference")
     made = {}
@@ -201,7 +213,9 @@ def check_window(settings):
     wettest = place_at(line_length_km(), climate.accumulation_factor)
     water_m = climate.open_year * wettest.accumulation_m
     density = settings.firn.surface_density_kg_m3
-    depth_m = depth_herron_langway80(water_m, wettest.accumulation_m, wettest.temperature_k, density)
+    depth_m = depth_herron_langway80(
+        water_m, wettest.accumulation_m, wettest.temperature_k, density
+    )
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
     if radar.n_range_bins < least:

@@ -11,14 +11,16 @@ __all__ += ["summary_from_dataset", "summary_to_dataset"]
 def fit(frames, *, estimator="deblended"):
     """Statistics of a flight.
 
-    Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range line.
+    Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range
+    line.
 
     Parameters
     ----------
     frames : iterable of (xarray.Dataset, xarray.Dataset)
         Echogram and layers of each frame (Open Polar Radar convention), one bin size throughout.
     estimator : {"deblended", "paper"}
-        `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021) as printed.
+        `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021)
+        as printed.
 
     Returns
     -------
@@ -28,7 +30,8 @@ def fit(frames, *, estimator="deblended"):
     Raises
     ------
     ValueError
-        If there is no frame, bin sizes differ, a dataset breaks the convention, or `estimate` refuses the flight.
+        If there is no frame, bin sizes differ, a dataset breaks the convention, or `estimate`
+        refuses the flight.
 
     Examples
     --------
@@ -45,4 +48,7 @@ def fit(frames, *, estimator="deblended"):
     >>> statistics.attrs["n_frames"], bool(statistics["peak_power"][0] > statistics["peak_power"][1])
     (2, True)
     """
-    return estimate(merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)), estimator=estimator)
+    return estimate(
+        merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)),
+        estimator=estimator,
+    )

@@ -9,19 +9,31 @@ from scipy.signal.windows import hann
 
 from snowsim.constants import BLOCK_LINES
 
-# Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab, decametre drift does not.
+# Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab,
+# decametre drift does not.
 BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4  # (block, slab) pairs needed to estimate the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
-STRETCHES = (1, 2, 4, 8, 16)  # per block: spectra come from the longest stretches of which enough have no gap
+STRETCHES = (
+    1,
+    2,
+    4,
+    8,
+    16,
+)  # per block: spectra come from the longest stretches of which enough have no gap
 ENOUGH_SHARE = 0.1  # of the number of blocks
 NOISE_WAVENUMBER = 0.375  # [cycles per line] above it, picked layers are not known to undulate: what is there is noise
-SURE = 3.0  # standard errors above which pick noise is accepted: with few blocks, two occur by chance
-# A spectrum ends where its mean over 7 wavenumbers is below 1.5 times the pick noise: with 4 stretches, whose tapered
-# ordinates correlate in pairs, that mean scatters by a quarter for noise alone.
+SURE = (
+    3.0  # standard errors above which pick noise is accepted: with few blocks, two occur by chance
+)
+# A spectrum ends where its mean over 7 wavenumbers is below 1.5 times the pick noise: with 4
+# stretches, whose tapered ordinates correlate in pairs, that mean scatters by a quarter for noise
+# alone.
 NOISE_SMOOTHING, CLEARANCE = 7, 1.5
-FAINT = 1e-3  # of a band's largest density, below which wavenumbers do not count for its correlation
+FAINT = (
+    1e-3  # of a band's largest density, below which wavenumbers do not count for its correlation
+)
 
 
 def thickness_blocks(summary, n_layers):
@@ -32,7 +44,9 @@ def thickness_blocks(summary, n_layers):
         depth = np.full((n_layers, n_blocks * BLOCK_LINES), np.nan)
         held = frame.depth_bins[:n_layers, : n_blocks * BLOCK_LINES]
         depth[: len(held)] = held
-        parts.append(np.diff(depth, axis=0).reshape(n_layers - 1, n_blocks, BLOCK_LINES).swapaxes(0, 1))
+        parts.append(
+            np.diff(depth, axis=0).reshape(n_layers - 1, n_blocks, BLOCK_LINES).swapaxes(0, 1)
+        )
     return np.concatenate(parts)
 
 
@@ -47,9 +61,10 @@ def block_means(thickness):
 def block_levels(mean):
     """Mean thickness of slab 0 in every block, (block,) [bins], and whether slab 0 was picked there, bool (block,).
 
-    From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is modelled as the block's
-    level times the slab's factor: both follow by least squares of the logarithms, in alternating sweeps that start from
-    blocks with slab 0. NaN for a block that shares no slab with the others.
+    From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is
+    modelled as the block's level times the slab's factor: both follow by least squares of the
+    logarithms, in alternating sweeps that start from blocks with slab 0. NaN for a block that
+    shares no slab with the others.
     """
     known = np.isfinite(mean)
     own = known[:, 0]
@@ -71,8 +86,9 @@ def block_levels(mean):
 def stretches(thickness, minimum):
     """Thickness (block, slab, range_line) cut along track into stretches of which enough have no gap.
 
-    Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of blocks, have no gap;
-    otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if every stretch has gaps.
+    Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of
+    blocks, have no gap; otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if
+    every stretch has gaps.
     """
     n_blocks, n_slabs, n_lines = thickness.shape
     enough = max(minimum, ENOUGH_SHARE * n_blocks)
@@ -99,22 +115,25 @@ def taper_of(n_lines):
 def fourier(series, tapered):
     """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` gives.
 
-    About the mean; if `tapered`, about the least-squares line under a Hann taper, each wavenumber scaled so that white
-    series keep their density. A plain transform leaks as k^-2; a tapered one recovers densities as steep as k^-6 within
-    .4 dB from two cycles on. At the lowest cycle, the line removes up to .7 dB more if spectra are steep.
+    About the mean; if `tapered`, about the least-squares line under a Hann taper, each wavenumber
+    scaled so that white series keep their density. A plain transform leaks as k^-2; a tapered one
+    recovers densities as steep as k^-6 within .4 dB from two cycles on. At the lowest cycle, the
+    line removes up to .7 dB more if spectra are steep.
     """
     n = series.shape[-1]
     if not tapered:
         return np.fft.rfft(series - series.mean(axis=-1, keepdims=True)) * np.sqrt(2 / n)
     taper, white = taper_of(n)
-    return np.fft.rfft(detrend(series) * taper) * np.sqrt(2 / n / np.where(white > 0, white, np.inf))
+    return np.fft.rfft(detrend(series) * taper) * np.sqrt(
+        2 / n / np.where(white > 0, white, np.inf)
+    )
 
 
 def periodogram(series, *, tapered=False):
     """One-sided power spectral density along the last axis, about the mean, per cycle per line.
 
-    ``P_k = 2 |X_k|^2 / N`` (without the 2 at the Nyquist wavenumber), so that ``sum_k P_k / N`` is the variance; no
-    window, NaN in, NaN out. `tapered`: see `fourier`.
+    ``P_k = 2 |X_k|^2 / N`` (without the 2 at the Nyquist wavenumber), so that ``sum_k P_k / N`` is
+    the variance; no window, NaN in, NaN out. `tapered`: see `fourier`.
     """
     density = np.abs(fourier(series, tapered)) ** 2
     density[..., 0] = 0
@@ -144,9 +163,10 @@ def rises(series):
 def pick_noise(series, served, minimum):
     """Variance of the noise of each layer's picks and its standard error, two (layer,) [bins^2].
 
-    From stretches (stretch, slab, range_line) that are `served` (stretch, slab). Noise of a layer's picks thickens the
-    slab above and thins the one below: its density is minus the real part of their cross-spectrum above
-    `NOISE_WAVENUMBER`, taken as white. The first and last layer, and those of fewer than `minimum`, take the mean.
+    From stretches (stretch, slab, range_line) that are `served` (stretch, slab). Noise of a layer's
+    picks thickens the slab above and thins the one below: its density is minus the real part of
+    their cross-spectrum above `NOISE_WAVENUMBER`, taken as white. The first and last layer, and
+    those of fewer than `minimum`, take the mean.
     """
     n_layers = served.shape[1] + 1
     spectrum = fourier(np.where(served[..., None], series, 0), True)
@@ -179,8 +199,9 @@ def _mean_where(held, values, axis):
 def undulation_correlation(series, served, density, *, tapered):
     """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
 
-    From the stretches (stretch, slab, range_line) that are `served` (stretch, slab). Dividing by the expected `density`
-    (stretch, slab, wavenumber), 0 where unknown, weights all equally; those 30 dB below their band's are left out.
+    From the stretches (stretch, slab, range_line) that are `served` (stretch, slab). Dividing by
+    the expected `density` (stretch, slab, wavenumber), 0 where unknown, weights all equally; those
+    30 dB below their band's are left out.
     """
     spectrum = fourier(np.where(served[..., None], series, 0), tapered)
     rows = []
@@ -189,7 +210,11 @@ def undulation_correlation(series, served, density, *, tapered):
         band = slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1))
         within = density[..., band]
         usable = within > FAINT * within.max(axis=-1, keepdims=True)
-        rows.append(correlation_by_separation(spectrum[..., band] / np.sqrt(np.where(usable, within, np.inf))))
+        rows.append(
+            correlation_by_separation(
+                spectrum[..., band] / np.sqrt(np.where(usable, within, np.inf))
+            )
+        )
     return np.array(rows)
 
 
@@ -212,7 +237,8 @@ def mean_correlation(relative, zone, minimum):
 def correlation_by_separation(values):
     """Mean correlation of (block, slab, sample) at separations in slabs, (separation,); absent samples are 0.
 
-    A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the value of the one before, the first 0.
+    A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the value of the one
+    before, the first 0.
     """
     n_slabs = values.shape[1]
     correlation = np.ones(n_slabs)

@@ -28,7 +28,9 @@ def paper_values(measured):
     decay, decay_error, no_decay = _layer_means(measured.decay[:, :-1])
     width, width_error, no_width = _layer_means(measured.width)
     values = {
-        "peak_power": _bridged(measured.tracked_power, measured.tracked_error, measured.n_picks > 0),
+        "peak_power": _bridged(
+            measured.tracked_power, measured.tracked_error, measured.n_picks > 0
+        ),
         "decay_rate": (np.append(decay, np.nan), np.append(decay_error, np.nan)),
         **dict.fromkeys(("width_bins", "variance_bins2"), (width, width_error)),
         "offset_bins": np.zeros((2, width.size)),
@@ -44,8 +46,13 @@ def deblended_values(measured, groups):
     power, _, n_groups = nan_moments(powers)
     reliable = (n_groups > 0) & (power > 2 * power_error)
     above_noise = np.maximum(measured.tracked_power - groups.noise_power, 0)
-    # Faint layers keep the share that deblending leaves of the others, always positive: only that can be rendered.
-    share = np.median(power[reliable] / above_noise[reliable]) if (reliable & (above_noise > 0)).any() else 1.0
+    # Faint layers keep the share that deblending leaves of the others, always positive: only that
+    # can be rendered.
+    share = (
+        np.median(power[reliable] / above_noise[reliable])
+        if (reliable & (above_noise > 0)).any()
+        else 1.0
+    )
     floor = np.where(above_noise > 0, above_noise, measured.tracked_error + groups.noise_power)
     peak_power = _bridged(
         np.where(reliable, power, share * floor),
@@ -60,7 +67,11 @@ def deblended_values(measured, groups):
     observed, modelled = _mean_waveforms(groups, modelled)
     peak_offset, peak_value = waveform_peak(variance, decay)
     lag = LAGS - (shape[:, 2] - peak_offset)[:, None]
-    alone = peak_power[0][:, None] * waveform_exact(lag, variance[:, None], decay[:, None]) / peak_value[:, None]
+    alone = (
+        peak_power[0][:, None]
+        * waveform_exact(lag, variance[:, None], decay[:, None])
+        / peak_value[:, None]
+    )
     values = {
         "peak_power": peak_power,
         "decay_rate": (decay, decay * error[:, 0]),
@@ -80,7 +91,9 @@ def deblended_values(measured, groups):
 def _with_errors(values):
     """Values and their standard errors, each under a name of its own."""
     return {
-        f"{name}{end}": v for name, both in values.items() for end, v in zip(("", "_standard_error"), both, strict=True)
+        f"{name}{end}": v
+        for name, both in values.items()
+        for end, v in zip(("", "_standard_error"), both, strict=True)
     }
 
 
@@ -88,7 +101,9 @@ def _bridged(power, error, known):
     """Power and error, with unknown layers interpolated between their neighbours, linearly in the logarithm."""
     layers, held = np.arange(known.size), np.flatnonzero(known)
     return tuple(
-        np.where(known, values, np.exp(np.interp(layers, held, np.log(np.maximum(values[held], 1e-300)))))
+        np.where(
+            known, values, np.exp(np.interp(layers, held, np.log(np.maximum(values[held], 1e-300))))
+        )
         for values in (power, error)
     )
 
@@ -111,7 +126,11 @@ def _mean_waveforms(groups, model):
     observed, modelled = (np.zeros((groups.present.shape[1], LAGS.size)) for _ in range(2))
     for layer in range(len(observed)):
         held = np.flatnonzero(groups.present[:, layer])
-        rows = np.rint(groups.position[held, layer].mean(axis=1)).astype(int)[:, None] - FIRST_ROW + LAGS
+        rows = (
+            np.rint(groups.position[held, layer].mean(axis=1)).astype(int)[:, None]
+            - FIRST_ROW
+            + LAGS
+        )
         inside = (rows >= 0) & (rows < n_rows)
         at = held[:, None], np.clip(rows, 0, n_rows - 1)
         # Observed and modelled over the same samples, so that the two can be compared.

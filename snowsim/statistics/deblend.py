@@ -10,8 +10,11 @@ from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powe
 from snowsim.statistics.paper import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
-SHAPE_GROUPS = 60  # averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %
-# Residuals so many standard deviations above the model have half weight, as of Cauchy's law; those below it keep it.
+SHAPE_GROUPS = (
+    60  # averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %
+)
+# Residuals so many standard deviations above the model have half weight, as of Cauchy's law; those
+# below it keep it.
 CAUCHY = 1.0
 CLUSTER_GROUPS = 13  # averaged lines, about a block, within which misfit is taken as constant
 FEWEST_CLUSTERS = 8  # of a flight; a short flight has shorter clusters
@@ -19,12 +22,21 @@ MAX_STEPS = 25
 STEPS_TRIED = 4  # from each start; the better one goes on
 STEPS_ALONE = 6  # with a shape for every layer, to find the misfit that no shape explains
 MAX_ROUNDS = 4  # of letting layers depart from the shared shape
-STEP_TOLERANCE = 5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
+STEP_TOLERANCE = (
+    5e-3  # of log decay, log variance and bins: a tenth of the smallest bound asked of them
+)
 LONGEST_STEP = np.array([0.5, 0.7, 2.0])
-FIRST_VARIANCES = (0.7, 8.0)  # [bins^2] starts: of a waveform as narrow as the range response, and of a wide one
+FIRST_VARIANCES = (
+    0.7,
+    8.0,
+)  # [bins^2] starts: of a waveform as narrow as the range response, and of a wide one
 FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # log decay, log variance about their start; peak offset [bins]
-RESIDUAL_TOLERANCE = 2e-4  # relative change of the loss: what still moves then, the data do not constrain
+PRIOR_DEVIATION = np.array(
+    [1.0, 1.5, 4.0]
+)  # log decay, log variance about their start; peak offset [bins]
+RESIDUAL_TOLERANCE = (
+    2e-4  # relative change of the loss: what still moves then, the data do not constrain
+)
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 
@@ -32,24 +44,29 @@ UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 def deblend(groups, decay_rate):
     """Shapes and powers of all layers of a flight, solved for jointly.
 
-    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their medians are the start.
-    Returns shapes (layer, 3), log decay rate, log variance and distance of the waveform's peak below the pick [bins];
-    their standard errors; peak powers above noise, background and neighbours (group, layer), NaN where absent; the
-    standard error of their mean, (layer,), from their scatter and the errors of the shapes; which layers have a shape
-    of their own, bool (layer,); and the fitted lines with their noise, (group, row), NaN where no row was used.
+    From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their
+    medians are the start. Returns shapes (layer, 3), log decay rate, log variance and distance of
+    the waveform's peak below the pick [bins]; their standard errors; peak powers above noise,
+    background and neighbours (group, layer), NaN where absent; the standard error of their mean,
+    (layer,), from their scatter and the errors of the shapes; which layers have a shape of their
+    own, bool (layer,); and the fitted lines with their noise, (group, row), NaN where no row was
+    used.
 
-    Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of eq. (1) of Yari et
-    al. (2021), averaged over the parts of a group: within a part, a layer's rows have a variance v_l, which to
-    second order only widens the Gaussian. Powers and `Line.background` are free in every group and
-    linear, so they are eliminated (variable projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset
-    are found by Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs from
-    it only if the Bayesian information criterion favours it, see `departing`. Residuals are weighted by 1 / P^2 because
-    of speckle, and positive ones less (`CAUCHY`), because unpicked echoes only add to the waveforms. A broad prior
-    (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked ones is kept as a
-    nuisance at an interpolated row; below the last pick nothing is annotated.
+    Mean of a group: ``P(x) = noise + background + sum_l p_l w(x - x_l - c; d + v_l, alpha)``, w of
+    eq. (1) of Yari et al. (2021), averaged over the parts of a group: within a part, a layer's rows
+    have a variance v_l, which to second order only widens the Gaussian. Powers and
+    `Line.background` are free in every group and linear, so they are eliminated (variable
+    projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset are found by
+    Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs
+    from it only if the Bayesian information criterion favours it, see `departing`. Residuals are
+    weighted by 1 / P^2 because of speckle, and positive ones less (`CAUCHY`), because unpicked
+    echoes only add to the waveforms. A broad prior (`PRIOR_DEVIATION`) holds what the data do not
+    constrain. An unpicked layer between two picked ones is kept as a nuisance at an interpolated
+    row; below the last pick nothing is annotated.
 
-    Standard errors include misfit, which is taken as constant within `CLUSTER_GROUPS` groups, and for each layer along
-    the whole flight (scores are summed by either, and the two variances added).
+    Standard errors include misfit, which is taken as constant within `CLUSTER_GROUPS` groups, and
+    for each layer along the whole flight (scores are summed by either, and the two variances
+    added).
     """
     n_layers = groups.present.shape[1]
     prepared = {group: prepare_line(groups, group) for group in _spread_out(groups.present)}
@@ -61,7 +78,8 @@ def deblend(groups, decay_rate):
     solution = _solve(min(tried, key=lambda found: found.loss).shape_of_kind, kind, lines)
     # Misfit that no shape explains is estimated with a shape for every layer.
     lasting = lasting_misfit(
-        _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind, lines
+        _solve(solution.shape_of_kind[kind], np.arange(n_layers), lines, STEPS_ALONE).shape_of_kind,
+        lines,
     )
     for _ in range(MAX_ROUNDS):
         own = departing(solution, cluster, kind, lasting)
@@ -113,12 +131,17 @@ def _solve(start, kind, lines, n_steps=MAX_STEPS):
     for line in lines:
         line.scale = line.smooth
     for _ in range(n_steps):
-        hessian, gradient, scores, leverage, deviation, loss = _normal_equations(shape[kind], lines, deviation)
+        hessian, gradient, scores, leverage, deviation, loss = _normal_equations(
+            shape[kind], lines, deviation
+        )
         information = deviation**2 / np.tile(PRIOR_DEVIATION, len(shape)) ** 2
         matrix = spread.T @ hessian @ spread
         matrix[np.diag_indices_from(matrix)] += information
-        step = np.linalg.solve(matrix, spread.T @ gradient - information * (shape - start).ravel()).reshape(-1, 3)
-        # Scaled as a whole, a step keeps its direction; by kind, so that one bad layer does not slow the others.
+        step = np.linalg.solve(
+            matrix, spread.T @ gradient - information * (shape - start).ravel()
+        ).reshape(-1, 3)
+        # Scaled as a whole, a step keeps its direction; by kind, so that one bad layer does not
+        # slow the others.
         step /= np.maximum(1, (np.abs(step) / LONGEST_STEP).max(axis=1, keepdims=True))
         moved = np.clip(shape + step, LOWER, UPPER) - shape
         shape = shape + moved
@@ -137,9 +160,13 @@ def _with_covariance(solution, cluster, kind):
     alone = np.zeros((kind.size, 3 * (kind.max() + 1)))
     for layer, k in enumerate(kind):
         alone[layer, 3 * k : 3 * k + 3] = by_layer[layer]
-    # Correlation within clusters, as a mean over shapes: there are too few clusters to estimate it for each.
+    # Correlation within clusters, as a mean over shapes: there are too few clusters to estimate it
+    # for each.
     lasting = np.mean((summed**2).sum(axis=0) / np.maximum((by_line**2).sum(axis=0), 1e-300))
-    scatter = by_line.T @ by_line * max(lasting * len(summed) / max(len(summed) - 1, 1), 1) + alone.T @ alone
+    scatter = (
+        by_line.T @ by_line * max(lasting * len(summed) / max(len(summed) - 1, 1), 1)
+        + alone.T @ alone
+    )
     matrix = spread.T @ solution.hessian @ spread
     matrix[np.diag_indices_from(matrix)] += 1e-12 * np.trace(matrix)
     inverse = np.linalg.inv(matrix)
@@ -161,8 +188,9 @@ def _spread_out(present):
 def _normal_equations(shape, lines, deviation):
     """What a Gauss-Newton step needs: matrix and gradient of all shapes, gradient of each line.
 
-    Then the mean change of the powers with the shapes, (layer, 3 layer), the standard deviation of the residuals, from
-    their median, and the mean loss. The residuals' weights follow from the `deviation` of the step before.
+    Then the mean change of the powers with the shapes, (layer, 3 layer), the standard deviation of
+    the residuals, from their median, and the mean loss. The residuals' weights follow from the
+    `deviation` of the step before.
     """
     n_layers = len(shape)
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
@@ -181,7 +209,8 @@ def _normal_equations(shape, lines, deviation):
         powers, factor = solve_powers(linear, line, scale)
         model = powers @ linear
         residuals.append((line.signal - model) / line.scale)
-        # Unpicked layers between picks help to explain the line, but at guessed rows do not constrain their shape.
+        # Unpicked layers between picks help to explain the line, but at guessed rows do not
+        # constrain their shape.
         slopes = (columns[1:] * powers[:n, None] / scale)[:, line.picked]
         slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
         mixed = linear / scale @ slopes.T

@@ -19,9 +19,9 @@ def clustered(scores, cluster):
 def lasting_misfit(shape, lines):
     """Variance per line of a layer's score from unpicked echoes that persist along the flight, (layer,).
 
-    Such an echo has the shared waveform and lies anywhere about the layer. Its strength is what the mean profile of
-    residuals at `MISFIT_LAGS` has beyond the layer's own power and shape and beyond speckle, in the layer with most of
-    it. From that follows the part that looks like another shape.
+    Such an echo has the shared waveform and lies anywhere about the layer. Its strength is what the
+    mean profile of residuals at `MISFIT_LAGS` has beyond the layer's own power and shape and beyond
+    speckle, in the layer with most of it. From that follows the part that looks like another shape.
     """
     n_layers, described = len(shape), describe(shape)
     profiles, n_lines, squares = np.zeros((n_layers, 6, MISFIT_LAGS.size)), np.zeros(n_layers), []
@@ -30,11 +30,15 @@ def lasting_misfit(shape, lines):
         linear = np.concatenate([columns[0], line.background])
         powers, _ = solve_powers(linear, line)
         residual = (line.signal - powers @ linear) / line.scale
-        squares.append(np.median(residual**2) / 0.455)  # the median of chi-square with one degree of freedom
+        squares.append(
+            np.median(residual**2) / 0.455
+        )  # the median of chi-square with one degree of freedom
         for i in np.flatnonzero(line.picked):
             rows = np.searchsorted(line.rows, np.rint(line.position[i].mean()) + MISFIT_LAGS)
             if rows[-1] < line.rows.size and np.ptp(line.rows[rows]) == np.ptp(MISFIT_LAGS):
-                own = np.vstack([columns[:, i, rows] * powers[i], np.full(rows.size, line.scale[rows].mean())])
+                own = np.vstack(
+                    [columns[:, i, rows] * powers[i], np.full(rows.size, line.scale[rows].mean())]
+                )
                 own /= line.scale[rows]
                 profiles[line.layers[i]] += np.vstack([residual[rows], own])
                 n_lines[line.layers[i]] += 1
@@ -44,7 +48,10 @@ def lasting_misfit(shape, lines):
     for layer in seen:
         residual, *explained, weight = profiles[layer] / n_lines[layer]
         lag = MISFIT_LAGS[:, None] - ECHO_LAGS - described.offset[layer] + described.peak[layer]
-        echo = waveform_exact(lag, described.variance[layer], described.decay[layer]) / described.height[layer]
+        echo = (
+            waveform_exact(lag, described.variance[layer], described.decay[layer])
+            / described.height[layer]
+        )
         echo *= weight[:, None]
         basis = np.linalg.qr(np.array(explained).T)[0]  # its own power first, then its shape
         part = basis.T @ echo
@@ -52,7 +59,8 @@ def lasting_misfit(shape, lines):
         speckle = np.mean(squares) / n_lines[layer] * (free + 4 * np.sqrt(2 * free))
         left = (residual**2).sum() - ((basis.T @ residual) ** 2).sum() - speckle
         remains = (echo**2).sum() - (part**2).sum()
-        # For a wide waveform, a change of shape can explain nearly all of an echo: the rest is too small to use.
+        # For a wide waveform, a change of shape can explain nearly all of an echo: the rest is too
+        # small to use.
         if remains > LEAST_SHARE * (echo**2).sum():
             strength.append(left / remains)
         alike[layer] = (part[1:] ** 2).sum() / 3
@@ -62,10 +70,11 @@ def lasting_misfit(shape, lines):
 def departing(solution, cluster, kind, lasting):
     """Buried layers whose scores favour a shape of their own, bool (layer,).
 
-    ``s' H^-1 s / phi`` is what a layer gains by its own shape, s its score at the shared one and H its part of the
-    matrix. Rows are not independent, because unpicked echoes persist along track: phi is the mean over layers of
-    ``tr(H^-1 B) / 3``, B the scatter of s between clusters, plus the variance `lasting (layer,)` for each line, because
-    some echoes persist as long as the layer. The Bayesian information criterion requires 3 log(n) of n clusters.
+    ``s' H^-1 s / phi`` is what a layer gains by its own shape, s its score at the shared one and H
+    its part of the matrix. Rows are not independent, because unpicked echoes persist along track:
+    phi is the mean over layers of ``tr(H^-1 B) / 3``, B the scatter of s between clusters, plus the
+    variance `lasting (layer,)` for each line, because some echoes persist as long as the layer. The
+    Bayesian information criterion requires 3 log(n) of n clusters.
     """
     summed = clustered(solution.scores, cluster).reshape(-1, kind.size, 3)
     blocks = solution.hessian.reshape(kind.size, 3, kind.size, 3)

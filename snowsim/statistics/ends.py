@@ -15,15 +15,18 @@ PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
 def end_contrasts(groups, frame_of):
     """Rise of layers over the snow above where no deeper one is picked: frame and dB of every averaged line.
 
-    Power on the pick over the minimum between it and the layer above, in stretches of at least `END_GROUPS` averaged
-    lines: the minimum is located on half of the lines and read on the others, so that speckle does not bias it low.
+    Power on the pick over the minimum between it and the layer above, in stretches of at least
+    `END_GROUPS` averaged lines: the minimum is located on half of the lines and read on the others,
+    so that speckle does not bias it low.
     """
     ends = []
     for frame in np.unique(frame_of):
         members = np.flatnonzero(frame_of == frame)
         present = groups.present[members]
         for layer in range(1, present.shape[1]):
-            deepest = present[:, layer] & present[:, layer - 1] & ~present[:, layer + 1 :].any(axis=1)
+            deepest = (
+                present[:, layer] & present[:, layer - 1] & ~present[:, layer + 1 :].any(axis=1)
+            )
             edges = np.flatnonzero(np.diff(np.concatenate([[0], deepest, [0]])))
             for start, stop in edges.reshape(-1, 2):
                 if stop - start >= END_GROUPS:
@@ -36,11 +39,17 @@ def _rise(groups, members, layer):
     """Power on a layer over the minimum between it and the one above [dB]."""
     position = groups.position[members].mean(axis=2)
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
-    rows = position[:, layer - 1, None] + step * (position[:, layer] - position[:, layer - 1])[:, None] - FIRST_ROW
+    rows = (
+        position[:, layer - 1, None]
+        + step * (position[:, layer] - position[:, layer - 1])[:, None]
+        - FIRST_ROW
+    )
     whole = np.clip(np.floor(rows).astype(int), 0, groups.power.shape[1] - 2)
     share = rows - whole
     power = groups.power
-    sampled = (1 - share) * power[members[:, None], whole] + share * power[members[:, None], whole + 1]
+    sampled = (1 - share) * power[members[:, None], whole] + share * power[
+        members[:, None], whole + 1
+    ]
     halves = [sampled[i::2].mean(axis=0) for i in (0, 1)]
     valley = np.mean([halves[1 - i][np.argmin(halves[i])] for i in (0, 1)])
     peak = np.mean([half[-1] for half in halves])
@@ -71,7 +80,8 @@ def echoes_below(groups, block_of, n_looks):
             continue
         deviation_db = DB / np.sqrt(n_looks * GROUP_LINES * members.size)
         peaks, rise = find_peaks(
-            DB * np.log(np.maximum(stack.mean(axis=0), 1e-300)), prominence=PEAK_DEVIATIONS * deviation_db
+            DB * np.log(np.maximum(stack.mean(axis=0), 1e-300)),
+            prominence=PEAK_DEVIATIONS * deviation_db,
         )
         found[block] = peaks.size, rise["prominences"].sum(), stack.shape[1]
     return found

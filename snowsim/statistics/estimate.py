@@ -9,7 +9,12 @@ from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_
 from snowsim.statistics.lines import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.radiometry import LAW_FALLS, power_on_picks, radiometry
-from snowsim.statistics.speckle import MOST_LOOKS, compare_with_gamma, detected_power_spectra, range_correlation
+from snowsim.statistics.speckle import (
+    MOST_LOOKS,
+    compare_with_gamma,
+    detected_power_spectra,
+    range_correlation,
+)
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, stacked, stacked_tracked
 from snowsim.statistics.surface import surface_statistics
 from snowsim.statistics.zones import MINIMUM_BLOCKS, as_variables, zone_statistics
@@ -33,22 +38,24 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     Returns
     -------
     xarray.Dataset
-        The variables of the public interface, each with `<name>_standard_error`:
-        `peak_power`, `decay_rate`, `width_bins`, `variance_bins2 (layer)`, `width_bound_bins (bound)`, `noise_power`,
-        `zone_edge_bins (edge)`, `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
-        `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`, `n_samples (zone, slab)`.
-        Beside them: counts (`n_picks`, `n_groups (layer)`, `n_gap_blocks (slab)`, `n_psd_samples (zone, slab)`), rules
-        applied (`substituted (layer)`, `source`, `psd_source (zone, slab)`), `offset_bins (layer)` of the waveform's
-        peak below the pick, the width histogram, correlations between slabs, mean waveforms, tracked power against
-        Gamma(M), autocorrelation of speckle down range (`speckle_correlation (speckle_lag)`, by range bins from 0, and
-        the attribute `speckle_correlation_source`, see `range_correlation`), along-track spectra of power, and how
-        power, noise and decay vary, see `radiometry`.
+        The variables of the public interface, each with `<name>_standard_error`: `peak_power`,
+        `decay_rate`, `width_bins`, `variance_bins2 (layer)`, `width_bound_bins (bound)`,
+        `noise_power`, `zone_edge_bins (edge)`, `thickness_mean_bins`, `thickness_variance_bins2`,
+        `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone,
+        slab, wavenumber)`, `n_samples (zone, slab)`. Beside them: counts (`n_picks`, `n_groups
+        (layer)`, `n_gap_blocks (slab)`, `n_psd_samples (zone, slab)`), rules applied (`substituted
+        (layer)`, `source`, `psd_source (zone, slab)`), `offset_bins (layer)` of the waveform's peak
+        below the pick, the width histogram, correlations between slabs, mean waveforms, tracked
+        power against Gamma(M), autocorrelation of speckle down range (`speckle_correlation
+        (speckle_lag)`, by range bins from 0, and the attribute `speckle_correlation_source`, see
+        `range_correlation`), along-track spectra of power, and how power, noise and decay vary, see
+        `radiometry`.
 
     Raises
     ------
     ValueError
-        If the estimator is unknown, there is no air above the surface, no layer, or what `zone_statistics`
-        refuses.
+        If the estimator is unknown, there is no air above the surface, no layer, or what
+        `zone_statistics` refuses.
 
     Notes
     -----
@@ -69,7 +76,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     decay, width = measure_groups(groups.power, groups.position.mean(axis=2), groups.present)
     measured = Measured(*tracked, decay, width)
     if estimator == "paper":
-        layer_values, powers = paper_values(measured), power_on_picks(summary, n_layers, noise_power)
+        layer_values, powers = (
+            paper_values(measured),
+            power_on_picks(summary, n_layers, noise_power),
+        )
     else:
         layer_values, powers = deblended_values(measured, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
@@ -79,13 +89,19 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins, tapered=tapered)
     dataset = xr.Dataset(
         {"noise_power": ((), noise_power), "noise_power_standard_error": ((), noise_error)}
-        | {name: (("layer", "lag")[: np.ndim(value)], value) for name, value in layer_values.items()}
+        | {
+            name: (("layer", "lag")[: np.ndim(value)], value)
+            for name, value in layer_values.items()
+        }
         | as_variables(zones)
         | surface_statistics(summary, MINIMUM_BLOCKS)
         | _widths(width)
         | varies
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
-        | {"tracked_power_quantile": ("probability", looks[3]), "gamma_quantile": ("probability", looks[4])}
+        | {
+            "tracked_power_quantile": ("probability", looks[3]),
+            "gamma_quantile": ("probability", looks[4]),
+        }
         | {"speckle_correlation": ("speckle_lag", correlation)}
         | {"speckle_correlation_standard_error": ("speckle_lag", correlation_error)}
         | _spectra(summary),
@@ -112,7 +128,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
             "n_layers_seen": n_seen,
             **{name: value for name, value in zones.items() if not np.ndim(value)},
             "n_picks_outside": sum(frame.n_outside for frame in summary),
-            "n_frames_without_surface": sum(not np.isfinite(frame.depth_bins).any() for frame in summary),
+            "n_frames_without_surface": sum(
+                not np.isfinite(frame.depth_bins).any() for frame in summary
+            ),
         },
     )
     return _with_units(dataset)
@@ -120,7 +138,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
 
 def _noise(summary):
     """Noise power, its standard error from the scatter of groups, and the looks of the air."""
-    total, square, count = (stacked(summary, name) for name in ("air_sum", "air_square", "air_count"))
+    total, square, count = (
+        stacked(summary, name) for name in ("air_sum", "air_square", "air_count")
+    )
     held = count > 0
     if not held.any():
         msg = f"noise needs air more than {AIR_MARGIN_BINS} range bins above the surface, no range line has it"
@@ -158,13 +178,18 @@ def _widths(width):
         msg = "width bounds need a layer whose power falls to 1/e before the next, no averaged line has one"
         raise ValueError(msg)
     counts = np.array(
-        [np.histogram(column[np.isfinite(column)], bins=WIDTH_EDGES)[0] for column in width.T], dtype=np.int64
+        [np.histogram(column[np.isfinite(column)], bins=WIDTH_EDGES)[0] for column in width.T],
+        dtype=np.int64,
     )
     mean, half = values.mean(), np.sqrt(3) * values.std()
-    # Of mean -+ sqrt(3) s: variances s^2 / n and, for a uniform law of kurtosis 1.8, 3 s^2 0.8 / 4 n.
+    # Of mean -+ sqrt(3) s: variances s^2 / n and, for a uniform law of kurtosis 1.8, 3 s^2 0.8 / 4
+    # n.
     error = values.std() * np.sqrt(1.6 / values.size)
     return {
-        "width_bound_bins": ("bound", np.array([max(mean - half, values[0]), min(mean + half, values[-1])])),
+        "width_bound_bins": (
+            "bound",
+            np.array([max(mean - half, values[0]), min(mean + half, values[-1])]),
+        ),
         "width_bound_bins_standard_error": ("bound", np.full(2, error)),
         "width_histogram": (("layer", "width_bin"), counts),
     }
@@ -178,12 +203,26 @@ def _spectra(summary):
 
 def _with_units(dataset):
     """Units by the ending of the name."""
-    units = {"_bins": "range bin", "_bins2": "range bin^2", "_rate": "1/range bin", "_psd": "range bin^2 line/cycle"}
+    units = {
+        "_bins": "range bin",
+        "_bins2": "range bin^2",
+        "_rate": "1/range bin",
+        "_psd": "range bin^2 line/cycle",
+    }
     units |= {"_db": "dB", "_db2": "dB^2", "_lines": "range line"}
     for name, variable in dataset.variables.items():
-        ending = next((e for e in units if str(name).removesuffix("_standard_error").endswith(e)), None)
+        ending = next(
+            (e for e in units if str(name).removesuffix("_standard_error").endswith(e)), None
+        )
         variable.attrs["units"] = units.get(ending, "1")
-    for name in ("peak_power", "noise_power", "background_power", "mean_waveform", "model_waveform", "layer_waveform"):
+    for name in (
+        "peak_power",
+        "noise_power",
+        "background_power",
+        "mean_waveform",
+        "model_waveform",
+        "layer_waveform",
+    ):
         if name in dataset:
             dataset[name].attrs["units"] = "linear power"
     return dataset

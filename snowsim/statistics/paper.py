@@ -5,7 +5,9 @@ from numba import njit
 
 from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
 
-PEAK_REACH_BINS = 8  # the waveform's peak lies up to 6 bins below its Gaussian for variances of 10-15
+PEAK_REACH_BINS = (
+    8  # the waveform's peak lies up to 6 bins below its Gaussian for variances of 10-15
+)
 OPEN_END_BINS = 40  # how far below the last pick of a line a width is searched for
 
 
@@ -32,7 +34,9 @@ def tracked_moments(summary, n_layers):
             part = power[:, first : first + GROUP_LINES]
             known = np.isfinite(part)
             n = known.sum(axis=1)
-            squares[: len(power)] += np.where(known, part - mean[: len(power), None], 0).sum(axis=1) ** 2
+            squares[: len(power)] += (
+                np.where(known, part - mean[: len(power), None], 0).sum(axis=1) ** 2
+            )
             groups[: len(power)] += n > 0
     # Ratio estimator: the residual sums of the groups are the independent terms.
     spread = np.sqrt(squares * groups / np.maximum(groups - 1, 1)) / np.maximum(count, 1)
@@ -53,11 +57,12 @@ def nan_moments(values):
 def measure_groups(power, position, present):
     """Decay rate [per bin] and 1/e width from the peak [bins] of every layer in every averaged line, (group, layer).
 
-    From averaged lines (group, row), rows of layers below the surface and whether they are present, (group, layer).
-    Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value
-    within `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next layer; NaN
-    where either layer is absent or no minimum lies between. The 1/e crossing is interpolated linearly; NaN where the
-    power does not fall so far before the minimum.
+    From averaged lines (group, row), rows of layers below the surface and whether they are present,
+    (group, layer). Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins
+    from the peak, the largest value within `PEAK_REACH_BINS` of the layer and half way to its
+    neighbours, to the minimum before the next layer; NaN where either layer is absent or no minimum
+    lies between. The 1/e crossing is interpolated linearly; NaN where the power does not fall so
+    far before the minimum.
     """
     return _measure(power, position, present, FIRST_ROW, PEAK_REACH_BINS, OPEN_END_BINS)
 
@@ -92,7 +97,9 @@ def _measure(power, position, present, first_row, reach, open_end):
             target = line[peak] / np.e
             for row in range(peak + 1, lowest + 1):
                 if line[row] <= target:
-                    width[group, layer] = row - peak - (target - line[row]) / (line[row - 1] - line[row])
+                    width[group, layer] = (
+                        row - peak - (target - line[row]) / (line[row - 1] - line[row])
+                    )
                     break
     return decay_rate, width
 

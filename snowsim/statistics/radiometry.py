@@ -17,14 +17,40 @@ DB = 10 / np.log(10)
 MOST_PARTS = 20  # of a flight, left out one at a time for standard errors
 FEWEST = 4  # blocks or layers needed to estimate a spread
 BACKGROUND_FROM = 8  # [bins] below the surface's pick: closer, its own echo dominates
-LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)  # [bins] e-folding depths of the mean background: sums fit most declines
+LAW_FALLS = (
+    30.0,
+    100.0,
+    300.0,
+    1000.0,
+)  # [bins] e-folding depths of the mean background: sums fit most declines
 NAMES = (
-    *("noise_spread_db", "surface_to_noise_spread_db", "common_spread_db", "layer_spread_db", "decay_spread"),
-    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db", *TEXTURE),
+    *(
+        "noise_spread_db",
+        "surface_to_noise_spread_db",
+        "common_spread_db",
+        "layer_spread_db",
+        "decay_spread",
+    ),
+    *(
+        "background_spread_db",
+        "further_spacing_bins",
+        "further_rise_db",
+        "end_contrast_db",
+        *TEXTURE,
+    ),
 )
-END_QUANTILE = 0.25  # of the rise of layers where picks end: those that an annotator can only just see
-# Where the flight is too short: no spread, no echo within an image, all picks count; no texture, fading, background.
-STAND_INS = [0.0] * 6 + [1000.0, 0.0, 0.0] + [0.0, 0.0, 1.0, 1.0] + [0.0, 1.0, 1.0, 0.0] * 2 + [0.0] * len(LAW_FALLS)
+END_QUANTILE = (
+    0.25  # of the rise of layers where picks end: those that an annotator can only just see
+)
+# Where the flight is too short: no spread, no echo within an image, all picks count; no texture,
+# fading, background.
+STAND_INS = (
+    [0.0] * 6
+    + [1000.0, 0.0, 0.0]
+    + [0.0, 0.0, 1.0, 1.0]
+    + [0.0, 1.0, 1.0, 0.0] * 2
+    + [0.0] * len(LAW_FALLS)
+)
 
 
 def power_on_picks(summary, n_layers, noise_power):
@@ -32,28 +58,31 @@ def power_on_picks(summary, n_layers, noise_power):
     tracked = stacked_tracked(summary)[:, :n_layers]
     known = np.isfinite(tracked)
     n = known.sum(axis=2)
-    return np.where(n > 0, np.where(known, tracked, 0).sum(axis=2) / np.maximum(n, 1) - noise_power, np.nan)
+    return np.where(
+        n > 0, np.where(known, tracked, 0).sum(axis=2) / np.maximum(n, 1) - noise_power, np.nan
+    )
 
 
 def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     """Statistics of how radiometry varies, name to (dimensions, values), and an attribute that names missing ones.
 
-    From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates of eq. (2) (group,
-    layer), values by layer of either estimator, and the flight's looks. Each has a jackknife standard error, from
-    leaving out parts of the flight. A quantity that the flight is too short to estimate is set constant, has no error
-    and is named in ``radiometry_missing``; then all layers count as visible, and no echoes lie below the last pick:
+    From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates
+    of eq. (2) (group, layer), values by layer of either estimator, and the flight's looks. Each has
+    a jackknife standard error, from leaving out parts of the flight. A quantity that the flight is
+    too short to estimate is set constant, has no error and is named in ``radiometry_missing``; then
+    all layers count as visible, and no echoes lie below the last pick:
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256 lines;
     - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each layer's mean over the
-      flight, common to all and each layer's own; `decay_spread` of the logarithm of the decay rate, less its scatter
-      within blocks;
+      flight, common to all and each layer's own; `decay_spread` of the logarithm of the decay rate,
+      less its scatter within blocks;
     - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface then buried
       layers, see `fading`; `fading_speckle_db2` is the nugget expected from the looks;
     - `end_contrast_db`: rise over the snow above of layers below which none is picked, the lower quartile;
     - `line_gain_spread_db`, `texture_variance`, `texture_length_bins`, `texture_length_lines`: see `texture`;
     - `background_power (fall)`, mean power of unpicked snow, ``sum_k b_k exp(-depth / fall_k)``, and its
-      `background_spread_db`; spacing and height of the echoes that rise out of it below the last pick,
-      `further_spacing_bins` and `further_rise_db`.
+      `background_spread_db`; spacing and height of the echoes that rise out of it below the last
+      pick, `further_spacing_bins` and `further_rise_db`.
     """
     frame_of = np.repeat(np.arange(len(summary)), [len(frame.power) for frame in summary])
     part_of = np.arange(len(summary)) * min(MOST_PARTS, len(summary)) // max(len(summary), 1)
@@ -63,7 +92,9 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     air = [_block_sums(stacked(summary, name), block_of) for name in ("air_sum", "air_count")]
     noise_db = DB * np.log(np.where(air[1] > 0, air[0] / np.maximum(air[1], 1), np.nan))
     power_db = DB * np.log(np.where(own > 0, own, np.nan))
-    background_db = DB * np.log(np.maximum(_block_means(background[:, None], block_of)[:, 0], 1e-300))
+    background_db = DB * np.log(
+        np.maximum(_block_means(background[:, None], block_of)[:, 0], 1e-300)
+    )
     decays = _block_decays(decay_rate, block_of)
     echoes = echoes_below(groups, block_of, n_looks)
     ends = end_contrasts(groups, frame_of)
@@ -139,7 +170,9 @@ def _block_means(values, block_of):
     known = np.isfinite(values)
     n = _block_sums(known.astype(float), block_of)
     size = _block_sums(np.ones(len(values)), block_of)[:, None]
-    return np.where(2 * n >= size, _block_sums(np.where(known, values, 0), block_of) / np.maximum(n, 1), np.nan)
+    return np.where(
+        2 * n >= size, _block_sums(np.where(known, values, 0), block_of) / np.maximum(n, 1), np.nan
+    )
 
 
 def _deviation(values):
@@ -150,7 +183,8 @@ def _deviation(values):
 def _two_spreads(power_db):
     """Standard deviations of dB (block, layer) about each layer's mean: common to a block's layers, and beyond that.
 
-    The mean product of two layers of one block is the common variance. Subtracting means over n blocks removes 1 / n.
+    The mean product of two layers of one block is the common variance. Subtracting means over n
+    blocks removes 1 / n.
     """
     n = np.isfinite(power_db).sum(axis=0)
     usable = power_db[:, n >= FEWEST]
@@ -199,13 +233,20 @@ def _modelled(groups, powers, by_layer):
     decay = np.where(known, decay, np.median(decay[known]) if known.any() else BACKGROUND_RISE)
     lead, height = waveform_peak(variance, decay)
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
-    position, spread = groups.position.mean(axis=2), groups.spread.mean(axis=2) + groups.position.var(axis=2)
+    position, spread = (
+        groups.position.mean(axis=2),
+        groups.spread.mean(axis=2) + groups.position.var(axis=2),
+    )
     total = np.zeros(groups.power.shape)
     for layer in range(len(decay)):
         held = np.flatnonzero(np.isfinite(powers[:, layer]) & np.isfinite(position[:, layer]))
         wide = (variance[layer] + spread[held, layer])[:, None]
         lag = rows - position[held, layer, None] - offset[layer] + lead[layer]
-        one = np.sqrt(variance[layer] / wide) * waveform_exact(lag, wide, decay[layer]) / height[layer]
+        one = (
+            np.sqrt(variance[layer] / wide)
+            * waveform_exact(lag, wide, decay[layer])
+            / height[layer]
+        )
         total[held] += powers[held, layer, None] * one
     return total
 
@@ -216,7 +257,11 @@ def _background(groups, powers, by_layer):
     left = groups.power - groups.noise_power - _modelled(groups, powers, by_layer)
     used = np.isfinite(left) & (rows >= BACKGROUND_FROM) & groups.present[:, :1]
     values = np.where(used, left, 0.0)
-    shared = rows <= np.median(np.nanmax(np.where(groups.present, groups.position.mean(axis=2), 0), axis=1)) + 40
+    shared = (
+        rows
+        <= np.median(np.nanmax(np.where(groups.present, groups.position.mean(axis=2), 0), axis=1))
+        + 40
+    )
     held = used & shared
     level = np.where(held, values, 0).sum(axis=1) / np.maximum(held.sum(axis=1), 1)
     total = np.where(used, groups.power, 0.0)
@@ -226,7 +271,8 @@ def _background(groups, powers, by_layer):
 def _background_law(depth, level, total, count):
     """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, (fall,).
 
-    Least squares of the mean `level`, weighted by the speckle of the mean `total` power of `count` averaged lines.
+    Least squares of the mean `level`, weighted by the speckle of the mean `total` power of `count`
+    averaged lines.
     """
     held = (count >= FEWEST) & (total > 0)
     if held.sum() < len(LAW_FALLS):

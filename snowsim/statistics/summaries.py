@@ -12,8 +12,12 @@ from snowsim.statistics.texture import N_TERMS, texture_terms
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
 PARTS = 4  # of a group's picks of a layer, sorted by depth: they describe the rows that a sloping layer covers
-AIR_MARGIN_BINS = 30  # bins above the surface that still hold its rise: 8 standard deviations at a variance of 15
-AIR_LAGS = 13  # of products down range, from 0; the last give what lines share beyond the range response
+AIR_MARGIN_BINS = (
+    30  # bins above the surface that still hold its rise: 8 standard deviations at a variance of 15
+)
+AIR_LAGS = (
+    13  # of products down range, from 0; the last give what lines share beyond the range response
+)
 ROWS_BELOW = 60  # averaged lines end here below the frame's deepest pick
 SAME_BIN_SIZE = 1e-4  # a tenth of a bin over 1000 bins
 BY_FRAME = ("start_ns", "bin_size_s", "line_spacing_m", "n_outside")
@@ -22,7 +26,12 @@ BY_GROUP = (
     *("power", "position", "spread", "n_picks"),
     *("air_sum", "air_square", "air_count", "air_products", "air_pairs", "texture_terms"),
 )
-DIMENSIONS = {"power": "row", "air_products": "air_lag", "air_pairs": "air_lag", "texture_terms": "term"}  # else layer
+DIMENSIONS = {
+    "power": "row",
+    "air_products": "air_lag",
+    "air_pairs": "air_lag",
+    "texture_terms": "term",
+}  # else layer
 FIXED = {"air_lag": AIR_LAGS, "term": N_TERMS}
 CONTENT = "snowsim flight summary 4"
 
@@ -31,20 +40,25 @@ CONTENT = "snowsim flight summary 4"
 class FrameSummary:
     """What the statistics need of one frame, about 0.4 kB per range line.
 
-    Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin remainder, a variance
-    of up to 1/12 bins^2, stays in the positions.
+    Lines are averaged in groups of 20, each shifted by the whole bin of its surface; the sub-bin
+    remainder, a variance of up to 1/12 bins^2, stays in the positions.
     """
 
     start_ns: int  # UTC of the first range line [ns since 1970]
     bin_size_s: float  # two-way travel time of a range bin
     line_spacing_m: float  # median distance of range lines
     # (layer, range_line), float32, NaN in gaps:
-    depth_bins: np.ndarray  # picks below the surface, which is bridged linearly in its gaps but not in its own row
+    depth_bins: (
+        np.ndarray
+    )  # picks below the surface, which is bridged linearly in its gaps but not in its own row
     tracked_power: np.ndarray  # linear power in the bin of each pick
-    surface_bins: np.ndarray  # (range_line,), float32, row of the surface, NaN where it is not picked
+    surface_bins: (
+        np.ndarray
+    )  # (range_line,), float32, row of the surface, NaN where it is not picked
     # (group, row), float32, NaN outside the record:
     power: np.ndarray  # averaged lines from `FIRST_ROW` below the surface
-    # (group, layer, part), float32, by quarters of the picks in order of depth; NaN with fewer than `PARTS` picks:
+    # (group, layer, part), float32, by quarters of the picks in order of depth; NaN with fewer than
+    # `PARTS` picks:
     position: np.ndarray  # mean row
     spread: np.ndarray  # variance of the row [bins^2]
     n_picks: np.ndarray  # (group, layer), int
@@ -52,7 +66,8 @@ class FrameSummary:
     air_sum: np.ndarray
     air_square: np.ndarray  # sum of squares
     air_count: np.ndarray  # number of bins
-    # (group, air_lag), of power in the air over its line's mean, less its row's mean over the frame:
+    # (group, air_lag), of power in the air over its line's mean, less its row's mean over the
+    # frame:
     air_products: np.ndarray  # sum of products of bins so many apart
     air_pairs: np.ndarray  # number of them
     texture_terms: np.ndarray  # (group, term), see `snowsim.statistics.texture`
@@ -60,15 +75,21 @@ class FrameSummary:
 
     def order(self):
         """Sorting key: time, then content for frames that share one."""
-        return self.start_ns, self.depth_bins.shape, float(self.air_sum.sum()), float(np.nansum(self.tracked_power))
+        return (
+            self.start_ns,
+            self.depth_bins.shape,
+            float(self.air_sum.sum()),
+            float(np.nansum(self.tracked_power)),
+        )
 
 
 def summarise(echogram, layers, where="frame"):
     """One frame, echogram and layers in the Open Polar Radar convention, as a list of one `FrameSummary` for `merge`.
 
-    Layer 0 is the snow surface. Picks outside the record become gaps and are counted; a frame without a surface pick
-    adds nothing; up to 19 range lines at its end belong to no group; data that are exactly zero are padding, not air.
-    ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range lines have a position.
+    Layer 0 is the snow surface. Picks outside the record become gaps and are counted; a frame
+    without a surface pick adds nothing; up to 19 range lines at its end belong to no group; data
+    that are exactly zero are padding, not air. ValueError, naming the frame by `where`, if a
+    dataset breaks the convention or no two range lines have a position.
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
@@ -87,13 +108,17 @@ def summarise(echogram, layers, where="frame"):
     n_groups = n_lines // GROUP_LINES if picked else 0
     deepest = int(np.ceil(np.nanmax(rows))) if picked else 0
     averaged, air = _average(power, surface_row, n_groups, deepest + ROWS_BELOW - FIRST_ROW + 1)
-    products, pairs = _air_products(power[: n_groups * GROUP_LINES], surface_row[: n_groups * GROUP_LINES])
+    products, pairs = _air_products(
+        power[: n_groups * GROUP_LINES], surface_row[: n_groups * GROUP_LINES]
+    )
     deepest_row = np.fmax.reduce([surface_row, *layer_bins])
     by_group = (
         of_line[: n_groups * GROUP_LINES].reshape(n_groups, GROUP_LINES, *of_line.shape[1:])
         for of_line in (power, surface_row - AIR_MARGIN_BINS, deepest_row)
     )
-    grouped = rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
+    grouped = (
+        rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1)
+    )
     position, spread = _positions(np.sort(grouped))
     spacing = np.diff(along_track_m(echogram)) if n_lines > 1 else np.array([np.nan])
     if not np.isfinite(spacing).any():
@@ -150,14 +175,17 @@ def _average(power, surface_row, n_groups, n_rows):
                 if not np.isnan(value):
                     total[row] += value
                     count[row] += 1
-            for range_bin in range(max(0, min(surface_row[line] - AIR_MARGIN_BINS, power.shape[1]))):
+            for range_bin in range(
+                max(0, min(surface_row[line] - AIR_MARGIN_BINS, power.shape[1]))
+            ):
                 value = np.float64(power[line, range_bin])
                 if value > 0:
                     air[0, group] += value
                     air[1, group] += value * value
                     air[2, group] += 1
         for row in range(n_rows):
-            # A row that only some lines of a group reach would mix depths of different noise and fading.
+            # A row that only some lines of a group reach would mix depths of different noise and
+            # fading.
             if 2 * count[row] >= GROUP_LINES:
                 averaged[group, row] = total[row] / count[row]
     return averaged, air
@@ -166,8 +194,9 @@ def _average(power, surface_row, n_groups, n_rows):
 def _air_products(power, surface_row):
     """Sums of products of deviations in the air, float64 (group, air_lag), and numbers of products, of whole groups.
 
-    Power is divided by its line's mean, which removes gain and overloaded lines; then its row's mean is subtracted,
-    which removes bands of coherent noise. Both change a product by the same amount at every lag.
+    Power is divided by its line's mean, which removes gain and overloaded lines; then its row's
+    mean is subtracted, which removes bands of coherent noise. Both change a product by the same
+    amount at every lag.
     """
     n_bins = max(int(surface_row.max(initial=0)) - AIR_MARGIN_BINS, 0)
     air = power[:, :n_bins].astype(float)
@@ -222,14 +251,23 @@ def summary_to_dataset(summary):
     """A summary as a dataset for `snowsim.io.files.write_dataset`: frames one after the other, padded with NaN."""
     n_layers = max(frame.depth_bins.shape[0] for frame in summary)
     widths = FIXED | {"layer": n_layers, "row": max(frame.power.shape[1] for frame in summary)}
-    variables = {name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME}
-    shapes = [(f.depth_bins.shape[1], len(f.power), len(f.depth_bins), f.power.shape[1]) for f in summary]
-    for name, sizes in zip(("n_lines", "n_groups", "n_layers", "n_rows"), np.array(shapes).T, strict=True):
+    variables = {
+        name: ("frame", np.array([getattr(frame, name) for frame in summary])) for name in BY_FRAME
+    }
+    shapes = [
+        (f.depth_bins.shape[1], len(f.power), len(f.depth_bins), f.power.shape[1]) for f in summary
+    ]
+    for name, sizes in zip(
+        ("n_lines", "n_groups", "n_layers", "n_rows"), np.array(shapes).T, strict=True
+    ):
         variables[name] = ("frame", sizes.astype(np.int64))
     for name in BY_LINE:
         parts = [_widened(getattr(frame, name).T, n_layers) for frame in summary]
         variables[name] = (("range_line", "layer"), np.concatenate(parts))
-    variables["surface_bins"] = ("range_line", np.concatenate([frame.surface_bins for frame in summary]))
+    variables["surface_bins"] = (
+        "range_line",
+        np.concatenate([frame.surface_bins for frame in summary]),
+    )
     for name in BY_GROUP:
         parts = [getattr(frame, name) for frame in summary]
         if parts[0].ndim == 1:
@@ -237,7 +275,10 @@ def summary_to_dataset(summary):
         else:
             dim = DIMENSIONS.get(name, "layer")
             dims = ("group", dim, "part")[: parts[0].ndim]
-            variables[name] = (dims, np.concatenate([_widened(part, widths[dim]) for part in parts]))
+            variables[name] = (
+                dims,
+                np.concatenate([_widened(part, widths[dim]) for part in parts]),
+            )
     return xr.Dataset(variables, attrs={"content": CONTENT})
 
 
@@ -251,13 +292,21 @@ def summary_from_dataset(dataset):
     for i in range(dataset.sizes["frame"]):
         lines = slice(line, line + int(variables["n_lines"][i]))
         groups = slice(group, group + int(variables["n_groups"][i]))
-        widths = FIXED | {"layer": int(variables["n_layers"][i]), "row": int(variables["n_rows"][i])}
+        widths = FIXED | {
+            "layer": int(variables["n_layers"][i]),
+            "row": int(variables["n_rows"][i]),
+        }
         parts = {name: variables[name][i].item() for name in BY_FRAME}
-        parts |= {name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T) for name in BY_LINE}
+        parts |= {
+            name: np.ascontiguousarray(variables[name][lines, : widths["layer"]].T)
+            for name in BY_LINE
+        }
         parts["surface_bins"] = variables["surface_bins"][lines]
         for name in BY_GROUP:
             part = variables[name][groups]
-            parts[name] = part if part.ndim == 1 else part[:, : widths[DIMENSIONS.get(name, "layer")]]
+            parts[name] = (
+                part if part.ndim == 1 else part[:, : widths[DIMENSIONS.get(name, "layer")]]
+            )
         summary.append(FrameSummary(**parts))
         line, group = lines.stop, groups.stop
     return summary
@@ -279,7 +328,9 @@ def stacked_tracked(summary):
     for frame in summary:
         n_groups = frame.power.shape[0]
         lines = frame.tracked_power[:, : n_groups * GROUP_LINES]
-        parts.append(_widened(lines.reshape(len(lines), n_groups, GROUP_LINES).swapaxes(0, 1), n_layers))
+        parts.append(
+            _widened(lines.reshape(len(lines), n_groups, GROUP_LINES).swapaxes(0, 1), n_layers)
+        )
     return np.concatenate(parts)
 
 

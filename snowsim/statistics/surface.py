@@ -3,22 +3,38 @@
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.statistics.blocks import on_wavenumbers, periodogram, rises, stretches, taper_of, without_noise
+from snowsim.statistics.blocks import (
+    on_wavenumbers,
+    periodogram,
+    rises,
+    stretches,
+    taper_of,
+    without_noise,
+)
 
-ROUNDED_SHARE = 0.5  # of the steps that whole-bin levelling makes, above which a product is taken to do so
-HARMONICS = np.arange(1, 9)[:, None]  # of the fraction; the next adds less than 1 / 300 of its variance
+ROUNDED_SHARE = (
+    0.5  # of the steps that whole-bin levelling makes, above which a product is taken to do so
+)
+HARMONICS = np.arange(1, 9)[
+    :, None
+]  # of the fraction; the next adds less than 1 / 300 of its variance
 
 
 def surface_statistics(summary, minimum):
     """Statistics of the surface's row in stretches without gaps: (dimensions, values) by name, standard errors too.
 
-    A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow error comes on top.
-    As increments of m change by less than half a bin per line, they are those of the row less whole bins:
-    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of whole-bin steps over the
-    number that rounding such a movement makes: 1 if a product does so, else 0. `surface_psd (wavenumber)` is that of
-    the slow error about its trend, less the fraction's, `surface_trend_variance_bins2` the variance of the trend.
+    A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow
+    error comes on top. As increments of m change by less than half a bin per line, they are those
+    of the row less whole bins: `surface_movement_psd (wavenumber)` is their spectrum.
+    `surface_fraction` is the number of whole-bin steps over the number that rounding such a
+    movement makes: 1 if a product does so, else 0. `surface_psd (wavenumber)` is that of the slow
+    error about its trend, less the fraction's, `surface_trend_variance_bins2` the variance of the
+    trend.
     """
-    whole = [frame.surface_bins[: frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES] for frame in summary]
+    whole = [
+        frame.surface_bins[: frame.surface_bins.size // BLOCK_LINES * BLOCK_LINES]
+        for frame in summary
+    ]
     rows = stretches(np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES), minimum)[:, 0]
     rows = rows[np.isfinite(rows).all(axis=1)]
     step = np.diff(rows, axis=1)
@@ -53,17 +69,22 @@ def surface_statistics(summary, minimum):
 def fraction_density(movement):
     """Expected tapered density of ``m - round(m)`` at a block's wavenumbers, from increments of m (stretch, line).
 
-    The fraction is ``sum_n (-1)^(n+1) sin(2 pi n m) / (pi n)``; where m wanders over bins its covariance is
-    ``sum_n exp(-2 pi^2 n^2 D) / (2 pi^2 n^2)`` with D the structure function of m, taken as Gaussian.
+    The fraction is ``sum_n (-1)^(n+1) sin(2 pi n m) / (pi n)``; where m wanders over bins its
+    covariance is ``sum_n exp(-2 pi^2 n^2 D) / (2 pi^2 n^2)`` with D the structure function of m,
+    taken as Gaussian.
     """
     row = np.cumsum(np.pad(movement, [(0, 0), (1, 0)]), axis=1)
     n_lines = row.shape[1]
-    structure = np.array([0, *(((row[:, lag:] - row[:, :-lag]) ** 2).mean() for lag in range(1, n_lines))])
+    structure = np.array(
+        [0, *(((row[:, lag:] - row[:, :-lag]) ** 2).mean() for lag in range(1, n_lines))]
+    )
     rate = 2 * np.pi**2 * HARMONICS**2
     taper, _ = taper_of(n_lines)
     overlap = np.correlate(taper, taper, "full")[n_lines - 1 :] / (taper @ taper)
     covariance = (np.exp(-rate * structure) / rate).sum(axis=0) * overlap
-    turns = np.cos(2 * np.pi * np.outer(np.arange(n_lines // 2 + 1) / n_lines, np.arange(1, n_lines)))
+    turns = np.cos(
+        2 * np.pi * np.outer(np.arange(n_lines // 2 + 1) / n_lines, np.arange(1, n_lines))
+    )
     density = 2 * (covariance[0] + 2 * turns @ covariance[1:])
     density[0], density[-1] = 0, density[-1] / 2
     return on_wavenumbers(density, BLOCK_LINES)

@@ -8,18 +8,25 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic, load_weights
 
-STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))  # channels in units of the width, convolutions: VGG16
-# Mean grey level that the published code takes off: its means of red, green and blue, weighted as for luminance.
+STAGES = (
+    (1, 2),
+    (2, 2),
+    (4, 3),
+    (8, 3),
+    (8, 3),
+)  # channels in units of the width, convolutions: VGG16
+# Mean grey level that the published code takes off: its means of red, green and blue, weighted as
+# for luminance.
 MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 
 class MultiScaleNetwork(nn.Module):
     """Maps of layer logits at five scales and fused, from one image; `width` is 64 as published.
 
-    Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16 without its classifier and without
-    batch normalisation, a 1x1 convolution on each stage, brought to the size of the image, a 1x1 convolution over the
-    five. Pooling keeps odd edges (ceil mode); what is then too large by up to 15 pixels is cut, so that pixel (0, 0)
-    stays where it is at any image size.
+    Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16 without its
+    classifier and without batch normalisation, a 1x1 convolution on each stage, brought to the size
+    of the image, a 1x1 convolution over the five. Pooling keeps odd edges (ceil mode); what is then
+    too large by up to 15 pixels is cut, so that pixel (0, 0) stays where it is at any image size.
     """
 
     def __init__(self, width=64):
@@ -33,7 +40,9 @@ class MultiScaleNetwork(nn.Module):
         for multiple, n_convolutions in STAGES:
             n_out = width * multiple
             sizes = [n_in] + [n_out] * n_convolutions
-            self.stages.append(nn.ModuleList(nn.Conv2d(a, b, 3, padding=1) for a, b in zip(sizes, sizes[1:])))  # noqa: B905
+            self.stages.append(
+                nn.ModuleList(nn.Conv2d(a, b, 3, padding=1) for a, b in zip(sizes, sizes[1:]))
+            )  # noqa: B905
             self.sides.append(nn.Conv2d(n_out, 1, 1))
             n_in = n_out
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
@@ -81,14 +90,18 @@ class PublishedNetwork(MultiScaleNetwork):
     @staticmethod
     def to_input(images):
         """Grey level less `MEAN_GREY`, float32 (patch, 1, range_bin, range_line)."""
-        return torch.from_numpy(np.asarray(images).astype(np.float32) - np.float32(MEAN_GREY))[:, None]
+        return torch.from_numpy(np.asarray(images).astype(np.float32) - np.float32(MEAN_GREY))[
+            :, None
+        ]
 
     @staticmethod
     def enlarged(logit, factor, size):
         """A side map as many times as large, corners on corners, and the middle of it."""
         logit = _enlarged(logit, factor, align_corners=True)
         # Half a pixel goes to the even one, as Python rounds.
-        top, left = (round((whole - cut) / 2) for whole, cut in zip(logit.shape[2:], size, strict=True))
+        top, left = (
+            round((whole - cut) / 2) for whole, cut in zip(logit.shape[2:], size, strict=True)
+        )
         return logit[:, :, top : top + size[0], left : left + size[1]]
 
     def initialise(self, *, rng):
@@ -99,7 +112,9 @@ class PublishedNetwork(MultiScaleNetwork):
                 if name.startswith("fuse"):
                     parameter.fill_(0 if name.endswith("bias") else 1 / len(STAGES))
                     continue
-                n_inputs = n_inputs if name.endswith("bias") else parameter[0].numel()  # weights come first
+                n_inputs = (
+                    n_inputs if name.endswith("bias") else parameter[0].numel()
+                )  # weights come first
                 drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
                 parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
 
@@ -107,9 +122,10 @@ class PublishedNetwork(MultiScaleNetwork):
 class LightNetwork(nn.Module):
     """The same outputs from a light U-Net: one convolution a stage on the way down and one on the way up.
 
-    Side output k reads stage k on the way up, so that the finest has seen the coarsest; about the cost of a
-    `MultiScaleNetwork` of the same width, whose side outputs know their own scale and finer ones alone. Ronneberger,
-    Fischer & Brox (2015), MICCAI, with 1x1 projections added to the skips instead of concatenation.
+    Side output k reads stage k on the way up, so that the finest has seen the coarsest; about the
+    cost of a `MultiScaleNetwork` of the same width, whose side outputs know their own scale and
+    finer ones alone. Ronneberger, Fischer & Brox (2015), MICCAI, with 1x1 projections added to the
+    skips instead of concatenation.
     """
 
     def __init__(self, width=8):
@@ -118,8 +134,12 @@ class LightNetwork(nn.Module):
             msg = f"width must be at least 1, got {width}"
             raise ValueError(msg)
         sizes = [multiple * width for multiple, _ in STAGES]
-        self.stages = nn.ModuleList(nn.Conv2d(a, b, 3, padding=1) for a, b in zip([1, *sizes], sizes, strict=False))
-        self.stages_across = nn.ModuleList(nn.Conv2d(b, a, 1) for a, b in zip(sizes, sizes[1:], strict=False))
+        self.stages = nn.ModuleList(
+            nn.Conv2d(a, b, 3, padding=1) for a, b in zip([1, *sizes], sizes, strict=False)
+        )
+        self.stages_across = nn.ModuleList(
+            nn.Conv2d(b, a, 1) for a, b in zip(sizes, sizes[1:], strict=False)
+        )
         self.stages_up = nn.ModuleList(nn.Conv2d(n, n, 3, padding=1) for n in sizes)
         self.sides = nn.ModuleList(nn.Conv2d(n, 1, 1) for n in sizes)
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
@@ -142,14 +162,21 @@ class LightNetwork(nn.Module):
                 across = self.stages_across[number](x)
                 skip = skip + MultiScaleNetwork.enlarged(across, 2, skip.shape[2:])
             x = functional.relu(self.stages_up[number](skip))
-            logits.insert(0, MultiScaleNetwork.enlarged(self.sides[number](x).float(), 2**number, image.shape[2:]))
+            logits.insert(
+                0,
+                MultiScaleNetwork.enlarged(
+                    self.sides[number](x).float(), 2**number, image.shape[2:]
+                ),
+            )
         return with_fused(logits, self.fuse)
 
 
 def _enlarged(x, factor, *, align_corners=False):
     if factor == 1:
         return x
-    return functional.interpolate(x, scale_factor=float(factor), mode="bilinear", align_corners=align_corners)
+    return functional.interpolate(
+        x, scale_factor=float(factor), mode="bilinear", align_corners=align_corners
+    )
 
 
 def with_fused(logits, fuse):
@@ -165,12 +192,14 @@ NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork, "published":
 def track(network, image, *, precision="float32"):
     """Probability of a layer in each pixel by each of `OUTPUTS`, float32 (output, range_bin, range_line) in [0, 1].
 
-    `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if it has no contrast.
-    `precision` is that of the arithmetic, `float32` or `bfloat16`.
+    `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if
+    it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
     """
     image = np.asarray(image)
     if image.dtype != np.uint8 or image.ndim != 2:
-        msg = f"image must be uint8 (range_bin, range_line), got {image.dtype} of shape {image.shape}"
+        msg = (
+            f"image must be uint8 (range_bin, range_line), got {image.dtype} of shape {image.shape}"
+        )
         raise ValueError(msg)
     if image.size == 0 or image.min() == image.max():
         msg = f"image without contrast, of shape {image.shape}"

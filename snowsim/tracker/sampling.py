@@ -22,15 +22,18 @@ class Completed:
         scene = self._scenes[item]
         if scene.complete_layer_bins is None:
             return scene
-        return dataclasses.replace(scene, layer_bins=scene.complete_layer_bins, complete_layer_bins=None)
+        return dataclasses.replace(
+            scene, layer_bins=scene.complete_layer_bins, complete_layer_bins=None
+        )
 
 
 class TrainingSet:
     """The scene of every draw of a training, for positions counted from 0 without end.
 
-    An epoch, `n_per_epoch` scenes, shows each real one once and `added_per_real` times as many of each added set, in
-    random order. Those of an added set are drawn without replacement from all of it, through the epochs. Draws are a
-    function of seed and position: a resumed training sees what it would have seen.
+    An epoch, `n_per_epoch` scenes, shows each real one once and `added_per_real` times as many of
+    each added set, in random order. Those of an added set are drawn without replacement from all of
+    it, through the epochs. Draws are a function of seed and position: a resumed training sees what
+    it would have seen.
 
     Parameters
     ----------
@@ -39,14 +42,23 @@ class TrainingSet:
     added : sequence of sequence of Scene
         Synthetic sets; none for training on real scenes alone.
     added_per_real : float
-        Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is empty.
+        Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is
+        empty.
     n_draws_synthetic_first : int, optional
-        Draws of the whole training, to show as many synthetic scenes as otherwise but all of them first, real ones
-        last; by default both are mixed in every epoch.
+        Draws of the whole training, to show as many synthetic scenes as otherwise but all of them
+        first, real ones last; by default both are mixed in every epoch.
     seed : int
     """
 
-    def __init__(self, real, added=(), *, added_per_real=PAPER_SCENES_PER_REAL, n_draws_synthetic_first=None, seed):
+    def __init__(
+        self,
+        real,
+        added=(),
+        *,
+        added_per_real=PAPER_SCENES_PER_REAL,
+        n_draws_synthetic_first=None,
+        seed,
+    ):
         for number, scenes in enumerate((real, *added)):
             if len(scenes) == 0:
                 msg = f"{'set of real scenes' if number == 0 else f'added set {number}'}: expected scenes, got none"
@@ -61,7 +73,9 @@ class TrainingSet:
         self.n_per_epoch = len(real) + len(added) * self._n_added
         self._n_first = 0
         if n_draws_synthetic_first is not None:
-            self._n_first = round(n_draws_synthetic_first * len(added) * self._n_added / self.n_per_epoch)
+            self._n_first = round(
+                n_draws_synthetic_first * len(added) * self._n_added / self.n_per_epoch
+            )
         self._curriculum = n_draws_synthetic_first is not None
 
     def source(self, position):
@@ -75,14 +89,20 @@ class TrainingSet:
             return 0, slot
         number, within = divmod(slot - n_real, self._n_added)
         draw = epoch * self._n_added + within
-        return number + 1, draw_index(len(self._sets[number + 1]), draw, self._seed, "training set", number + 1)
+        return number + 1, draw_index(
+            len(self._sets[number + 1]), draw, self._seed, "training set", number + 1
+        )
 
     def _source_in_turn(self, position):
         """Source of a draw where synthetic scenes come first, one of each added set in turn, and real ones after."""
         if position >= self._n_first:
-            return 0, draw_index(len(self._sets[0]), position - self._n_first, self._seed, "training set", "real")
+            return 0, draw_index(
+                len(self._sets[0]), position - self._n_first, self._seed, "training set", "real"
+            )
         draw, number = divmod(position, len(self._sets) - 1)
-        return number + 1, draw_index(len(self._sets[number + 1]), draw, self._seed, "training set", number + 1)
+        return number + 1, draw_index(
+            len(self._sets[number + 1]), draw, self._seed, "training set", number + 1
+        )
 
     def __getitem__(self, position):
         number, scene = self.source(position)

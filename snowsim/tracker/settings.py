@@ -32,31 +32,36 @@ class Settings:
     flip : bool
         Show images mirrored left to right, too.
     augmentation : str
-        `drawn`: a scale per batch, and half of the images mirrored. `copies`, as published: an epoch shows every image,
-        whole, once at each scale, mask and image resized alike, and once mirrored, in random order; one without layers
-        costs nothing; gradients that fill no update by the end of an epoch join the first of the next.
+        `drawn`: a scale per batch, and half of the images mirrored. `copies`, as published: an
+        epoch shows every image, whole, once at each scale, mask and image resized alike, and once
+        mirrored, in random order; one without layers costs nothing; gradients that fill no update
+        by the end of an epoch join the first of the next.
     optimiser : str
         `adamw` or `sgd` (momentum 0.9), with `learning_rate` and `weight_decay`.
     schedule : str
-        `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every `n_steps_per_tenth`
-        gradients; `updates`: every as many updates of the weights, as published.
+        `one_cycle`: linear rise over a tenth of the steps, cosine to zero; `steps`: a tenth every
+        `n_steps_per_tenth` gradients; `updates`: every as many updates of the weights, as
+        published.
     published_multipliers : bool
-        Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without decay, but for those
-        of the last stage (a misspelt key).
+        Rates of the published code: last stage x100, sides x0.01, fuse x0.001, biases x2 without
+        decay, but for those of the last stage (a misspelt key).
     reduction : str
         Loss per image: `sum` over its pixels as published, or `mean`.
     loss : str
-        Cross-entropy of `logits`, or as published of `sigmoids`, logarithms cut at -100: beyond float32, no gradient.
+        Cross-entropy of `logits`, or as published of `sigmoids`, logarithms cut at -100: beyond
+        float32, no gradient.
     layer_share : float or None
-        Share of layers in an image by which the loss balances them and background; None, as published: each image's
-        own, so that the threshold which suits an image follows its number of layers, and one without costs nothing.
+        Share of layers in an image by which the loss balances them and background; None, as
+        published: each image's own, so that the threshold which suits an image follows its number
+        of layers, and one without costs nothing.
     precision : str
         Arithmetic, `float32` or `bfloat16`.
     mask_unannotated : bool
-        Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background, as published.
+        Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background,
+        as published.
     network : str
-        `multi_scale`, `published` (the same with the input, first weights and up-sampling of the published code), or
-        `unet`: see `snowsim.tracker.network`.
+        `multi_scale`, `published` (the same with the input, first weights and up-sampling of the
+        published code), or `unet`: see `snowsim.tracker.network`.
     """
 
     width: int = 4
@@ -107,8 +112,23 @@ class Settings:
 
 def published(n_steps, width=64, **other):
     """Settings of the published tracker code, github.com/BinaLab/MultiScale; its epochs are 15."""
-    recipe = {"n_accumulated": 10, "n_range_bins": None, "n_range_lines": None, "scales": (1.0, 0.75, 0.5, 0.25)}
-    recipe |= {"optimiser": "sgd", "learning_rate": 1e-6, "weight_decay": 2e-4, "schedule": "updates"}
-    recipe |= {"published_multipliers": True, "reduction": "sum", "precision": "float32", "network": "published"}
+    recipe = {
+        "n_accumulated": 10,
+        "n_range_bins": None,
+        "n_range_lines": None,
+        "scales": (1.0, 0.75, 0.5, 0.25),
+    }
+    recipe |= {
+        "optimiser": "sgd",
+        "learning_rate": 1e-6,
+        "weight_decay": 2e-4,
+        "schedule": "updates",
+    }
+    recipe |= {
+        "published_multipliers": True,
+        "reduction": "sum",
+        "precision": "float32",
+        "network": "published",
+    }
     recipe |= {"augmentation": "copies", "batch_size": 1, "loss": "sigmoids", "layer_share": None}
     return Settings(n_steps=n_steps, width=width, **(recipe | other))

@@ -13,10 +13,12 @@ from snowsim.tracker.network import NETWORKS
 from snowsim.tracker.sampling import copy_shown
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
-REACH_BINS = 8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper
+REACH_BINS = (
+    8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper
+)
 WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
-# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate, and
-# no decay, but for those of the last stage, where its key is misspelt.
+# Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice
+# their weights' rate, and no decay, but for those of the last stage, where its key is misspelt.
 PUBLISHED_MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
 DECAYING_BIASES = "stages.4"
 
@@ -24,10 +26,11 @@ DECAYING_BIASES = "stages.4"
 def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
     """Where the picks of a scene tell layers from background, bool (`n_range_bins`, range_line).
 
-    Unknown is what lies within `reach_bins` of the continuation of a picked layer across its gaps (straight between
-    picks, level beyond the first and the last), and all deeper than the deepest pick or continuation by more than
-    that. A layer between two picked ones that has no pick at all goes unnoticed. `layer_bins` (layer, range_line) are
-    the scene's, scaled or not; a scene without `complete_layer_bins` is known everywhere.
+    Unknown is what lies within `reach_bins` of the continuation of a picked layer across its gaps
+    (straight between picks, level beyond the first and the last), and all deeper than the deepest
+    pick or continuation by more than that. A layer between two picked ones that has no pick at all
+    goes unnoticed. `layer_bins` (layer, range_line) are the scene's, scaled or not; a scene without
+    `complete_layer_bins` is known everywhere.
     """
     known = np.ones((n_range_bins, layer_bins.shape[1]), dtype=bool)
     if scene.complete_layer_bins is None:
@@ -45,14 +48,17 @@ def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
     known &= bins <= deepest + reach_bins
     # A pick is known even where it lies near the gap of another layer.
     inside = np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
-    known[np.rint(layer_bins[inside]).astype(int), np.broadcast_to(lines, layer_bins.shape)[inside]] = True
+    known[
+        np.rint(layer_bins[inside]).astype(int), np.broadcast_to(lines, layer_bins.shape)[inside]
+    ] = True
     return known
 
 
 class Training:
     """The network, its optimiser and the number of gradients taken.
 
-    What a step draws depends on the seed and the step alone, so these and `seed` are all there is to resume from.
+    What a step draws depends on the seed and the step alone, so these and `seed` are all there is
+    to resume from.
 
     Parameters
     ----------
@@ -78,7 +84,9 @@ class Training:
 
     def state(self):
         """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
-        gradient = {name: p.grad for name, p in self.network.named_parameters() if p.grad is not None}
+        gradient = {
+            name: p.grad for name, p in self.network.named_parameters() if p.grad is not None
+        }
         networks = {"network": self.network.state_dict(), "optimiser": moments_of(self._optimiser)}
         return on_cpu(networks | {"gradient": gradient})
 
@@ -101,15 +109,17 @@ def train_steps(training, scenes):
     training : Training
         Changed in place; between two steps its `state` may be saved.
     scenes : TrainingSet
-        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end, and, for copies,
-        `n_per_epoch`; ValueError if a scene has no image, no contrast or, but for copies, no layer.
+        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end,
+        and, for copies, `n_per_epoch`; ValueError if a scene has no image, no contrast or, but for
+        copies, no layer.
 
     Yields
     ------
     step : int
         Gradients taken, counted from 1.
     losses : dict of float
-        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`; FloatingPointError if not finite.
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`; FloatingPointError
+        if not finite.
     """
     settings = training.settings
     copies = settings.augmentation == "copies"
@@ -130,7 +140,12 @@ def train_steps(training, scenes):
 
 def _check_copies(settings, n_scenes):
     """Refuse what copies cannot be: cut, several a gradient, masked, or too few in an epoch for an update."""
-    if settings.batch_size > 1 or settings.n_range_bins or settings.n_range_lines or settings.mask_unannotated:
+    if (
+        settings.batch_size > 1
+        or settings.n_range_bins
+        or settings.n_range_lines
+        or settings.mask_unannotated
+    ):
         msg = "augmentation copies: expected batch_size 1, no crop and mask_unannotated false"
         raise ValueError(msg)
     if settings.n_copies * n_scenes < settings.n_accumulated:
@@ -145,7 +160,11 @@ def _patches(training, scenes):
     batch = [scenes[position] for position in drawn]
     rng = random_stream(training.seed, "tracker", "step", training.step)
     scale = settings.scales[rng.integers(len(settings.scales))]
-    how = {"scale": scale, "flip": settings.flip, "known": annotated_pixels if settings.mask_unannotated else None}
+    how = {
+        "scale": scale,
+        "flip": settings.flip,
+        "known": annotated_pixels if settings.mask_unannotated else None,
+    }
     return draw_patches(batch, settings.n_range_bins, settings.n_range_lines, **how, rng=rng)
 
 
@@ -154,17 +173,21 @@ def _copy(training, scenes):
     settings = training.settings
     draw, copy = copy_shown(training.step, scenes.n_per_epoch, settings.n_copies, training.seed)
     mirrored = copy == len(settings.scales)
-    return [array[None] for array in whole_copy(scenes[draw], 1 if mirrored else settings.scales[copy], mirrored)]
+    return [
+        array[None]
+        for array in whole_copy(scenes[draw], 1 if mirrored else settings.scales[copy], mirrored)
+    ]
 
 
 def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_share=None):
     """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
 
-    `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool (patch, range_bin,
-    range_line): pixels that count. Layers weigh by the share of background, background by that of layers: Xie & Tu
-    (2015), ICCV, eq. (2), by `layer_share` in every image, or if None by the image's own.
-    ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y) z))`` for y of 0 or 1; with `loss` of `sigmoids`, as
-    the published code, s(z) is rounded to float32 first and logarithms are cut at -100.
+    `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool
+    (patch, range_bin, range_line): pixels that count. Layers weigh by the share of background,
+    background by that of layers: Xie & Tu (2015), ICCV, eq. (2), by `layer_share` in every image,
+    or if None by the image's own. ``-y log s(z) - (1 - y) log(1 - s(z)) = log(1 + exp((1 - 2 y)
+    z))`` for y of 0 or 1; with `loss` of `sigmoids`, as the published code, s(z) is rounded to
+    float32 first and logarithms are cut at -100.
     """
     layer = masks[:, None].float()
     counts = torch.ones_like(layer) if known is None else known[:, None].float()
@@ -174,7 +197,9 @@ def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_sh
     weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
     if loss == "sigmoids":
         probability = torch.sigmoid(logits.float())
-        cost = functional.binary_cross_entropy(probability, layer.expand_as(probability), reduction="none")
+        cost = functional.binary_cross_entropy(
+            probability, layer.expand_as(probability), reduction="none"
+        )
     else:
         cost = functional.softplus((1 - 2 * layer) * logits.float())
     # A product of matrices: nothing of the size of `logits` is made but the cost.
@@ -186,25 +211,36 @@ def rate_factor(settings, step):
     if settings.schedule != "one_cycle":
         return 0.1 ** (step // settings.n_steps_per_tenth)
     done = (step + 1) / settings.n_steps
-    return done / WARM_UP if done < WARM_UP else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
+    return (
+        done / WARM_UP
+        if done < WARM_UP
+        else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
+    )
 
 
 def _step(training, images, masks, known=None, *, n_per_epoch):
     """Add one gradient and, when enough are there, change the weights; the losses before.
 
-    Gradients are counted anew after every `n_per_epoch`; those that filled no update stay in the sum.
+    Gradients are counted anew after every `n_per_epoch`; those that filled no update stay in the
+    sum.
     """
     settings, optimiser = training.settings, training._optimiser
     with arithmetic(training.device, settings.precision):
         logits = training.network(images)
-    per_output = balanced_cross_entropy(logits, masks, known, loss=settings.loss, layer_share=settings.layer_share)
+    per_output = balanced_cross_entropy(
+        logits, masks, known, loss=settings.loss, layer_share=settings.layer_share
+    )
     n_pixels = masks[0].numel()
     share = settings.n_accumulated * (n_pixels if settings.reduction == "mean" else 1)
     (per_output.sum() / share).backward()
     epoch, within = divmod(training.step, n_per_epoch)
     if (within + 1) % settings.n_accumulated == 0:
-        n_updates = epoch * (n_per_epoch // settings.n_accumulated) + within // settings.n_accumulated
-        factor = rate_factor(settings, n_updates if settings.schedule == "updates" else training.step)
+        n_updates = (
+            epoch * (n_per_epoch // settings.n_accumulated) + within // settings.n_accumulated
+        )
+        factor = rate_factor(
+            settings, n_updates if settings.schedule == "updates" else training.step
+        )
         for group in optimiser.param_groups:
             group["lr"] = group["highest"] * factor
         optimiser.step()
@@ -219,7 +255,10 @@ def _optimiser(network, settings):
     for name, parameter in network.named_parameters():
         rate, decay = settings.learning_rate, settings.weight_decay
         if settings.published_multipliers:
-            rate *= next((factor for part, factor in PUBLISHED_MULTIPLIERS.items() if name.startswith(part)), 1.0)
+            rate *= next(
+                (factor for part, factor in PUBLISHED_MULTIPLIERS.items() if name.startswith(part)),
+                1.0,
+            )
             if name.endswith("bias"):
                 rate, decay = 2 * rate, decay if name.startswith(DECAYING_BIASES) else 0.0
         group = {"params": [], "lr": rate, "highest": rate, "weight_decay": decay}

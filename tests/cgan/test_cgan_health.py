@@ -20,14 +20,20 @@ SETTINGS = Settings(**PIX2PIX, **SIZE, learning_rate=1e-3, n_steps=240)
 
 def image_of(mask, rng):
     """A healthy image: layers with tails, speckle that changes from draw to draw."""
-    level = 60.0 + 120 * np.apply_along_axis(lambda c: np.convolve(c, np.exp(-np.arange(20) / 5))[: c.size], 0, mask)
+    level = 60.0 + 120 * np.apply_along_axis(
+        lambda c: np.convolve(c, np.exp(-np.arange(20) / 5))[: c.size], 0, mask
+    )
     return np.minimum(level, 220) + 6 * rng.standard_normal(mask.shape)
 
 
 def measured(make, monkeypatch):
     """Health of renders in grey levels by `make(mask, rng)` in place of a generator's."""
-    monkeypatch.setattr(health, "render", lambda generator, scene, settings, *, rng: make(scene.mask(), rng))
-    scenes = [toy_scene(number, n_range_bins=256, n_range_lines=192, n_layers=10) for number in range(4)]
+    monkeypatch.setattr(
+        health, "render", lambda generator, scene, settings, *, rng: make(scene.mask(), rng)
+    )
+    scenes = [
+        toy_scene(number, n_range_bins=256, n_range_lines=192, n_layers=10) for number in range(4)
+    ]
     return measure_renders(None, scenes, SETTINGS, seed=1)
 
 
@@ -36,7 +42,9 @@ def without_draws(mask, rng):
 
 
 @pytest.mark.parametrize(("make", "dropout"), [(image_of, 0.5), (without_draws, 0.0)])
-def test_a_healthy_image_has_no_fault_and_without_dropout_equal_draws_are_none(make, dropout, monkeypatch):
+def test_a_healthy_image_has_no_fault_and_without_dropout_equal_draws_are_none(
+    make, dropout, monkeypatch
+):
     assert faults(measured(make, monkeypatch), dropout=dropout) == []
 
 
@@ -70,25 +78,40 @@ def test_a_planted_failure_of_the_generator_is_named(make, fault, monkeypatch):
 @pytest.mark.parametrize("adversarial", ["bce", "lsgan"])
 @pytest.mark.parametrize(
     ("share", "fault"),
-    [(0.05, "discriminator saturated"), (0.7, None), (1.0, "discriminator idle"), (3.0, "discriminator idle")],
+    [
+        (0.05, "discriminator saturated"),
+        (0.7, None),
+        (1.0, "discriminator idle"),
+        (3.0, "discriminator idle"),
+    ],
 )
 def test_a_planted_failure_of_the_discriminator_is_named(share, fault, adversarial):
     loss = share * health.UNDECIDED[adversarial]
-    early = [{"discriminator_real": 9.0, "discriminator_fake": 9.0}] * 50  # before the window: counts no more
-    late = [{"discriminator_real": 0.5 * loss, "discriminator_fake": 1.5 * loss}] * health.WINDOW_STEPS
+    early = [
+        {"discriminator_real": 9.0, "discriminator_fake": 9.0}
+    ] * 50  # before the window: counts no more
+    late = [
+        {"discriminator_real": 0.5 * loss, "discriminator_fake": 1.5 * loss}
+    ] * health.WINDOW_STEPS
     numbers = measure_losses(early + late, adversarial)
     assert_allclose(numbers["discriminator_ratio"], share, rtol=1e-12)
-    assert [found.split(":")[0] for found in faults(numbers, dropout=0.5)] == ([fault] if fault else [])
+    assert [found.split(":")[0] for found in faults(numbers, dropout=0.5)] == (
+        [fault] if fault else []
+    )
 
 
 def test_a_checkerboard_of_one_grey_level_measures_one_and_edges_and_speckle_make_none(rng):
-    # Whole grey levels up and down by one: the median of each phase is exact, its spread is the amplitude.
+    # Whole grey levels up and down by one: the median of each phase is exact, its spread is the
+    # amplitude.
     flat = np.full((64, 48), 100.0)
     for period in (2, 4, 8):
         assert_allclose(checkerboard(flat + chequers(flat.shape, period)), 1, rtol=1e-12)
     assert checkerboard(flat) == 0
-    image = np.where(np.arange(320)[:, None] < 50, 60.0, 160.0) + 7 * rng.standard_normal((320, 256))
-    # Medians of 1280 cells scatter by 7 sqrt(pi / 2 / 1280) = 0.25; the largest of three spreads is below twice that.
+    image = np.where(np.arange(320)[:, None] < 50, 60.0, 160.0) + 7 * rng.standard_normal(
+        (320, 256)
+    )
+    # Medians of 1280 cells scatter by 7 sqrt(pi / 2 / 1280) = 0.25; the largest of three spreads is
+    # below twice that.
     assert checkerboard(image) < 0.5
 
 
@@ -141,7 +164,8 @@ def test_rates_a_hundred_times_too_high_are_found():
     settings = replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate)
     examined = {seed: trained_faults(settings, seed) for seed in (200, *range(400, 410))}
     missed = {seed: numbers for seed, (found, numbers) in examined.items() if not found}
-    # One of eleven is not found: it gets worse (0.73 of the contrast, healthy ones 0.56) but does not collapse.
+    # One of eleven is not found: it gets worse (0.73 of the contrast, healthy ones 0.56) but does
+    # not collapse.
     assert set(missed) <= {404}, missed
 
 

@@ -26,7 +26,9 @@ def test_doubling_within_a_convolution_is_doubling_before_it(shape):
     torch.testing.assert_close(network(x), expected, rtol=1e-12, atol=1e-12)
     weight = torch.randn_like(expected)
     of = [x, network.weight, network.bias]
-    pairs = zip(*(torch.autograd.grad((y * weight).sum(), of) for y in (network(x), expected)), strict=True)
+    pairs = zip(
+        *(torch.autograd.grad((y * weight).sum(), of) for y in (network(x), expected)), strict=True
+    )
     for got, wanted in pairs:
         torch.testing.assert_close(got, wanted, rtol=1e-10, atol=1e-10)
 
@@ -38,7 +40,9 @@ def test_a_logit_sees_a_patch_of_the_stated_size(n_strided, patch, rng):
     for layer in network.layers:
         if isinstance(layer, nn.BatchNorm2d):  # its statistics see the whole image
             layer.track_running_stats = True
-            layer.running_mean, layer.running_var = (torch.full((layer.num_features,), v) for v in (0.0, 1.0))
+            layer.running_mean, layer.running_var = (
+                torch.full((layer.num_features,), v) for v in (0.0, 1.0)
+            )
     network.eval()
     image = torch.zeros(1, 1, 160, 160, requires_grad=True)
     logits = network(torch.zeros(1, 1, 160, 160), image)
@@ -74,7 +78,9 @@ def generator(rng):
 @pytest.mark.parametrize("size", [(64, 64), (49, 30), (16, 16), (1, 1), (100, 64)])
 def test_any_image_size_keeps_its_size(generator, size, rng):
     with torch.no_grad():
-        image = generator(torch.ones(1, 1, *size), generator.draw_noise(no_slabs(1, *size), rng=rng))
+        image = generator(
+            torch.ones(1, 1, *size), generator.draw_noise(no_slabs(1, *size), rng=rng)
+        )
     assert image.shape == (1, 1, *size)
     assert image.abs().max() <= 1
 

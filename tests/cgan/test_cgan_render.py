@@ -15,14 +15,24 @@ from snowsim.cgan import Settings, Training, render, trained_generator
 from snowsim.echogram import Scene, to_uint8
 from snowsim.seeding import random_stream
 
-SIZE = {"width": 4, "depth": 4, "n_strided": 1, "n_steps": 1, "n_range_bins": 64, "n_range_lines": 64}
+SIZE = {
+    "width": 4,
+    "depth": 4,
+    "n_strided": 1,
+    "n_steps": 1,
+    "n_range_bins": 64,
+    "n_range_lines": 64,
+}
 SETTINGS = Settings(**SIZE)
 SILENCE = SimpleNamespace(random=np.ones, standard_normal=np.zeros)  # random numbers that are none
 PIX2PIX = Settings(**SIZE, method="pix2pix", statistics="scene", dropout=0.5)
 
 
 def untrained(settings):
-    weights = {name: value.numpy() for name, value in Training(settings, seed=1).state()["generator"].items()}
+    weights = {
+        name: value.numpy()
+        for name, value in Training(settings, seed=1).state()["generator"].items()
+    }
     return trained_generator(weights, settings)
 
 
@@ -51,12 +61,15 @@ def test_a_scene_depends_on_its_stream_and_not_on_the_scenes_rendered_before_it(
     assert (another != forwards[0]).any()
 
 
-def test_the_image_has_the_size_of_the_scene_and_a_taller_one_adds_rows_and_changes_none(generator, rng):
+def test_the_image_has_the_size_of_the_scene_and_a_taller_one_adds_rows_and_changes_none(
+    generator, rng
+):
     for size in ((300, 64), (77, 33), (5, 1)):
         image = render(generator, level(*size, row=2.0), SETTINGS, rng=rng)
         assert (image.shape, image.dtype) == (size, np.uint8)
     short, tall = (render(generator, level(n), SETTINGS, rng=SILENCE) for n in (144, 800))
-    # 4 halvings of 4x4 kernels, and two of 3x3, reach 48 rows up from the edge; float32 may round to the next byte.
+    # 4 halvings of 4x4 kernels, and two of 3x3, reach 48 rows up from the edge; float32 may round
+    # to the next byte.
     assert np.abs(short.astype(int)[:96] - tall[:96]).max() <= 1
     assert short.std() > 0
 
@@ -80,7 +93,9 @@ def test_a_guided_render_without_correction_is_phys_to_the_byte_and_with_one_is_
     assert_array_equal(guide.image, to_uint8(guide.power)[0])
     assert (render(generator, guide, settings, rng=np.random.default_rng(1)) != guide.image).any()
     torch.nn.init.zeros_(generator.last.weight)
-    assert_array_equal(render(generator, guide, settings, rng=np.random.default_rng(1)), guide.image)
+    assert_array_equal(
+        render(generator, guide, settings, rng=np.random.default_rng(1)), guide.image
+    )
 
 
 def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():
@@ -93,13 +108,18 @@ def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():
     assert outside(tall, scope) == ["height 200, trained on 96 to 96"]
     steep = replace(inside, layer_bins=inside.layer_bins + 3.0 * np.arange(64))
     close = replace(inside, layer_bins=inside.layer_bins[2:3] + 4.0 * np.arange(4)[:, None])
-    assert [phrase.split()[0] for scene in (steep, close) for phrase in outside(scene, scope)] == ["slope", "spacing"]
+    assert [phrase.split()[0] for scene in (steep, close) for phrase in outside(scene, scope)] == [
+        "slope",
+        "spacing",
+    ]
 
 
 def test_the_distance_is_zero_within_one_law_and_rewards_no_blur(rng):
     def numbers(first, change=lambda image: image):
         scenes = [toy_scene(first + number, 256, 192, n_layers=10) for number in range(6)]
-        return np.concatenate([describe_patches(change(s.image.astype(float)), s.mask()) for s in scenes])
+        return np.concatenate(
+            [describe_patches(change(s.image.astype(float)), s.mask()) for s in scenes]
+        )
 
     observed, others = numbers(0), numbers(100)
     blurred = numbers(100, lambda image: (image + np.roll(image, 1, axis=1)) / 2)

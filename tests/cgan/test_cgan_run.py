@@ -13,7 +13,14 @@ from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
 
-SMALL = {"width": 4, "depth": 4, "n_strided": 1, "n_range_bins": 64, "n_range_lines": 64, "precision": "float32"}
+SMALL = {
+    "width": 4,
+    "depth": 4,
+    "n_strided": 1,
+    "n_range_bins": 64,
+    "n_range_lines": 64,
+    "precision": "float32",
+}
 SETTINGS = {**SMALL, "n_steps": 240}
 SHORT = {**SETTINGS, "n_steps": 80, "n_range_bins": 32, "n_range_lines": 32, "depth": 3}
 VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "distance", "patience": None}
@@ -24,9 +31,24 @@ def arguments(folder, **changes):
     scenes = folder.parent / "scenes.nc"
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
-    files = paths_in(folder, generator="generator.safetensors", scores="validation.csv", samples="samples.nc")
-    options = {"seed": 1, "device": "cpu", "settings": SETTINGS, "validation": VALIDATION, "on_collapse": "fail"}
-    return {"scenes": [str(scenes)], **files, **options, "source": "no", "checkpoint_steps": 20, **changes}
+    files = paths_in(
+        folder, generator="generator.safetensors", scores="validation.csv", samples="samples.nc"
+    )
+    options = {
+        "seed": 1,
+        "device": "cpu",
+        "settings": SETTINGS,
+        "validation": VALIDATION,
+        "on_collapse": "fail",
+    }
+    return {
+        "scenes": [str(scenes)],
+        **files,
+        **options,
+        "source": "no",
+        "checkpoint_steps": 20,
+        **changes,
+    }
 
 
 @pytest.fixture(scope="module")
@@ -41,16 +63,22 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(wh
     check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
-def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(whole):
+def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(
+    whole,
+):
     scores = read_table(whole / "validation.csv")
     assert scores["step"].tolist() == [50, 100, 150, 200, 240]
-    _, metadata = read_model(whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None})
+    _, metadata = read_model(
+        whole / "generator.safetensors", {"kind": "cgan generator", "collapse": None}
+    )
     assert metadata["step"] == scores["step"][scores["distance"].idxmin()]
     assert metadata["steps_taken"] == SETTINGS["n_steps"]
     with SceneSet(whole / "samples.nc") as samples:
         sheets = [(sample.name, sample.notes["step"]) for sample in samples]
         observed = {scene.name: scene for scene in toy_scenes(6)}
-        assert all((s.image == observed[s.name].image).all() == (s.notes["step"] is None) for s in samples)
+        assert all(
+            (s.image == observed[s.name].image).all() == (s.notes["step"] is None) for s in samples
+        )
     names = sorted({name for name, _ in sheets})
     assert len(names) == 2
     assert sorted(sheets, key=str) == sorted(
@@ -76,14 +104,20 @@ def collapse(tmp_path, monkeypatch):
         monkeypatch.setattr(cgan_training, "measure_losses", planted)
         monkeypatch.setattr(cgan_training, "measure_renders", lambda *arguments, **options: {})
         validation = {**VALIDATION, "every_steps": every_steps}
-        train(**arguments(tmp_path / "run", settings=SHORT, validation=validation, on_collapse=on_collapse))
+        train(
+            **arguments(
+                tmp_path / "run", settings=SHORT, validation=validation, on_collapse=on_collapse
+            )
+        )
         return read_model(tmp_path / "run/generator.safetensors")[1]
 
     return train_on
 
 
 def test_a_collapse_says_so_and_fails(tmp_path, collapse):
-    with pytest.raises(ValueError, match=r"cGAN training collapsed at step 60: mask ignored") as error:
+    with pytest.raises(
+        ValueError, match=r"cGAN training collapsed at step 60: mask ignored"
+    ) as error:
         collapse(45, "fail")
     assert "\n" not in str(error.value)
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["events"]
@@ -99,7 +133,9 @@ def test_a_collapse_falls_back_to_the_last_good_weights_and_states_it(tmp_path, 
 
 def test_a_collapse_before_any_good_weights_fails_whatever_the_setting(collapse):
     with pytest.raises(ValueError, match="collapsed at step 80"):
-        collapse(0, "fall_back", every_steps=40)  # from step 20 on losses are checked: no weights count as good
+        collapse(
+            0, "fall_back", every_steps=40
+        )  # from step 20 on losses are checked: no weights count as good
 
 
 def test_a_collapse_that_goes_on_keeps_the_best_and_states_its_faults(tmp_path, collapse, caplog):
@@ -126,6 +162,9 @@ def test_a_held_out_scene_that_cannot_be_rendered_is_named(tmp_path):
 
 
 def test_a_width_that_memory_cannot_hold_is_refused_in_one_line(tmp_path):
-    # 54 million weights at width 64 are 1.2e13 at 470 times that: 190 TB with gradients and moments.
-    with pytest.raises(ValueError, match=r"too little memory for a cGAN of width 30000: it needs at least .* GB"):
+    # 54 million weights at width 64 are 1.2e13 at 470 times that: 190 TB with gradients and
+    # moments.
+    with pytest.raises(
+        ValueError, match=r"too little memory for a cGAN of width 30000: it needs at least .* GB"
+    ):
         train(**arguments(tmp_path / "run", settings={**SETTINGS, "width": 30000, "depth": 8}))

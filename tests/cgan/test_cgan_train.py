@@ -20,8 +20,15 @@ def learnt():
     return trained(replace(TINY, width=8, n_steps=150, learning_rate=2e-3), n_scenes=8)
 
 
-def test_the_error_falls_and_layers_of_an_unseen_mask_come_out_brighter_than_the_ground(learnt, rng):
-    assert set(learnt[1][0]) == {"discriminator_real", "discriminator_fake", "generator_adversarial", "l1"}
+def test_the_error_falls_and_layers_of_an_unseen_mask_come_out_brighter_than_the_ground(
+    learnt, rng
+):
+    assert set(learnt[1][0]) == {
+        "discriminator_real",
+        "discriminator_fake",
+        "generator_adversarial",
+        "l1",
+    }
     l1 = [losses["l1"] for losses in learnt[1]]
     # Untrained, the output is near mid-grey; the mean ground level would leave about 0.3.
     assert np.mean(l1[-20:]) < 0.5 * np.mean(l1[:5])
@@ -55,8 +62,14 @@ def test_the_rate_is_constant_for_half_the_steps_then_falls_linearly_to_zero():
 
 @pytest.mark.parametrize("batch_size", [1, 2])
 def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(batch_size):
-    scenes = [toy_scene(1, n_range_bins=96), toy_scene(2, n_range_bins=130), toy_scene(3, n_range_lines=48)]
-    settings = replace(TINY, n_range_bins=None, n_range_lines=None, batch_size=batch_size, n_steps=3)
+    scenes = [
+        toy_scene(1, n_range_bins=96),
+        toy_scene(2, n_range_bins=130),
+        toy_scene(3, n_range_lines=48),
+    ]
+    settings = replace(
+        TINY, n_range_bins=None, n_range_lines=None, batch_size=batch_size, n_steps=3
+    )
     for _, losses in train_steps(Training(settings, seed=1), scenes):
         assert np.isfinite(list(losses.values())).all()
 
@@ -64,14 +77,17 @@ def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(b
 def test_without_layers_a_trained_image_repeats_no_pattern_of_its_stages(learnt):
     """The checkerboard of transposed convolutions: power at periods of 2, 4 and 8 pixels is that about them."""
     training, _ = learnt
-    image = render(training.generator, toy_scene(5, 384, 192), training.settings, rng=np.random.default_rng(1))
+    image = render(
+        training.generator, toy_scene(5, 384, 192), training.settings, rng=np.random.default_rng(1)
+    )
     ground = image[-256:].astype(float)
     power = np.abs(np.fft.fft2(ground - ground.mean(axis=1, keepdims=True))) ** 2
     ratios = []
     for row, column in product(range(0, 256, 32), range(24, 97, 24)):
         about = np.roll(power, (3 - row, 3 - column), axis=(0, 1))[:7, :7]
         ratios.append(about[3, 3] / np.delete(about.ravel(), 24).mean())
-    # One of white noise is exponential about 1: the mean of 32 scatters by 0.18; transposed convolutions had 296.
+    # One of white noise is exponential about 1: the mean of 32 scatters by 0.18; transposed
+    # convolutions had 296.
     assert np.mean(ratios) < 2
 
 
@@ -79,11 +95,13 @@ def test_grain_is_measured_beside_layers(rng):
     weights, layer = np.array([0.2, 0.6, 0.3]), 5 * np.sin(np.arange(400) / 3)[:, None]
     image = convolve1d(rng.standard_normal((400, 300)), weights, axis=0) + layer
     expected = np.correlate(weights, weights, mode="full")[2:]
-    # Half the square difference of 300 lines of 400 bins, about 1.5 of them independent: known to 0.003; allow four.
+    # Half the square difference of 300 lines of 400 bins, about 1.5 of them independent: known to
+    # 0.003; allow four.
     found = autocovariance(torch.from_numpy(image)[None, None])
     assert_allclose(found[:3], expected, atol=0.012)
     gain = 0.5 * rng.standard_normal(300)
     rise = autocovariance(torch.from_numpy(image + gain)[None, None]) - found
-    # Of 300 lines, the gain is known to 0.25 sqrt(3 / 300); so are its products with means of 400 bins. Allow four.
+    # Of 300 lines, the gain is known to 0.25 sqrt(3 / 300); so are its products with means of 400
+    # bins. Allow four.
     assert_allclose(rise[:5], 0.25, atol=0.1)
     assert_allclose(rise[5], N_LAGS * 0.25, atol=N_LAGS * 0.1)

@@ -21,12 +21,19 @@ def test_every_setting_is_listed_once_with_its_default_and_a_comment():
                 value = value[key]
             assert yaml.safe_load(setting.default) == value, setting.path
     shown = [line for line in configuration.reference().splitlines() if line.startswith("| `")]
-    assert len(shown) == len({setting.path for setting in settings if setting.default is not None}) > 180
+    assert (
+        len(shown)
+        == len({setting.path for setting in settings if setting.default is not None})
+        > 180
+    )
 
 
 def test_comments_go_on_in_their_column_and_limits_are_said():
     number = {"type": ["number", "null"], "exclusiveMinimum": 0}
-    schema = {"properties": {"s": {"properties": {"a": {"$ref": "#/$defs/n"}}}}, "$defs": {"n": number}}
+    schema = {
+        "properties": {"s": {"properties": {"a": {"$ref": "#/$defs/n"}}}},
+        "$defs": {"n": number},
+    }
     text = "s:        # a_* section, `b_*`\n  a: null # [m] length,\n          # measured\n"
     section, setting = configuration.read_settings(text, schema)
     assert (section.comment, section.default) == ("a_* section, `b_*`", None)
@@ -62,7 +69,9 @@ def test_a_block_is_replaced_by_its_table_and_the_rest_is_kept(results):
 
 
 def test_filling_twice_changes_nothing_more(results):
-    text = "".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in ("intervals", "picks", "cost"))
+    text = "".join(
+        f"<!-- {name} -->\n<!-- /{name} -->\n" for name in ("intervals", "picks", "cost")
+    )
     once, _ = fill_tables.fill(text, results)
     assert fill_tables.fill(once, results)[0] == once
     assert "| ODS | -0.2500 [-0.5000, +0.0000] |" in once
@@ -89,11 +98,18 @@ def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
         assert "too few for more than an indication" in readme
         return
     of_study = dict(re.findall(r"\| (RD\S+ less RD \| \w+) \|[^|]*\| ([^|]*) \|", study))
-    shown = re.search(r"<!-- tables -->.*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL)[1]
+    shown = re.search(
+        r"<!-- tables -->.*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL
+    )[1]
     for metric in ("ODS", "OIS", "AP"):
         cells = re.search(rf"\| {metric} \| (.*) \|", shown)[1].split(" | ")
-        assert cells == [of_study[f"{name} less RD | {metric}"] for name in ("RD+GD", "RD+PD", "RD+PD+GD")]
-    assert re.search(r"(\d+) trainings a set", shown)[1] == re.search(r"(\d+) trainings a set", study)[1]
+        assert cells == [
+            of_study[f"{name} less RD | {metric}"] for name in ("RD+GD", "RD+PD", "RD+PD+GD")
+        ]
+    assert (
+        re.search(r"(\d+) trainings a set", shown)[1]
+        == re.search(r"(\d+) trainings a set", study)[1]
+    )
 
 
 def test_a_block_without_its_table_is_left_and_named_and_one_not_closed_is_refused(results):

@@ -12,8 +12,17 @@ import pytest
 from lib.imports import ROOT
 
 PUBLIC = ("snowsim.score_folders", "snowsim.simulate", "snowsim.scenes", "snowsim.statistics.fit")
-PUBLIC += ("snowsim.labels.draw", "snowsim.phy.mean_power", "snowsim.phy.render", "snowsim.phy.draw_speckle")
-PUBLIC += ("snowsim.metrics.image.similarity", "snowsim.metrics.edges.match_counts", "snowsim.metrics.edges.score")
+PUBLIC += (
+    "snowsim.labels.draw",
+    "snowsim.phy.mean_power",
+    "snowsim.phy.render",
+    "snowsim.phy.draw_speckle",
+)
+PUBLIC += (
+    "snowsim.metrics.image.similarity",
+    "snowsim.metrics.edges.match_counts",
+    "snowsim.metrics.edges.score",
+)
 PUBLIC += ("snowsim.metrics.edges.suppress", "snowsim.io.read_echogram", "snowsim.io.read_layers")
 
 
@@ -37,7 +46,9 @@ def site(tmp_path_factory):
     folder = tmp_path_factory.mktemp("site")
     options = ["-b", "html", "-W", "--keep-going", "-n", "-q", "-d", folder / "doctrees"]
     command = [sys.executable, "-m", "sphinx", *options, ROOT / "docs", folder / "html"]
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=600, check=False)
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, timeout=600, check=False
+    )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
     return folder / "html"
 
@@ -55,7 +66,11 @@ class Outside(HTMLParser):
             if name in given and tag != "a" and re.match(r"(https?:)?//", given[name] or ""):
                 self.fetched.append((tag, given[name]))
         # Thumbnails of the gallery stand beside their title, and have none on purpose.
-        if tag == "img" and not given.get("alt") and not given.get("src", "").endswith("_thumb.png"):
+        if (
+            tag == "img"
+            and not given.get("alt")
+            and not given.get("src", "").endswith("_thumb.png")
+        ):
             self.without_text.append(given.get("src"))
 
 

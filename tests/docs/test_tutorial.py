@@ -23,7 +23,9 @@ EXPORTED = "results/export/pairs/pd/train.lst"
 
 def blocks(page):
     """(language, code) of every block of commands on a page, in order."""
-    return re.findall(r"^```(bash|python)\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    return re.findall(
+        r"^```(bash|python)\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL
+    )
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +39,13 @@ def clone(tmp_path_factory):
         pytest.skip("the tests do not run in the .venv that make setup makes")
     for name in ("requirements.lock", "pyproject.toml", "Makefile"):  # else make would set up anew
         os.utime(folder / name, (0, 0))
-    config, tiny = (yaml.safe_load((folder / f"config/{name}.yaml").read_text()) for name in ("config", "tiny"))
-    del tiny["flight"]["n_range_lines"], tiny["flight"]["frames_per_job"]  # scenes are cut from frames of full length
+    config, tiny = (
+        yaml.safe_load((folder / f"config/{name}.yaml").read_text()) for name in ("config", "tiny")
+    )
+    del (
+        tiny["flight"]["n_range_lines"],
+        tiny["flight"]["frames_per_job"],
+    )  # scenes are cut from frames of full length
     update_config(config, tiny)
     (folder / "config/config.yaml").write_text(yaml.safe_dump(config))
     return folder
@@ -50,9 +57,13 @@ def run_block(language, code, folder):
     command = shell if language == "bash" else [folder / ".venv/bin/python", "-c", code]
     environment = os.environ | {"PYTHONPATH": str(folder)}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, cwd=folder, env=environment, start_new_session=True, **pipes) as running:
+    with subprocess.Popen(
+        command, cwd=folder, env=environment, start_new_session=True, **pipes
+    ) as running:
         try:
-            output = running.communicate(timeout=3600)  # against a command that hangs, not a measure of speed
+            output = running.communicate(
+                timeout=3600
+            )  # against a command that hangs, not a measure of speed
         except subprocess.TimeoutExpired:
             os.killpg(running.pid, signal.SIGKILL)  # and all that it started
             raise
@@ -63,8 +74,18 @@ def run_block(language, code, folder):
 @pytest.mark.parametrize(
     ("page", "made"),  # files, and how many bytes they have at least
     [
-        ("tutorial", {"results/tables/table2.csv": 1, "results/tables/table3.csv": 1, "snakemake_report.html": 1e5}),
-        ("tutorial-own-data", {f"my_flight/{EXPORTED}": 1, "my_pairs/results/tables/table2.csv": 1}),
+        (
+            "tutorial",
+            {
+                "results/tables/table2.csv": 1,
+                "results/tables/table3.csv": 1,
+                "snakemake_report.html": 1e5,
+            },
+        ),
+        (
+            "tutorial-own-data",
+            {f"my_flight/{EXPORTED}": 1, "my_pairs/results/tables/table2.csv": 1},
+        ),
     ],
 )
 def test_every_command_of_a_tutorial_works_in_order(clone, page, made):
@@ -72,7 +93,9 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made):
     assert len(found) >= 10
     for number, (language, code) in enumerate(found):
         done = run_block(language, code, clone)
-        assert done.returncode == 0, f"block {number}:\n{code}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+        assert done.returncode == 0, (
+            f"block {number}:\n{code}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+        )
         # Stages asked for one by one leave nothing to do for the whole.
         if code.rstrip().endswith("snakemake -n"):
             assert "Nothing to be done" in done.stdout + done.stderr
@@ -81,8 +104,15 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made):
 
 def test_code_on_the_pages_of_stages_runs():
     pages = sorted((ROOT / "docs/stages").glob("*.md"))
-    code = [(page.name, code) for page in pages for language, code in blocks(page) if language == "python"]
+    code = [
+        (page.name, code)
+        for page in pages
+        for language, code in blocks(page)
+        if language == "python"
+    ]
     assert code
     for page, block in code:
-        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, check=False, cwd=ROOT)
+        done = subprocess.run(
+            [sys.executable, "-c", block], capture_output=True, text=True, check=False, cwd=ROOT
+        )
         assert done.returncode == 0, f"{page}:\n{block}\n{done.stderr[-2000:]}"

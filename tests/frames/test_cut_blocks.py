@@ -32,14 +32,19 @@ def test_blocks_follow_the_published_rule_and_deep_layers_get_a_hundred_rows_bel
     assert scenes[0].n_range_bins == 451 + 100
 
 
-def test_blocks_without_surface_or_pixels_are_skipped_and_layers_without_picks_left_out_of_theirs(rng):
+def test_blocks_without_surface_or_pixels_are_skipped_and_layers_without_picks_left_out_of_theirs(
+    rng,
+):
     echogram, layers = make_level_frame(rng)
     layers["twtt"][0, :256] = np.nan
     echogram["Data"][300, 300] = np.nan
     echogram["Data"][301, 301] = 0
     scenes, skipped = cut_blocks(echogram, layers, name="f")
     assert [scene.name for scene in scenes] == ["f_002", "f_003"]
-    assert skipped == {"f_000": "the surface is not picked", "f_001": "2 pixels without a measurement"}
+    assert skipped == {
+        "f_000": "the surface is not picked",
+        "f_001": "2 pixels without a measurement",
+    }
     echogram, layers = make_level_frame(rng)
     layers["twtt"][1, 250:506] = np.nan
     scenes, _ = cut_blocks(echogram, layers, name="f")
@@ -47,7 +52,10 @@ def test_blocks_without_surface_or_pixels_are_skipped_and_layers_without_picks_l
 
 
 def test_blocks_that_the_window_cuts_short_are_skipped(rng):
-    for surface_row, wanted in ((40, "rows -10 to 290 wanted of 900"), (860, "rows 810 to 1110 wanted of 900")):
+    for surface_row, wanted in (
+        (40, "rows -10 to 290 wanted of 900"),
+        (860, "rows 810 to 1110 wanted of 900"),
+    ):
         echogram, layers = make_level_frame(rng, surface_row=surface_row, depth_bins=(0, 20))
         scenes, skipped = cut_blocks(echogram, layers, name="f")
         assert scenes == []
@@ -62,7 +70,9 @@ def test_narrow_frames_and_wide_overlaps_are_refused(rng):
         cut_blocks(echogram, layers, name="f", overlap=256)
 
 
-def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels_needs_a_contrast(rng):
+def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels_needs_a_contrast(
+    rng,
+):
     echogram, layers = make_level_frame(rng)
     scene = cut_blocks(echogram, layers, name="f")[0][0]
     back, back_layers = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
@@ -73,13 +83,19 @@ def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels
     step_db = (scene.maximum_db - scene.noise_floor_db + 10) / 255
     visible = power_db > scene.noise_floor_db - 10
     # Half a grey level, and float32 power.
-    assert_allclose(10 * np.log10(back["Data"].values[visible]), power_db[visible], atol=step_db / 2 + 1e-4)
-    scene = Scene("f", 300, np.full((1, 256), 50.0), image=rng.integers(0, 256, (300, 256), dtype=np.uint8))
+    assert_allclose(
+        10 * np.log10(back["Data"].values[visible]), power_db[visible], atol=step_db / 2 + 1e-4
+    )
+    scene = Scene(
+        "f", 300, np.full((1, 256), 50.0), image=rng.integers(0, 256, (300, 256), dtype=np.uint8)
+    )
     with pytest.raises(ValueError, match="contrast_db must be set"):
         frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
     echogram, _ = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47, contrast_db=30)
     # 255 stands for 30 dB above the floor, 0 for 10 dB below it.
-    assert_allclose(10 * np.log10(echogram["Data"].values.max() / echogram["Data"].values.min()), 40, rtol=1e-5)
+    assert_allclose(
+        10 * np.log10(echogram["Data"].values.max() / echogram["Data"].values.min()), 40, rtol=1e-5
+    )
     scene.image = None
     with pytest.raises(ValueError, match="a frame needs an image"):
         frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)

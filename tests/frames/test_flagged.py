@@ -18,7 +18,10 @@ def flagged(echogram, **lines):
     mask = np.zeros(echogram.sizes["slow_time"], dtype=np.uint8)
     for name, where in lines.items():
         mask[where] |= 1 << FLAGS.index(name)
-    attributes = {"flag_masks": np.array([1, 2, 4], dtype=np.uint8), "flag_meanings": " ".join(FLAGS)}
+    attributes = {
+        "flag_masks": np.array([1, 2, 4], dtype=np.uint8),
+        "flag_meanings": " ".join(FLAGS),
+    }
     return echogram.assign(quality_mask=("slow_time", mask, attributes))
 
 
@@ -26,7 +29,9 @@ def flagged(echogram, **lines):
 def frame(rng):
     """A level frame flagged with land ice throughout, weak in places, of no use in FLAGGED."""
     echogram, layers = make_level_frame(rng, n_lines=N_LINES)
-    return flagged(echogram, no_good_data=FLAGGED, low_SNR=slice(0, 100), land_ice=slice(None)), layers
+    return flagged(
+        echogram, no_good_data=FLAGGED, low_SNR=slice(0, 100), land_ice=slice(None)
+    ), layers
 
 
 def test_flagged_lines_lose_power_and_picks_and_the_others_keep_every_bit(frame):
@@ -65,7 +70,9 @@ def test_what_flagged_lines_hold_enters_no_statistics(frame):
     echogram, layers = frame
     spoiled, moved = echogram.copy(deep=True), layers.copy(deep=True)
     spoiled["Data"].values[:, FLAGGED] *= 1e6
-    moved["twtt"].values[:, FLAGGED] += 3e-9  # ten bins, surface included: it must not level the frame either
+    moved["twtt"].values[:, FLAGGED] += (
+        3e-9  # ten bins, surface included: it must not level the frame either
+    )
     found, expected = (
         summary_to_dataset(summarise(*flatten(*leave_out_flagged(*given))))
         for given in ((spoiled, moved), (echogram, layers))
@@ -86,7 +93,10 @@ def test_a_block_with_one_flagged_line_is_skipped_and_counted(frame):
     scenes, skipped = cut_blocks(*leave_out_flagged(echogram, layers), name="f")
     # Blocks begin at 0, 250, 500, 750: the second has lines 499 to 505, the third 500 to 511.
     assert [scene.name for scene in scenes] == ["f_000", "f_003"]
-    assert skipped == {"f_001": "7 of 256 range lines flagged", "f_002": "12 of 256 range lines flagged"}
+    assert skipped == {
+        "f_001": "7 of 256 range lines flagged",
+        "f_002": "12 of 256 range lines flagged",
+    }
     untouched, _ = cut_blocks(*frame, name="f")
     for scene, same in zip(scenes, (untouched[0], untouched[3]), strict=True):
         assert_array_equal(scene.image, same.image)

@@ -11,14 +11,20 @@ from snowsim.frames import align_layers, flatten, resample_range
 def make_frame(rng, n_bins=200, n_lines=60, surface_bins=None, elevation_m=2500.0):
     """An echogram with two bright layers, and the layers, on the same lines."""
     lines = np.arange(n_lines)
-    surface_bins = 60 + 10 * np.sin(lines / 9) if surface_bins is None else np.broadcast_to(surface_bins, n_lines)
+    surface_bins = (
+        60 + 10 * np.sin(lines / 9)
+        if surface_bins is None
+        else np.broadcast_to(surface_bins, n_lines)
+    )
     bins = np.vstack([surface_bins, surface_bins + 40.0])
     power = rng.gamma(4, 0.25e-3, size=(n_bins, n_lines)).astype(np.float32)
     for row in bins:
         power[np.rint(row).astype(int), lines] = 1.0
     echogram, layers = made_up_frame(power, bins)
     echogram["Elevation"][:] = elevation_m
-    layers = layers.assign(Elevation=echogram["Elevation"].copy()).assign_coords(layer=["surface", "Koenig_2"])
+    layers = layers.assign(Elevation=echogram["Elevation"].copy()).assign_coords(
+        layer=["surface", "Koenig_2"]
+    )
     return echogram, layers
 
 
@@ -50,14 +56,17 @@ def test_layers_follow_the_height_of_the_echogram_antenna(rng):
     layers["Elevation"] = layers["Elevation"] - 0.3
     aligned = align_layers(layers, echogram)
     later = aligned["twtt"].values - layers["twtt"].values
-    # An antenna 0.3 m higher sees everything 0.6 m / c later; elevations of 2500 m round to 5e-13 m, 3e-21 s.
+    # An antenna 0.3 m higher sees everything 0.6 m / c later; elevations of 2500 m round to 5e-13
+    # m, 3e-21 s.
     assert_allclose(later, 0.6 / SPEED_OF_LIGHT_M_S, atol=1e-20)
 
 
 @pytest.mark.parametrize("lines", [slice(0, 50), slice(10, 60)])
 def test_layers_must_cover_the_echogram(rng, lines):
     echogram, layers = make_frame(rng)
-    with pytest.raises(ValueError, match="a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 2012"):
+    with pytest.raises(
+        ValueError, match="a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 2012"
+    ):
         align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
 
 
@@ -88,7 +97,9 @@ def test_flattening_puts_every_surface_into_one_row_loses_no_pixel_and_moves_lay
         assert_allclose(first_s - echogram["twtt"].values[0], shift_s, atol=1e-20)
     # Every reflector keeps its height: z - c t / 2.
     height = level["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * level["Surface"]
-    assert_allclose(height, echogram["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * echogram["Surface"], rtol=1e-13)
+    assert_allclose(
+        height, echogram["Elevation"] - SPEED_OF_LIGHT_M_S / 2 * echogram["Surface"], rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize("method", ["surface", "elevation"])
@@ -101,10 +112,13 @@ def test_a_level_frame_comes_back_untouched(rng, method):
 
 
 def test_elevation_compensation_levels_the_aircraft_and_not_the_terrain(rng):
-    # Flat terrain under an aircraft that climbs 1 m: the surface echo comes later by 2 m / c, 23.1 bins.
+    # Flat terrain under an aircraft that climbs 1 m: the surface echo comes later by 2 m / c, 23.1
+    # bins.
     climb_m = np.linspace(0, 1, 60)
     surface_bins = 60 + climb_m * 2 / SPEED_OF_LIGHT_M_S / BIN_S
-    level, moved = flatten(*make_frame(rng, surface_bins=surface_bins, elevation_m=2500 + climb_m), method="elevation")
+    level, moved = flatten(
+        *make_frame(rng, surface_bins=surface_bins, elevation_m=2500 + climb_m), method="elevation"
+    )
     # Whole bins: half a bin from the aircraft, as much from the range of the surface.
     assert np.ptp(layer_bins_of(moved, level)[0]) < 1 + 1e-6
     assert np.ptp(level["Elevation"].values) < SPEED_OF_LIGHT_M_S / 2 * BIN_S * (1 + 1e-6)
@@ -122,7 +136,9 @@ def test_gaps_of_the_surface_are_bridged(rng):
 
 def test_flattening_needs_a_surface_and_a_known_method(rng):
     echogram, layers = make_frame(rng)
-    with pytest.raises(ValueError, match="method must be one of surface, elevation, none, got flat"):
+    with pytest.raises(
+        ValueError, match="method must be one of surface, elevation, none, got flat"
+    ):
         flatten(echogram, layers, method="flat")
     assert flatten(echogram, layers, method="none")[0] is echogram
     layers["twtt"][0] = np.nan
@@ -149,7 +165,9 @@ def test_larger_bins_equal_the_slow_area_average(rng, ratio):
     found = resample_range(echogram, ratio * BIN_S)["Data"].values
     for row in (0, 1, 7, 30):
         low, high = max(ratio * row - ratio / 2 + 0.5, 0), ratio * row + ratio / 2 + 0.5
-        shares = np.clip(np.minimum(np.arange(200) + 1, high) - np.maximum(np.arange(200), low), 0, None)
+        shares = np.clip(
+            np.minimum(np.arange(200) + 1, high) - np.maximum(np.arange(200), low), 0, None
+        )
         assert_allclose(found[row], shares @ power / shares.sum(), rtol=1e-6)
 
 
@@ -168,7 +186,9 @@ def test_resampling_moves_no_layer_by_more_than_half_a_new_bin_and_missing_bins_
         resampled = resample_range(echogram, ratio * BIN_S)
         rows = resampled["Data"].values[: int(85 / ratio)].argmax(axis=0)
         # Half a new bin from where it falls, half an old one from the pixel it was painted into.
-        assert (np.abs(rows - layer_bins_of(layers, resampled)[0]) <= 0.5 + 0.5 / ratio + 1e-6).all()
+        assert (
+            np.abs(rows - layer_bins_of(layers, resampled)[0]) <= 0.5 + 0.5 / ratio + 1e-6
+        ).all()
     echogram["Data"][50, 3] = np.nan
     for ratio in (0.5, 2):
         missing = np.isnan(resample_range(echogram, ratio * BIN_S)["Data"].values)

@@ -26,12 +26,18 @@ def scenes(rng):
     made = []
     for number, height in enumerate((300, 320, 301)):
         lines = np.arange(256)
-        bins = 50 + 30.3 * np.arange(6)[:, None] + 4 * np.sin(lines / 40) * np.arange(6)[:, None] / 5
+        bins = (
+            50 + 30.3 * np.arange(6)[:, None] + 4 * np.sin(lines / 40) * np.arange(6)[:, None] / 5
+        )
         bins[5] += np.where(lines > 200, height, 0)
         complete = bins.copy()
         bins[2, 40:90] = np.nan
         image = rng.integers(0, 256, size=(height, 256), dtype=np.uint8)
-        contrast = {"noise_floor_db": -61.2345678901234, "maximum_db": float(rng.normal()), "zone": number}
+        contrast = {
+            "noise_floor_db": -61.2345678901234,
+            "maximum_db": float(rng.normal()),
+            "zone": number,
+        }
         name, notes = f"20120330_04_{number + 1:03d}", {"bin_size_s": 2.886e-10}
         made.append(Scene(name, height, bins, image, complete, **contrast, notes=notes))
     return made

@@ -1,7 +1,8 @@
 """Small files of every format, written to the published field tables: no real echogram may be shipped with the tests.
 
-Names, units, orientations and traps are those of the CReSIS toolbox and of the IRSNO1B files: MATLAB writes NetCDF
-dimensions the other way round, v7.3 files are HDF5 with transposed arrays, text as numbers and cells as references.
+Names, units, orientations and traps are those of the CReSIS toolbox and of the IRSNO1B files:
+MATLAB writes NetCDF dimensions the other way round, v7.3 files are HDF5 with transposed arrays,
+text as numbers and cells as references.
 """
 
 import h5py
@@ -73,7 +74,9 @@ def check_times(dataset, gps_time):
     assert (late <= np.timedelta64(300, "ns")).all()
 
 
-def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"):
+def write_nsidc(
+    path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"
+):
     """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as Python sees MATLAB's."""
     seconds = np.asarray(content["GPS_time"]) - GPS_START if seconds is None else seconds
     with netCDF4.Dataset(path, "w", format=format) as file:
@@ -88,11 +91,17 @@ def write_nsidc(path, content, *, transposed=False, seconds=None, extra=None, dr
                 variable.setncatts(attributes)
 
         amplitude = to_db(content["Data"])
-        dims, values = (("fasttime", "time"), amplitude) if transposed else (("time", "fasttime"), amplitude.T)
+        dims, values = (
+            (("fasttime", "time"), amplitude) if transposed else (("time", "fasttime"), amplitude.T)
+        )
         put("amplitude", dims, values, units="counts in dB", matlab_class="single")
         put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
         put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
-        for theirs, ours in {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}.items():
+        for theirs, ours in {
+            "lat": "Latitude",
+            "lon": "Longitude",
+            "altitude": "Elevation",
+        }.items():
             put(theirs, ("time",), content[ours])
         put("Surface", ("time",), content["Surface"], units="seconds")
         for ours in ("Roll", "Pitch", "Heading"):
@@ -131,7 +140,9 @@ def write_nsidc_flight(folder, rng, roles, n_lines):
 def as_matlab(content):
     """Vectors as MATLAB keeps them: rows, and some columns."""
     columns = {name: (-1, 1) for name in ("Time", "Truncate_Bins")}
-    vectors = [name for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1]
+    vectors = [
+        name for name, value in content.items() if isinstance(value, np.ndarray) and value.ndim == 1
+    ]
     return content | {name: content[name].reshape(columns.get(name, (1, -1))) for name in vectors}
 
 
@@ -151,7 +162,9 @@ def write_mat73(path, content):
 def _put73(file, group, name, value):
     if isinstance(value, str):
         matlab_class = "char"
-        node = group.create_dataset(name, data=np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None])
+        node = group.create_dataset(
+            name, data=np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None]
+        )
     elif isinstance(value, dict):
         matlab_class = "struct"
         node = group.create_group(name)
@@ -169,7 +182,9 @@ def _put73(file, group, name, value):
     else:
         value = np.atleast_2d(value)
         matlab_class = {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
-        node = group.create_dataset(name, data=value.T if value.size else np.array(value.shape, dtype="u8"))
+        node = group.create_dataset(
+            name, data=value.T if value.size else np.array(value.shape, dtype="u8")
+        )
         if value.size == 0:
             node.attrs["MATLAB_empty"] = np.uint8(1)
     node.attrs["MATLAB_class"] = np.bytes_(matlab_class)
@@ -235,7 +250,9 @@ def old_layer_content(twtt, gps_time, names):
         manual = np.full(row.size, np.nan)
         manual[0] = row[0]
         value = cell([{"data": manual[None]}, {"data": row[None]}])
-        entries.append({"value": value, "quality": np.ones((1, row.size))} | ({"name": name} if name else {}))
+        entries.append(
+            {"value": value, "quality": np.ones((1, row.size))} | ({"name": name} if name else {})
+        )
     positions = {"Latitude": 70.0, "Longitude": -40.0, "Elevation": 2500.0}
     along = {name: np.full(np.size(gps_time), value) for name, value in positions.items()}
     return {"GPS_time": np.asarray(gps_time), "layerData": cell(entries), **along}
@@ -245,16 +262,29 @@ def opr_dataset(content):
     """The same echogram as an Open Polar Radar dataset."""
     along = [name for name in content if name not in ("Data", "Time", "GPS_time")]
     return xr.Dataset(
-        {"Data": (("twtt", "slow_time"), content["Data"]), **{n: ("slow_time", content[n]) for n in along}},
-        coords={"twtt": ("twtt", content["Time"], {"units": "s"}), "slow_time": slow_time(content["GPS_time"])},
+        {
+            "Data": (("twtt", "slow_time"), content["Data"]),
+            **{n: ("slow_time", content[n]) for n in along},
+        },
+        coords={
+            "twtt": ("twtt", content["Time"], {"units": "s"}),
+            "slow_time": slow_time(content["GPS_time"]),
+        },
     )
 
 
 def opr_layers(twtt, gps_time, names=None):
     twtt = np.atleast_2d(twtt)
-    coords = {"slow_time": slow_time(gps_time)} | ({} if names is None else {"layer": np.asarray(names, dtype=str)})
-    flags = {name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8)) for name in ("quality", "type")}
-    return xr.Dataset({"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords)
+    coords = {"slow_time": slow_time(gps_time)} | (
+        {} if names is None else {"layer": np.asarray(names, dtype=str)}
+    )
+    flags = {
+        name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8))
+        for name in ("quality", "type")
+    }
+    return xr.Dataset(
+        {"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords
+    )
 
 
 of_mat = pytest.mark.parametrize("write", [write_mat5, write_mat73], ids=["mat5", "mat73"])

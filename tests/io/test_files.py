@@ -53,7 +53,10 @@ def test_what_a_killed_process_wrote_aside_of_the_same_file_is_removed(tmp_path)
 
 
 def test_a_full_disk_is_named_by_its_own_error(tmp_path):
-    with pytest.raises(OSError, match=r"a\.nc: cannot be written, the disk is full"), written_whole(tmp_path / "a.nc"):
+    with (
+        pytest.raises(OSError, match=r"a\.nc: cannot be written, the disk is full"),
+        written_whole(tmp_path / "a.nc"),
+    ):
         raise OSError(errno.ENOSPC, "No space left on device")
 
 
@@ -68,7 +71,9 @@ def test_a_table_comes_back_and_repeats_to_the_byte(tmp_path, rng, ending):
 
 
 def test_a_dataset_comes_back_bit_by_bit_and_cut_short_it_is_refused(path, rng):
-    dataset = xr.Dataset({"x": ("line", np.append(rng.random(9999), np.nan).astype("f4"))}, attrs={"n_looks": 5})
+    dataset = xr.Dataset(
+        {"x": ("line", np.append(rng.random(9999), np.nan).astype("f4"))}, attrs={"n_looks": 5}
+    )
     write_dataset(path, dataset)
     xr.testing.assert_identical(read_dataset(path), dataset)
     path.write_bytes(path.read_bytes()[:5_000])
@@ -76,7 +81,9 @@ def test_a_dataset_comes_back_bit_by_bit_and_cut_short_it_is_refused(path, rng):
 
 
 def test_scenes_of_several_files_come_back_as_they_were(tmp_path, scenes):
-    scenes = [dataclasses.replace(scenes[i % 3], name=f"scene_{i}", notes={"n": i}) for i in range(12)]
+    scenes = [
+        dataclasses.replace(scenes[i % 3], name=f"scene_{i}", notes={"n": i}) for i in range(12)
+    ]
     paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
     write_scenes(paths[0], scenes[:7], {"synthetic": "yes"})
     write_scenes(paths[1], scenes[7:])
@@ -96,7 +103,11 @@ def test_no_scene_and_scenes_that_hold_different_things_are_refused(tmp_path, pa
     refused(lambda path: write_scenes(path, []), path, "at least one scene")
     assert list(tmp_path.iterdir()) == []
     scenes[1].image = None
-    refused(lambda path: write_scenes(path, scenes), path, f"scene {scenes[1].name}: expected .*image.* as in")
+    refused(
+        lambda path: write_scenes(path, scenes),
+        path,
+        f"scene {scenes[1].name}: expected .*image.* as in",
+    )
 
 
 def test_a_truncated_scene_file_and_another_netcdf_file_are_refused_by_name(path, scenes):
@@ -108,7 +119,10 @@ def test_a_truncated_scene_file_and_another_netcdf_file_are_refused_by_name(path
 
 
 ARRAYS = {
-    "network": {"a.weight": np.arange(6, dtype=np.float32).reshape(2, 3), "a.bias": np.zeros(2, np.float32)},
+    "network": {
+        "a.weight": np.arange(6, dtype=np.float32).reshape(2, 3),
+        "a.bias": np.zeros(2, np.float32),
+    },
     "adam": {0: {"step": np.float32(7), "exp_avg": np.ones((2, 3), np.float32)}},
 }
 METADATA = {"kind": "tracker", "settings": {"width": 8, "scales": (1.0, 0.5)}, "seed": 3, "step": 7}
@@ -153,7 +167,9 @@ def test_a_model_of_another_configuration_is_refused(model, expected, words):
 
 
 @pytest.mark.parametrize("n_bytes", [0, 5, 200, -1])
-def test_a_truncated_model_one_that_is_gone_and_another_safetensors_file_are_refused(model, n_bytes):
+def test_a_truncated_model_one_that_is_gone_and_another_safetensors_file_are_refused(
+    model, n_bytes
+):
     model.write_bytes(model.read_bytes()[:n_bytes])
     refused(read_model, model, "expected a whole safetensors file")
     model.unlink()

@@ -62,13 +62,18 @@ def test_files_that_fail_are_named_together(flight, table):
     whole = (flight / "a.nc").read_bytes()
     (flight / "a.nc").write_bytes(whole[: len(whole) // 2])
     (flight / "c.mat").write_bytes(b"nothing")
-    assert [line.split(":")[0] for line in failures(lambda: check_frames(table), 2, 3)] == ["one", "three"]
+    assert [line.split(":")[0] for line in failures(lambda: check_frames(table), 2, 3)] == [
+        "one",
+        "three",
+    ]
 
 
 def test_frames_of_another_bin_size_are_named(flight, table, content):
     content["Time"] = content["Time"][0] + (content["Time"] - content["Time"][0]) * 1.5
     formats.write_mat73(flight / "c.mat", content)
-    with pytest.raises(ValueError, match="three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"):
+    with pytest.raises(
+        ValueError, match="three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"
+    ):
         check_frames(table)
     check_frames(table, bin_s=5e-10)
 
@@ -87,7 +92,9 @@ def test_frames_of_another_source_and_names_that_no_frame_has_are_named(table):
     assert [line.split(":")[0] for line in lines] == ["two", "three"]
     for line in lines:
         assert line.endswith("format: expected an IRSNO1B echogram, found a CReSIS L1B echogram")
-    (line,) = failures(lambda: check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"]), 1, 3)
+    (line,) = failures(
+        lambda: check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"]), 1, 3
+    )
     assert line == "Koenig_3: layer_names: expected layers that some frame has, found it in none"
 
 
@@ -95,10 +102,13 @@ def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     content = formats.truth(rng, n_bins=400, n_lines=520)
     layers = formats.layer_content([content["Surface"]], [9], content["GPS_time"])
     formats.write_mat5(flight / LAYERS, layers)
-    # One has rows above the surface for blocks, one begins 30 rows above it, one is narrower than a block.
+    # One has rows above the surface for blocks, one begins 30 rows above it, one is narrower than a
+    # block.
     formats.write_nsidc(flight / "a.nc", formats.truth(rng, n_bins=400, n_lines=520, n_above=40))
     formats.write_mat5(flight / "b.mat", content)
-    formats.write_mat73(flight / "c.mat", {k: v[..., :200] if k != "Time" else v for k, v in content.items()})
+    formats.write_mat73(
+        flight / "c.mat", {k: v[..., :200] if k != "Time" else v for k, v in content.items()}
+    )
     table = read_frames(flight / "frames.tsv").assign(role=["train", "train", "test"])
     two, three = failures(lambda: check_frames(table, blocks=True), 2, 3)
     assert "blocks: expected at least one that is a scene, found none (two_000: rows -" in two
@@ -108,7 +118,9 @@ def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     assert checked["n_skipped"].tolist() == [0]
 
 
-@pytest.mark.parametrize("header", ["frame\techogram\tlayers", formats.TABLE_HEADER + "s", "", formats.TABLE_HEADER])
+@pytest.mark.parametrize(
+    "header", ["frame\techogram\tlayers", formats.TABLE_HEADER + "s", "", formats.TABLE_HEADER]
+)
 def test_a_table_needs_its_columns_and_a_row(tmp_path, header):
     (tmp_path / "frames.tsv").write_text(header)
     with pytest.raises(ValueError, match=r"frames.tsv: (columns|frames|table): expected"):
@@ -132,7 +144,10 @@ def test_compensated_files_give_the_frame_of_the_plain_ones(flight, rows, conten
     stored = formats.compensated(content, np.arange(formats.N_LINES) % 7, n_kept=formats.N_BINS)
     formats.write_mat73(flight / "c.mat", stored)
     (plain, picks), (undone, same_picks) = map(read_frame, rows[1:])
-    brightest = [echogram["twtt"].values[np.nanargmax(echogram["Data"], axis=0)] for echogram in (plain, undone)]
+    brightest = [
+        echogram["twtt"].values[np.nanargmax(echogram["Data"], axis=0)]
+        for echogram in (plain, undone)
+    ]
     assert_allclose(*brightest, atol=formats.BIN_S / 100)
     assert_allclose(picks["twtt"], same_picks["twtt"], atol=formats.BIN_S / 100)
     assert_array_equal(picks["layer"], same_picks["layer"])

@@ -74,18 +74,29 @@ def test_function_handles_among_parameters_do_no_harm(path, content):
     assert read_mat73(path, ["param_records"])["param_records"] == {"radar": {"lever_arm_fh": None}}
 
 
-def test_mat5_values_are_those_scipy_reads_and_function_handles_among_real_ones_are_none(tmp_path, shared_data, rng):
+def test_mat5_values_are_those_scipy_reads_and_function_handles_among_real_ones_are_none(
+    tmp_path, shared_data, rng
+):
     written = tmp_path / "written.mat"
     content = {
-        **{f"x_{kind}": rng.integers(0, 100, (3, 4)).astype(kind) for kind in ("i1", "u2", "i4", "u8", "f4", "f8")},
+        **{
+            f"x_{kind}": rng.integers(0, 100, (3, 4)).astype(kind)
+            for kind in ("i1", "u2", "i4", "u8", "f4", "f8")
+        },
         "x_3d": rng.normal(size=(2, 3, 4)),
         "x_empty": np.zeros((0, 3)),
         "x_logical": np.array([[True, False]]),
     }
     scipy.io.savemat(written, content, do_compression=True)
-    real = sorted(shared_data.glob("cresis_layers/20181030_01/*.mat")) + sorted(shared_data.glob("mat/*.mat"))
+    real = sorted(shared_data.glob("cresis_layers/20181030_01/*.mat")) + sorted(
+        shared_data.glob("mat/*.mat")
+    )
     for path in (written, *real):
-        theirs = {k: v for k, v in scipy.io.loadmat(path, mat_dtype=True).items() if not k.startswith("__")}
+        theirs = {
+            k: v
+            for k, v in scipy.io.loadmat(path, mat_dtype=True).items()
+            if not k.startswith("__")
+        }
         ours = read_mat5(path, list(theirs))
         assert names_in_mat5(path) == set(theirs) == set(ours)
         for name, value in theirs.items():
@@ -105,7 +116,9 @@ def test_complex_numbers_keep_both_parts_and_big_endian_files_are_read(tmp_path,
     data = struct.pack(">4d", 1, 2, 3, 4)
     parts = struct.pack(">II", 6, 8) + struct.pack(">II", 6, 0) + struct.pack(">II2i", 5, 8, 2, 2)
     parts += struct.pack(">HH4s", 1, 1, b"x") + struct.pack(">II", 9, 32) + data
-    (tmp_path / "f.mat").write_bytes(HEADER[:124] + b"\x01\x00MI" + struct.pack(">II", 14, len(parts)) + parts)
+    (tmp_path / "f.mat").write_bytes(
+        HEADER[:124] + b"\x01\x00MI" + struct.pack(">II", 14, len(parts)) + parts
+    )
     assert_array_equal(read_mat5(tmp_path / "f.mat", ["x"])["x"], [[1, 3], [2, 4]])
 
 
@@ -114,9 +127,17 @@ def test_compressed_bombs_are_not_inflated(path, name):
     # 3 GB of zeros in 3 MB, whether or not a reader would want the variable.
     n_bytes = 3 * 2**30
     described = head(name, 6, (n_bytes // 8 // 1024, 1024))
-    start = struct.pack("<II", MATRIX, len(described) + 8 + n_bytes) + described + struct.pack("<II", 9, n_bytes)
+    start = (
+        struct.pack("<II", MATRIX, len(described) + 8 + n_bytes)
+        + described
+        + struct.pack("<II", 9, n_bytes)
+    )
     squeeze = zlib.compressobj(9)
-    packed = squeeze.compress(start) + b"".join(squeeze.compress(bytes(2**24)) for _ in range(4)) + squeeze.flush()
+    packed = (
+        squeeze.compress(start)
+        + b"".join(squeeze.compress(bytes(2**24)) for _ in range(4))
+        + squeeze.flush()
+    )
     path.write_bytes(HEADER + tagged(15, packed))
     refused(read_data, path, f"of at most {MAXIMUM_BYTES} bytes, found type 14 of")
 
@@ -124,15 +145,26 @@ def test_compressed_bombs_are_not_inflated(path, name):
 def test_declared_sizes_are_checked_before_anything_is_read(path, content):
     formats.write_mat73(path, without_data(content))
     with h5py.File(path, "r+") as file:
-        file.create_dataset("Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000), compression="gzip")
-    refused(read_echogram, path, f"Data: expected at most {MAXIMUM_BYTES} bytes, found 4000000000000 declared")
+        file.create_dataset(
+            "Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000), compression="gzip"
+        )
+    refused(
+        read_echogram,
+        path,
+        f"Data: expected at most {MAXIMUM_BYTES} bytes, found 4000000000000 declared",
+    )
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         (
-            tagged(15, zlib.compress(array("Data", 6, element(9, struct.pack("<d", 1.0))) + bytes(2**27), 9)),
+            tagged(
+                15,
+                zlib.compress(
+                    array("Data", 6, element(9, struct.pack("<d", 1.0))) + bytes(2**27), 9
+                ),
+            ),
             "Data: expected a compressed variable of 72 bytes",
         ),
         (array("Data", 1, shape=(2**30, 2**30)), "Data: expected at most 0 members"),
@@ -179,12 +211,15 @@ def test_variables_kept_elsewhere_are_refused(tmp_path, content, kind):
 
 def test_heaps_that_never_end_and_texts_longer_than_the_file_are_refused(path):
     with h5py.File(path, "w") as file:
-        texts = file.create_dataset("layer", data=["surface", "Koenig_2"], dtype=h5py.string_dtype())
+        texts = file.create_dataset(
+            "layer", data=["surface", "Koenig_2"], dtype=h5py.string_dtype()
+        )
         texts_at = texts.id.get_offset()
     check_heaps(path)
     whole = path.read_bytes()
     length_at = whole.index(b"GCOL") + 24
-    # A length that, rounded up to 8 and added to its header, comes to nothing in 64 bits: walked for ever.
+    # A length that, rounded up to 8 and added to its header, comes to nothing in 64 bits: walked
+    # for ever.
     path.write_bytes(whole[:length_at] + struct.pack("<q", -16) + whole[length_at + 8 :])
     refused(names_in_hdf5, path, "HDF5 heap at byte .*: expected objects that end by byte")
     path.write_bytes(whole[:texts_at] + struct.pack("<I", 2**31) + whole[texts_at + 4 :])
@@ -200,7 +235,10 @@ def test_heaps_that_never_end_and_texts_longer_than_the_file_are_refused(path):
         (b"\x89HDF\r\n\x1a\n", "HDF5: expected a readable file"),
         (HEADER, "variables: expected those of an echogram or of layers, found none"),
         (b"CDF\x01" + bytes(4), "variables: expected|NetCDF: expected"),
-        (b"GIF89a", "content: expected MAT v5, MAT v7.3, NetCDF, PNG or Zarr, found first bytes b'GIF89a'"),
+        (
+            b"GIF89a",
+            "content: expected MAT v5, MAT v7.3, NetCDF, PNG or Zarr, found first bytes b'GIF89a'",
+        ),
     ],
     ids=["missing", "empty", "hdf5 head", "mat head", "netcdf head", "gif"],
 )

@@ -29,14 +29,19 @@ NOISE_POWER = 1e-3
 def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_path):
     command = [sys.executable, __file__, str(tmp_path), "196"]
     paths = {"PYTHONPATH": os.pathsep.join(sys.path)}
-    child = subprocess.run(command, capture_output=True, text=True, timeout=1800, check=False, env=os.environ | paths)
+    child = subprocess.run(
+        command, capture_output=True, text=True, timeout=1800, check=False, env=os.environ | paths
+    )
     assert child.returncode == 0, child.stderr[-2000:]
     report = json.loads(child.stdout)
     assert report["n_lines"] == 200_704
     assert report["n_layers"] == N_LAYERS
-    # 70 rows of air at 5 looks on 200,704 lines: known to 1e-4; the tolerance of the renders is 0.05 dB, 1.2 %.
+    # 70 rows of air at 5 looks on 200,704 lines: known to 1e-4; the tolerance of the renders is
+    # 0.05 dB, 1.2 %.
     assert_allclose(report["noise_power"], NOISE_POWER, rtol=0.012)
-    assert report["peak_bytes"] < 1.5 * 2**30  # of the whole process, the libraries' 0.2 GiB included
+    assert (
+        report["peak_bytes"] < 1.5 * 2**30
+    )  # of the whole process, the libraries' 0.2 GiB included
 
 
 def frames(folder, n_frames):
@@ -59,7 +64,8 @@ def frames(folder, n_frames):
 
 if __name__ == "__main__":
     statistics = fit(frames(Path(sys.argv[1]), int(sys.argv[2])))
-    # Largest resident memory of this process so far; not that of the process it was forked from, as getrusage has.
+    # Largest resident memory of this process so far; not that of the process it was forked from, as
+    # getrusage has.
     status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
     report = {
         "n_lines": int(statistics["n_picks"][0]),

@@ -1,7 +1,7 @@
 """Damaged files give one line, never a crash, a hang or another exception: truncated, flipped, dropped, retyped.
 
-Files are read in a child process under a limit of time and of memory. HDF5 without checksums cannot tell a flipped bit
-of its payload from data: there, at most the value that was hit may differ.
+Files are read in a child process under a limit of time and of memory. HDF5 without checksums cannot
+tell a flipped bit of its payload from data: there, at most the value that was hit may differ.
 """
 
 import json
@@ -45,7 +45,13 @@ def sound_files(rng):
     content = formats.truth(rng, n_bins=40, n_lines=12)
     gps_time, surface = content["GPS_time"], content["Surface"]
     twtt = np.array([surface, surface + 1e-8, surface + 2e-8])
-    scene = Scene("s", 300, twtt[:, :10] * 1e7, image=rng.integers(0, 256, (300, 10), dtype=np.uint8), maximum_db=3.0)
+    scene = Scene(
+        "s",
+        300,
+        twtt[:, :10] * 1e7,
+        image=rng.integers(0, 256, (300, 10), dtype=np.uint8),
+        maximum_db=3.0,
+    )
     echogram = content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}
     layers = formats.layer_content(twtt, [1, 2, 3], gps_time)
     old_layers = formats.old_layer_content(twtt[:2], gps_time, ["surface", "Koenig_2"])
@@ -88,7 +94,14 @@ DAMAGES = {
     "head": lambda content, rng: flipped(content[:4096], rng) + content[4096:],
     "overwritten": overwritten,
 }
-RETYPED = ("text", 1 + 2j, np.zeros((0, 0)), np.ones((2, 3, 4)), np.int8(3), np.full((3, 5), np.inf))
+RETYPED = (
+    "text",
+    1 + 2j,
+    np.zeros((0, 0)),
+    np.ones((2, 3, 4)),
+    np.int8(3),
+    np.full((3, 5), np.inf),
+)
 
 
 def write_changed_variables(kind, sound, folder):
@@ -106,7 +119,9 @@ def write_changed_variables(kind, sound, folder):
         for number, value in enumerate((None, *RETYPED)):
             path = folder / f"{kind}-var{number:02d}-{place:02d}"
             if is_mat5:
-                changed = {k: v for k, v in content.items() if k != name} | ({} if value is None else {name: value})
+                changed = {k: v for k, v in content.items() if k != name} | (
+                    {} if value is None else {name: value}
+                )
                 scipy.io.savemat(path, changed)
                 continue
             shutil.copy(sound, path)
@@ -146,12 +161,15 @@ def damage(kind, folder, n_files, rng):
     damaged.mkdir(exist_ok=True)
     shutil.copy(sound, damaged / f"{kind}-sound")
     for number, name in zip(range(n_files), cycle(DAMAGES), strict=False):
-        (damaged / f"{kind}-{name}-{number:04d}").write_bytes(DAMAGES[name](sound.read_bytes(), rng))
+        (damaged / f"{kind}-{name}-{number:04d}").write_bytes(
+            DAMAGES[name](sound.read_bytes(), rng)
+        )
     return sound, damaged
 
 
 @pytest.mark.parametrize(
-    ("kinds", "n_files"), [(KINDS, 12), *(pytest.param([kind], 400, marks=pytest.mark.slow, id=kind) for kind in KINDS)]
+    ("kinds", "n_files"),
+    [(KINDS, 12), *(pytest.param([kind], 400, marks=pytest.mark.slow, id=kind) for kind in KINDS)],
 )
 def test_damaged_files_give_one_line(tmp_path, rng, kinds, n_files):
     for kind in kinds:
@@ -164,7 +182,9 @@ def test_damaged_files_give_one_line(tmp_path, rng, kinds, n_files):
         # A cut file is refused, or was cut behind all that is read.
         kind, is_cut, _ = name.partition("-cut")
         if is_cut and "error" not in outcome:
-            assert np.array_equal(outcome["values"], outcomes[f"{kind}-sound"]["values"], equal_nan=True), name
+            assert np.array_equal(
+                outcome["values"], outcomes[f"{kind}-sound"]["values"], equal_nan=True
+            ), name
 
 
 @pytest.mark.parametrize("n_stores", [20, pytest.param(300, marks=pytest.mark.slow)])
@@ -207,16 +227,22 @@ def test_a_flipped_payload_bit_changes_at_most_its_own_value(tmp_path, rng):
         for name, outcome in outcomes.items():
             if name.startswith(f"{kind}-bit-") and "values" in outcome:
                 values = np.array(outcome["values"])
-                n_different = ((values != expected) & ~(np.isnan(values) & np.isnan(expected))).sum()
+                n_different = (
+                    (values != expected) & ~(np.isnan(values) & np.isnan(expected))
+                ).sum()
                 assert n_different <= 1, name
                 n_changed += n_different
                 n_read += 1
         # Sign and exponent bits can make a value impossible; most bits are of the mantissa.
         assert n_read > 10, kind
-        assert n_changed > 0.5 * n_read, kind  # the last bits of decibels can be lost on the way to power
+        assert n_changed > 0.5 * n_read, (
+            kind
+        )  # the last bits of decibels can be lost on the way to power
 
 
-if __name__ == "__main__":  # the child process: reads every file of a folder, tells each outcome on a line of its own
+if (
+    __name__ == "__main__"
+):  # the child process: reads every file of a folder, tells each outcome on a line of its own
     resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
     for path in sorted(Path(sys.argv[1]).iterdir()):
         print(json.dumps({"file": path.name, "begun": True}), flush=True)  # noqa: T201

@@ -34,7 +34,11 @@ def test_pairs_come_back_exactly_but_for_whole_bins(exported, scenes):
         outside = scene.layer_bins > scene.n_range_bins - 0.5
         assert_array_equal(found.layer_bins, np.where(outside, np.nan, np.rint(scene.layer_bins)))
         assert_array_equal(found.mask(), scene.mask())
-        assert (found.noise_floor_db, found.maximum_db, found.zone) == (-61.2345678901234, scene.maximum_db, scene.zone)
+        assert (found.noise_floor_db, found.maximum_db, found.zone) == (
+            -61.2345678901234,
+            scene.maximum_db,
+            scene.zone,
+        )
 
 
 def test_a_second_export_of_what_was_read_gives_the_same_bytes(tmp_path, exported):
@@ -46,7 +50,8 @@ def test_a_second_export_of_what_was_read_gives_the_same_bytes(tmp_path, exporte
 
 
 def test_the_published_loader_finds_every_pair(exported, scenes):
-    # What BinaLab/MultiScale's SnowData does with a list: read names, put layer_binary_ for data_, take grey > 0.
+    # What BinaLab/MultiScale's SnowData does with a list: read names, put layer_binary_ for data_,
+    # take grey > 0.
     names = pd.read_csv(exported / "all.lst", names=["data"])["data"]
     for name, scene in zip(names, scenes, strict=True):
         image_path = str(exported / name)
@@ -57,17 +62,27 @@ def test_the_published_loader_finds_every_pair(exported, scenes):
 
 
 def test_a_list_chooses_and_orders_the_scenes_and_a_mask_alone_is_enough(exported, scenes):
-    (exported / "some.lst").write_text("data_20120330_04_003.png\ndata_20120330_04_001.png layer.png\n\n")
+    (exported / "some.lst").write_text(
+        "data_20120330_04_003.png\ndata_20120330_04_001.png layer.png\n\n"
+    )
     assert PairSet(exported / "some.lst").names == ["20120330_04_003", "20120330_04_001"]
     (exported / "bad.lst").write_text("data_9.png\ndata_20120330_04_001.png\ndata_8.png\n")
-    refused(PairSet, exported / "bad.lst", "expected files that are there, found 2 missing: data_9.png, data_8.png")
+    refused(
+        PairSet,
+        exported / "bad.lst",
+        "expected files that are there, found 2 missing: data_9.png, data_8.png",
+    )
     (exported / f"layer_{scenes[0].name}.png").unlink()
     assert_array_equal(PairSet(exported)[0].mask(), scenes[0].mask())
 
 
-def test_two_layers_at_one_pixel_are_counted_and_complete_layers_can_be_the_labels(tmp_path, scenes):
+def test_two_layers_at_one_pixel_are_counted_and_complete_layers_can_be_the_labels(
+    tmp_path, scenes
+):
     export_pairs(tmp_path / "set", scenes[:1], layers="complete")
-    assert np.isfinite(PairSet(tmp_path / "set")[0].layer_bins[2, 40:90]).all()  # where the other layers have a gap
+    assert np.isfinite(
+        PairSet(tmp_path / "set")[0].layer_bins[2, 40:90]
+    ).all()  # where the other layers have a gap
     numbers, n_merged = layer_numbers([[10.2], [10.4], [12.0]], 20)
     assert numbers[[10, 12], 0].tolist() == [2, 3]
     assert n_merged == 1
@@ -117,18 +132,24 @@ def write_mat_pair(folder, image, scene):
     return folder / "data_x.mat"
 
 
-def test_mat_pairs_hold_data_and_layer_and_nothing_is_guessed_of_what_could_be_power_or_decibels(tmp_path, scenes):
+def test_mat_pairs_hold_data_and_layer_and_nothing_is_guessed_of_what_could_be_power_or_decibels(
+    tmp_path, scenes
+):
     scene = scenes[0]
     for image in (scene.image, scene.image.astype(float)):
         found = read_pair(write_mat_pair(tmp_path, image, scene))
         assert_array_equal(found.image, scene.image)
         assert_array_equal(found.mask(), scene.mask())
-    found = read_pair(write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene))  # decibels
+    found = read_pair(
+        write_mat_pair(tmp_path, scene.image.astype(float) - 200.5, scene)
+    )  # decibels
     assert found.maximum_db == scene.image.max() - 200.5
     data = scenes[0].image + 0.5
     path = write_mat_pair(tmp_path, data, scenes[0])
     refused(read_pair, path, "data: expected whole numbers from 0 to 255, or data_scale")
-    assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(10 * np.log10(data.max()))
+    assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(
+        10 * np.log10(data.max())
+    )
     assert PairSet(tmp_path, data_scale="db")[0].maximum_db == pytest.approx(data.max())
 
 
@@ -148,14 +169,32 @@ COLOUR = MASK[..., None].repeat(3, 2).astype(np.uint8)
     ("labels", "message"),
     [
         ({}, "labels: expected a file layer_"),
-        ({"layer_binary": MASK[:86]}, r"size: expected that of the image, \(300, 256\), found \(86, 256\)"),
-        ({"layer_binary": ~MASK}, "mask: expected layers on a dark ground, found 100 % of pixels on: inverted"),
-        ({"layer_binary": IMAGE}, "mask: expected 1 bit, or two grey levels of which one is 0, found 256 levels"),
+        (
+            {"layer_binary": MASK[:86]},
+            r"size: expected that of the image, \(300, 256\), found \(86, 256\)",
+        ),
+        (
+            {"layer_binary": ~MASK},
+            "mask: expected layers on a dark ground, found 100 % of pixels on: inverted",
+        ),
+        (
+            {"layer_binary": IMAGE},
+            "mask: expected 1 bit, or two grey levels of which one is 0, found 256 levels",
+        ),
         ({"layer_binary": COLOUR}, "PNG: expected 1-bit or 8-bit grey, found mode"),
         ({"layer_binary": np.zeros_like(MASK)}, "labels: expected at least one layer, found none"),
-        ({"layer_binary": MASK, "layer": np.roll(MASK, 1, 0).astype(np.uint8)}, "mask: expected what layer_x.png has"),
-        ({"layer": (MASK | np.roll(MASK, 5, 0)).astype(np.uint8)}, "layer numbers: expected one run of pixels"),
-        ({"layer": MASK + 2 * np.roll(MASK, -5, 0).astype(np.uint8)}, "layers must increase strictly with depth"),
+        (
+            {"layer_binary": MASK, "layer": np.roll(MASK, 1, 0).astype(np.uint8)},
+            "mask: expected what layer_x.png has",
+        ),
+        (
+            {"layer": (MASK | np.roll(MASK, 5, 0)).astype(np.uint8)},
+            "layer numbers: expected one run of pixels",
+        ),
+        (
+            {"layer": MASK + 2 * np.roll(MASK, -5, 0).astype(np.uint8)},
+            "layers must increase strictly with depth",
+        ),
     ],
     ids=["none", "short", "inverted", "grey", "colour", "black", "differ", "apart", "crossing"],
 )
@@ -171,7 +210,9 @@ def test_scenes_that_fail_and_those_of_another_width_are_named_together(exported
     mask = exported / f"layer_binary_{scenes[0].name}.png"
     mask.write_bytes(mask.read_bytes()[:60])
     lines = failures(PairSet(exported).check, 2, 4)
-    assert any("narrow: width: expected 256 range lines as in most, found 200" in line for line in lines)
+    assert any(
+        "narrow: width: expected 256 range lines as in most, found 200" in line for line in lines
+    )
     (exported / f"data_{scenes[1].name}.png").write_bytes(b"nothing")
     failures(PairSet(exported).check, 3, 4)
 
@@ -179,20 +220,37 @@ def test_scenes_that_fail_and_those_of_another_width_are_named_together(exported
 def test_checked_scenes_tell_their_sizes_and_files(exported, scenes):
     pairs = PairSet(exported)
     assert [row["n_range_bins"] for row in pairs.check()] == [300, 320, 301]
-    assert all(row["tells_db"] and row["n_range_lines"] == 256 and row["n_layers"] == 6 for row in pairs.check())
-    written = {f"{part}_{scene.name}.png" for part in ("data", "layer", "layer_binary") for scene in scenes[1:]}
+    assert all(
+        row["tells_db"] and row["n_range_lines"] == 256 and row["n_layers"] == 6
+        for row in pairs.check()
+    )
+    written = {
+        f"{part}_{scene.name}.png"
+        for part in ("data", "layer", "layer_binary")
+        for scene in scenes[1:]
+    }
     assert {path.name for path in pairs.files(slice(1, 3))} == written
     assert len(pairs.files(0)) == 3
 
 
 @pytest.mark.parametrize("size", [(10_000, 7_000), (10_000, 9_500), (60_000, 60_000)])
 def test_decompression_bombs_are_refused_by_their_size(path, size):
-    # Below Pillow's own warning, between its warning and its error, beyond both; a file of a few kilobytes.
+    # Below Pillow's own warning, between its warning and its error, beyond both; a file of a few
+    # kilobytes.
     header = struct.pack(">IIBBBBB", *size, 8, 0, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n")
     with path.open("ab") as file:
-        for kind, data in ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(10**6))), (b"IEND", b"")):
-            file.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
+        for kind, data in (
+            (b"IHDR", header),
+            (b"IDAT", zlib.compress(bytes(10**6))),
+            (b"IEND", b""),
+        ):
+            file.write(
+                struct.pack(">I", len(data))
+                + kind
+                + data
+                + struct.pack(">I", zlib.crc32(kind + data))
+            )
     refused(read_image, path, "PNG: expected (1 to|at most) 67108864 pixels")
 
 
@@ -234,7 +292,9 @@ def test_real_inverted_short_masks_are_refused(tmp_path, shared_data):
         mask = tmp_path / "layer_binary_x.png"
         shutil.copy(next(folder.glob(f"{frame}_SG1*.png")), mask)
         shutil.copy(folder / f"{frame}_5m_30m_ORIGINAL.png", tmp_path / "data_x.png")
-        with pytest.raises(ValueError, match=r"size: expected that of the image, \(150, \d+\), found \(86, "):
+        with pytest.raises(
+            ValueError, match=r"size: expected that of the image, \(150, \d+\), found \(86, "
+        ):
             read_pair(tmp_path / "data_x.png")
         with pytest.raises(ValueError, match="inverted"):
             layers_of_mask(read_image(mask, binary=True)[0])

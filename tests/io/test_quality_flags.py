@@ -47,7 +47,10 @@ def test_lines_blocks_and_flags_are_counted_in_the_table_of_frames(flight, table
     assert table["n_scenes"].tolist() == [0, 1, 2]
     assert table["n_skipped"].tolist() == [0, 1, 0]
     assert table["n_flagged_blocks"].tolist() == [0, 1, 0]
-    flags = f"vertical_stripes_artifact 40; land_ice {N_LINES}", f"coh_noise_removal_artifact 1; low_SNR {N_LINES}"
+    flags = (
+        f"vertical_stripes_artifact 40; land_ice {N_LINES}",
+        f"coh_noise_removal_artifact 1; low_SNR {N_LINES}",
+    )
     assert table["flags"].tolist() == [*flags, ""]
 
 
@@ -77,12 +80,18 @@ def test_frames_flagged_throughout_are_refused_by_name_all_in_one_go(flight, tab
     assert last == f"test: {flight}/test.nc: {ending} (unclassified_artifact 520; land_ice 520)"
     checked = check_frames(table, blocks=True, flagged_by=[])
     assert checked["n_flagged_lines"].tolist() == [0, 0, 0]
-    assert checked["flags"].tolist() == ["no_good_data 520", "", "unclassified_artifact 520; land_ice 520"]
+    assert checked["flags"].tolist() == [
+        "no_good_data 520",
+        "",
+        "unclassified_artifact 520; land_ice 520",
+    ]
 
 
 def test_a_frame_left_without_a_scene_is_named_with_the_reason(flight, table):
     supplement(flight, 1, no_good_data=by_line(252))
-    with pytest.raises(ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged"):
+    with pytest.raises(
+        ValueError, match=r"train: .* found none .*_000: 1 of 256 range lines flagged"
+    ):
         check_frames(table, blocks=True)
 
 

@@ -46,7 +46,9 @@ def test_every_format_gives_the_same_echogram_brightest_at_the_surface(path, con
 
 
 @pytest.mark.parametrize("n_bins", [formats.N_BINS, formats.N_LINES], ids=["oblong", "square"])
-def test_transposed_amplitude_is_recognised_by_its_dimensions_and_not_by_its_shape(path, rng, n_bins):
+def test_transposed_amplitude_is_recognised_by_its_dimensions_and_not_by_its_shape(
+    path, rng, n_bins
+):
     content = formats.truth(rng, n_bins=n_bins)
     echogram = read_back(formats.write_nsidc, path, content)
     assert echogram.identical(read_back(formats.write_nsidc, path, content, transposed=True))
@@ -57,7 +59,9 @@ def test_transposed_amplitude_is_recognised_by_its_dimensions_and_not_by_its_sha
 
 def test_netcdf3_is_read_as_netcdf4_and_fast_time_survives_bins_below_a_nanosecond(path, content):
     echogram = read_back(formats.write_nsidc, path, content)
-    assert echogram.equals(read_back(formats.write_nsidc, path, content, format="NETCDF3_64BIT_OFFSET"))
+    assert echogram.equals(
+        read_back(formats.write_nsidc, path, content, format="NETCDF3_64BIT_OFFSET")
+    )
     assert path.read_bytes()[:4] == b"CDF\x02"
     # xarray would make timedelta64[ns] of it, in which a bin of 0.0866 ns is nothing.
     content["Time"] = 3e-6 + 0.0866e-9 * np.arange(formats.N_BINS)
@@ -90,7 +94,13 @@ def test_seconds_of_day_go_on_past_midnight(path, content):
 
 @pytest.mark.parametrize(
     ("date", "offset"),
-    [("2009-06-01", 15), ("2012-06-30", 15), ("2012-07-01", 16), ("2016-12-31", 17), ("2018-01-01", 18)],
+    [
+        ("2009-06-01", 15),
+        ("2012-06-30", 15),
+        ("2012-07-01", 16),
+        ("2016-12-31", 17),
+        ("2018-01-01", 18),
+    ],
 )
 def test_gps_time_loses_the_leap_seconds_of_its_day(date, offset):
     noon = np.datetime64(f"{date}T12:00:00", "ns")
@@ -107,14 +117,18 @@ def test_a_frame_over_a_leap_second_stays_in_order():
 
 @of_mat
 def test_time_may_be_a_row_as_well_as_a_column_and_attitude_missing(path, content, write):
-    assert_array_equal(read_back(write, path, content | {"Time": content["Time"][None]})["twtt"], content["Time"])
+    assert_array_equal(
+        read_back(write, path, content | {"Time": content["Time"][None]})["twtt"], content["Time"]
+    )
     for name in ("Roll", "Pitch", "Heading"):
         del content[name]
     assert "Roll" not in read_back(write, path, content)
 
 
 @of_mat
-@pytest.mark.parametrize("struct", ["param_records", "param_qlook", "param_get_heights", "param_csarp"])
+@pytest.mark.parametrize(
+    "struct", ["param_records", "param_qlook", "param_get_heights", "param_csarp"]
+)
 def test_parameters_are_found_under_newer_and_older_names(path, content, write, struct):
     content[struct] = {"season_name": "2012_Greenland_P3", "day_seg": "20120330_04"}
     assert content[struct].items() <= read_back(write, path, content).attrs.items()
@@ -139,13 +153,17 @@ def test_scaled_integers_come_back_as_power_to_half_a_step(path, content, write,
 @pytest.mark.parametrize("truncate_time", [False, True])
 def test_undone_compensation_gives_back_the_recorded_traces(path, content, write, truncate_time):
     correction = np.arange(formats.N_LINES) % 7
-    stored = formats.compensated(content, correction, n_kept=100, first=10, truncate_time=truncate_time)
+    stored = formats.compensated(
+        content, correction, n_kept=100, first=10, truncate_time=truncate_time
+    )
     echogram = read_back(write, path, stored)
     for line in (0, 3, 6, 39):
         seen = echogram["Data"].values[:, line]
         known = np.isfinite(seen)
         # Kept rows 10 to 109 of the compensated trace are recorded bins 10 - EC to 109 - EC.
-        bins = np.rint((echogram["twtt"].values[known] - content["Time"][0]) / formats.BIN_S).astype(int)
+        bins = np.rint(
+            (echogram["twtt"].values[known] - content["Time"][0]) / formats.BIN_S
+        ).astype(int)
         assert_array_equal(seen[known], content["Data"][bins, line])
         assert_array_equal(bins, np.arange(10 - correction[line], 110 - correction[line]))
         assert bins.size == 100
@@ -181,7 +199,9 @@ def test_supplement_flags_become_a_quality_mask(tmp_path, content, ending):
     path = tmp_path / "IRSNO1B_20120330_04_017_deconv.nc"
     assert "quality_mask" not in read_back(formats.write_nsidc, path, content)
     low = (np.arange(formats.N_LINES) == 7).astype(np.uint8)
-    formats.write_supplement(tmp_path / f"IRSNO1B_20120330_04_017_{ending}.nc", deconvolution_artifact=1, low_SNR=low)
+    formats.write_supplement(
+        tmp_path / f"IRSNO1B_20120330_04_017_{ending}.nc", deconvolution_artifact=1, low_SNR=low
+    )
     mask = read_echogram(path)["quality_mask"]
     meanings = mask.attrs["flag_meanings"].split()
     assert (mask.values & (1 << meanings.index("deconvolution_artifact")) > 0).all()
@@ -204,8 +224,14 @@ def test_real_files_are_read_as_they_are_and_without_time_refused(shared_data):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda c: c.update(Time=c["Time"][::-1].copy()), "twtt must increase, falls at range_bin 1"),
-        (lambda c: c.update(Time=c["Time"] + formats.BIN_S * (np.arange(formats.N_BINS) > 60)), "twtt must be evenly"),
+        (
+            lambda c: c.update(Time=c["Time"][::-1].copy()),
+            "twtt must increase, falls at range_bin 1",
+        ),
+        (
+            lambda c: c.update(Time=c["Time"] + formats.BIN_S * (np.arange(formats.N_BINS) > 60)),
+            "twtt must be evenly",
+        ),
         (lambda c: c.update(GPS_time=c["GPS_time"][::-1].copy()), "slow_time must increase"),
         (lambda c: c.update(GPS_time=c["GPS_time"] * np.nan), "time: expected|slow_time must"),
         (lambda c: c.update(Latitude=c["Latitude"] + 100), "Latitude: expected degrees"),
@@ -241,7 +267,9 @@ def test_a_wrong_shape_is_named(path, content, write, name):
 
 
 @of_mat
-@pytest.mark.parametrize("value", ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))], ids=str)
+@pytest.mark.parametrize(
+    "value", ["text", {"a": np.ones(3)}, formats.cell("ab"), np.ones((2, 3, 4))], ids=str
+)
 def test_a_wrong_type_is_named(path, content, write, value):
     content["Elevation"] = value
     write(path, content)
@@ -251,8 +279,14 @@ def test_a_wrong_type_is_named(path, content, write, value):
 @pytest.mark.parametrize(
     ("extra", "message"),
     [
-        ({"Elevation_Correction": np.full(formats.N_LINES, -1.0)}, "Elevation_Correction: expected whole numbers"),
-        ({"Elevation_Correction": np.full(formats.N_LINES, 1e12)}, "Elevation_Correction: expected at most"),
+        (
+            {"Elevation_Correction": np.full(formats.N_LINES, -1.0)},
+            "Elevation_Correction: expected whole numbers",
+        ),
+        (
+            {"Elevation_Correction": np.full(formats.N_LINES, 1e12)},
+            "Elevation_Correction: expected at most",
+        ),
         ({"Truncate_Bins": np.array([0.0, 1.0])}, "Truncate_Bins: expected consecutive"),
         ({"minData": np.array([1.0])}, "Data: expected integers scaled by minData and maxData"),
         ({"GPS_time": np.arange(1.0, 41.0)}, "GPS_time: expected seconds since"),
@@ -263,7 +297,9 @@ def test_impossible_cresis_fields_are_named(path, content, extra, message):
     refused(read_cresis, path, message)
 
 
-def test_zarr_reads_as_netcdf_does_and_is_refused_plainly_without_its_package(path, content, monkeypatch):
+def test_zarr_reads_as_netcdf_does_and_is_refused_plainly_without_its_package(
+    path, content, monkeypatch
+):
     formats.opr_dataset(content).to_zarr(path)
     assert_array_equal(read_echogram(path)["Data"], content["Data"])
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)

@@ -35,13 +35,17 @@ def write_with_organizer(path, twtt, names, *, write=formats.write_mat5, groups=
 @of_mat
 def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, write):
     # The surface is neither the first row nor id 1.
-    write_with_organizer(path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"], write=write)
+    write_with_organizer(
+        path, [KOENIG_3, SURFACE, KOENIG_2], ["Koenig_3", "surface", "Koenig_2"], write=write
+    )
     layers = read_layers(path)
     check_layers(layers)
     assert_array_equal(layers["layer"], ["surface", "Koenig_2", "Koenig_3"])
     assert_allclose(layers["twtt"].sel(layer="Koenig_3"), KOENIG_3, rtol=0)
     formats.check_times(layers, GPS_TIME)
-    assert_array_equal(read_layers(path, names=["Koenig_2", "surface"])["layer"], ["surface", "Koenig_2"])
+    assert_array_equal(
+        read_layers(path, names=["Koenig_2", "surface"])["layer"], ["surface", "Koenig_2"]
+    )
     message = "expected one named Koenig_9, found Koenig_3, surface, Koenig_2"
     refused(lambda path: read_layers(path, names=["Koenig_9"]), path, message)
 
@@ -67,12 +71,18 @@ def test_a_single_layer_may_be_one_dimensional(path, write):
 
 @of_mat
 def test_layers_without_picks_are_left_out_and_listed_and_a_file_of_such_is_refused(path, write):
-    write_with_organizer(path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"], write=write)
+    write_with_organizer(
+        path, [SURFACE, SURFACE * np.nan, KOENIG_2], ["surface", "empty", "Koenig_2"], write=write
+    )
     layers = read_layers(path)
     assert_array_equal(layers["layer"], ["surface", "Koenig_2"])
     assert layers.attrs["empty_layers"] == "empty"
     write_with_organizer(path, [SURFACE * np.nan] * 2, ["surface", "bottom"], write=write)
-    refused(read_layers, path, "twtt: expected at least one layer with picks, found only NaN in surface, bottom")
+    refused(
+        read_layers,
+        path,
+        "twtt: expected at least one layer with picks, found only NaN in surface, bottom",
+    )
 
 
 @of_mat
@@ -102,19 +112,27 @@ def test_order_follows_what_lies_above_what_and_not_the_mean_and_depth_where_no_
     first, second = SURFACE + 9e-8, SURFACE + 2e-8
     first[15:] = np.nan
     second[:15] = np.nan
-    assert_array_equal(order_from_surface([first, second, SURFACE], ["deep", "shallow", "surface"]), [2, 1, 0])
-    # Snow is thin where only `low` is picked: by its mean it would come first, yet a third layer lies between.
+    assert_array_equal(
+        order_from_surface([first, second, SURFACE], ["deep", "shallow", "surface"]), [2, 1, 0]
+    )
+    # Snow is thin where only `low` is picked: by its mean it would come first, yet a third layer
+    # lies between.
     surface = np.zeros(4)
     high = np.array([5.0, 5.0, np.nan, np.nan])
     between = np.array([np.nan, 6.0, 2.0, np.nan])
     low = np.array([np.nan, np.nan, 3.0, 3.0])
-    assert_array_equal(order_from_surface([low, high, surface, between], ["l", "h", "surface", "b"]), [2, 1, 3, 0])
+    assert_array_equal(
+        order_from_surface([low, high, surface, between], ["l", "h", "surface", "b"]), [2, 1, 3, 0]
+    )
 
 
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([SURFACE, KOENIG_2, KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)], "b and c cross or touch"),
+        (
+            [SURFACE, KOENIG_2, KOENIG_2[::-1] + np.linspace(-1e-8, 1e-8, N_LINES)],
+            "b and c cross or touch",
+        ),
         ([SURFACE, SURFACE - 1e-8], "expected the surface above all layers, found b above it"),
         ([SURFACE, KOENIG_2, KOENIG_2], "b and c cross or touch"),
         ([SURFACE, KOENIG_2 * np.inf], "expected finite travel times or NaN"),
@@ -129,10 +147,19 @@ def test_impossible_layers_are_refused(path, rows, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"twtt": np.ones((2, N_LINES - 1))}, r"twtt: expected shape \(2, 30\), found shape \(2, 29\)"),
-        ({"gps_time": GPS_TIME * np.nan}, "gps_time: expected GPS seconds since 1970, found no finite value"),
+        (
+            {"twtt": np.ones((2, N_LINES - 1))},
+            r"twtt: expected shape \(2, 30\), found shape \(2, 29\)",
+        ),
+        (
+            {"gps_time": GPS_TIME * np.nan},
+            "gps_time: expected GPS seconds since 1970, found no finite value",
+        ),
         ({"gps_time": GPS_TIME[::-1]}, "slow_time must increase"),
-        ({"quality": np.full((2, N_LINES), 999.0)}, "quality: expected flags within 0 to 255, found 999"),
+        (
+            {"quality": np.full((2, N_LINES), 999.0)},
+            "quality: expected flags within 0 to 255, found 999",
+        ),
         ({"twtt": "text"}, "twtt: expected real numbers"),
         ({"id": np.empty((0, 0))}, "found no layer"),
     ],
@@ -161,7 +188,15 @@ def test_real_layer_files_give_their_named_layers_in_order_though_their_ids_are_
 
 def test_real_degenerate_files_organizers_and_images_are_no_layers(shared_data):
     for name in ("Data_20181103_01_001.mat", "Data_20181103_01_016.mat"):
-        refused(read_layers, shared_data / "cresis_layers" / "20181103_01" / name, r"found no layer \(MATLAB_empty\)")
+        refused(
+            read_layers,
+            shared_data / "cresis_layers" / "20181103_01" / name,
+            r"found no layer \(MATLAB_empty\)",
+        )
     organizer = shared_data / "cresis_layers" / "20181030_01" / "layer_20181030_01.mat"
     refused(read_layers, organizer, "found a CReSIS layer organizer")
-    refused(read_layers, shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png", "found a PNG image")
+    refused(
+        read_layers,
+        shared_data / "layer_line_png" / "LAYERS-Data_20120507_03_006.png",
+        "found a PNG image",
+    )

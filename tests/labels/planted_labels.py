@@ -6,7 +6,12 @@ import xarray as xr
 N_LINES = 256
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
-PARAMETERS = {"white": (3.0,), "power_law": (2e-4, 2.3), "ar1": (0.02, 0.95), "matern": (5e-5, np.log(0.03), 1.6)}
+PARAMETERS = {
+    "white": (3.0,),
+    "power_law": (2e-4, 2.3),
+    "ar1": (0.02, 0.95),
+    "matern": (5e-5, np.log(0.03), 1.6),
+}
 
 
 def density_of(name):
@@ -29,7 +34,9 @@ def density_of(name):
 def planted(n_slabs=20, scale=40.0):
     """Statistics of a flight with a red spectrum, four zones and slabs that thin with depth."""
     psd = np.zeros((4, n_slabs, WAVENUMBER.size))
-    psd[:, :, 1:] = scale * np.array([0.7, 0.9, 1.1, 1.3])[:, None, None] / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
+    psd[:, :, 1:] = (
+        scale * np.array([0.7, 0.9, 1.1, 1.3])[:, None, None] / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
+    )
     separation = np.arange(n_slabs)
     return xr.Dataset(
         {
@@ -37,7 +44,10 @@ def planted(n_slabs=20, scale=40.0):
             "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
             "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
             "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
-            "thickness_correlation": (("band", "separation"), np.array([0.9, 0.6, 0.3, 0])[:, None] ** separation),
+            "thickness_correlation": (
+                ("band", "separation"),
+                np.array([0.9, 0.6, 0.3, 0])[:, None] ** separation,
+            ),
             "relative_thickness_correlation": ("separation", 0.5**separation),
         },
         coords={

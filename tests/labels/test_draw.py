@@ -67,10 +67,13 @@ def test_moments_spectra_and_correlation_of_labels_are_those_of_the_flight(drawn
     tables = summarise_labels(scenes, statistics)
     moments = tables["moments"][tables["moments"]["n_scenes"] >= 150]
     deeper = moments[moments["slab"] > 0]
-    # 150 or more scenes: means to 0.1 / sqrt(150) = 0.8 %, variances to 12 %; 70 values, so four of those at the edge.
+    # 150 or more scenes: means to 0.1 / sqrt(150) = 0.8 %, variances to 12 %; 70 values, so four of
+    # those at the edge.
     assert_allclose(deeper["relative_mean_synthetic"], deeper["relative_mean_observed"], rtol=0.045)
     assert_allclose(deeper["relative_variance_synthetic"].mean(), 0.01, rtol=0.1)
-    assert_allclose(moments["variance_synthetic"].sum(), moments["variance_observed"].sum(), rtol=0.05)
+    assert_allclose(
+        moments["variance_synthetic"].sum(), moments["variance_observed"].sum(), rtol=0.05
+    )
     spectra = tables["spectra"].groupby("wavenumber")[["observed", "synthetic"]].sum()
     # 1500 scenes of several dozen correlated slabs: each wavenumber to 3 % or 0.15 dB at worst.
     assert np.abs(10 * np.log10(spectra["synthetic"] / spectra["observed"])).max() < 0.6
@@ -105,11 +108,14 @@ def test_slabs_below_the_flight_take_its_last_and_are_counted():
 
 def test_series_have_the_mean_block_spectrum_asked_for_and_do_not_end_where_they_began(rng):
     psd = planted()["thickness_psd"].values[0, 0]
-    series = draw_series(np.repeat(line_variances(psd[None], 2 * N_LINES), 4000, axis=0), [], N_LINES, rng=rng)
+    series = draw_series(
+        np.repeat(line_variances(psd[None], 2 * N_LINES), 4000, axis=0), [], N_LINES, rng=rng
+    )
     # 4000 periodograms: 1.6 % each; 128 of them, so four and a half of those.
     assert_allclose(block_density(series).mean(axis=0)[1:], psd[1:], rtol=0.072)
     assert_allclose(series.mean(axis=1), 0, atol=1e-12)
-    # A periodic series would have the two equal; ends of an aperiodic one differ by about twice the variance.
+    # A periodic series would have the two equal; ends of an aperiodic one differ by about twice the
+    # variance.
     across_the_end = (series[:, 0] - series[:, -1]).var()
     assert across_the_end > max(10 * np.diff(series, axis=1).var(), series.var())
 
@@ -140,7 +146,9 @@ def test_a_scene_has_the_width_asked_for_and_its_share_of_the_variance(n_range_l
 def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
     valid = 0.8 ** np.arange(6)
     factor = correlation_factor(valid, 6)
-    assert_allclose(factor @ factor.T, valid[np.abs(np.subtract.outer(np.arange(6), np.arange(6)))], atol=1e-12)
+    assert_allclose(
+        factor @ factor.T, valid[np.abs(np.subtract.outer(np.arange(6), np.arange(6)))], atol=1e-12
+    )
     repaired = correlation_factor(np.array([1, -0.9]), 5)
     assert_allclose(np.diag(repaired @ repaired.T), 1, rtol=1e-12)
 
@@ -148,8 +156,12 @@ def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
 def test_without_measured_correlation_slabs_undulate_apart():
     rng = np.random.default_rng(6)
     model = prepare(planted(), N_LINES, n_layers=(5, 5), correlation="none")
-    slabs = np.concatenate([np.diff(draw(model, N_LINES, rng=rng), axis=0) for _ in range(300)], axis=1)
-    slabs = (slabs.reshape(5, 300, N_LINES) - slabs.reshape(5, 300, N_LINES).mean(axis=2, keepdims=True)).reshape(5, -1)
+    slabs = np.concatenate(
+        [np.diff(draw(model, N_LINES, rng=rng), axis=0) for _ in range(300)], axis=1
+    )
+    slabs = (
+        slabs.reshape(5, 300, N_LINES) - slabs.reshape(5, 300, N_LINES).mean(axis=2, keepdims=True)
+    ).reshape(5, -1)
     # 300 scenes with some three independent undulations each: to 1 / 30; allow four.
     assert np.abs(np.corrcoef(slabs)[np.triu_indices(5, 1)]).max() < 0.13
 

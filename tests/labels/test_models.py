@@ -21,7 +21,9 @@ def test_a_fitted_law_is_the_most_likely_of_its_kind(name, rng):
     observed = density_of(name) * rng.gamma(20, 1 / 20, WAVENUMBER.size)
     density, parameters = fit_spectrum(name, observed)
     given = (density, 0.97 * density, 1.03 * density, density_of(name))
-    best, less, more, truth = (whittle_log_likelihood(observed, each, np.array(20)) for each in given)
+    best, less, more, truth = (
+        whittle_log_likelihood(observed, each, np.array(20)) for each in given
+    )
     assert best > max(less, more)
     # As likely as the truth or more, and more by half its parameters on average.
     assert best >= truth - 1e-6 * abs(truth)
@@ -36,13 +38,16 @@ def test_periodograms_of_an_autoregression_are_those_of_its_law(rng):
     for line in range(1, 600):
         series[:, line] = r * series[:, line - 1] + noise[:, line]
     _, (scale, shape) = fit_spectrum("ar1", periodogram(series[:, -N_LINES:]).mean(axis=0))
-    # 400 blocks of 256 lines: r to sqrt((1 - r^2) / 102400) = 0.002, the scale to 0.6 %; leakage adds 1 / 256 of it.
+    # 400 blocks of 256 lines: r to sqrt((1 - r^2) / 102400) = 0.002, the scale to 0.6 %; leakage
+    # adds 1 / 256 of it.
     assert abs(shape - r) < 0.01
     assert_allclose(scale, 2, rtol=0.04)
 
 
 def test_an_unknown_law_is_refused():
-    with pytest.raises(ValueError, match="psd must be one of white, power_law, ar1, matern, got 'cubic'"):
+    with pytest.raises(
+        ValueError, match="psd must be one of white, power_law, ar1, matern, got 'cubic'"
+    ):
         fit_spectrum("cubic", np.ones(129))
 
 

@@ -26,7 +26,8 @@ def test_off_draws_the_same_bytes_as_ever():
     drawn = [scene.layer_bins for scene in scenes(planted(), None, n=5)]
     off = [scene.layer_bins for scene in scenes(planted(), Nonstationary(0, 0, 30, (1,)), n=5)]
     assert [one.tobytes() for one in drawn] == [one.tobytes() for one in off]
-    # Frozen before trends and folds existed; rounded, for FFTs differ in the last digits between machines.
+    # Frozen before trends and folds existed; rounded, for FFTs differ in the last digits between
+    # machines.
     rounded = np.concatenate([np.rint(1e6 * one).astype("<i8").ravel() for one in drawn])
     assert hashlib.sha256(rounded.tobytes()).hexdigest()[:16] == "23a1e2176ab8ea62"
 
@@ -55,10 +56,12 @@ def test_a_fold_bends_layers_in_proportion_to_their_depth():
         assert_allclose(amplitude[-1], expected, rtol=1e-9)
         assert_array_equal(bend[0], 0)
         depth = scene.layer_bins.mean(axis=1) - 50
-        # The thickness of a slab holds a little of the fold in its mean, 48 lines do not divide 256: to 10 %.
+        # The thickness of a slab holds a little of the fold in its mean, 48 lines do not divide
+        # 256: to 10 %.
         assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=1e-9)
         curvature = np.abs(np.diff(scene.layer_bins[-1], 2)).max()
-        # Second differences of a sine: (2 pi / L)^2 to (2 pi / L)^2 / 12 of itself; the peak lies between two lines.
+        # Second differences of a sine: (2 pi / L)^2 to (2 pi / L)^2 / 12 of itself; the peak lies
+        # between two lines.
         assert_allclose(curvature, expected * (2 * np.pi / length) ** 2, rtol=0.01)
 
 

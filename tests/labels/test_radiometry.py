@@ -12,16 +12,36 @@ from snowsim.labels import draw_scene, prepare
 from snowsim.labels.radiometry import labelled_or_not
 from snowsim.phy import plan, render_plan, scene_parameters
 
-SPREADS = {"noise_spread_db": 1.5, "surface_to_noise_spread_db": 2.0, "common_spread_db": 3.0, "layer_spread_db": 2.0}
-SPREADS |= {"decay_spread": 0.1, "background_spread_db": 1.0, "further_spacing_bins": 30.0, "further_rise_db": 1.0}
+SPREADS = {
+    "noise_spread_db": 1.5,
+    "surface_to_noise_spread_db": 2.0,
+    "common_spread_db": 3.0,
+    "layer_spread_db": 2.0,
+}
+SPREADS |= {
+    "decay_spread": 0.1,
+    "background_spread_db": 1.0,
+    "further_spacing_bins": 30.0,
+    "further_rise_db": 1.0,
+}
 SPREADS |= {"end_contrast_db": 0.5}
 
 
 def statistics(**changes):
-    fading = {"fading_spread_db": [1.0, 2.0], "fading_length_lines": [20.0, 40.0], "fading_exponent": [1.0, 2.0]}
-    variables = {name: ((), value) for name, value in (SPREADS | {"noise_power": 1e-3} | changes).items()}
+    fading = {
+        "fading_spread_db": [1.0, 2.0],
+        "fading_length_lines": [20.0, 40.0],
+        "fading_exponent": [1.0, 2.0],
+    }
+    variables = {
+        name: ((), value) for name, value in (SPREADS | {"noise_power": 1e-3} | changes).items()
+    }
     variables |= {name: ("interface", value) for name, value in fading.items()}
-    by_layer = {"peak_power": 0.3 * 0.8 ** np.arange(8), "variance_bins2": np.full(8, 0.6), "decay_rate": [0.1] * 8}
+    by_layer = {
+        "peak_power": 0.3 * 0.8 ** np.arange(8),
+        "variance_bins2": np.full(8, 0.6),
+        "decay_rate": [0.1] * 8,
+    }
     by_layer["peak_power"][0] = 1
     variables |= {name: ("layer", values) for name, values in by_layer.items()}
     variables["background_power"] = ("fall", [0.0, 5e-3, 1e-3])
@@ -70,17 +90,26 @@ def test_power_and_noise_keep_the_mean_of_the_flight(drawn):
 
 def test_as_many_scenes_have_no_layer_as_blocks_of_the_flight():
     given = statistics().assign_attrs(n_blocks=10, n_blocks_without_layers=3)
-    given["n_blocks_by_layers"] = (("zone", "n_layers"), np.tile([0, 0, 3, 4], (given.sizes["zone"], 1)))
-    model = prepare(given, N_LINES, n_layers="measured", first_slab="uniform", radiometry="measured")
+    given["n_blocks_by_layers"] = (
+        ("zone", "n_layers"),
+        np.tile([0, 0, 3, 4], (given.sizes["zone"], 1)),
+    )
+    model = prepare(
+        given, N_LINES, n_layers="measured", first_slab="uniform", radiometry="measured"
+    )
     rng = np.random.default_rng(1)
-    n_layers = np.array([len(draw_scene(model, N_LINES, name="", rng=rng).layer_bins) - 1 for _ in range(400)])
+    n_layers = np.array(
+        [len(draw_scene(model, N_LINES, name="", rng=rng).layer_bins) - 1 for _ in range(400)]
+    )
     # Binomial of 0.3: 0.023 of 400; allow four.
     assert_allclose((n_layers == 0).mean(), 0.3, atol=0.092)
     assert set(n_layers) == {0, 2, 3}
 
 
 def test_a_higher_contrast_at_the_ends_of_picks_leaves_fewer_labels(drawn):
-    picky = prepare(statistics(end_contrast_db=3.0), N_LINES, n_layers=(3, 8), radiometry="measured")
+    picky = prepare(
+        statistics(end_contrast_db=3.0), N_LINES, n_layers=(3, 8), radiometry="measured"
+    )
     rng = np.random.default_rng(1)
     fewer = [draw_scene(picky, N_LINES, name=f"{i}", rng=rng) for i in range(50)]
     for strict, scene in zip(fewer, drawn, strict=False):
@@ -97,18 +126,23 @@ def test_files_keep_radiometry_and_renders_follow_it(drawn, tmp_path):
         scene = scenes[1]
     assert_allclose(scene.peak_power, drawn[1].peak_power, rtol=1e-6)  # float32
     assert_array_equal(scene.mask(), drawn[1].mask())
-    layer_bins, parameters = scene_parameters(scene, statistics(), n_looks=1000, rng=np.random.default_rng(1))
+    layer_bins, parameters = scene_parameters(
+        scene, statistics(), n_looks=1000, rng=np.random.default_rng(1)
+    )
     scene_plan = plan(layer_bins, parameters, scene.n_range_bins, tolerance_db=0.05)
     power = render_plan(scene_plan, rng=np.random.default_rng(1))
     surface = power[np.rint(layer_bins[0]).astype(int), np.arange(N_LINES)]
-    # On the pick lie the surface and the background just below it, that has risen at most whole: 6e-3 of 1.
+    # On the pick lie the surface and the background just below it, that has risen at most whole:
+    # 6e-3 of 1.
     assert_allclose(surface.mean(), scene.peak_power[0].mean(), rtol=0.03)
 
 
 def test_constant_radiometry_is_the_papers_to_the_bit():
     given = statistics()
     plain, constant = (
-        draw_scene(prepare(data, N_LINES, **options), N_LINES, name="", rng=np.random.default_rng(1))
+        draw_scene(
+            prepare(data, N_LINES, **options), N_LINES, name="", rng=np.random.default_rng(1)
+        )
         for data, options in ((planted(), {}), (given, {"radiometry": "constant"}))
     )
     assert plain.layer_bins.tobytes() == constant.layer_bins.tobytes()

@@ -12,7 +12,9 @@ from lib.imports import SCRIPTS
 
 
 def some_job(folder, mem_mb=0):
-    return SimpleNamespace(rule="some_rule", log=folder / "logs/some.log", resources={"mem_mb": mem_mb})
+    return SimpleNamespace(
+        rule="some_rule", log=folder / "logs/some.log", resources={"mem_mb": mem_mb}
+    )
 
 
 def items(*unnamed, **of_names):
@@ -27,7 +29,13 @@ def items(*unnamed, **of_names):
 
 def test_inputs_outputs_and_params_are_handed_over_by_their_names():
     snakemake = SimpleNamespace(
-        input=items(scenes=["a.nc", "b.nc"], none=[], statistics="s.nc", code=["a.py", "b.py"], unread="c.csv"),
+        input=items(
+            scenes=["a.nc", "b.nc"],
+            none=[],
+            statistics="s.nc",
+            code=["a.py", "b.py"],
+            unread="c.csv",
+        ),
         output=items(table="t.csv"),
         params=Namedlist(fromdict={"seed": 1, "span": [0, 2]}),
     )
@@ -40,8 +48,14 @@ def test_inputs_outputs_and_params_are_handed_over_by_their_names():
     ("output", "message"),
     [
         (items("a.csv"), "output: expected a name for every item, found 1 of 1 without"),
-        (items("a.csv", table="b.csv"), "output: expected a name for every item, found 1 of 2 without"),
-        (items(scenes="b.nc"), "expected each name once in input, output and params, found scenes twice"),
+        (
+            items("a.csv", table="b.csv"),
+            "output: expected a name for every item, found 1 of 2 without",
+        ),
+        (
+            items(scenes="b.nc"),
+            "expected each name once in input, output and params, found scenes twice",
+        ),
     ],
     ids=["unnamed", "one unnamed", "twice"],
 )
@@ -51,7 +65,9 @@ def test_an_item_without_a_name_of_its_own_is_refused_in_one_line(output, messag
     assert str(error.value) == message
 
 
-@pytest.mark.parametrize("script", sorted({*SCRIPTS.glob("*.py")} - {SCRIPTS / "job.py"}), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "script", sorted({*SCRIPTS.glob("*.py")} - {SCRIPTS / "job.py"}), ids=lambda path: path.stem
+)
 def test_a_script_is_functions_and_the_run_of_one_of_them(script):
     # Importing it then does nothing, and it sees Snakemake through the names of its rule alone.
     tree = ast.parse(script.read_text())
@@ -62,14 +78,18 @@ def test_a_script_is_functions_and_the_run_of_one_of_them(script):
     assert "snakemake" not in {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
-@pytest.mark.skipif(available_memory_mb() is None, reason="this system does not say how much memory is available")
+@pytest.mark.skipif(
+    available_memory_mb() is None, reason="this system does not say how much memory is available"
+)
 def test_a_job_that_needs_more_memory_than_there_is_does_not_start(tmp_path, capsys):
     installed_mb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**20
     assert 0 < available_memory_mb() < installed_mb
     with pytest.raises(SystemExit), job(some_job(tmp_path, mem_mb=10**9)):
         pytest.fail("the job started")
     printed = capsys.readouterr().err
-    assert printed.startswith("error: some_rule: memory: expected at least 1000000000 MB available, got ")
+    assert printed.startswith(
+        "error: some_rule: memory: expected at least 1000000000 MB available, got "
+    )
 
 
 @pytest.mark.parametrize("error", [ValueError, OSError, ZeroDivisionError])

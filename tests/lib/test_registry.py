@@ -18,10 +18,15 @@ def names(script):
 
 
 def test_closure_follows_imports_of_imports_inside_functions_too_and_spares_what_is_not_called():
-    # By hand: the script imports io.files and statistics, whose modules import each other and one module of phy;
-    # no reader of a file format is imported, although the package io can read them all.
+    # By hand: the script imports io.files and statistics, whose modules import each other and one
+    # module of phy; no reader of a file format is imported, although the package io can read them
+    # all.
     files = names("summarise_frames.py")
-    assert {"snowsim/io/files.py", "snowsim/statistics/summaries.py", "snowsim/phy/waveform.py"} <= files
+    assert {
+        "snowsim/io/files.py",
+        "snowsim/statistics/summaries.py",
+        "snowsim/phy/waveform.py",
+    } <= files
     assert not {"snowsim/io/matlab.py", "snowsim/phy/render.py", "snowsim/cgan/train.py"} & files
     # The names of the reference flight are imported when first asked for.
     assert "snowsim/reference/echo.py" in names("reference_frames.py")
@@ -65,7 +70,9 @@ def test_every_figure_is_drawn_by_the_function_of_its_name_from_what_the_list_na
 
 
 def test_what_a_source_cannot_give_is_left_to_a_rule_of_its_own():
-    found = plots({"a": {"x.svg": {}, "y.svg": {"needs": "a map"}}}, {"a map": "images hold no positions"})
+    found = plots(
+        {"a": {"x.svg": {}, "y.svg": {"needs": "a map"}}}, {"a map": "images hold no positions"}
+    )
     assert {rule: list(figures) for rule, figures in found.items()} == {
         ("plot_a", "a"): ["x.svg"],
         ("plot_a_left_out", "a"): ["y.svg"],
@@ -76,7 +83,9 @@ def test_paths_are_expanded_and_a_name_has_one_path_in_a_stage():
     frames = {"frame": lambda path: [path.replace("{frame}", "7")]}
     figures = {"x": {"tables": ["t"]}, "y": {"tables": ["t"], "inputs": {"f": "flight/{frame}.nc"}}}
     assert inputs_of(figures, frames) == {"t": "results/tables/t.csv", "f": ["results/flight/7.nc"]}
-    with pytest.raises(ValueError, match=r"t: expected one path in a stage, got tables/t\.csv and t\.nc"):
+    with pytest.raises(
+        ValueError, match=r"t: expected one path in a stage, got tables/t\.csv and t\.nc"
+    ):
         inputs_of({**figures, "z": {"inputs": {"t": "t.nc"}}}, frames)
 
 
@@ -90,4 +99,6 @@ def test_colours_stand_in_the_style_alone():
     assert all(re.fullmatch("#[0-9A-F]{6}", colour) for colour in COLOURS.values())
     for path in [*LIB.glob("figures/*.py"), *LIB.glob("report/*.py")]:
         if path.stem != "style":
-            assert not re.findall(r'"#[0-9A-Fa-f]{6}"|color="(?:black|white)"|RD\+', path.read_text()), path
+            assert not re.findall(
+                r'"#[0-9A-Fa-f]{6}"|color="(?:black|white)"|RD\+', path.read_text()
+            ), path

@@ -8,8 +8,15 @@ from snowsim.constants import OUTPUTS
 
 
 def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shallowest_scene():
-    rows = [("phy", 10.0, 5.0, 0.1), ("phy", 30.0, 7.0, 0.2), ("cgan", 1.0, 20.0, 0.5), ("cgan", 3.0, 30.0, 0.7)]
-    images = pd.DataFrame(rows, columns=["method", "rmse", "psnr", "ssim"]).assign(scene=["a", "b", "a", "b"])
+    rows = [
+        ("phy", 10.0, 5.0, 0.1),
+        ("phy", 30.0, 7.0, 0.2),
+        ("cgan", 1.0, 20.0, 0.5),
+        ("cgan", 3.0, 30.0, 0.7),
+    ]
+    images = pd.DataFrame(rows, columns=["method", "rmse", "psnr", "ssim"]).assign(
+        scene=["a", "b", "a", "b"]
+    )
     table = similarity_table(images).set_index(["metric", "statistic"])
     assert list(table.columns) == ["cgan", "phy"]
     assert_allclose(table.loc["rmse", "phy"], [10, 20, 30])
@@ -24,9 +31,15 @@ def test_table2_holds_min_mean_and_max_and_ssim_against_depth_ends_with_the_shal
 
 def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
     base, better = ([image_counts(share, 30, rng=rng) for _ in range(2)] for share in (0.6, 0.9))
-    counts = {(s, output): c for s, c in [("rd", base), ("rd_gd", base), ("rd_pd", better)] for output in OUTPUTS}
+    counts = {
+        (s, output): c
+        for s, c in [("rd", base), ("rd_gd", base), ("rd_pd", better)]
+        for output in OUTPUTS
+    }
     intervals = tracker_intervals(counts, ["rd", "rd_gd", "rd_pd"], n_bootstrap=200, rng=rng)
-    assert ((intervals["low"] <= intervals["mean"]) & (intervals["mean"] <= intervals["high"])).all()
+    assert (
+        (intervals["low"] <= intervals["mean"]) & (intervals["mean"] <= intervals["high"])
+    ).all()
     same = intervals[intervals["training_set"] == "rd_gd"]
     assert_allclose(same[["difference", "difference_low", "difference_high"]], 0)
     ods = intervals[(intervals["training_set"] == "rd_pd") & (intervals["metric"] == "ods")]
@@ -37,7 +50,9 @@ def test_images_without_truth_are_reported_beside_the_scores(rng):
     images = image_counts(0.6, 3, rng=rng)
     for name in ("matched_truth", "n_truth", "matched_prediction"):
         images[1][name] = np.zeros(3, dtype=int)
-    intervals = tracker_intervals({("rd", "fuse"): [images]}, ["rd"], outputs=["fuse"], n_bootstrap=5, rng=rng)
+    intervals = tracker_intervals(
+        {("rd", "fuse"): [images]}, ["rd"], outputs=["fuse"], n_bootstrap=5, rng=rng
+    )
     assert (intervals["n_images"] == 3).all()
     assert (intervals["n_without_truth"] == 1).all()
     assert set(intervals["output"]) == {"fuse"}

@@ -15,7 +15,9 @@ def test_work_takes_turns_and_every_counted_run_is_kept_and_no_warm_up():
     def work(name):
         moments.append(moments[-1] + next(durations[name]))
 
-    runs = time_rounds({name: partial(work, name) for name in durations}, 2, clock=lambda: moments[-1])
+    runs = time_rounds(
+        {name: partial(work, name) for name in durations}, 2, clock=lambda: moments[-1]
+    )
     # Binary fractions: the differences are exact.
     assert runs == [("slow", 0, 4.0), ("fast", 0, 0.25), ("slow", 1, 5.0), ("fast", 1, 0.5)]
     order = []

@@ -10,7 +10,11 @@ from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone,
 from snowsim.metrics.pick_tables import SUMS
 from snowsim.seeding import random_stream
 
-TRACKER = {"added_per_real": 0.6, "order": "mixed", "training": {"n_steps": 100, "learning_rate": 1e-3}}
+TRACKER = {
+    "added_per_real": 0.6,
+    "order": "mixed",
+    "training": {"n_steps": 100, "learning_rate": 1e-3},
+}
 STUDY = {
     "ablation": [
         {"name": "masked", "training_sets": ["rd"], "training": {"mask_unannotated": True}},
@@ -22,20 +26,31 @@ STUDY = {
 
 def test_a_setting_changes_what_it_names_and_nothing_else():
     masked, longer = STUDY["ablation"]
-    assert training_of(masked, TRACKER) == {"n_steps": 100, "learning_rate": 1e-3, "mask_unannotated": True}
+    assert training_of(masked, TRACKER) == {
+        "n_steps": 100,
+        "learning_rate": 1e-3,
+        "mask_unannotated": True,
+    }
     assert training_of(longer, TRACKER) == {"n_steps": 200, "learning_rate": 1e-3}
     assert data_of(longer, TRACKER) == {"added_per_real": 0.6, "order": "mixed"}
-    assert data_of({"order": "synthetic_first", "zones": [0]}, TRACKER)["order"] == "synthetic_first"
+    assert (
+        data_of({"order": "synthetic_first", "zones": [0]}, TRACKER)["order"] == "synthetic_first"
+    )
 
 
 def test_runs_are_compared_with_what_is_named_once_or_with_their_default():
-    assert worth_of(STUDY) == [(("default", "pd"), ("default", "rd")), (("longer", "rd"), ("masked", "rd"))]
+    assert worth_of(STUDY) == [
+        (("default", "pd"), ("default", "rd")),
+        (("longer", "rd"), ("masked", "rd")),
+    ]
     assert pairs_of([("default", "rd_pd"), ("masked", "rd_pd")]) == [
         (("default", "rd_pd"), ("default", "rd")),
         (("masked", "rd_pd"), ("default", "rd_pd")),
     ]
     check_names(STUDY)
-    with pytest.raises(ValueError, match="worth: expected a setting, one of default, masked, longer, got"):
+    with pytest.raises(
+        ValueError, match="worth: expected a setting, one of default, masked, longer, got"
+    ):
         check_names({**STUDY, "worth": [["mask/rd", "rd"]]})
     with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
         check_names({**STUDY, "ablation": [*STUDY["ablation"], {"name": "masked"}]})
@@ -60,7 +75,10 @@ def test_scores_of_a_zone_are_those_of_its_images_alone(counts):
     zones = [2, 0, 2, -1, 0, 2]
     table = intervals_by_zone(counts, SETS, zones, n_bootstrap=20, seed=1)
     assert list(dict.fromkeys(table["zone"])) == ["none", "shallow", "high"]
-    inside = {key: [[images[place] for place in (0, 2, 5)] for images in of_key] for key, of_key in counts.items()}
+    inside = {
+        key: [[images[place] for place in (0, 2, 5)] for images in of_key]
+        for key, of_key in counts.items()
+    }
     rng = random_stream(1, "tabulate_tracker_zones", 2)
     alone = tracker_intervals(inside, SETS, outputs=["fuse"], n_bootstrap=20, rng=rng)
     found = table[table["zone"] == "high"].drop(columns="zone").reset_index(drop=True)
@@ -71,7 +89,13 @@ def test_zones_and_depths_hold_every_layer_once(rng):
     depths = np.array([-3.0, 0, 19.9, 20, 47])
     sums = dict.fromkeys(SUMS, 1)
     picks = [
-        pd.DataFrame({"depth_bins": depths, "first_thickness_bins": rng.choice([5.0, 25, 45, np.nan], 5), **sums})
+        pd.DataFrame(
+            {
+                "depth_bins": depths,
+                "first_thickness_bins": rng.choice([5.0, 25, 45, np.nan], 5),
+                **sums,
+            }
+        )
         for _ in RUNS
     ]
     rows = rows_of_picks(picks, RUNS, zone_edge_bins=[0, 10, 20, 30, 40], depth_step_bins=20)

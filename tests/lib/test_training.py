@@ -33,9 +33,13 @@ class Counter:
 
 def counted(path, counter, n_steps=50, made_of=7, patience=None):
     """The run of a counter that is best at step 23 or, of those validated, at 20."""
-    validation = SimpleNamespace(every_steps=10, by="near", patience=patience, samples=dict, weights=counter.state)
+    validation = SimpleNamespace(
+        every_steps=10, by="near", patience=patience, samples=dict, weights=counter.state
+    )
     validation.score = lambda: {"near": -abs(counter.step - 23.0), "also": counter.total}
-    with TrainingRun(counter, path, {"made_of": made_of}, every_steps=7, validation=validation) as run:
+    with TrainingRun(
+        counter, path, {"made_of": made_of}, every_steps=7, validation=validation
+    ) as run:
         run.take(counter.steps(n_steps), n_steps, "counter")
     return run
 
@@ -86,19 +90,28 @@ def test_events_are_written_for_tensorboard(tmp_path):
     from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
     counter = Counter()
-    with TrainingRun(counter, tmp_path / "u.safetensors", {}, every_steps=50, path_to_events=tmp_path / "e") as run:
+    with TrainingRun(
+        counter, tmp_path / "u.safetensors", {}, every_steps=50, path_to_events=tmp_path / "e"
+    ) as run:
         run.take(counter.steps(30), 30, "counter")
     events = EventAccumulator(str(tmp_path / "e"))
     events.Reload()
     assert [event.step for event in events.Scalars("loss/alpha")] == [10, 20, 30]
-    np.testing.assert_allclose([event.value for event in events.Scalars("loss/alpha")], [1 / 10, 1 / 20, 1 / 30])
+    np.testing.assert_allclose(
+        [event.value for event in events.Scalars("loss/alpha")], [1 / 10, 1 / 20, 1 / 30]
+    )
 
 
 def test_too_little_memory_is_one_line():
-    with pytest.raises(ValueError, match=r"too little memory for a network: it needs at least 1e\+09 GB"):
+    with pytest.raises(
+        ValueError, match=r"too little memory for a network: it needs at least 1e\+09 GB"
+    ):
         check_memory(1e18, "a network")
     check_memory(1, "a number")
-    with pytest.raises(ValueError, match="too little memory for a tensor: ") as error, enough_memory("a tensor"):
+    with (
+        pytest.raises(ValueError, match="too little memory for a tensor: ") as error,
+        enough_memory("a tensor"),
+    ):
         torch.empty(1 << 60, dtype=torch.uint8)
     assert "\n" not in str(error.value)
     with pytest.raises(RuntimeError, match="shape"), enough_memory("a tensor"):

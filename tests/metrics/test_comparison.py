@@ -37,11 +37,14 @@ def test_intervals_cover_the_truth_and_detectable_differences_are_found(rng, n_r
     planted = paired_difference(typical(n_replicas, spread), image_error, 60)["detectable"]
     covered = found = 0
     for _ in range(n_trials):
-        drawn = planted + image_error * rng.standard_normal() + spread * rng.standard_normal(n_replicas)
+        drawn = (
+            planted + image_error * rng.standard_normal() + spread * rng.standard_normal(n_replicas)
+        )
         result = paired_difference(drawn, image_error, 60)
         covered += result["low"] <= planted <= result["high"]
         found += result["outcome"] == "higher"
-    # 95 % and 80 %, to 0.9 and 1.6 % by 600 trials; the power is that of a shifted central t: 6 % at three replicas.
+    # 95 % and 80 %, to 0.9 and 1.6 % by 600 trials; the power is that of a shifted central t: 6 %
+    # at three replicas.
     assert 0.93 < covered / n_trials < 0.99
     assert 0.70 < found / n_trials < 0.88
 
@@ -51,16 +54,23 @@ def test_as_many_seeds_as_stated_resolve_a_difference_and_one_fewer_does_not():
     result = paired_difference(differences, image_error=0.001, n_images=60)
     n = result["seeds_to_resolve"]
     assert n > 4
-    enough, too_few = (paired_difference(typical(k, result["seed_spread"]), 0.001, 60) for k in (n, n - 1))
+    enough, too_few = (
+        paired_difference(typical(k, result["seed_spread"]), 0.001, 60) for k in (n, n - 1)
+    )
     assert enough["detectable"] <= result["difference"] < too_few["detectable"]
     # No number of seeds resolves what the images hide.
-    assert paired_difference([0.001, 0.002, 0.0], image_error=0.01, n_images=60)["seeds_to_resolve"] == -1
+    assert (
+        paired_difference([0.001, 0.002, 0.0], image_error=0.01, n_images=60)["seeds_to_resolve"]
+        == -1
+    )
 
 
 def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     worse, better = ([image_counts(share, 30, rng=rng) for _ in range(3)] for share in (0.7, 0.8))
     pairs = [("a", "a"), ("b", "a")]
-    table = compare({"a": worse, "b": better}, pairs, n_bootstrap=100, rng=rng).set_index(["name", "metric"])
+    table = compare({"a": worse, "b": better}, pairs, n_bootstrap=100, rng=rng).set_index(
+        ["name", "metric"]
+    )
     same = table.loc[("a", "ods")]
     assert (same["difference"], same["detectable"], same["outcome"]) == (0, 0, "not resolved")
     assert same["p_value"] == 1
@@ -68,13 +78,16 @@ def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     assert ods["outcome"] == "higher"
     # Best of three thresholds, each a mean of 6000 trials: 0.006 and some.
     assert_allclose(ods["difference"], 0.1, atol=0.02)
-    # An image is 200 trials at one of three thresholds: sqrt(2 x 0.7 x 0.3 / 200 / 30) for a replica, / sqrt(3) for 3.
+    # An image is 200 trials at one of three thresholds: sqrt(2 x 0.7 x 0.3 / 200 / 30) for a
+    # replica, / sqrt(3) for 3.
     assert_allclose(ods["image_error"], np.sqrt(2 * 0.21 / 200 / 30 / 3), rtol=0.5)
 
 
 def test_counts_that_do_not_pair_are_refused(rng):
     one, two = ([image_counts(0.7, 1, rng=rng)] * n for n in (1, 2))
-    with pytest.raises(ValueError, match="b and a: expected counts of the same images by as many replicas"):
+    with pytest.raises(
+        ValueError, match="b and a: expected counts of the same images by as many replicas"
+    ):
         compare({"a": one, "b": two}, [("b", "a")], n_bootstrap=2, rng=rng)
     with pytest.raises(ValueError, match="c and a: expected counts"):
         compare({"a": one}, [("c", "a")], n_bootstrap=2, rng=rng)
@@ -106,4 +119,6 @@ def test_the_bootstrap_takes_in_trainings_and_images(rng):
     table = compare({"a": [images], "b": [better]}, [("b", "a")], n_bootstrap=400, rng=rng)
     alone = table.set_index("metric").loc["ods"]
     # One replica leaves the images' error, Gaussian or not, to a tenth; 3.92 of it wide.
-    assert_allclose(alone["bootstrap_high"] - alone["bootstrap_low"], 3.92 * alone["image_error"], rtol=0.3)
+    assert_allclose(
+        alone["bootstrap_high"] - alone["bootstrap_low"], 3.92 * alone["image_error"], rtol=0.3
+    )

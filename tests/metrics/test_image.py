@@ -23,7 +23,9 @@ def test_ssim_is_luminance_times_contrast_times_structure(rng):
     mirrored = [np.pad(each.astype(float), 5, mode="symmetric") for each in (image, reference)]
     windows = [sliding_window_view(each, (11, 11)) for each in mirrored]
     m, n = (np.sum(weights * each, axis=(2, 3)) for each in windows)
-    from_m, from_n = (each - mean[..., None, None] for each, mean in zip(windows, (m, n), strict=True))
+    from_m, from_n = (
+        each - mean[..., None, None] for each, mean in zip(windows, (m, n), strict=True)
+    )
     sd_m, sd_n = (np.sqrt(np.sum(weights * each**2, axis=(2, 3))) for each in (from_m, from_n))
     covariance = np.sum(weights * from_m * from_n, axis=(2, 3))
     c1, c2 = 2.55**2, 7.65**2
@@ -52,8 +54,16 @@ def test_a_constant_shift_gives_its_own_size_and_black_against_white_is_zero_dec
 @pytest.mark.parametrize(
     ("image", "reference", "message"),
     [
-        (np.zeros((20, 20)), np.zeros((20, 20), np.uint8), "image must be an array of uint8, got float64"),
-        (np.zeros((20, 20), np.uint8), np.zeros((20, 20), np.int16), "reference must be an array of uint8, got int16"),
+        (
+            np.zeros((20, 20)),
+            np.zeros((20, 20), np.uint8),
+            "image must be an array of uint8, got float64",
+        ),
+        (
+            np.zeros((20, 20), np.uint8),
+            np.zeros((20, 20), np.int16),
+            "reference must be an array of uint8, got int16",
+        ),
         (np.zeros((20, 20), np.uint8), np.zeros((20, 21), np.uint8), "one size"),
         (np.zeros((20, 10), np.uint8), np.zeros((20, 10), np.uint8), "at least 11"),
         (np.zeros((20, 20, 3), np.uint8), np.zeros((20, 20, 3), np.uint8), "range_bin, range_line"),

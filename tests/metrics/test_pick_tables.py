@@ -9,7 +9,9 @@ from snowsim.metrics.pick_tables import layer_rows, pool_picks, snow_per_bin_m, 
 
 def pooled(picks, layer_bins):
     """Errors of the picks of one scene."""
-    return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[0]
+    return pool_picks(layer_rows(picks, layer_bins).assign(all=1), ["all"], bin_size_m=0.0433).iloc[
+        0
+    ]
 
 
 def test_planted_errors_come_back(layer_bins):
@@ -40,7 +42,8 @@ def test_missed_and_false_layers_are_counted(layer_bins):
     assert_allclose(scores["share_found"], (8 * 120 - 120 - 61 - 60) / (8 * 120))
     assert rows["n_picks"].sum() == 120
     assert scores["mean_absolute_error_bins"] == 0
-    # A slab counts where both of its bounds have a pick: three whole slabs above layer 4, one below it, one in part.
+    # A slab counts where both of its bounds have a pick: three whole slabs above layer 4, one below
+    # it, one in part.
     assert rows["n_thickness"].sum() == 3 * 120 + 59 + 59
 
 
@@ -74,7 +77,9 @@ def test_groups_without_picks_are_nan_and_miss_their_layers():
 
 def test_zones_are_quartiles_open_at_both_ends_and_a_bin_of_snow_is_thinner_than_of_air():
     edges = [10, 13, 16, 20, 30]
-    assert_array_equal(zone_of([5, 10, 12.9, 13, 18, 20, 99, np.nan], edges), [0, 0, 0, 1, 2, 3, 3, -1])
+    assert_array_equal(
+        zone_of([5, 10, 12.9, 13, 18, 20, 99, np.nan], edges), [0, 0, 0, 1, 2, 3, 3, -1]
+    )
     assert_allclose(snow_per_bin_m(2.886e-10, 0), SPEED_OF_LIGHT_M_S * 2.886e-10 / 2)
     # 4.33 cm in air (2012 product); index 1.2873 at 340 kg m-3.
     assert_allclose(snow_per_bin_m(2.886e-10, 340), 0.0433 / 1.2873, rtol=2e-3)
@@ -86,4 +91,6 @@ def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="bin_size_m above 0"):
         pool_picks(layer_rows(np.ones((1, 4)), np.ones((1, 4))), ["layer"], bin_size_m=0)
     with pytest.raises(ValueError, match="expected rows of picks"):
-        pool_picks(layer_rows(np.ones((1, 4)), np.ones((1, 4))).iloc[:0], ["layer"], bin_size_m=0.03)
+        pool_picks(
+            layer_rows(np.ones((1, 4)), np.ones((1, 4))).iloc[:0], ["layer"], bin_size_m=0.03
+        )

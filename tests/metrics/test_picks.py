@@ -11,7 +11,9 @@ from snowsim.metrics.picks import match_picks, pick_layers
 
 def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(layer_bins):
     rows = np.arange(320)[:, None]
-    edges = suppress(sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1))
+    edges = suppress(
+        sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1)
+    )
     picks = pick_layers(edges, threshold=0.3)
     assert picks.shape == layer_bins.shape
     assert np.nanmax(np.abs(picks - layer_bins)) < 1
@@ -70,7 +72,10 @@ def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: pick_layers(np.full((4, 4), 2.0), threshold=0.5, where="scene_7"), r"^scene_7: .*\[0, 1\]"),
+        (
+            lambda: pick_layers(np.full((4, 4), 2.0), threshold=0.5, where="scene_7"),
+            r"^scene_7: .*\[0, 1\]",
+        ),
         (lambda: pick_layers(np.full((4, 4), np.nan), threshold=0.5), r"\[0, 1\]"),
         (lambda: pick_layers(np.ones((4, 4)), threshold=0), "above 0"),
         (lambda: match_picks(np.ones((1, 4)), np.ones((1, 5))), "4 range lines, the layers 5"),

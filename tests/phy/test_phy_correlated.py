@@ -8,30 +8,50 @@ from scipy.stats import gamma, kstest
 
 from lib.diagnostics.phy_errors import correlated_distance, planted_scene
 from snowsim.phy import draw_speckle, plan, render
-from snowsim.phy.correlated import HALF_TAPS, LARGEST_ERROR, correlating_taps, draw_normals, normal_quantiles
+from snowsim.phy.correlated import (
+    HALF_TAPS,
+    LARGEST_ERROR,
+    correlating_taps,
+    draw_normals,
+    normal_quantiles,
+)
 
 LOOKS = [1, 5, 16, 100]
-# A Hann window at 0.58 and 0.31 of its resolution, a slow decay, one that turns negative, one lag far off.
-SHAPES = [(1, 0.157, 0.003), (1, 0.66, 0.18, 0.02), 0.6 ** np.arange(9), (1, -0.2, 0.05), (1, 0, 0, 0, 0.25)]
+# A Hann window at 0.58 and 0.31 of its resolution, a slow decay, one that turns negative, one lag
+# far off.
+SHAPES = [
+    (1, 0.157, 0.003),
+    (1, 0.66, 0.18, 0.02),
+    0.6 ** np.arange(9),
+    (1, -0.2, 0.05),
+    (1, 0, 0, 0, 0.25),
+]
 
 
 def correlated(shape, n_looks, correlation, rng):
     ones = np.ones(shape, dtype=np.float32)
-    return draw_speckle(ones, n_looks, method="quantile", correlation=correlation, rng=rng).astype(float)
+    return draw_speckle(ones, n_looks, method="quantile", correlation=correlation, rng=rng).astype(
+        float
+    )
 
 
 @pytest.mark.parametrize("n_looks", [*LOOKS, 1000])
 def test_law_is_as_close_to_gamma_as_stated(n_looks, rng):
     assert correlated_distance(n_looks) < 1e-5
-    # The table's mean and looks, by trapezoids over the normal density: their error is below 1e-8 of steps 1/256.
+    # The table's mean and looks, by trapezoids over the normal density: their error is below 1e-8
+    # of steps 1/256.
     normal = np.linspace(-8, 8, normal_quantiles(float(n_looks)).size)
     weight = np.exp(-(normal**2) / 2) / np.exp(-(normal**2) / 2).sum()
     mean = weight @ normal_quantiles(float(n_looks))
     assert_allclose(mean, 1, atol=1e-5)
-    assert_allclose(mean**2 / (weight @ (normal_quantiles(float(n_looks)) - mean) ** 2), n_looks, rtol=1e-5)
+    assert_allclose(
+        mean**2 / (weight @ (normal_quantiles(float(n_looks)) - mean) ** 2), n_looks, rtol=1e-5
+    )
     # Of lag 1 alone, so every second bin is independent: beyond 1.95 / sqrt(n) once in 1000.
     drawn = correlated((1000, 1000), n_looks, [1, 0.3], rng)[::2].ravel()
-    assert kstest(drawn, gamma(n_looks, scale=1 / n_looks).cdf).statistic < 1.95 / np.sqrt(drawn.size)
+    assert kstest(drawn, gamma(n_looks, scale=1 / n_looks).cdf).statistic < 1.95 / np.sqrt(
+        drawn.size
+    )
 
 
 @pytest.mark.parametrize("n_looks", LOOKS)
@@ -40,11 +60,16 @@ def test_correlation_drawn_is_that_asked_for(correlation, n_looks, rng):
     n_lags = HALF_TAPS + 1
     asked = np.pad(correlation, (0, n_lags - len(correlation)))
     deviation = correlated((300, 4000), n_looks, correlation, rng) - 1
-    by_line = [n_looks * (deviation[: 300 - lag] * deviation[lag:]).mean(axis=0) for lag in range(n_lags)]
+    by_line = [
+        n_looks * (deviation[: 300 - lag] * deviation[lag:]).mean(axis=0) for lag in range(n_lags)
+    ]
     measured = np.mean(by_line, axis=1)
-    # Lines are independent, so their scatter is the error; of 340 values in all, 4.5 errors are exceeded once in 400.
-    # The filter's own error is largest, 6e-3, where one look leaves the spectrum of normals a negative part.
-    bound = 4.5 * np.std(by_line, axis=1) / np.sqrt(4000) + correlating_taps(correlation, n_looks)[1]
+    # Lines are independent, so their scatter is the error; of 340 values in all, 4.5 errors are
+    # exceeded once in 400. The filter's own error is largest, 6e-3, where one look leaves the
+    # spectrum of normals a negative part.
+    bound = (
+        4.5 * np.std(by_line, axis=1) / np.sqrt(4000) + correlating_taps(correlation, n_looks)[1]
+    )
     assert np.all(np.abs(measured - asked) < bound)
     assert bound[1:].max() < 0.02
 
@@ -55,14 +80,16 @@ def test_without_correlation_each_normal_gives_its_own_quantile(n_looks):
     normal = draw_normals((40, 50), np.random.default_rng(4)).astype(float)
     upper = gammainccinv(n_looks, ndtr(-np.abs(normal))) / n_looks
     expected = np.where(normal > 0, upper, gammaincinv(n_looks, ndtr(-np.abs(normal))) / n_looks)
-    # Straight lines between nodes 1/256 apart are off by up to z^2 / 8 / 256^2 of the value: 3e-5 at four deviations.
+    # Straight lines between nodes 1/256 apart are off by up to z^2 / 8 / 256^2 of the value: 3e-5
+    # at four deviations.
     assert_allclose(drawn, expected, rtol=3e-5)
 
 
 def test_edges_are_as_anywhere_else(rng):
     n_lines, n_looks, correlation = 100_000, 5, [1, 0.4, 0.1]
     deviation = correlated((12, n_lines), n_looks, correlation, rng) - 1
-    # Variances of Gamma(5) to sqrt((2 + 6 / 5) / n), products of neighbours to 1.6 / sqrt(n): four and more of those.
+    # Variances of Gamma(5) to sqrt((2 + 6 / 5) / n), products of neighbours to 1.6 / sqrt(n): four
+    # and more of those.
     assert_allclose(n_looks * (deviation**2).mean(axis=1), 1, atol=4 * np.sqrt(3.2 / n_lines))
     neighbours = n_looks * (deviation[:-1] * deviation[1:]).mean(axis=1)
     assert_allclose(neighbours, 0.4, atol=4 * 1.6 / np.sqrt(n_lines))
@@ -71,7 +98,8 @@ def test_edges_are_as_anywhere_else(rng):
 
 
 def test_what_no_process_has_is_brought_near_and_said():
-    # Of a filter over two bins the correlation is at most 0.5; 0.54, as sampling may leave it, is near.
+    # Of a filter over two bins the correlation is at most 0.5; 0.54, as sampling may leave it, is
+    # near.
     taps, error = correlating_taps([1, 0.54], 100.0)
     assert_allclose((taps**2).sum(), 1, rtol=1e-12)
     assert 0.005 < error < LARGEST_ERROR
@@ -80,12 +108,24 @@ def test_what_no_process_has_is_brought_near_and_said():
 @pytest.mark.parametrize(
     ("method", "correlation", "message"),
     [
-        ("quantile", [1, 0.8], "speckle correlation 0.8 at lag 1 is not possible: the nearest is 0.6"),
-        ("quantile", [0.9, 0.1], r"speckle correlation must be 1 at lag 0 and in \[-1, 1\] at 16 or fewer lags more"),
+        (
+            "quantile",
+            [1, 0.8],
+            "speckle correlation 0.8 at lag 1 is not possible: the nearest is 0.6",
+        ),
+        (
+            "quantile",
+            [0.9, 0.1],
+            r"speckle correlation must be 1 at lag 0 and in \[-1, 1\] at 16 or fewer lags more",
+        ),
         ("quantile", [1, np.nan], r"speckle correlation must be .*, got \[ 1. nan\]"),
         ("quantile", [[1, 0.1]], "speckle correlation must be 1 at lag 0"),
         ("quantile", np.eye(1, 18)[0], "speckle correlation must be 1 at lag 0"),
-        ("gamma", [1, 0.1], "speckle method gamma draws independent range bins, a correlation needs quantile"),
+        (
+            "gamma",
+            [1, 0.1],
+            "speckle method gamma draws independent range bins, a correlation needs quantile",
+        ),
         ("looks", [1, 0.1], "speckle method looks draws independent range bins"),
         ("cube", [1, 0.1], "speckle method cube draws independent range bins"),
     ],

@@ -19,7 +19,9 @@ def scene_of(seed, n_layers, n_lines, n_range_bins, layout):
     reach = 0 if layout == "inside" else 200
     layer_bins = np.sort(rng.uniform(-reach, n_range_bins + reach / 2, (n_layers, n_lines)), axis=0)
     if layout == "touching":
-        layer_bins = layer_bins[:1] + np.cumsum(10 ** rng.uniform(-8, 1, (n_layers, n_lines)), axis=0)
+        layer_bins = layer_bins[:1] + np.cumsum(
+            10 ** rng.uniform(-8, 1, (n_layers, n_lines)), axis=0
+        )
     if layout == "on bins":
         layer_bins = np.rint(layer_bins)
     layer_bins[rng.random(layer_bins.shape) < 0.1] = np.nan
@@ -48,21 +50,35 @@ def test_powers_that_vary_along_track_are_those_of_each_line_alone(rng):
     power = parameters["peak_power"][:, None] * 10 ** rng.uniform(-3, 3, layer_bins.shape)
     shapes = {name: parameters[name] for name in ("variance_bins2", "decay_rate")}
     together = mean_power(layer_bins, power, **shapes, n_range_bins=120)
-    alone = [mean_power(layer_bins[:, [i]], power[:, i], **shapes, n_range_bins=120)[:, 0] for i in range(17)]
+    alone = [
+        mean_power(layer_bins[:, [i]], power[:, i], **shapes, n_range_bins=120)[:, 0]
+        for i in range(17)
+    ]
     # A layer's share of its largest power rounds twice.
     assert_allclose(together.T, alone, rtol=1e-14)
 
 
-EXPONENTS = {"tolerance": st.floats(-8, 0.7), "noise": st.floats(-12, 1), "unit": st.floats(-30, 30)}
+EXPONENTS = {
+    "tolerance": st.floats(-8, 0.7),
+    "noise": st.floats(-12, 1),
+    "unit": st.floats(-30, 30),
+}
 
 
 @settings(max_examples=300, deadline=None)
-@given(scene=SCENES, n_range_bins=st.sampled_from([1, 2, 30, 120]), varies_db=st.sampled_from([0, 6, 40]), **EXPONENTS)
+@given(
+    scene=SCENES,
+    n_range_bins=st.sampled_from([1, 2, 30, 120]),
+    varies_db=st.sampled_from([0, 6, 40]),
+    **EXPONENTS,
+)
 def test_tolerance_holds_on_every_pixel(scene, n_range_bins, varies_db, tolerance, noise, unit):
     layer_bins, parameters = scene
     parameters = parameters | {"peak_power": parameters["peak_power"] * 10**unit}
     if varies_db:
-        varied = 10 ** (np.random.default_rng(1).uniform(-varies_db, varies_db, layer_bins.shape) / 10)
+        varied = 10 ** (
+            np.random.default_rng(1).uniform(-varies_db, varies_db, layer_bins.shape) / 10
+        )
         varied = np.where(np.isnan(layer_bins), np.nan, varied)
         parameters["peak_power"] = parameters["peak_power"][:, None] * varied
     tolerance_db, noise_power = 10**tolerance, 10 ** (noise + unit)
@@ -75,14 +91,20 @@ def test_tolerance_holds_on_every_pixel(scene, n_range_bins, varies_db, toleranc
 
 @settings(max_examples=200, deadline=None)
 @given(scene=SCENES, tolerance=st.floats(-6, 0.7), noise=st.floats(-12, 1))
-def test_tables_keep_the_bound_they_state_even_where_the_closed_form_is_cheaper(scene, tolerance, noise):
+def test_tables_keep_the_bound_they_state_even_where_the_closed_form_is_cheaper(
+    scene, tolerance, noise
+):
     layer_bins, parameters = scene
-    waveforms = checked_waveforms(layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian")
+    waveforms = checked_waveforms(
+        layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian"
+    )
     error = allowed_error(10**tolerance)
     supports = find_supports(waveforms, 10**noise, error)
     if supports is None or supports.n_nodes() > 1e5:
         return
-    exact = mean_power(layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian")
+    exact = mean_power(
+        layer_bins, **parameters, n_range_bins=50, normalise="none", align="gaussian"
+    )
     tabulated = tabulated_power(waveforms, supports, 0.0).astype(float)
     assert supports.error <= error
     assert np.all(np.abs(tabulated - exact) <= supports.error * (exact + 10**noise))
@@ -90,7 +112,11 @@ def test_tables_keep_the_bound_they_state_even_where_the_closed_form_is_cheaper(
 
 def test_default_noise_is_1e_4_of_the_largest_power(rng):
     layer_bins = np.sort(rng.uniform(20, 180, (6, 40)), axis=0)
-    parameters = {"peak_power": 10.0 ** -np.arange(6), "variance_bins2": np.full(6, 12), "decay_rate": np.full(6, 0.07)}
+    parameters = {
+        "peak_power": 10.0 ** -np.arange(6),
+        "variance_bins2": np.full(6, 12),
+        "decay_rate": np.full(6, 0.07),
+    }
     exact = mean_power(layer_bins, **parameters, n_range_bins=200)
     planned = mean_power(layer_bins, **parameters, n_range_bins=200, tolerance_db=0.1)
     noise_power = 1e-4 * exact.max()
@@ -102,7 +128,13 @@ def five_layers(rng):
     """Waveforms of five layers, one of them absent in part, and their exact power."""
     layer_bins = np.sort(rng.uniform(-20, 120, (5, 9)), axis=0)
     layer_bins[2, :4] = np.nan
-    scene = (layer_bins, rng.uniform(0.1, 1, 5), rng.uniform(10, 15, 5), rng.uniform(0.05, 0.09, 5), 100)
+    scene = (
+        layer_bins,
+        rng.uniform(0.1, 1, 5),
+        rng.uniform(10, 15, 5),
+        rng.uniform(0.05, 0.09, 5),
+        100,
+    )
     return checked_waveforms(*scene, "peak", "peak"), mean_power(*scene)
 
 
@@ -110,8 +142,9 @@ def five_layers(rng):
 def test_power_is_the_convolution_of_eq_1(samples_per_bin, five_layers):
     waveforms, closed = five_layers
     convolved = convolved_power(waveforms, samples_per_bin)
-    # Euler-Maclaurin: trapezoids at a step h are off by h^2 / 12 times the slope where the exponential starts, which is
-    # at most (a + exp(-1/2) / sqrt(d)) of a Gaussian, itself a few times lower than the waveform's peak.
+    # Euler-Maclaurin: trapezoids at a step h are off by h^2 / 12 times the slope where the
+    # exponential starts, which is at most (a + exp(-1/2) / sqrt(d)) of a Gaussian, itself a few
+    # times lower than the waveform's peak.
     assert_allclose(convolved, closed, atol=0.01 * closed.max() / samples_per_bin**2)
 
 
@@ -119,16 +152,21 @@ def test_layers_add_and_powers_scale(rng):
     layer_bins = np.sort(rng.uniform(0, 80, (3, 7)), axis=0)
     power, variance, decay = rng.uniform(0.1, 1, 3), rng.uniform(1, 20, 3), rng.uniform(0.01, 1, 3)
     together = mean_power(layer_bins, power, variance, decay, 80)
-    apart = [mean_power(layer_bins[[i]], power[[i]], variance[[i]], decay[[i]], 80) for i in range(3)]
+    apart = [
+        mean_power(layer_bins[[i]], power[[i]], variance[[i]], decay[[i]], 80) for i in range(3)
+    ]
     assert_allclose(together, np.sum(apart, axis=0), rtol=1e-14)
-    assert_allclose(mean_power(layer_bins, 8 * power, variance, decay, 80), 8 * together, rtol=1e-15)
+    assert_allclose(
+        mean_power(layer_bins, 8 * power, variance, decay, 80), 8 * together, rtol=1e-15
+    )
 
 
 def test_scene_shifted_by_whole_bins_is_the_same_scene(rng):
     layer_bins = np.sort(rng.uniform(0, 50, (3, 7)), axis=0)
     parameters = (np.ones(3), np.full(3, 12.0), np.full(3, 0.07))
     high = mean_power(layer_bins - 30, *parameters, 40)
-    # Positions of up to 80 bins carry rounding of 1e-14 bins, where log w falls by at most 10 per bin.
+    # Positions of up to 80 bins carry rounding of 1e-14 bins, where log w falls by at most 10 per
+    # bin.
     assert_allclose(high, mean_power(layer_bins, *parameters, 70)[30:], rtol=1e-12)
 
 
@@ -137,7 +175,8 @@ def test_normalised_and_aligned_waveform_peaks_at_its_power_on_its_layer():
     power = mean_power([[25.0]], *parameters, normalise="peak", align="peak")[:, 0]
     assert power.argmax() == 25
     assert_allclose(power[25], 0.3, rtol=1e-14)
-    # As printed, the Gaussian is at the layer, and the waveform 4 to 6 bins further down (DESIGN 4.4).
+    # As printed, the Gaussian is at the layer, and the waveform 4 to 6 bins further down (DESIGN
+    # 4.4).
     printed = mean_power([[25.0]], *parameters, normalise="none", align="gaussian")[:, 0]
     assert 4 <= printed.argmax() - 25 <= 6
     assert printed.max() > 1
@@ -158,21 +197,57 @@ GOOD |= {"peak_power": [1.0, 0.5], "variance_bins2": [10.0, 12.0], "decay_rate":
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"peak_power": [1, np.nan]}, "peak_power must be finite and not negative, got nan at layer 1"),
-        ({"peak_power": [[1, 1], [np.nan, 1]]}, "peak_power must be finite and .*, got nan at layer 1, line 0"),
-        ({"peak_power": [[1, 1, 1], [1, 1, 1]]}, r"peak_power: expected .* layers, \(2, 2\), got \(2, 3\)"),
-        ({"peak_power": [-2, 1]}, "peak_power must be finite and not negative, got -2.0 at layer 0"),
-        ({"peak_power": [1e308, 1e308]}, "peak_power must add up to a finite power, got 1e.308 at layer 0"),
-        ({"variance_bins2": [10, 0]}, "variance_bins2 must be finite and positive, got 0.0 at layer 1"),
+        (
+            {"peak_power": [1, np.nan]},
+            "peak_power must be finite and not negative, got nan at layer 1",
+        ),
+        (
+            {"peak_power": [[1, 1], [np.nan, 1]]},
+            "peak_power must be finite and .*, got nan at layer 1, line 0",
+        ),
+        (
+            {"peak_power": [[1, 1, 1], [1, 1, 1]]},
+            r"peak_power: expected .* layers, \(2, 2\), got \(2, 3\)",
+        ),
+        (
+            {"peak_power": [-2, 1]},
+            "peak_power must be finite and not negative, got -2.0 at layer 0",
+        ),
+        (
+            {"peak_power": [1e308, 1e308]},
+            "peak_power must add up to a finite power, got 1e.308 at layer 0",
+        ),
+        (
+            {"variance_bins2": [10, 0]},
+            "variance_bins2 must be finite and positive, got 0.0 at layer 1",
+        ),
         ({"decay_rate": [0.05, -1]}, "decay_rate must be finite and positive, got -1.0 at layer 1"),
-        ({"decay_rate": [0.05, np.inf]}, "decay_rate must be finite and positive, got inf at layer 1"),
-        ({"decay_rate": [0.05]}, r"decay_rate: expected one value for each of 2 layers, got shape \(1,\)"),
-        ({"layer_bins": [[10.0, 11.0], [20.0, 9.0]]}, "layer_bins: .* layer 1 does not at range_line 1"),
-        ({"layer_bins": [10.0, 11.0]}, r"layer_bins: expected dimensions \(layer, range_line\), got shape \(2,\)"),
-        ({"layer_bins": [[10.0, np.inf], [20.0, 21.0]]}, "layer_bins: .* got inf at layer 0, line 1"),
+        (
+            {"decay_rate": [0.05, np.inf]},
+            "decay_rate must be finite and positive, got inf at layer 1",
+        ),
+        (
+            {"decay_rate": [0.05]},
+            r"decay_rate: expected one value for each of 2 layers, got shape \(1,\)",
+        ),
+        (
+            {"layer_bins": [[10.0, 11.0], [20.0, 9.0]]},
+            "layer_bins: .* layer 1 does not at range_line 1",
+        ),
+        (
+            {"layer_bins": [10.0, 11.0]},
+            r"layer_bins: expected dimensions \(layer, range_line\), got shape \(2,\)",
+        ),
+        (
+            {"layer_bins": [[10.0, np.inf], [20.0, 21.0]]},
+            "layer_bins: .* got inf at layer 0, line 1",
+        ),
         ({"n_range_bins": 0}, "n_range_bins must be a whole number of at least 1, got 0"),
         ({"n_range_bins": 2.5}, "n_range_bins must be a whole number of at least 1, got 2.5"),
-        *[({"tolerance_db": db}, f"tolerance_db must be positive and finite, .*, got {db}") for db in (0, -1, np.nan)],
+        *[
+            ({"tolerance_db": db}, f"tolerance_db must be positive and finite, .*, got {db}")
+            for db in (0, -1, np.nan)
+        ],
         ({"noise_power": -1}, "noise_power must be finite and not negative, got -1"),
         ({"normalise": "area"}, "normalise must be one of peak, none, got 'area'"),
         ({"align": "centre"}, "align must be one of peak, gaussian, got 'centre'"),

@@ -25,7 +25,9 @@ def mean_of(layer_bins, parameters, **tolerance):
 
 
 @pytest.mark.parametrize("tolerance_db", [None, 0.05])
-def test_render_is_speckle_about_the_mean_power_and_scales_to_eight_bits_with_a_layer_of_none(tolerance_db, rng):
+def test_render_is_speckle_about_the_mean_power_and_scales_to_eight_bits_with_a_layer_of_none(
+    tolerance_db, rng
+):
     layer_bins, parameters = planted()
     parameters["peak_power"][2] = 0
     power = render(layer_bins, parameters, N_RANGE_BINS, tolerance_db=tolerance_db, rng=rng)
@@ -33,8 +35,11 @@ def test_render_is_speckle_about_the_mean_power_and_scales_to_eight_bits_with_a_
     speckle = power / (mean_of(layer_bins, parameters) + parameters["noise_power"])
     n_values = speckle.size
     assert power.shape == (N_RANGE_BINS, 64)
-    # Four standard errors of mean and variance of n values, and 0.05 dB, 1.2 %, allowed to the mean.
-    assert_allclose(speckle.mean(), 1, atol=4 / np.sqrt(20 * n_values) + 0.012 * (tolerance_db is not None))
+    # Four standard errors of mean and variance of n values, and 0.05 dB, 1.2 %, allowed to the
+    # mean.
+    assert_allclose(
+        speckle.mean(), 1, atol=4 / np.sqrt(20 * n_values) + 0.012 * (tolerance_db is not None)
+    )
     assert_allclose(speckle.var(), 1 / 20, rtol=4 * np.sqrt(2.3 / n_values) + 0.024)
 
 
@@ -43,14 +48,18 @@ def test_render_draws_what_the_form_as_printed_draws(rng):
     printed = render_as_printed(layer_bins, parameters, N_RANGE_BINS, rng=rng)
     fast = render(layer_bins, parameters, N_RANGE_BINS, tolerance_db=0.05, rng=rng)
     mean = mean_of(layer_bins, parameters) + parameters["noise_power"]
-    # 1.95 sqrt(2 / n) = 2.4e-2 once in 1000; the convolution as printed is off by up to 0.08 dB on steep pixels only.
-    assert ks_2samp((printed / mean).ravel(), (fast / mean).ravel()).statistic < 1.95 * np.sqrt(2 / mean.size)
+    # 1.95 sqrt(2 / n) = 2.4e-2 once in 1000; the convolution as printed is off by up to 0.08 dB on
+    # steep pixels only.
+    assert ks_2samp((printed / mean).ravel(), (fast / mean).ravel()).statistic < 1.95 * np.sqrt(
+        2 / mean.size
+    )
 
 
 def test_scatterers_carry_the_same_power(rng):
     layer_bins, parameters = planted(n_lines=32)
     scattered = render_scatterers(layer_bins, parameters, N_RANGE_BINS, rng=rng, align="peak")
-    # 100 scatterers a layer and line with exponential power: the sum of 32 strongest is known to 3 %; sinc tails leave.
+    # 100 scatterers a layer and line with exponential power: the sum of 32 strongest is known to 3
+    # %; sinc tails leave.
     mean = mean_of(layer_bins, parameters) + parameters["noise_power"]
     assert_allclose(scattered.sum(), mean.sum(), rtol=0.1)
 
@@ -68,7 +77,10 @@ def test_plan_says_what_it_leaves_out_and_keeps_its_bound():
     assert 0 < notes["plan_bound_db"] <= 0.05
     assert notes["plan_cost_normals"] > 0
     # Without noise nothing is left out.
-    assert plan(layer_bins, parameters | {"noise_power": 0.0}, N_RANGE_BINS, tolerance_db=0.05).method == "exact"
+    assert (
+        plan(layer_bins, parameters | {"noise_power": 0.0}, N_RANGE_BINS, tolerance_db=0.05).method
+        == "exact"
+    )
 
 
 @pytest.mark.parametrize("change", ["tolerance", "noise"])
@@ -83,7 +95,8 @@ def test_more_tolerance_or_noise_never_costs_more(change):
 
 
 def test_terms_are_counted_as_they_are_computed():
-    # A layer of which only the waveform's middle counts: rows with power above zero are the rows in the support.
+    # A layer of which only the waveform's middle counts: rows with power above zero are the rows in
+    # the support.
     layer_bins, parameters = planted(n_layers=1, noise_power=0.5)
     layer_bins[0, 3] = np.nan
     scene_plan = plan(layer_bins, parameters, N_RANGE_BINS, tolerance_db=0.5)
@@ -99,7 +112,10 @@ def test_terms_are_counted_as_they_are_computed():
         ({"n_looks": 0}, "n_looks must be finite and at least 1, got 0"),
         ({"decay_rate": np.zeros(6)}, "decay_rate must be finite and positive, got 0.0 at layer 0"),
         ({"gain": 1}, "parameters: expected peak_power, .* got .*gain"),
-        *[({name: None}, "parameters: expected peak_power") for name in ("peak_power", "noise_power", "n_looks")],
+        *[
+            ({name: None}, "parameters: expected peak_power")
+            for name in ("peak_power", "noise_power", "n_looks")
+        ],
     ],
 )
 @pytest.mark.parametrize("tolerance_db", [None, 0.05])
@@ -123,7 +139,9 @@ def test_texture_and_gain_have_mean_1_and_the_autocorrelation_asked_for():
     assert_allclose((10 * np.log10(gain)).std(), 0.5, rtol=0.01)
 
 
-@pytest.mark.parametrize("texture", [(0.1, 12.0), (0.1, 0.0, 2.0), (-0.1, 12.0, 2.0), (np.nan, 12.0, 2.0)])
+@pytest.mark.parametrize(
+    "texture", [(0.1, 12.0), (0.1, 0.0, 2.0), (-0.1, 12.0, 2.0), (np.nan, 12.0, 2.0)]
+)
 def test_textures_that_are_none_are_refused(texture):
     layer_bins, parameters = planted()
     with pytest.raises(ValueError, match="texture must be a variance and lengths"):

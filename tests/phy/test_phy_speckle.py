@@ -16,20 +16,26 @@ def test_samplers_draw_what_the_sum_of_looks_draws(n_looks, rng):
     summed = draw_speckle(ROWS, n_looks, method="looks", rng=rng).ravel()
     for method in ("gamma", "quantile", "cube")[: 3 if n_looks >= 10 else 2]:
         values = draw_speckle(ROWS, n_looks, method=method, rng=rng).ravel()
-        # Two samples of n from one distribution differ by more than 1.95 sqrt(2 / n) = 2.8e-3 once in 1000.
-        assert ks_2samp(summed, values, method="asymp").statistic < 1.95 * np.sqrt(2 / N_VALUES), method
+        # Two samples of n from one distribution differ by more than 1.95 sqrt(2 / n) = 2.8e-3 once
+        # in 1000.
+        assert ks_2samp(summed, values, method="asymp").statistic < 1.95 * np.sqrt(2 / N_VALUES), (
+            method
+        )
 
 
 @pytest.mark.parametrize("method", ["gamma", "quantile", "cube"])
 @pytest.mark.parametrize("n_looks", [10, 100])
 def test_equivalent_number_of_looks_is_that_asked_for(method, n_looks, rng):
     values = draw_speckle(ROWS.astype(np.float32), n_looks, method=method, rng=rng).astype(float)
-    # The variance of n values of small kurtosis is known to sqrt((2 + 6 / M) / n) = 1.6e-3; the claim is 1 %.
+    # The variance of n values of small kurtosis is known to sqrt((2 + 6 / M) / n) = 1.6e-3; the
+    # claim is 1 %.
     assert_allclose(values.mean() ** 2 / values.var(), n_looks, rtol=0.01)
     assert_allclose(values.mean(), 1, atol=5 / np.sqrt(n_looks * N_VALUES))
 
 
-@pytest.mark.parametrize(("n_looks", "distance"), [(1, 1e-5), (30, 1e-5), (1000, 1e-5), (1e6, 4e-5)])
+@pytest.mark.parametrize(
+    ("n_looks", "distance"), [(1, 1e-5), (30, 1e-5), (1000, 1e-5), (1e6, 4e-5)]
+)
 def test_quantiles_are_as_close_to_gamma_as_stated(n_looks, distance):
     table = quantile_table(float(n_looks)).astype(float)
     assert quantile_distance(n_looks) < distance
@@ -38,12 +44,24 @@ def test_quantiles_are_as_close_to_gamma_as_stated(n_looks, distance):
     assert_allclose(table.mean() ** 2 / table.var(), n_looks, rtol=1e-4)
 
 
-@pytest.mark.parametrize(("method", "correlation"), [*((method, None) for method in METHODS), ("quantile", [1, 0.2])])
-def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_the_mean(method, correlation, rng):
+@pytest.mark.parametrize(
+    ("method", "correlation"), [*((method, None) for method in METHODS), ("quantile", [1, 0.2])]
+)
+def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_the_mean(
+    method, correlation, rng
+):
     mean_power = rng.uniform(0.1, 1, (30, 40)).astype(np.float32)
     options = {"n_looks": 16, "method": method, "correlation": correlation}
-    given = (mean_power, np.asfortranarray(mean_power), 4 * mean_power, 0 * mean_power, mean_power.astype(float))
-    rows, columns, four, none, double = (draw_speckle(m, **options, rng=np.random.default_rng(3)) for m in given)
+    given = (
+        mean_power,
+        np.asfortranarray(mean_power),
+        4 * mean_power,
+        0 * mean_power,
+        mean_power.astype(float),
+    )
+    rows, columns, four, none, double = (
+        draw_speckle(m, **options, rng=np.random.default_rng(3)) for m in given
+    )
     assert (rows.dtype, double.dtype) == (np.float32, np.float64)
     assert_array_equal(rows, columns)
     assert_array_equal(four, 4 * rows)
@@ -55,16 +73,36 @@ def test_same_seed_same_bytes_whatever_the_memory_order_and_speckle_scales_with_
 @pytest.mark.parametrize(
     ("mean_power", "n_looks", "method", "message"),
     [
-        ([[1.0, -1.0]], 10, "gamma", r"mean_power must be finite and not negative, got -1.0 at \(0, 1\)"),
-        ([[1.0, np.nan]], 10, "gamma", r"mean_power must be finite and not negative, got nan at \(0, 1\)"),
+        (
+            [[1.0, -1.0]],
+            10,
+            "gamma",
+            r"mean_power must be finite and not negative, got -1.0 at \(0, 1\)",
+        ),
+        (
+            [[1.0, np.nan]],
+            10,
+            "gamma",
+            r"mean_power must be finite and not negative, got nan at \(0, 1\)",
+        ),
         ([1.0], 10, "gamma", r"mean_power: expected \(range_bin, range_line\), got \(1,\)"),
         ([[1.0]], 0, "gamma", "n_looks must be finite and at least 1, got 0"),
         ([[1.0]], np.inf, "gamma", "n_looks must be finite and at least 1, got inf"),
         ([[1.0]], 2.5, "looks", "looks needs a whole number of looks, got 2.5"),
         ([[1.0]], 9, "cube", "cube needs at least 10 looks, got 9"),
         ([[1.0]], 2e6, "quantile", "quantile needs at most 1e.06 looks, got 2e.06"),
-        ([[1.0]], 10, "rice", "speckle method must be one of looks, gamma, cube, quantile, got 'rice'"),
-        (np.ones((4, 2, 2)), 4, "gamma", r"mean_power: expected \(range_bin, range_line\), got \(4, 2, 2\)"),
+        (
+            [[1.0]],
+            10,
+            "rice",
+            "speckle method must be one of looks, gamma, cube, quantile, got 'rice'",
+        ),
+        (
+            np.ones((4, 2, 2)),
+            4,
+            "gamma",
+            r"mean_power: expected \(range_bin, range_line\), got \(4, 2, 2\)",
+        ),
     ],
 )
 def test_bad_input_is_refused(mean_power, n_looks, method, message, rng):

@@ -20,20 +20,28 @@ def log_uniform(low, high):
     variance_bins2=log_uniform(1e-2, 1e4),
     where=st.one_of(
         st.tuples(st.just(0), st.floats(-1e3, 1e4)),
-        st.tuples(st.just(1), st.floats(-8, 8)),  # around the change of branch, in standard deviations
+        st.tuples(
+            st.just(1), st.floats(-8, 8)
+        ),  # around the change of branch, in standard deviations
         st.tuples(st.just(2), st.floats(-8, 8)),  # around the Gaussian's centre
     ),
 )
 @example(decay_rate=10.0, variance_bins2=1e4, where=(0, -1e3))
 @example(decay_rate=10.0, variance_bins2=1e-2, where=(0, 1e4))
 @example(decay_rate=1e-4, variance_bins2=1e-2, where=(0, 1e4))
-@example(decay_rate=10.0, variance_bins2=100.0, where=(0, 0.0))  # a Gaussian much wider than the exponential
-@example(decay_rate=0.1, variance_bins2=1e-6, where=(0, 100.0))  # and one so narrow that it leaves an exponential
+@example(
+    decay_rate=10.0, variance_bins2=100.0, where=(0, 0.0)
+)  # a Gaussian much wider than the exponential
+@example(
+    decay_rate=0.1, variance_bins2=1e-6, where=(0, 100.0)
+)  # and one so narrow that it leaves an exponential
 def test_waveform_agrees_with_80_digits(decay_rate, variance_bins2, where):
     around, distance = where
     x_bins = distance
     if around:
-        x_bins = (decay_rate * variance_bins2 if around == 1 else 0) + distance * np.sqrt(variance_bins2)
+        x_bins = (decay_rate * variance_bins2 if around == 1 else 0) + distance * np.sqrt(
+            variance_bins2
+        )
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         waveform = waveform_exact(x_bins, variance_bins2, decay_rate)
     expected = waveform_in_80_digits(x_bins, variance_bins2, decay_rate)
@@ -47,10 +55,14 @@ def test_waveform_agrees_with_80_digits(decay_rate, variance_bins2, where):
 
 @pytest.mark.parametrize("decay_rate", [1e-12, 1e-4, 0.05, 0.07, 0.09, 10, 1e6])
 @pytest.mark.parametrize("variance_bins2", [1e-12, 1e-2, 12, 1e4, 1e12])
-def test_peak_is_where_the_waveform_is_highest_and_width_where_it_has_fallen_to_1_over_e(variance_bins2, decay_rate):
+def test_peak_is_where_the_waveform_is_highest_and_width_where_it_has_fallen_to_1_over_e(
+    variance_bins2, decay_rate
+):
     offset_bins, value = waveform_peak(variance_bins2, decay_rate)
     deviation = np.sqrt(variance_bins2)
-    around = waveform_exact(offset_bins + np.array([-0.01, 0, 0.01]) * deviation, variance_bins2, decay_rate)
+    around = waveform_exact(
+        offset_bins + np.array([-0.01, 0, 0.01]) * deviation, variance_bins2, decay_rate
+    )
     assert_allclose(around[1], value, rtol=1e-12)
     # Slow decays leave a peak flat to the last place.
     assert around[[0, 2]].max() <= around[1] * (1 + 1e-15)
@@ -71,6 +83,8 @@ def test_peak_is_where_the_waveform_is_highest_and_width_where_it_has_fallen_to_
         ([0, np.nan], 10, 0.1, r"x_bins must be finite, got nan at \(1,\)"),
     ],
 )
-def test_bad_waveform_is_refused_with_name_value_and_position(x_bins, variance_bins2, decay_rate, message):
+def test_bad_waveform_is_refused_with_name_value_and_position(
+    x_bins, variance_bins2, decay_rate, message
+):
     with pytest.raises(ValueError, match=message):
         waveform_exact(x_bins, variance_bins2, decay_rate)

@@ -11,12 +11,16 @@ from snowsim.seeding import random_stream
 
 def scene(climate, index, split, **options):
     rng = random_stream(1, "scenes", split, index)
-    return draw_scene(index, split, climate=climate, settings=climate.settings, n_looks=16, rng=rng, **options)
+    return draw_scene(
+        index, split, climate=climate, settings=climate.settings, n_looks=16, rng=rng, **options
+    )
 
 
 @pytest.fixture(scope="module")
 def scenes(climate):
-    return {split: [scene(climate, index, split) for index in range(8)] for split in ("train", "test")}
+    return {
+        split: [scene(climate, index, split) for index in range(8)] for split in ("train", "test")
+    }
 
 
 def test_scenes_of_all_splits_are_disjoint_and_few_cover_the_line_as_many_do():

@@ -23,12 +23,17 @@ def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_
 
 
 def test_summit_is_as_cold_as_it_is():
-    # GISP2, 72.6 N 38.5 W, 3200 m: mean annual air temperature near -30 C; the fit's own error is a few K.
+    # GISP2, 72.6 N 38.5 W, 3200 m: mean annual air temperature near -30 C; the fit's own error is a
+    # few K.
     assert abs(temperature_fausto09(3200, 72.6, -38.5) - 243.5) < 3
 
 
-def test_percolation_is_rare_at_the_low_end_and_accumulation_in_the_range_of_the_ice_sheet(climate, rng):
-    share = [climate.percolation(place_at(km)) for km in (np.arange(20) + 0.5) / 20 * line_length_km()]
+def test_percolation_is_rare_at_the_low_end_and_accumulation_in_the_range_of_the_ice_sheet(
+    climate, rng
+):
+    share = [
+        climate.percolation(place_at(km)) for km in (np.arange(20) + 0.5) / 20 * line_length_km()
+    ]
     assert 1 <= np.sum(np.array(share) > 0.5) <= 2
     assert share[-1] > 0.5
     assert max(share[:-2]) < 0.01
@@ -42,10 +47,13 @@ def test_percolation_is_rare_at_the_low_end_and_accumulation_in_the_range_of_the
 
 
 def test_every_frame_has_the_same_years_and_undulations_stay_in_place_on_a_track(climate, rng):
-    far = [climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng) for km in (500, 504)]
+    far = [
+        climate.draw_accumulation("flight", km + np.arange(400) * 5e-3, 30, rng=rng)
+        for km in (500, 504)
+    ]
     yearly = [np.log(water_m).mean(axis=1) for water_m in far]
-    # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18 leaves a
-    # correlation of 0.8; of 29 years it is known to 0.07.
+    # Drift of 0.1 with a length of 2.5 km, hardly less over means of 2 km, beside anomalies of 0.18
+    # leaves a correlation of 0.8; of 29 years it is known to 0.07.
     assert 0.6 < np.corrcoef(yearly[0][1:], yearly[1][1:])[0, 1] < 0.95
     position_km = 400 + np.arange(1000) * 5.47e-3
 
@@ -58,18 +66,23 @@ def test_every_frame_has_the_same_years_and_undulations_stay_in_place_on_a_track
 
 
 def test_relief_does_not_add_up_with_depth(rng):
-    drift_free = {"climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.05}}
+    drift_free = {
+        "climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.05}
+    }
     climate = climate_of(drift_free)
     # About the least of the profile along the line: no trend of the mean.
     position_km = 0.7 * line_length_km() + np.arange(-1000, 1000) * 5.47e-3
     water_m = climate.draw_accumulation("flight", position_km, 80, rng=rng)
     spread = np.cumsum(water_m, axis=0).std(axis=1) / water_m.mean()
-    # A random walk would be sqrt(79 / 9) = 3 times as rough at the bottom; levelled, only exp's second order grows.
+    # A random walk would be sqrt(79 / 9) = 3 times as rough at the bottom; levelled, only exp's
+    # second order grows.
     assert spread[-1] < 1.5 * spread[9]
 
 
 def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation_asked_for(rng):
-    values = [draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)]
+    values = [
+        draw_waves(1, 20, rng=np.random.default_rng(i))(np.array([0.0, 33.0])) for i in range(4000)
+    ]
     assert_allclose(np.std(values), 1, rtol=4 / np.sqrt(2 * 8000))
     series = draw_along_track(4000, 40, 8.0, rng=rng)
     assert_allclose(series.std(axis=0), 1, rtol=5 / np.sqrt(2 * 4000))

@@ -24,7 +24,9 @@ def integrated_profile(age_yr):
         return state[0] - 550
 
     critical.terminal = True
-    first = solve_ivp(rates, (0, age_yr), [surface_density, 0], rtol=1e-11, atol=1e-11, events=critical)
+    first = solve_ivp(
+        rates, (0, age_yr), [surface_density, 0], rtol=1e-11, atol=1e-11, events=critical
+    )
     if first.status == 0:
         return first.y[:, -1]
     start = first.y[:, -1] + [1e-9, 0]  # just across the critical density
@@ -53,7 +55,12 @@ def test_travel_time_equals_integral_of_refractive_index():
 
 
 def test_travel_time_knows_nothing_of_layering_of_zero_mean():
-    wavy, _ = quad(lambda z: firn.refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)), 0, 0.1, limit=200)
+    wavy, _ = quad(
+        lambda z: firn.refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)),
+        0,
+        0.1,
+        limit=200,
+    )
     assert_allclose(firn.travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
 
 
@@ -69,7 +76,8 @@ def test_permittivity_of_ice_is_that_of_kovacs_and_a_small_step_reflects_as_fres
 def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):
     spacing_m, length_m = 0.005, 0.0225
     layering = draw_layering(400, 2000, spacing_m, 50, length_m, rng=rng)
-    # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow four standard errors.
+    # Samples within two lengths are alike: n_eff = n tanh(spacing / length) = 1.8e5 of 8e5; allow
+    # four standard errors.
     assert_allclose(layering.std(), 50, rtol=4 / np.sqrt(2 * 1.7e5))
     lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
     correlation = (layering[:, :-lag] * layering[:, lag:]).mean() / layering.var()
@@ -81,9 +89,18 @@ def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: firn.depth_herron_langway80(1.0, -0.2, 245, 340), "accumulation_m must be positive, got -0.2"),
-        (lambda: firn.density_herron_langway80(-1.0, 0.2, 245, 340), "water_m must not be negative"),
-        (lambda: firn.depth_herron_langway80(1.0, 0.2, 245, 600), "surface_density_kg_m3 must lie in"),
+        (
+            lambda: firn.depth_herron_langway80(1.0, -0.2, 245, 340),
+            "accumulation_m must be positive, got -0.2",
+        ),
+        (
+            lambda: firn.density_herron_langway80(-1.0, 0.2, 245, 340),
+            "water_m must not be negative",
+        ),
+        (
+            lambda: firn.depth_herron_langway80(1.0, 0.2, 245, 600),
+            "surface_density_kg_m3 must lie in",
+        ),
         (lambda: firn.depth_herron_langway80(1.0, 0.2, -3, 340), "temperature_k must be positive"),
         (lambda: firn.refractive_index_kovacs95([300, 930]), "got 930"),
         (lambda: firn.refractive_index_kovacs95(-1.0), "got -1"),

@@ -32,7 +32,9 @@ def echo_of(reference, surface_row, n_range_bins, rng):
     """Layers of 60 km along the line under these settings, and their echo."""
     climate = climate_of(reference)
     column = column_at(climate, 60, surface_row.size, n_range_bins - 50, rng=rng)
-    echo = draw_echo(column, surface_row, n_range_bins, climate.settings.firn, climate.settings.radar, rng=rng)
+    echo = draw_echo(
+        column, surface_row, n_range_bins, climate.settings.firn, climate.settings.radar, rng=rng
+    )
     return column.layer_bins(surface_row), echo
 
 
@@ -45,10 +47,16 @@ def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(bare):
 
 def profile_of(column, climate):
     """Accumulation, temperature and surface density of a column."""
-    return column.place.accumulation_m, column.place.temperature_k, climate.settings.firn.surface_density_kg_m3
+    return (
+        column.place.accumulation_m,
+        column.place.temperature_k,
+        climate.settings.firn.surface_density_kg_m3,
+    )
 
 
-def test_the_depth_table_of_a_column_is_that_of_its_place_and_horizons_never_cross_down_to_its_end(climate, rng):
+def test_the_depth_table_of_a_column_is_that_of_its_place_and_horizons_never_cross_down_to_its_end(
+    climate, rng
+):
     column = column_at(climate, 200, 30, 300, rng=rng)
     profile = profile_of(column, climate)
     water_m = np.linspace(0, 3, 7)
@@ -63,7 +71,15 @@ def test_the_depth_table_of_a_column_is_that_of_its_place_and_horizons_never_cro
 
 
 def test_thickness_of_a_year_is_its_accumulation_and_density(rng):
-    steady = {"climate": {"anomaly_sd": 0.0, "undulation_sd": 0.0, "drift_sd": 0.0, "relief_sd": 0.0, "open_year": 1.0}}
+    steady = {
+        "climate": {
+            "anomaly_sd": 0.0,
+            "undulation_sd": 0.0,
+            "drift_sd": 0.0,
+            "relief_sd": 0.0,
+            "open_year": 1.0,
+        }
+    }
     climate = climate_of(steady)
     column = column_at(climate, 200, 10, 300, rng=rng)
     slab_bins = np.diff(column.layer_bins(np.zeros(10)), axis=0)[:5, 5]
@@ -83,7 +99,8 @@ def test_air_holds_noise_alone_surface_is_the_strongest_and_horizons_lie_5_to_20
     assert on_layers.argmax() == 0
     assert (on_layers[0] - on_layers[1:4] > 5).all()
     assert (on_layers[0] - on_layers[1:4] < 20).all()
-    # The transform of the buried echoes, some 0.01 strong, rounds to 1e-7 of them: 1e-9, noise being 1e-6.
+    # The transform of the buried echoes, some 0.01 strong, rounds to 1e-7 of them: 1e-9, noise
+    # being 1e-6.
     assert_allclose(echo.mean()[:35], echo.noise_power, rtol=5e-3)
 
 
@@ -145,7 +162,9 @@ def test_frames_that_do_not_exist_are_refused(climate, rng, frame, n_frames, mes
 
 def test_segment_is_5_km_of_complex_looks_with_a_flat_spectrum_and_fifteen_layers(climate):
     settings = climate.settings
-    segment = draw_complex_segment(climate=climate, settings=settings, rng=random_stream(1, "segment"))
+    segment = draw_complex_segment(
+        climate=climate, settings=settings, rng=random_stream(1, "segment")
+    )
     assert segment.attrs["synthetic"].startswith("synthetic")
     assert segment.sizes["slow_time"] == 962 * 5
     assert_allclose(segment.attrs["line_spacing_m"] * segment.sizes["slow_time"], 5000, rtol=1e-3)

@@ -10,11 +10,15 @@ from snowsim.reference.settings import PickSettings
 def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     """Mean power of layers with exponential tails over noise of 1, and where they are."""
     rows = np.arange(260)[:, None]
-    layer_bins = (np.array([50.0, 85, 120, 160])[:, None] + slope * np.arange(n_lines))[: len(peaks_db)]
+    layer_bins = (np.array([50.0, 85, 120, 160])[:, None] + slope * np.arange(n_lines))[
+        : len(peaks_db)
+    ]
     power = np.ones((260, n_lines))
     for layer, peak_db in zip(layer_bins, peaks_db, strict=True):
         below = rows - layer
-        power += 10 ** (peak_db / 10) * np.where(below >= 0, np.exp(-np.abs(below) / 10), np.exp(-np.abs(below) / 1.5))
+        power += 10 ** (peak_db / 10) * np.where(
+            below >= 0, np.exp(-np.abs(below) / 10), np.exp(-np.abs(below) / 1.5)
+        )
     return power, layer_bins
 
 
@@ -27,8 +31,8 @@ def test_rise_is_that_of_a_layer_over_the_tail_above():
     power, layer_bins = planted()
     rise = rise_db(power, layer_bins, 1)
     assert np.isinf(rise[0]).all()
-    # Peak: 100, noise, and layer 2's tail after 40 bins. Valley, at the eighth of ten steps, 32 bins down: the same
-    # tail, noise, and the foot of layer 3 itself; layer 1 is 1 % of either.
+    # Peak: 100, noise, and layer 2's tail after 40 bins. Valley, at the eighth of ten steps, 32
+    # bins down: the same tail, noise, and the foot of layer 3 itself; layer 1 is 1 % of either.
     valley = 1 + 100 * (np.exp(-3.2) + np.exp(-8 / 1.5))
     assert_allclose(rise[3], 10 * np.log10((101 + 100 * np.exp(-4)) / valley), atol=0.2)
 

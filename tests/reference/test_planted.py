@@ -27,7 +27,14 @@ def frame(climate):
 
 @pytest.fixture
 def scene(climate, echoes):
-    return draw_scene(1, "test", climate=climate, settings=climate.settings, n_looks=1, rng=random_stream(1, "scene"))
+    return draw_scene(
+        1,
+        "test",
+        climate=climate,
+        settings=climate.settings,
+        n_looks=1,
+        rng=random_stream(1, "scene"),
+    )
 
 
 @pytest.fixture
@@ -36,7 +43,11 @@ def echoes(monkeypatch):
     kept = []
     for module in (flight, benchmark):
         drawn = module.draw_echo
-        monkeypatch.setattr(module, "draw_echo", lambda *a, drawn=drawn, **k: kept.append(drawn(*a, **k)) or kept[-1])
+        monkeypatch.setattr(
+            module,
+            "draw_echo",
+            lambda *a, drawn=drawn, **k: kept.append(drawn(*a, **k)) or kept[-1],
+        )
     return kept
 
 
@@ -44,7 +55,9 @@ def test_layers_in_a_frame_s_file_lie_where_its_mean_echo_peaks(frame, echoes, t
     echogram, layers = frame(64)
     write_dataset(tmp_path / "frame.nc", echogram)
     write_dataset(tmp_path / "layers.nc", layers)
-    bins = layer_bins_of(read_dataset(tmp_path / "layers.nc"), read_dataset(tmp_path / "frame.nc"))[:N_LAYERS]
+    bins = layer_bins_of(read_dataset(tmp_path / "layers.nc"), read_dataset(tmp_path / "frame.nc"))[
+        :N_LAYERS
+    ]
     assert len(bins) == N_LAYERS
     [echo] = echoes
     for line in range(0, 64, 3):
@@ -73,6 +86,9 @@ def test_bright_pixels_of_the_file_lie_on_its_layers(frame, tmp_path):
     bins = layer_bins_of(layers, echogram)[:4]
     reach = np.arange(-4, 5)
     for layer in bins:
-        # Along the layer: 256 lines of 5 looks leave 3 % of speckle, far less than what a bin aside loses.
-        profile = [np.mean(power[np.rint(layer).astype(int) + step, np.arange(256)]) for step in reach]
+        # Along the layer: 256 lines of 5 looks leave 3 % of speckle, far less than what a bin aside
+        # loses.
+        profile = [
+            np.mean(power[np.rint(layer).astype(int) + step, np.arange(256)]) for step in reach
+        ]
         assert reach[int(np.argmax(profile))] == 0

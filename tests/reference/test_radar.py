@@ -28,14 +28,18 @@ def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weigh
 
 
 def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spread_their_power():
-    # tan^2 = 2 d / H for an excess range d: exp(-tan^2 / 2 s^2) is exp(-d / (H s^2)), to order d / H = 1e-3.
+    # tan^2 = 2 d / H for an excess range d: exp(-tan^2 / 2 s^2) is exp(-d / (H s^2)), to order d /
+    # H = 1e-3.
     excess_m = np.linspace(0, 1, 11)
     tail = rd.annulus_power(2 * excess_m / SPEED_OF_LIGHT_M_S, 500, 0.03, 0, 180)
     assert_allclose(np.log(tail), -excess_m / (500 * 0.03**2), atol=0.02)
     for slope, roughness_m in ((0.022, 0.0), (0.03, 0.02), (0.06, 0.08)):
         waveform = rd.interface_waveform(RADAR, slope, roughness_m)
         assert_allclose(waveform.power.sum(), 1, rtol=1e-5)  # float32 sum of some thousand values
-    assert rd.interface_waveform(RADAR, 0.03, 0.08).peak < rd.interface_waveform(RADAR, 0.03, 0.02).peak
+    assert (
+        rd.interface_waveform(RADAR, 0.03, 0.08).peak
+        < rd.interface_waveform(RADAR, 0.03, 0.02).peak
+    )
 
 
 def test_buried_echo_falls_to_a_third_over_the_bins_of_the_paper():
@@ -63,7 +67,8 @@ def test_speckle_has_the_looks_asked_for(rng, n_looks):
 
 def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
     power = rd.draw_detected(flat_field(600, 500, 1), RADAR, MARGIN, 1, rng=rng).astype(float)
-    # Field correlation is the normalised transform of the squared window; power correlation its square.
+    # Field correlation is the normalised transform of the squared window; power correlation its
+    # square.
     f = np.linspace(-0.5, 0.5, 20_001)
     squared = (0.5 + 0.5 * np.cos(2 * np.pi * f)) ** 2
     lag = RADAR.bin_size_s * RADAR.bandwidth_hz / RADAR.response_widening
@@ -83,12 +88,18 @@ def test_looks_range_lines_and_phases_are_independent(rng):
     assert abs(np.mean(look**2)) < bound * 1.5  # circular
 
 
-def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_lies_between_bins(rng):
+def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_lies_between_bins(
+    rng,
+):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
     mean = rd.received_mean(field, RADAR, MARGIN)
-    detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(axis=0)
-    assert_allclose(detected, mean[0], rtol=5 / np.sqrt(40_000))  # the largest of 60 exponential means
+    detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(
+        axis=0
+    )
+    assert_allclose(
+        detected, mean[0], rtol=5 / np.sqrt(40_000)
+    )  # the largest of 60 exponential means
     field = rng.random((3, 50 * RADAR.n_sub_bins + 2 * MARGIN)).astype(np.float32)
     whole = rd.received_mean(field, RADAR, MARGIN)
     part = rd.received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
@@ -107,10 +118,16 @@ def test_gain_jumps_and_rolls_as_often_as_asked(rng):
     assert set(np.unique(gain)) == {0.5, 1.0}
     # Stationary share e / (e + l); correlation (1 - e - l) leaves n (e + l) / 2 independent lines.
     share = 0.02 / 0.12
-    assert_allclose((gain < 1).mean(), share, atol=4 * np.sqrt(share * (1 - share) / (200_000 * 0.06)))
-    gain = rd.draw_receiver_gain(100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng)
+    assert_allclose(
+        (gain < 1).mean(), share, atol=4 * np.sqrt(share * (1 - share) / (200_000 * 0.06))
+    )
+    gain = rd.draw_receiver_gain(
+        100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng
+    )
     assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
-    assert (rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1).all()
+    assert (
+        rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1
+    ).all()
 
 
 def test_compensation_leaves_fractions_of_a_bin(rng):

@@ -11,24 +11,34 @@ from snowsim.statistics.summaries import FIRST_ROW
 
 def solution(groups):
     """Joint solution, started from decay rates read off the averaged lines."""
-    return deblend(groups, measure_groups(groups.power, groups.position.mean(axis=2), groups.present)[0])
+    return deblend(
+        groups, measure_groups(groups.power, groups.position.mean(axis=2), groups.present)[0]
+    )
 
 
 def crowded(rng, planted, n_groups=60):
     """Averaged lines with a thin slab of 9 bins, less than a 1/e width."""
-    position = np.tile([0.2, 30, 39, 60, 100], (n_groups, 1)) + np.arange(5) * rng.standard_normal((n_groups, 5))
+    position = np.tile([0.2, 30, 39, 60, 100], (n_groups, 1)) + np.arange(5) * rng.standard_normal(
+        (n_groups, 5)
+    )
     rows = np.arange(FIRST_ROW, 180) - FIRST_ROW
-    power = np.concatenate([planted.power(row[:, None] - FIRST_ROW, rows.size) for row in position], axis=1).T
+    power = np.concatenate(
+        [planted.power(row[:, None] - FIRST_ROW, rows.size) for row in position], axis=1
+    ).T
     power = rng.gamma(100, power / 100)
     present = np.ones(position.shape, dtype=bool)
-    return Groups(power, position[..., None], np.zeros((*position.shape, 1)), present, planted.noise_power)
+    return Groups(
+        power, position[..., None], np.zeros((*position.shape, 1)), present, planted.noise_power
+    )
 
 
 def test_slopes_are_those_of_the_waveform(planted, rng):
     groups = crowded(rng, planted, 1)
     line = prepare_line(groups, 0)
     line.spread = np.linspace(0, 4, 5)[:, None]
-    shape = np.column_stack([np.log(planted.decay_rate), np.log(planted.variance_bins2), np.linspace(-1, 1, 5)])
+    shape = np.column_stack(
+        [np.log(planted.decay_rate), np.log(planted.variance_bins2), np.linspace(-1, 1, 5)]
+    )
     slopes = waveform_columns(describe(shape), line, with_slopes=True)
     step = 1e-5
     for i in range(3):
@@ -36,14 +46,16 @@ def test_slopes_are_those_of_the_waveform(planted, rng):
         change[:, i] = step
         up, down = (waveform_columns(describe(shape + sign * change), line) for sign in (1, -1))
         numeric = (up - down) / (2 * step)
-        # Central differences of 1e-5: rounding of 1e-16 / 1e-5 and a third derivative of about 10 times 1e-10 / 6.
+        # Central differences of 1e-5: rounding of 1e-16 / 1e-5 and a third derivative of about 10
+        # times 1e-10 / 6.
         assert_allclose(numeric, slopes[i + 1], atol=1e-9, rtol=1e-6)
 
 
 def test_layers_closer_than_their_width_are_distinguished(planted, rng):
     groups = crowded(rng, planted)
     shape, error, powers, power_error, *_ = solution(groups)
-    # Four of the errors claimed, which count that layers so crowded may share a shape they do not have.
+    # Four of the errors claimed, which count that layers so crowded may share a shape they do not
+    # have.
     assert (np.abs(np.exp(shape[:, 0]) / planted.decay_rate - 1) < 4 * error[:, 0]).all()
     assert error[:, 0].max() < 0.3
     assert (np.abs(powers.mean(axis=0) - planted.peak_power) < 4 * power_error).all()
@@ -61,7 +73,8 @@ def test_the_model_lies_on_the_lines_it_was_fitted_to(planted, rng):
 
 
 def test_movement_within_a_group_is_no_variance(planted):
-    # Noise-free mean of 20 lines whose layer moves by two bins: the Gaussian widens by 4 bins^2, the fit does not.
+    # Noise-free mean of 20 lines whose layer moves by two bins: the Gaussian widens by 4 bins^2,
+    # the fit does not.
     offsets = np.linspace(-1, 1, 20)
     offsets *= 2 / offsets.std()
     rows = np.arange(FIRST_ROW, 120) - FIRST_ROW
@@ -73,7 +86,8 @@ def test_movement_within_a_group_is_no_variance(planted):
     spread = np.tile(parts.var(axis=1), (8, 2, 1))
     groups = Groups(power, position, spread, np.ones((8, 2), dtype=bool), planted.noise_power)
     shape, _, powers, *_ = solution(groups)
-    # Positions are even within each part, not Gaussian: a fourth cumulant of -1.2 x 0.25^2 bins^4 beside 12.5^2.
+    # Positions are even within each part, not Gaussian: a fourth cumulant of -1.2 x 0.25^2 bins^4
+    # beside 12.5^2.
     assert_allclose(np.exp(shape[:, 1]), 12.5, rtol=2e-3)
     assert_allclose(np.exp(shape[:, 0]), planted.decay_rate[:2], rtol=1e-3)
     assert_allclose(powers, np.tile(planted.peak_power[:2], (8, 1)), rtol=1e-3)
@@ -87,16 +101,24 @@ def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
     pick = np.append(0, np.cumsum(slab)) + rng.uniform(-1, 1, (120, 1))
     layer = np.repeat(np.arange(11), rng.poisson(1.2, 11))
     crust = pick[:, layer] + slab[layer] * rng.uniform(0, 1, layer.size)
-    share = 0.06 * np.exp(0.9 * rng.standard_normal(layer.size) + 0.6 * rng.standard_normal((120, layer.size)))
+    share = 0.06 * np.exp(
+        0.9 * rng.standard_normal(layer.size) + 0.6 * rng.standard_normal((120, layer.size))
+    )
     lag, rows = np.arange(-300, 300, 0.01), np.arange(FIRST_ROW, 280)
     one = waveform(lag, 0.6, 0.1) / waveform(lag, 0.6, 0.1).max()
     power = np.full((120, rows.size), 1e-4)
     fall = np.exp(-0.1 * np.arange(12))
     for at, peak in ((pick, fall + 0 * pick), (crust, share * fall[layer])):
-        power += sum(p[:, None] * np.interp(rows - a[:, None], lag, one) for a, p in zip(at.T, peak.T, strict=True))
-    groups = Groups(rng.gamma(100, power / 100), pick[..., None], np.zeros((120, 12, 1)), pick > -9, 1e-4)
+        power += sum(
+            p[:, None] * np.interp(rows - a[:, None], lag, one)
+            for a, p in zip(at.T, peak.T, strict=True)
+        )
+    groups = Groups(
+        rng.gamma(100, power / 100), pick[..., None], np.zeros((120, 12, 1)), pick > -9, 1e-4
+    )
     shape, error, *_, own_shape, _ = solution(groups)
     decay, error = np.exp(shape[:, 0])[~own_shape][-1], error[~own_shape][-1, 0]
-    # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086 and 0.090.
+    # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086
+    # and 0.090.
     assert_allclose(decay, 0.1, rtol=0.08)
     assert abs(np.log(decay / 0.1)) < 2 * error

@@ -55,13 +55,20 @@ def test_a_white_series_keeps_its_density_and_variance(rng):
 def test_what_half_a_cycle_shows_in_the_first_two():
     phase = 2 * np.pi * np.arange(16)[:, None] / 16
     waves = np.sqrt(2) * np.cos(np.pi * np.arange(N_LINES) / N_LINES + phase)
-    assert_allclose(periodogram(waves, tapered=True).mean(axis=0)[1:3] / N_LINES, HALF_CYCLE_SHOWS, rtol=0.01)
+    assert_allclose(
+        periodogram(waves, tapered=True).mean(axis=0)[1:3] / N_LINES, HALF_CYCLE_SHOWS, rtol=0.01
+    )
 
 
 def statistics_of(thickness, rows=None, **settings):
     frame = type("Frame", (), {"surface_bins": np.full(N_LINES, 50.0) if rows is None else rows})
-    surface = surface_statistics([frame] if rows is None else [type("F", (), {"surface_bins": row}) for row in rows], 1)
-    coords = {"band_edge_wavenumber": ("band_edge", BAND_EDGES / N_LINES), "wavenumber": np.fft.rfftfreq(N_LINES)}
+    surface = surface_statistics(
+        [frame] if rows is None else [type("F", (), {"surface_bins": row}) for row in rows], 1
+    )
+    coords = {
+        "band_edge_wavenumber": ("band_edge", BAND_EDGES / N_LINES),
+        "wavenumber": np.fft.rfftfreq(N_LINES),
+    }
     return xr.Dataset(as_variables(zone_statistics(thickness, **settings)) | surface, coords=coords)
 
 
@@ -76,7 +83,10 @@ def test_structure_functions_of_labels_are_those_of_the_blocks(knee, rng):
     thickness = thickness_of(deviation, rng, sd=1.0)
     scenes = drawn_from(statistics_of(thickness, n_zones=1), 500, rng, n_layers=(3, 3))
     truth = mean_square_differences(thickness).mean(axis=(0, 1))
-    drawn = np.mean([mean_square_differences(np.diff(s.layer_bins, axis=0)).mean(axis=0) for s in scenes], axis=0)
+    drawn = np.mean(
+        [mean_square_differences(np.diff(s.layer_bins, axis=0)).mean(axis=0) for s in scenes],
+        axis=0,
+    )
     # 1500 series on either side: the slowest, one wave each, to 2 x 3.7 %.
     assert_allclose(drawn[:-2] / truth[:-2], 1, atol=0.15)
     assert_allclose(np.sqrt(drawn[-1] / truth[-1]), 1, atol=0.05)
@@ -92,16 +102,21 @@ def test_noise_of_picks_is_found_by_layer_and_not_drawn(rng):
     picked = smooth + np.diff(noise, axis=1)
     found = zone_statistics(picked, n_zones=1)
     inner = slice(1, -1)
-    # 200 blocks of 31 wavenumbers, paired by the taper: products to about 6 % of the geometric mean of squares.
+    # 200 blocks of 31 wavenumbers, paired by the taper: products to about 6 % of the geometric mean
+    # of squares.
     error = found["pick_noise_bins2_standard_error"][inner]
     assert np.all(np.abs(found["pick_noise_bins2"][inner] - planted[inner] ** 2) < 4 * error)
     assert np.all(error < 0.1 * planted[inner] ** 2 + 0.01)
     none, _ = pick_noise(smooth, np.ones((200, 4), dtype=bool), 4)
     assert none.max() < 1e-4 * planted.min() ** 2
     scenes = drawn_from(statistics_of(picked, n_zones=1), 200, rng, n_layers=(4, 4), surface="flat")
-    drawn = np.mean([mean_square_differences(np.diff(s.layer_bins, axis=0)).mean(axis=0) for s in scenes], axis=0)
+    drawn = np.mean(
+        [mean_square_differences(np.diff(s.layer_bins, axis=0)).mean(axis=0) for s in scenes],
+        axis=0,
+    )
     truth, noisy = (mean_square_differences(part).mean(axis=(0, 1)) for part in (smooth, picked))
-    # What the noise hides of the steepest bends is lost with it; the rest stays, 800 series to some 5 %.
+    # What the noise hides of the steepest bends is lost with it; the rest stays, 800 series to some
+    # 5 %.
     assert_allclose(drawn[4:8] / truth[4:8], 1, atol=0.2)
     assert noisy[-1] > 20 * truth[-1] > 20 * drawn[-1]
 
@@ -123,7 +138,9 @@ def test_the_surface_is_drawn_as_observed(levelled, rng):
     ratio = mean_square_differences(drawn).mean(axis=0) / mean_square_differences(rows).mean(axis=0)
     assert_allclose(ratio[:-2], 1, atol=0.15)
     assert not levelled or abs(ratio[-1] - 1) < 0.1
-    assert_array_equal([s.layer_bins[0] for s in drawn_from(statistics, 2, rng, surface="flat")], 50)
+    assert_array_equal(
+        [s.layer_bins[0] for s in drawn_from(statistics, 2, rng, surface="flat")], 50
+    )
 
 
 def test_number_of_layers_and_first_slab_are_those_of_the_zone(rng):
@@ -134,7 +151,9 @@ def test_number_of_layers_and_first_slab_are_those_of_the_zone(rng):
     statistics = statistics_of(thickness, n_zones=2)
     assert_array_equal(statistics["n_blocks_by_layers"].sum("n_layers"), 200)
     scenes = drawn_from(statistics, 800, rng)
-    first, n = (np.array([s.notes[name] for s in scenes]) for name in ("first_thickness_bins", "n_layers"))
+    first, n = (
+        np.array([s.notes[name] for s in scenes]) for name in ("first_thickness_bins", "n_layers")
+    )
     edge = float(statistics["zone_edge_bins"][1])
     assert set(n[first > max(edge, 46)]) == {3}
     assert n[first < min(edge, 44)].min() >= 3
@@ -145,12 +164,20 @@ def test_number_of_layers_and_first_slab_are_those_of_the_zone(rng):
 
 
 def test_statistics_of_the_first_release_draw_as_the_paper_or_say_what_they_lack(rng):
-    statistics = statistics_of(thickness_of(series_of(matern(LONG, 4, 4), (40, 2), rng), rng), tapered=False)
-    old = statistics.drop_vars([name for name in statistics if name.startswith(("surface_", "n_blocks_", "first_"))])
+    statistics = statistics_of(
+        thickness_of(series_of(matern(LONG, 4, 4), (40, 2), rng), rng), tapered=False
+    )
+    old = statistics.drop_vars(
+        [name for name in statistics if name.startswith(("surface_", "n_blocks_", "first_"))]
+    )
     scene = draw_scene(old, N_LINES, name="", rng=rng)
     assert scene.notes["n_layers"] >= 5
     assert_array_equal(scene.layer_bins[0], 50)
-    for setting, lacks in (("n_layers", "n_blocks_by"), ("first_slab", "first_thickness"), ("surface", "surface_psd")):
+    for setting, lacks in (
+        ("n_layers", "n_blocks_by"),
+        ("first_slab", "first_thickness"),
+        ("surface", "surface_psd"),
+    ):
         with pytest.raises(ValueError, match=f"need {lacks}"):
             prepare(old, N_LINES, **{setting: "measured"})
 
@@ -164,7 +191,9 @@ def test_spectra_are_those_of_the_longest_stretches_that_are_often_whole(rng):
     assert (result["n_spectral_lines"], result["n_psd_samples"].tolist()) == (128, [[300, 300]])
     # 300 periodograms of half the resolution, which the knee hardly bends.
     assert_allclose(
-        result["thickness_psd"][..., 8:120].mean(axis=(0, 1)) / whole[..., 8:120].mean(axis=(0, 1)), 1, atol=0.3
+        result["thickness_psd"][..., 8:120].mean(axis=(0, 1)) / whole[..., 8:120].mean(axis=(0, 1)),
+        1,
+        atol=0.3,
     )
     thickness[:, :, ::8] = np.nan
     with pytest.raises(ValueError, match="need 16 lines of a slab picked without gaps, got none"):

@@ -27,17 +27,24 @@ def faded(rng, n_layers, n_lines):
     lag = np.arange(-120, 121)
     kernel = np.exp(-2 * (lag / FADING_LINES) ** 2)
     white = rng.standard_normal((n_layers, n_lines + lag.size - 1))
-    return np.array([np.convolve(row, kernel / np.sqrt((kernel**2).sum()), mode="valid") for row in white])
+    return np.array(
+        [np.convolve(row, kernel / np.sqrt((kernel**2).sum()), mode="valid") for row in white]
+    )
 
 
 def flight(rng):
     n_blocks = N_FRAMES * N_LINES // 256
-    common, layers = standardised(rng.standard_normal((n_blocks, 1))), standardised(rng.standard_normal((n_blocks, 6)))
+    common, layers = (
+        standardised(rng.standard_normal((n_blocks, 1))),
+        standardised(rng.standard_normal((n_blocks, 6))),
+    )
     noise = standardised(rng.standard_normal((n_blocks, 1)))
     frames = []
     for index in range(N_FRAMES):
         block = index * N_LINES // 256 + np.arange(N_LINES) // 256
-        deviation_db = (COMMON_DB * common + LAYER_DB * layers)[block].T + FADING_DB * faded(rng, N_LAYERS, N_LINES)
+        deviation_db = (COMMON_DB * common + LAYER_DB * layers)[block].T + FADING_DB * faded(
+            rng, N_LAYERS, N_LINES
+        )
         deviation_db[0] = 0
         power = POWER[:, None] * 10 ** (deviation_db / 10)
         layer_bins = 60 + SPACING * np.arange(N_LAYERS)[:, None] + np.zeros(N_LINES)
@@ -55,9 +62,12 @@ def planted_radiometry():
 
 def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_radiometry):
     fitted = planted_radiometry
-    # Fading's own block mean is part of a layer's spread: its variance there is that of 256 lines' mean.
+    # Fading's own block mean is part of a layer's spread: its variance there is that of 256 lines'
+    # mean.
     lag = np.arange(256)
-    kept = (np.where(lag > 0, 2, 1) * (256 - lag) / 256**2 * np.exp(-((lag / FADING_LINES) ** 2))).sum()
+    kept = (
+        np.where(lag > 0, 2, 1) * (256 - lag) / 256**2 * np.exp(-((lag / FADING_LINES) ** 2))
+    ).sum()
     planted = {
         "common_spread_db": COMMON_DB,
         "layer_spread_db": np.hypot(LAYER_DB, FADING_DB * np.sqrt(kept)),
@@ -69,7 +79,9 @@ def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_
         assert 0 < fitted[f"{name}_standard_error"] < 0.3 * value
 
 
-def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speckle(planted_radiometry):
+def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speckle(
+    planted_radiometry,
+):
     fading = planted_radiometry.isel(interface=1)
     assert_allclose(fading["fading_spread_db"], FADING_DB, rtol=0.15)
     assert_allclose(fading["fading_length_lines"], FADING_LINES, rtol=0.15)
@@ -82,7 +94,11 @@ def test_fading_longer_than_half_a_block_comes_back():
     """Exact expectation: covariance of a Gaussian process about the mean of its 256 lines, by the matrix itself."""
     at = np.arange(256)
     centred = np.eye(256) - 1 / 256
-    covariance = centred @ (2.4**2 * np.exp(-((np.abs(at - at[:, None]) / 150) ** 1.5)) + 4 * np.eye(256)) @ centred
+    covariance = (
+        centred
+        @ (2.4**2 * np.exp(-((np.abs(at - at[:, None]) / 150) ** 1.5)) + 4 * np.eye(256))
+        @ centred
+    )
     means = np.array([np.diagonal(covariance, lag).mean() for lag in (0, *FADING_LAGS)])
     n = 40 * (256 - np.append(0, FADING_LAGS))
     assert_allclose(fading(np.stack([means * n, n, n], axis=1), 4.0), [2.4, 150, 1.5, 4], rtol=1e-3)
@@ -95,7 +111,9 @@ def test_planted_texture_and_gain_come_back(rng):
         mean = np.where(np.arange(420)[:, None] < 60, 0, 0.02) + np.zeros((420, 2000))
         mean *= draw_texture(*mean.shape, (0.03, 12.0, 2.0), rng=rng)
         mean = (mean + 1e-3) * draw_gain(2000, 0.5, rng=rng)
-        frames.append(made_up_frame(rng.gamma(5, mean / 5), np.full((1, 2000), 60.0), minute=minute))
+        frames.append(
+            made_up_frame(rng.gamma(5, mean / 5), np.full((1, 2000), 60.0), minute=minute)
+        )
     summaries = [frame for echogram, layers in frames for frame in summarise(echogram, layers)]
     fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summaries]))
     assert_allclose(fitted, [0.5, 0.03, 12, 2], rtol=0.1)

@@ -22,7 +22,8 @@ def assert_planted(fitted, planted):
 @pytest.mark.parametrize(("n_looks", "n_frames"), [(100, 4), (5, 16)])
 def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_frames):
     fitted = statistics.fit(planted.flight(rng, n_frames=n_frames, n_looks=n_looks, align=align))
-    # Sampling errors here are 0.3 to 1 % for powers and rates, 3 % for variances, 0.2 % for the noise: within a third.
+    # Sampling errors here are 0.3 to 1 % for powers and rates, 3 % for variances, 0.2 % for the
+    # noise: within a third.
     assert_planted(fitted, planted)
     offset = [row for row, _ in planted.of_each(peak_of)]
     assert_allclose(fitted["offset_bins"], offset if align == "gaussian" else 0, atol=0.4)
@@ -31,14 +32,17 @@ def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_fra
 
 def test_standard_errors_of_deblended_are_the_scatter_between_flights(planted):
     fits = [
-        statistics.fit(planted.flight(np.random.default_rng(seed), n_frames=2, n_looks=20, slab_bins=30))
+        statistics.fit(
+            planted.flight(np.random.default_rng(seed), n_frames=2, n_looks=20, slab_bins=30)
+        )
         for seed in range(12)
     ]
     for name in ("peak_power", "decay_rate", "variance_bins2"):
         scatter = np.std([fit[name].values for fit in fits], axis=0, ddof=1)
         claimed = np.mean([fit[f"{name}_standard_error"].values for fit in fits], axis=0)
-        # A scatter of 12 flights is known to 20 %; the mean ratio over 5 layers to 10 %: allow 1.5, and 2 where claims
-        # are the larger: layers that share a shape and should not count as misfit.
+        # A scatter of 12 flights is known to 20 %; the mean ratio over 5 layers to 10 %: allow 1.5,
+        # and 2 where claims are the larger: layers that share a shape and should not count as
+        # misfit.
         assert 1 / 2 < np.exp(np.log(scatter / claimed).mean()) < 1.5, name
 
 
@@ -46,7 +50,8 @@ def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
     fitted = statistics.fit([made_up_frame(*planted.level())], estimator="paper")
     too_high = fitted["peak_power"].values / planted.peak_power - 1
     too_low = 1 - fitted["decay_rate"].values[:4] / planted.decay_rate[:4]
-    # The design gives 8-16 % and 10-13 % for this scene with a Gaussian variance it does not name: to a per cent.
+    # The design gives 8-16 % and 10-13 % for this scene with a Gaussian variance it does not name:
+    # to a per cent.
     assert np.all((too_high[1:] > 0.07) & (too_high[1:] < 0.17)), too_high
     assert np.all((too_low > 0.09) & (too_low < 0.14)), too_low
     assert abs(too_high[0]) < 0.02
@@ -54,15 +59,19 @@ def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
 
 
 def test_eq_2_is_read_off_a_line_as_printed():
-    # Straight in dB from a peak of 1 at the surface down to the minimum 20 bins below, then up to the next layer.
+    # Straight in dB from a peak of 1 at the surface down to the minimum 20 bins below, then up to
+    # the next layer.
     line = np.full(200, 1e-3)
     line[50:71] = np.exp(-0.1 * np.arange(21))
     line[71:80] = np.linspace(line[70], 0.5, 10)[1:]
     line[80:] = np.maximum(0.5 * np.exp(-0.05 * np.arange(120)), 1e-3)
     layer_bins = np.repeat([[50.0], [79.0]], 256, axis=1)
-    fitted = statistics.fit([made_up_frame(np.repeat(line[:, None], 256, axis=1), layer_bins)], estimator="paper")
+    fitted = statistics.fit(
+        [made_up_frame(np.repeat(line[:, None], 256, axis=1), layer_bins)], estimator="paper"
+    )
     assert_allclose(fitted["decay_rate"].values[0], 0.1, rtol=1e-6)  # averaged lines are float32
-    # 1/e is reached after 10 bins; between bins the exponential is taken as straight, off by less than 0.1^2 / 8 bins.
+    # 1/e is reached after 10 bins; between bins the exponential is taken as straight, off by less
+    # than 0.1^2 / 8 bins.
     assert_allclose(fitted["width_bins"].values[0], 10, atol=2e-3)
 
 
@@ -80,12 +89,15 @@ def planted_blocks(rng, n_blocks, n_slabs=3, n_lines=256):
 def test_thickness_means_variances_and_spectra_come_back(rng):
     thickness, psd = planted_blocks(rng, 6400, n_slabs=2)
     result = zone_statistics(thickness, zone_edge_bins=ONE_ZONE)
-    # 6400 blocks: means to 3.2 / 25 / 80 = 0.16 %, variances to sqrt(2 / 6400) = 1.8 %: bounds of 3 and 10 % are five
-    # and more of those. Densities to 1.3 % or 0.05 dB a wavenumber; the last, of period 2, is not doubled.
+    # 6400 blocks: means to 3.2 / 25 / 80 = 0.16 %, variances to sqrt(2 / 6400) = 1.8 %: bounds of 3
+    # and 10 % are five and more of those. Densities to 1.3 % or 0.05 dB a wavenumber; the last, of
+    # period 2, is not doubled.
     assert_allclose(result["thickness_mean_bins"][3], 25, rtol=0.03)
     assert_allclose(result["thickness_variance_bins2"][3], 10, rtol=0.1)
     assert_allclose(result["thickness_mean_bins_standard_error"][3], 10**0.5 / 80, rtol=0.05)
-    assert_allclose(result["thickness_variance_bins2_standard_error"][3], 10 * (2 / 6400) ** 0.5, rtol=0.1)
+    assert_allclose(
+        result["thickness_variance_bins2_standard_error"][3], 10 * (2 / 6400) ** 0.5, rtol=0.1
+    )
     difference_db = 10 * np.log10(result["thickness_psd"][3, :, 1:-1] / psd[1:-1])
     assert np.abs(difference_db).max() < 1
     assert np.abs(difference_db.mean()) < 0.1
@@ -97,7 +109,8 @@ def test_relative_thickness_comes_back(rng):
     level = rng.uniform(15, 35, (6400, 1))
     share = np.hstack([np.ones((6400, 1)), 0.8 + 0.1 * rng.standard_normal((6400, 2))])
     result = zone_statistics(np.repeat((level * share)[..., None], 256, axis=2))
-    # 1600 blocks a zone: means to 0.3 %, variances to 3.5 %; of 8 of each, the bounds of 3 and 10 %.
+    # 1600 blocks a zone: means to 0.3 %, variances to 3.5 %; of 8 of each, the bounds of 3 and 10
+    # %.
     assert_allclose(result["relative_thickness_mean"][:, 1:], 0.8, rtol=0.03)
     assert_allclose(result["relative_thickness_variance"][:, 1:], 0.01, rtol=0.1)
 
@@ -117,13 +130,17 @@ def test_everything_planted_comes_back_from_200_scenes(planted, rng):
     summary = statistics.merge(statistics.summarise(*frame) for frame in frames())
     fitted = statistics.estimate(summary, zone_edge_bins=ONE_ZONE)
     assert_planted(fitted, planted)
-    # The errors claimed are what sampling leaves, below a third of the bound, so that the bound is a test; those of
-    # shapes allow for misfit as well, which here there is none of: about twice as much.
+    # The errors claimed are what sampling leaves, below a third of the bound, so that the bound is
+    # a test; those of shapes allow for misfit as well, which here there is none of: about twice as
+    # much.
     for name, bound in BOUNDS.items():
         share = 2 / 3 if name in ("decay_rate", "variance_bins2") else 1 / 3
-        assert (fitted[f"{name}_standard_error"] / getattr(planted, name)).max() < bound * share, name
+        assert (fitted[f"{name}_standard_error"] / getattr(planted, name)).max() < bound * share, (
+            name
+        )
     assert fitted["width_bins_standard_error"].max() < 2 / 3
-    # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of those.
+    # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of
+    # those.
     assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)
     assert_allclose(fitted["thickness_variance_bins2"][3], 10, rtol=0.4)
     # The last wavenumber, of period 2, is not doubled.
@@ -157,7 +174,8 @@ def test_undulations_that_persist_are_distinguished_from_those_that_do_not(rng):
     thickness = 30 + rng.uniform(-5, 5, (60, 1, 1)) + slow + 0.1 * rng.standard_normal((60, 6, 256))
     correlation = zone_statistics(thickness)["thickness_correlation"]
     assert (correlation[0, 1:] > 0.95).all()
-    # 60 blocks of 18 or more wavenumbers and one or more pairs: known to 1 / sqrt(1080) = 0.03; allow four.
+    # 60 blocks of 18 or more wavenumbers and one or more pairs: known to 1 / sqrt(1080) = 0.03;
+    # allow four.
     assert np.abs(correlation[2:, 1:]).max() < 0.12
 
 
@@ -175,7 +193,9 @@ def test_blocks_without_slab_0_are_placed_by_their_other_slabs():
     assert own.sum() == 5
     thickness = np.repeat(holes[..., None], 256, axis=2)
     result = zone_statistics(thickness)
-    assert_allclose(result["zone_edge_bins"], np.quantile(level[:29], [0, 0.25, 0.5, 0.75, 1]), rtol=1e-9)
+    assert_allclose(
+        result["zone_edge_bins"], np.quantile(level[:29], [0, 0.25, 0.5, 0.75, 1]), rtol=1e-9
+    )
     assert_allclose(result["relative_thickness_mean"], [[1, 0.9, 0.8, 0.7]] * 4, rtol=1e-9)
     assert result["n_blocks_placed_by_other_slabs"] == 24
     assert result["n_blocks_not_placed"] == 1

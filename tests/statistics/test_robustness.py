@@ -36,7 +36,10 @@ def with_gaps(frame, gaps):
 
 
 def test_order_and_partition_of_frames_do_not_matter(flight, whole, estimator):
-    parts = [statistics.merge([statistics.summarise(*flight[i]) for i in part]) for part in ((3, 0), (2,), (1,))]
+    parts = [
+        statistics.merge([statistics.summarise(*flight[i]) for i in part])
+        for part in ((3, 0), (2,), (1,))
+    ]
     other = statistics.estimate(statistics.merge(parts), estimator=estimator)
     for name in whole.variables:
         assert_allclose(other[name], whole[name], rtol=1e-10)
@@ -72,7 +75,9 @@ def test_a_tiny_flight_pools_its_zones(planted, rng, estimator):
 
 
 def test_layers_in_too_few_lines_are_left_out_and_counted(flight, estimator):
-    fitted = fit_finite([with_gaps(frame, [(4, 20 * (i == 0), 256)]) for i, frame in enumerate(flight)], estimator)
+    fitted = fit_finite(
+        [with_gaps(frame, [(4, 20 * (i == 0), 256)]) for i, frame in enumerate(flight)], estimator
+    )
     assert fitted.sizes["layer"] == 4
     assert fitted.attrs["n_layers_seen"] == 5
 
@@ -114,11 +119,16 @@ def test_what_cannot_be_fitted_is_refused(planted, flight):
     with pytest.raises(ValueError, match="zones need slab 0"):
         statistics.fit([with_gaps(frame, [(slice(1, None), 0, 256)]) for frame in flight])
     with pytest.raises(ValueError, match="zones need slab 0"):
-        statistics.fit([(echogram.isel(slow_time=slice(0, 255)), layers.isel(slow_time=slice(0, 255)))])
+        statistics.fit(
+            [(echogram.isel(slow_time=slice(0, 255)), layers.isel(slow_time=slice(0, 255)))]
+        )
     with pytest.raises(ValueError, match="estimator must be one of deblended, paper, got 'best'"):
         statistics.fit(flight, estimator="best")
     other = made_up_frame(*planted.level(), minute=9, bin_s=1.17e-10)
-    with pytest.raises(ValueError, match="share one bin size, got 2.886e-10 s and, at 2012-01-01T00:09.*, 1.17e-10 s"):
+    with pytest.raises(
+        ValueError,
+        match="share one bin size, got 2.886e-10 s and, at 2012-01-01T00:09.*, 1.17e-10 s",
+    ):
         statistics.fit([*flight, other])
 
 
@@ -139,8 +149,11 @@ def test_zones_without_data_take_what_the_others_have(flight, estimator):
     assert is_finite(fitted)
     assert_array_equal(fitted["n_samples"], [[0] * 4] * 3 + [[4] * 4])
     assert_array_equal(fitted["source"], [[1] * 4] * 3 + [[0] * 4])
-    # Shares of the first slab are those of all zones; absolute thickness is theirs times the middle of the zone.
-    assert_allclose(fitted["relative_thickness_mean"][:3], fitted["relative_thickness_mean"].values[[3, 3, 3]])
+    # Shares of the first slab are those of all zones; absolute thickness is theirs times the middle
+    # of the zone.
+    assert_allclose(
+        fitted["relative_thickness_mean"][:3], fitted["relative_thickness_mean"].values[[3, 3, 3]]
+    )
     ratio = fitted["thickness_mean_bins"][:3] / fitted["relative_thickness_mean"][:3]
     assert_allclose(ratio, np.repeat([[15.0], [25], [32.5]], 4, axis=1), rtol=1e-9)
     assert (fitted["thickness_psd"].isel(wavenumber=slice(1, None)) > 0).all()

@@ -10,7 +10,9 @@ from snowsim.statistics.speckle import compare_with_gamma, doppler_spectra, rang
 @pytest.mark.parametrize("n_looks", [1, 5, 100])
 def test_looks_of_gamma_power_come_back_whatever_its_brightness(rng, n_looks):
     brightness = np.exp(rng.standard_normal((500, 4, 1)))
-    fitted, error, _, observed, expected = compare_with_gamma(brightness * rng.gamma(n_looks, size=(500, 4, 20)))
+    fitted, error, _, observed, expected = compare_with_gamma(
+        brightness * rng.gamma(n_looks, size=(500, 4, 20))
+    )
     # 40,000 samples: the variance, and so the looks, to 1 %, and it says so.
     assert error < 0.02 * n_looks
     assert abs(fitted - n_looks) < 4 * error
@@ -34,7 +36,9 @@ def air_frame(rng, minute, n_looks=3, surface=130.0):
     power = (np.abs(field) ** 2).mean(axis=0) + 3 * (np.arange(160)[:, None] % 40 == 7)
     power *= np.exp(0.3 * rng.standard_normal(512)) * np.where(np.arange(512) == 100, 50, 1)
     power[110:] *= 1000
-    return made_up_frame(power, np.array([surface, surface + 10])[:, None] * np.ones(512), minute=minute)
+    return made_up_frame(
+        power, np.array([surface, surface + 10])[:, None] * np.ones(512), minute=minute
+    )
 
 
 def test_correlation_down_range_comes_back_within_its_error(rng):
@@ -44,14 +48,17 @@ def test_correlation_down_range_comes_back_within_its_error(rng):
     planted = np.pad((amplitude / amplitude[0]) ** 2, (0, 5))
     assert source == "air"
     assert correlation[0] == 1
-    # Of 8 lags, four errors are exceeded once in 2000; 400,000 pairs give 1 / sqrt(n) = 1.6e-3 and somewhat more.
+    # Of 8 lags, four errors are exceeded once in 2000; 400,000 pairs give 1 / sqrt(n) = 1.6e-3 and
+    # somewhat more.
     assert np.all(np.abs(correlation - planted) <= 4 * error)
     assert 1e-3 < error[1:].min() < error[1:].max() < 3e-3
 
 
 def test_correlation_down_range_does_not_depend_on_the_order_of_frames(rng):
     parts = [summarise(*air_frame(rng, i)) for i in range(3)]
-    together, apart = (range_correlation(merge(part)) for part in (parts, [merge(parts[2:]), merge(parts[:2])]))
+    together, apart = (
+        range_correlation(merge(part)) for part in (parts, [merge(parts[2:]), merge(parts[:2])])
+    )
     assert_allclose(apart[0], together[0], rtol=1e-12)
     assert_allclose(apart[1], together[1], rtol=1e-9)
 
@@ -60,7 +67,10 @@ def test_without_air_or_speckle_independence_stands_in_and_is_named(rng):
     little = range_correlation(merge([summarise(*air_frame(rng, 0, surface=45.0))]))
     still = made_up_frame(np.ones((160, 512)), np.array([130.0, 140])[:, None] * np.ones(512))
     level = range_correlation(merge([summarise(*still)]))
-    for (correlation, error, source), reason in ((little, "fewer than 10000 pairs"), (level, "no speckle in the air")):
+    for (correlation, error, source), reason in (
+        (little, "fewer than 10000 pairs"),
+        (level, "no speckle in the air"),
+    ):
         assert correlation.tolist() == [1] + 8 * [0]
         assert not error.any()
         assert source.startswith(f"none: {reason}")
@@ -70,7 +80,9 @@ def test_doppler_spectrum_of_a_steady_squint_is_a_line(rng):
     n, spacing_m = 512, 2.5
     amplitude = 0.1 * (rng.standard_normal((40, n)) + 1j * rng.standard_normal((40, n)))
     amplitude += np.exp(2j * np.pi * 64 * np.arange(n) / n)
-    wavenumber, first, mean = doppler_spectra(amplitude, np.array([[5.0], [15], [25]]) * np.ones(n), spacing_m)
+    wavenumber, first, mean = doppler_spectra(
+        amplitude, np.array([[5.0], [15], [25]]) * np.ones(n), spacing_m
+    )
     assert wavenumber[first.argmax()] == wavenumber[mean.argmax()] == 64 / n / spacing_m
     assert_allclose(mean.mean(), 1, rtol=1e-12)
 

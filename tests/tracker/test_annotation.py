@@ -39,7 +39,12 @@ def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer
 def test_a_third_map_is_cut_and_mirrored_like_the_mask(rng):
     for scale in (1.0, 0.5):
         _, masks, known = draw_patches(
-            toy_scenes(3), 40, 20, scale=scale, known=lambda _, *layers: layer_mask(*layers), rng=rng
+            toy_scenes(3),
+            40,
+            20,
+            scale=scale,
+            known=lambda _, *layers: layer_mask(*layers),
+            rng=rng,
         )
         assert_array_equal(known, masks)
 
@@ -59,8 +64,12 @@ def test_masking_changes_the_training_of_partial_scenes_alone(picked):
     masked = dataclasses.replace(settings, mask_unannotated=True)
 
     def losses(scene, chosen):
-        return [step for _, step in train_steps(Training(chosen, seed=1), TrainingSet([scene], seed=1))]
+        return [
+            step for _, step in train_steps(Training(chosen, seed=1), TrainingSet([scene], seed=1))
+        ]
 
     assert losses(picked, settings) != losses(picked, masked)
-    complete = dataclasses.replace(picked, layer_bins=picked.complete_layer_bins, complete_layer_bins=None)
+    complete = dataclasses.replace(
+        picked, layer_bins=picked.complete_layer_bins, complete_layer_bins=None
+    )
     assert losses(complete, settings) == losses(complete, masked)

@@ -18,9 +18,16 @@ from snowsim.tracker.sampling import copy_shown
 
 CONFIG = Path(__file__).parents[2] / "config"
 SCALES = (1.0, 0.75, 0.5, 0.25, 0.6, 0.35)
-# Rates and decay that let 60 gradients of a network of width 4 move every weight far beyond rounding.
+# Rates and decay that let 60 gradients of a network of width 4 move every weight far beyond
+# rounding.
 RECIPE = published(
-    60, width=4, n_accumulated=10, n_steps_per_tenth=2, scales=SCALES, learning_rate=1e-5, weight_decay=20
+    60,
+    width=4,
+    n_accumulated=10,
+    n_steps_per_tenth=2,
+    scales=SCALES,
+    learning_rate=1e-5,
+    weight_decay=20,
 )
 
 
@@ -44,13 +51,19 @@ def items_of_epochs(scenes, draws, seed):
     for position in range(RECIPE.n_steps):
         draw, copy = copy_shown(position, len(scenes), len(transforms), seed)
         scene = scenes[draws.source(draw)[1]]
-        items.append(published_code.copy_of(scene.image, np.uint8(255) * scene.mask(), transforms[copy]))
+        items.append(
+            published_code.copy_of(scene.image, np.uint8(255) * scene.mask(), transforms[copy])
+        )
     return [items[first : first + 14] for first in range(0, RECIPE.n_steps, 14)]
 
 
 def test_losses_and_weights_equal_those_of_the_published_code():
     scenes, seed = unlike_scenes(), 5
-    draws, training, net = TrainingSet(scenes, seed=seed), Training(RECIPE, seed=seed), published_code.Net(4)
+    draws, training, net = (
+        TrainingSet(scenes, seed=seed),
+        Training(RECIPE, seed=seed),
+        published_code.Net(4),
+    )
     with torch.no_grad():
         for ours, theirs in zip(_ours(training.network), _theirs(net), strict=True):
             theirs.copy_(ours)
@@ -59,7 +72,13 @@ def test_losses_and_weights_equal_those_of_the_published_code():
     epochs = items_of_epochs(scenes, draws, seed)
     assert [len(items) for items in epochs] == [14, 14, 14, 14, 4]
     expected = published_code.train(
-        net, epochs, lr=RECIPE.learning_rate, decay=RECIPE.weight_decay, momentum=0.9, itersize=10, stepsize=2
+        net,
+        epochs,
+        lr=RECIPE.learning_rate,
+        decay=RECIPE.weight_decay,
+        momentum=0.9,
+        itersize=10,
+        stepsize=2,
     )
     n_pixels = np.array([image.numel() for items in epochs for image, _ in items])
     got = np.array([[losses[name] for name in OUTPUTS] for losses in found]) * n_pixels[:, None]
@@ -67,8 +86,11 @@ def test_losses_and_weights_equal_those_of_the_published_code():
     assert_allclose(got, expected, rtol=1.2e-6)
     assert (np.array(expected) == 0).any()
     names = [name for name, _ in training.network.named_parameters()]
-    for name, ours, theirs, start in zip(names, _ours(training.network), _theirs(net), before, strict=True):
-        # Every weight has moved by several times its own rounding, most by 1e4 times; it agrees to a bit or two.
+    for name, ours, theirs, start in zip(
+        names, _ours(training.network), _theirs(net), before, strict=True
+    ):
+        # Every weight has moved by several times its own rounding, most by 1e4 times; it agrees to
+        # a bit or two.
         moved = (theirs - start).abs().max().item()
         atol = 2 * torch.finfo().eps * start.abs().max().item() + 1e-5 * moved
         assert moved > 5 * atol, name
@@ -81,7 +103,9 @@ def test_an_epoch_shows_every_copy_of_its_scenes_once():
     shown = [copy_shown(position, n, n_copies, seed=1) for position in range(2 * n * n_copies)]
     for epoch in (0, 1):
         of_epoch = shown[epoch * n * n_copies : (epoch + 1) * n * n_copies]
-        assert Counter(of_epoch) == {(epoch * n + draw, copy): 1 for draw in range(n) for copy in range(n_copies)}
+        assert Counter(of_epoch) == {
+            (epoch * n + draw, copy): 1 for draw in range(n) for copy in range(n_copies)
+        }
     assert shown[: n * n_copies] != sorted(shown[: n * n_copies])
 
 
@@ -90,14 +114,19 @@ def test_first_weights_follow_the_law_of_pytorch_s():
     for ours, theirs in zip(_ours(networks[0]), _theirs(networks[1]), strict=True):
         n = ours.numel()
         if n > 1000:
-            # Uniform: the sd of n values' sd about its mean is sqrt(.2 / n) of it; allow five of each of two samples.
+            # Uniform: the sd of n values' sd about its mean is sqrt(.2 / n) of it; allow five of
+            # each of two samples.
             assert_allclose(ours.detach().std(), theirs.detach().std(), rtol=10 * np.sqrt(0.2 / n))
             assert_allclose(ours.detach().abs().max(), theirs.detach().abs().max(), rtol=20 / n)
 
 
 def test_only_copies_let_a_scene_without_layers_pass():
-    scenes = [replace(scene, layer_bins=np.full_like(scene.layer_bins, np.nan)) for scene in toy_scenes(2)]
-    _, losses = next(train_steps(Training(published(10, width=2), seed=1), TrainingSet(scenes, seed=1)))
+    scenes = [
+        replace(scene, layer_bins=np.full_like(scene.layer_bins, np.nan)) for scene in toy_scenes(2)
+    ]
+    _, losses = next(
+        train_steps(Training(published(10, width=2), seed=1), TrainingSet(scenes, seed=1))
+    )
     assert set(losses.values()) == {0}
     drawn = published(10, width=2, augmentation="drawn")
     with pytest.raises(ValueError, match="mask without layers"):
@@ -113,7 +142,13 @@ def test_the_paper_s_configuration_is_the_published_recipe():
     for n_sets in (0, 1, 2):
         sets = [range(1500)] * n_sets
         _, chosen = compose(
-            range(2360), sets, Settings(**settings), tracker["n_epochs"], 1, 1500 / 2360, tracker["order"]
+            range(2360),
+            sets,
+            Settings(**settings),
+            tracker["n_epochs"],
+            1,
+            1500 / 2360,
+            tracker["order"],
         )
         n_gradients[n_sets] = chosen.n_steps
     # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.
@@ -122,7 +157,10 @@ def test_the_paper_s_configuration_is_the_published_recipe():
 
 @pytest.mark.parametrize(
     ("changes", "words"),
-    [({"n_range_bins": 64}, "copies: expected batch_size 1, no crop"), ({}, "epoch of 5 gradients never fills .* 10")],
+    [
+        ({"n_range_bins": 64}, "copies: expected batch_size 1, no crop"),
+        ({}, "epoch of 5 gradients never fills .* 10"),
+    ],
 )
 def test_copies_refuse_crops_and_epochs_too_short_for_an_update(changes, words):
     training = Training(published(10, width=2, **changes), seed=1)

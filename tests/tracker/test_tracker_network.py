@@ -9,7 +9,10 @@ from snowsim.tracker.network import LightNetwork, MultiScaleNetwork, PublishedNe
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])
 def test_parameter_counts_are_the_published_ones(width, n_parameters):
-    assert sum(parameter.numel() for parameter in MultiScaleNetwork(width).parameters()) == n_parameters
+    assert (
+        sum(parameter.numel() for parameter in MultiScaleNetwork(width).parameters())
+        == n_parameters
+    )
 
 
 def drawn(network, rng):
@@ -49,14 +52,16 @@ def test_the_light_network_s_finest_side_sees_its_coarsest(rng):
     there = here.clone()
     there[0, 0, 96] += 10
     change = (network(there) - network(here))[0, 0, 0].abs().amax(dim=1)
-    # Stage by stage down and up again, 3x3 convolutions alone would carry it 2 x (1 + 2 + 4 + 8) rows from row 96.
+    # Stage by stage down and up again, 3x3 convolutions alone would carry it 2 x (1 + 2 + 4 + 8)
+    # rows from row 96.
     assert change[: 96 - 32].max() > 0
 
 
 def test_an_image_moved_by_sixteen_rows_moves_every_output(network, noise):
     image = noise(400, 32)
     here, below = network(image), network(image.roll(16, dims=2))
-    # VGG16 sees 196 rows: half of that, and the 16 that came round, from each edge are its padding's.
+    # VGG16 sees 196 rows: half of that, and the 16 that came round, from each edge are its
+    # padding's.
     inside = slice(130, 270)
     assert_allclose(below[:, :, :, 146:286], here[:, :, :, inside], atol=1e-6)
     assert here[:, :, :, inside].std(dim=(1, 2, 3, 4)).min() > 1e-4
@@ -65,7 +70,8 @@ def test_an_image_moved_by_sixteen_rows_moves_every_output(network, noise):
 def test_rows_below_the_image_change_nothing_far_above(network, noise):
     image = noise(333, 32)
     cut, whole = network(image[:, :, :219]), network(image)
-    # Cut at a height that 16 does not divide: pixel (0, 0) stays, only the reach of the lower edge differs.
+    # Cut at a height that 16 does not divide: pixel (0, 0) stays, only the reach of the lower edge
+    # differs.
     assert_allclose(cut[:, :, :, :100], whole[:, :, :, :100], atol=1e-6)
 
 
@@ -79,20 +85,26 @@ def test_side_outputs_upsample_about_pixel_centres():
             convolution.weight[0, 0, 1, 1] = 1
         side.weight[0, 0] = 1
     logits = network(torch.arange(64.0).repeat(64, 1)[None, None])
-    # Pooling takes the largest of 2^k columns: side k + 1 holds x + (2^k - 1) / 2 between the first and last centres.
+    # Pooling takes the largest of 2^k columns: side k + 1 holds x + (2^k - 1) / 2 between the first
+    # and last centres.
     for k, side in enumerate(logits[:5, 0, 0]):
         inside = slice(2 ** (k - 1) if k else 0, 64 - 2 ** (k - 1) if k else 64)
-        assert_allclose(side[:, inside], np.tile(np.arange(64)[inside] + (2**k - 1) / 2, (64, 1)), rtol=1e-6)
+        assert_allclose(
+            side[:, inside], np.tile(np.arange(64)[inside] + (2**k - 1) / 2, (64, 1)), rtol=1e-6
+        )
 
 
-def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(network, noise, rng):
+def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(
+    network, noise, rng
+):
     logits = network(noise(32, 32))
     assert_allclose(logits[5], logits[:5].mean(dim=0), atol=1e-6)
     network, x = drawn(MultiScaleNetwork(8), rng), noise(64, 64)
     for stage in network.stages:
         for convolution in stage:
             x = torch.relu(convolution(x))
-    # He et al. (2015) keep the mean square through 13 layers; at 8 to 64 channels it wanders, but not by powers.
+    # He et al. (2015) keep the mean square through 13 layers; at 8 to 64 channels it wanders, but
+    # not by powers.
     assert 0.05 < x.square().mean() < 20
 
 

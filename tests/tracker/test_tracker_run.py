@@ -19,22 +19,48 @@ from snowsim.tracker import Settings
 def scene_files(tmp_path):
     """Real scenes and an added set, of which every other scene lies in zone 3."""
     write_scenes(tmp_path / "real.nc", toy_scenes(5))
-    added = [replace(scene, name=f"added {i}", zone=3 * (i % 2)) for i, scene in enumerate(toy_scenes(8))]
+    added = [
+        replace(scene, name=f"added {i}", zone=3 * (i % 2)) for i, scene in enumerate(toy_scenes(8))
+    ]
     write_scenes(tmp_path / "added.nc", added)
     return str(tmp_path / "real.nc"), str(tmp_path / "added.nc")
 
 
 def arguments(folder, scene_files):
     """Arguments of the script, its files in `folder`."""
-    options = {"seed": 1, "replica": "0", "device": "cpu", "n_epochs": None, "skip": 0, "checkpoint_steps": 10}
-    settings = {"width": 2, "batch_size": 2, "n_steps": 120, "n_range_bins": 64, "n_range_lines": 48}
-    scenes = {"real": [scene_files[0]], "phy": [scene_files[1]], "cgan": [], "data": {"added_per_real": 0.6}}
-    return scenes | options | paths_in(folder, network="network.safetensors") | {"settings": settings}
+    options = {
+        "seed": 1,
+        "replica": "0",
+        "device": "cpu",
+        "n_epochs": None,
+        "skip": 0,
+        "checkpoint_steps": 10,
+    }
+    settings = {
+        "width": 2,
+        "batch_size": 2,
+        "n_steps": 120,
+        "n_range_bins": 64,
+        "n_range_lines": 48,
+    }
+    scenes = {
+        "real": [scene_files[0]],
+        "phy": [scene_files[1]],
+        "cgan": [],
+        "data": {"added_per_real": 0.6},
+    }
+    return (
+        scenes | options | paths_in(folder, network="network.safetensors") | {"settings": settings}
+    )
 
 
-def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(tmp_path, scene_files):
+def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(
+    tmp_path, scene_files
+):
     train(**arguments(tmp_path / "whole", scene_files))
-    check_killed_training("train_tracker", arguments(tmp_path / "killed", scene_files), tmp_path / "whole")
+    check_killed_training(
+        "train_tracker", arguments(tmp_path / "killed", scene_files), tmp_path / "whole"
+    )
 
 
 def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
@@ -51,7 +77,13 @@ def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
 def composed(scene_files, n_epochs=None, n_steps=40, **data):
     with SceneSet(scene_files[0]) as real, SceneSet(scene_files[1]) as added:
         scenes, settings = compose(
-            real, [added], Settings(n_steps=n_steps, batch_size=1), n_epochs, 1, added_per_real=0.6, **data
+            real,
+            [added],
+            Settings(n_steps=n_steps, batch_size=1),
+            n_epochs,
+            1,
+            added_per_real=0.6,
+            **data,
         )
         return [scenes[position] for position in range(settings.n_steps)], settings
 

@@ -30,11 +30,15 @@ def test_at_paper_scale_an_epoch_shows_every_scene_once(n_added):
     assert scenes.n_per_epoch == 2360 + 1500 * n_added
     shown = Counter(first(scenes, scenes.n_per_epoch))
     assert set(shown.values()) == {1}
-    assert Counter(number for number, _ in shown) == {0: 2360} | {number: 1500 for number in range(1, n_added + 1)}
+    assert Counter(number for number, _ in shown) == {0: 2360} | {
+        number: 1500 for number in range(1, n_added + 1)
+    }
 
 
 def test_fewer_real_scenes_keep_the_share_and_still_use_all_of_the_added_sets():
-    scenes = TrainingSet(Numbered("real", 118), [Numbered("phy", 1500), Numbered("cgan", 1500)], seed=1)
+    scenes = TrainingSet(
+        Numbered("real", 118), [Numbered("phy", 1500), Numbered("cgan", 1500)], seed=1
+    )
     assert scenes.n_per_epoch == 118 + 75 + 75
     drawn = first(scenes, 20 * scenes.n_per_epoch)
     for epoch in range(20):
@@ -55,7 +59,9 @@ def test_an_added_set_smaller_than_its_share_repeats_only_when_used_up():
 
 def test_the_order_depends_on_the_seed_alone_scenes_are_read_when_drawn_and_real_ones_once():
     real, added = Numbered("real", 6), Numbered("added", 100)
-    scenes, again, other = (TrainingSet(real, [added], added_per_real=0.5, seed=seed) for seed in (1, 1, 2))
+    scenes, again, other = (
+        TrainingSet(real, [added], added_per_real=0.5, seed=seed) for seed in (1, 1, 2)
+    )
     assert first(scenes, 200) == first(again, 200) != first(other, 200)
     assert not real.read
     shown = [scenes[position] for position in range(5 * scenes.n_per_epoch)]
@@ -68,11 +74,17 @@ def test_the_order_depends_on_the_seed_alone_scenes_are_read_when_drawn_and_real
 
 @pytest.mark.parametrize(
     ("real", "added", "words"),
-    [(0, [], "set of real scenes: expected scenes"), (5, [3, 0], "added set 2: expected"), (1, [9], "leaves none")],
+    [
+        (0, [], "set of real scenes: expected scenes"),
+        (5, [3, 0], "added set 2: expected"),
+        (1, [9], "leaves none"),
+    ],
 )
 def test_sets_without_scenes_are_refused(real, added, words):
     with pytest.raises(ValueError, match=words):
-        TrainingSet(Numbered("real", real), [Numbered("a", n) for n in added], added_per_real=0.4, seed=1)
+        TrainingSet(
+            Numbered("real", real), [Numbered("a", n) for n in added], added_per_real=0.4, seed=1
+        )
 
 
 @pytest.mark.parametrize("n_added", [0, 1, 2])
@@ -95,7 +107,9 @@ def test_completed_scenes_show_every_layer():
     picked = toy_scenes(2)
     part = picked[0].layer_bins.copy()
     part[2:] = np.nan
-    picked[0] = dataclasses.replace(picked[0], layer_bins=part, complete_layer_bins=picked[0].layer_bins)
+    picked[0] = dataclasses.replace(
+        picked[0], layer_bins=part, complete_layer_bins=picked[0].layer_bins
+    )
     completed = Completed(picked)
     assert len(completed) == 2
     assert np.isfinite(completed[0].layer_bins).all()

@@ -20,13 +20,18 @@ def shared_folder(tmp_path_factory, worker_id):
 @pytest.fixture(scope="session")
 def tiny_source(shared_folder, worker_id):
     """What the tiny run is made from; workers share a copy that is no other run's: only tests of its reruns edit it."""
-    return source_tree() if worker_id == "master" else made_once(shared_folder / "source", copy_source)
+    return (
+        source_tree() if worker_id == "master" else made_once(shared_folder / "source", copy_source)
+    )
 
 
 @pytest.fixture(scope="session")
 def tiny_run(shared_folder, tiny_source):
     """Folder of a finished run of the tiny configuration on two cores, the same for all workers."""
-    return made_once(shared_folder / "tiny_run", lambda folder: run_snakemake(folder, source=tiny_source, timeout=3600))
+    return made_once(
+        shared_folder / "tiny_run",
+        lambda folder: run_snakemake(folder, source=tiny_source, timeout=3600),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -49,7 +54,9 @@ def load_rules(tmp_path_factory):
                 name=rule.name,
                 script=SCRIPTS / Path(str(rule.script)).name if rule.script else None,
                 # An input function that asks for no wildcards.
-                code={Path(path).relative_to(ROOT) for path in rule.input.code(None)} if rule.script else set(),
+                code={Path(path).relative_to(ROOT) for path in rule.input.code(None)}
+                if rule.script
+                else set(),
                 declared=rule,
             )
             for rule in parsed(tmp_path_factory.mktemp("rules"), **settings).rules

@@ -16,11 +16,19 @@ import pytest
 import yaml
 from snakemake.api import SnakemakeApi
 from snakemake.exceptions import WorkflowError
-from snakemake.settings.types import ConfigSettings, DAGSettings, OutputSettings, Quietness, ResourceSettings
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    OutputSettings,
+    Quietness,
+    ResourceSettings,
+)
 
 from lib.imports import ROOT
 
-CONFIG, SCHEMA = (yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA))
+CONFIG, SCHEMA = (
+    yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA)
+)
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
@@ -54,7 +62,9 @@ def made_once(path, make):
     return path
 
 
-def command(folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile", source=None):
+def command(
+    folder, *arguments, configs=TINY, cores=2, profile="default", snakefile="Snakefile", source=None
+):
     """Words of a call of Snakemake with results in `folder`."""
     source = source or source_tree()
     words = [
@@ -76,16 +86,31 @@ def environment(**changes):
 
 def call(*words, cwd=None, timeout=300, env=None):
     """The finished process of some words with its output as text, by default in the copied source."""
-    words, folder, variables = [str(word) for word in words], cwd or source_tree(), env or environment()
+    words, folder, variables = (
+        [str(word) for word in words],
+        cwd or source_tree(),
+        env or environment(),
+    )
     return subprocess.run(
-        words, capture_output=True, text=True, timeout=timeout, check=False, cwd=folder, env=variables
+        words,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+        cwd=folder,
+        env=variables,
     )
 
 
 def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source=None, **options):
     """The finished run of the workflow in `folder`, well unless it `fails`; options are those of `command`."""
     words, env = command(folder, *arguments, source=source, **options), env or environment()
-    done = call(*words, timeout=timeout, cwd=source, env=env | ({"PYTHONPATH": str(source)} if source else {}))
+    done = call(
+        *words,
+        timeout=timeout,
+        cwd=source,
+        env=env | ({"PYTHONPATH": str(source)} if source else {}),
+    )
     assert (done.returncode != 0) == fails, text_of(done)[-4000:]
     return done
 

@@ -57,12 +57,20 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
     for each in sockets:
         each.close()  # the ports are free again
     conf = folder / "slurm.conf"
-    values = {"host": host, "folder": folder, "controller_port": controller_port, "node_port": node_port}
+    values = {
+        "host": host,
+        "folder": folder,
+        "controller_port": controller_port,
+        "node_port": node_port,
+    }
     user = subprocess.run(["id", "-un"], capture_output=True, text=True, check=True).stdout.strip()
     conf.write_text(CONF.format(**values, user=user, cpus=cpus, memory_mb=memory_mb))
     for name in CLIENTS:
-        # Programs that know the cluster's configuration: job steps are started without SLURM's variables.
-        (folder / "bin" / name).write_text(f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n')
+        # Programs that know the cluster's configuration: job steps are started without SLURM's
+        # variables.
+        (folder / "bin" / name).write_text(
+            f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n'
+        )
         (folder / "bin" / name).chmod(0o755)
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
     daemons = [
@@ -86,5 +94,7 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
 
 
 def state_of(folder):
-    answer = subprocess.run([folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False)
+    answer = subprocess.run(
+        [folder / "bin/sinfo", "-h", "-o", "%T"], capture_output=True, text=True, check=False
+    )
     return (answer.stdout + answer.stderr).strip()

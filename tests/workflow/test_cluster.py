@@ -9,7 +9,9 @@ from slurm import missing_programs, one_node_cluster
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
     """Folder of the client programs of a running one-node cluster."""
-    pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
+    pytest.importorskip(
+        "snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing"
+    )
     missing = missing_programs()
     if missing:
         pytest.skip(f"SLURM is not installed (make test-machine): {', '.join(missing)}")
@@ -20,16 +22,29 @@ def cluster(tmp_path_factory):
 @pytest.mark.cluster
 def test_slurm_gives_the_bytes_of_a_local_run(cluster, tiny_run, reproducible_targets, tmp_path):
     # A node of two cores: a group must not ask for more.
-    words = ("--jobs", 8, "--cores", 2, "--latency-wait", 10, "--slurm-init-seconds-before-status-checks", 5)
+    words = (
+        "--jobs",
+        8,
+        "--cores",
+        2,
+        "--latency-wait",
+        10,
+        "--slurm-init-seconds-before-status-checks",
+        5,
+    )
     env = environment(PATH=f"{cluster}:{environment()['PATH']}")
     words += ("--", *reproducible_targets)
     done = run_snakemake(tmp_path / "run", *words, profile="slurm", timeout=3000, env=env)
     assert "SLURM jobid" in text_of(done)
-    assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(tiny_run / "results")
+    assert reproducible.digests(tmp_path / "run/results") == reproducible.digests(
+        tiny_run / "results"
+    )
 
 
 def test_the_slurm_profile_plans_the_whole_run(tmp_path):
-    pytest.importorskip("snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing")
+    pytest.importorskip(
+        "snakemake_executor_plugin_slurm", reason="Snakemake's executor plugin for SLURM is missing"
+    )
     run_snakemake(tmp_path, "--dry-run", profile="slurm")
 
 

@@ -28,7 +28,9 @@ KINDS = {"integer": int, "number": float, "boolean": bool, "array": tuple, "null
 def sections(values, schema=SCHEMA, path=()):
     """(path, values, schema) of every section of a configuration, with what the schema refers to put in."""
     schema = resolved(schema, SCHEMA)
-    schema = schema | {"properties": {key: resolved(part, SCHEMA) for key, part in schema["properties"].items()}}
+    schema = schema | {
+        "properties": {key: resolved(part, SCHEMA) for key, part in schema["properties"].items()}
+    }
     yield path, values, schema
     for key, value in values.items():
         if isinstance(value, dict):
@@ -48,7 +50,9 @@ def at_the_limits(part):
     step = 1 if part.get("type") == "integer" else 1e-9
     inside = part.get("enum", []) + [part[key] for key in ("minimum", "maximum") if key in part]
     outside = ["none of these"] if "enum" in part else []
-    outside += [part[key] + step * sign for key, sign in (("minimum", -1), ("maximum", 1)) if key in part]
+    outside += [
+        part[key] + step * sign for key, sign in (("minimum", -1), ("maximum", 1)) if key in part
+    ]
     for key, sign in (("exclusiveMinimum", 1), ("exclusiveMaximum", -1)):
         if key in part:
             inside.append(part[key] + sign * step)
@@ -62,7 +66,8 @@ def test_every_key_of_the_default_is_required_and_no_other_is_known():
         # Others of its study hold what differs from cgan.training.
         if path[:2] != ("studies", "cgan") or path[-1] in ("cgan", "atlas", "renderers"):
             assert list(values) == list(schema["properties"]) == schema["required"], path
-        # The comments of the default describe its keys; only a pattern is put into words in the schema.
+        # The comments of the default describe its keys; only a pattern is put into words in the
+        # schema.
         described = [key for key in values if "description" in schema["properties"][key]]
         assert described == [key for key in values if "pattern" in schema["properties"][key]], path
 
@@ -96,7 +101,8 @@ def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration
         part = schema["properties"][field.name]
         assert field.type == kind(part), field.name
         inside, outside = at_the_limits(part)
-        # Settings of the flight also limit each other; of a network the package refuses only what cannot be computed.
+        # Settings of the flight also limit each other; of a network the package refuses only what
+        # cannot be computed.
         for value in inside if path[0] != "reference" else []:
             settings(**given | {field.name: value})
         for value in outside if path[0] == "reference" or "enum" in part else []:
@@ -109,16 +115,34 @@ def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration
     [
         ("sead: 7", "sead"),
         ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
-        ("import: {unfit_flags: []}", r"import: .*'unfit_flags' was unexpected.*\(expected: flagged_by\)"),
-        ("studies: {cgan: {stability: {}}}", r"studies\.cgan: .*'stability' was unexpected.*\(expected: atlas\)"),
+        (
+            "import: {unfit_flags: []}",
+            r"import: .*'unfit_flags' was unexpected.*\(expected: flagged_by\)",
+        ),
+        (
+            "studies: {cgan: {stability: {}}}",
+            r"studies\.cgan: .*'stability' was unexpected.*\(expected: atlas\)",
+        ),
         ("labels: {beyond: {}}", r"labels: .*'beyond' was unexpected.*\(expected: nonstationary\)"),
         ("labels: {n_layers_min: 9, n_layers_max: 6}", "labels.n_layers_min: expected at most"),
-        ("labels: {n_zones: aic, psd: bic}", "labels: expected n_zones and psd by one criterion, got aic and bic"),
+        (
+            "labels: {n_zones: aic, psd: bic}",
+            "labels: expected n_zones and psd by one criterion, got aic and bic",
+        ),
         ("phy: {tolerance_db: -1}", "phy.tolerance_db: -1 "),
         ('import: {description: "a\\nb"}', "import.description: .*expected: one line"),
-        ("flight: {n_frames: 9999}", r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km"),
-        ("reference: {firn: {horizon_jump_kg_m3: 600.0}}", r"reference\.firn\.horizon_jump_kg_m3 must be at most 577"),
-        ("reference: {radar: {n_range_bins: 210}}", r"reference\.radar\.n_range_bins must be at least 2[23]\d"),
+        (
+            "flight: {n_frames: 9999}",
+            r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km",
+        ),
+        (
+            "reference: {firn: {horizon_jump_kg_m3: 600.0}}",
+            r"reference\.firn\.horizon_jump_kg_m3 must be at most 577",
+        ),
+        (
+            "reference: {radar: {n_range_bins: 210}}",
+            r"reference\.radar\.n_range_bins must be at least 2[23]\d",
+        ),
     ],
 )
 def test_a_bad_key_is_named_in_one_line(tmp_path, text, expected):
@@ -129,19 +153,26 @@ def test_a_bad_key_in_a_file_or_a_command_stops_a_run_in_one_line_and_nothing_is
     configs = settings(tmp_path, "lables: {n_scenes: 3}")
     in_file = run_snakemake(tmp_path / "run", "--dry-run", configs=configs, fails=True)
     in_command = run_snakemake(tmp_path / "run", "--dry-run", "--config", "seed=seven", fails=True)
-    for done, expected in ((in_file, "lables.*expected: seed, source, import"), (in_command, "seed")):
+    for done, expected in (
+        (in_file, "lables.*expected: seed, source, import"),
+        (in_command, "seed"),
+    ):
         (line,) = lines_with(done, "config: ")
         assert re.search(expected, line), line
     assert not (tmp_path / "run/results").exists()
 
 
-@pytest.mark.parametrize("configs", [("config.yaml", "paper.yaml"), ("config.yaml", "as_printed.yaml", "paper.yaml")])
+@pytest.mark.parametrize(
+    "configs", [("config.yaml", "paper.yaml"), ("config.yaml", "as_printed.yaml", "paper.yaml")]
+)
 def test_the_dag_of_the_paper_s_scale_builds(tmp_path, configs):
     run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
 
 
 def test_the_configuration_of_the_paper_s_scale_needs_no_default_beside_it(tmp_path):
-    alone, beside = (parsed(tmp_path, names) for names in (("paper.yaml",), ("config.yaml", "paper.yaml")))
+    alone, beside = (
+        parsed(tmp_path, names) for names in (("paper.yaml",), ("config.yaml", "paper.yaml"))
+    )
     assert alone.globals["config"] == beside.globals["config"]
 
 

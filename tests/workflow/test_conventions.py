@@ -10,7 +10,17 @@ from runs import ROOT, SNAKEMAKE, call, parsed, run_snakemake, source_tree, text
 
 from lib.imports import closure
 
-TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "export", "report", "studies"}
+TARGETS = {
+    "all",
+    "flight",
+    "labels",
+    "renders",
+    "similarity",
+    "trackers",
+    "export",
+    "report",
+    "studies",
+}
 SNAKEFILES = ("Snakefile", "workflow/Snakefile")
 
 
@@ -35,7 +45,9 @@ def test_rules_with_a_script_take_its_imports_as_code_log_measure_and_say_what_t
 
 def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_path):
     done = run_snakemake(tmp_path, "--", "help")
-    groups = re.findall(r"^(main|diagnostics|studies): .*\n((?:  \w.*\n)*)", text_of(done), flags=re.MULTILINE)
+    groups = re.findall(
+        r"^(main|diagnostics|studies): .*\n((?:  \w.*\n)*)", text_of(done), flags=re.MULTILINE
+    )
     assert [name for name, _ in groups] == ["main", "diagnostics", "studies"]
     listed = {}
     for group, lines in groups:
@@ -61,8 +73,15 @@ def test_targets_can_be_planned_by_name(tmp_path):
 
 
 def test_studies_collects_every_study(rules):
-    collected = {str(file) for rule in rules if rule.name == "studies" for file in rule.declared.input[0](None)}
-    studies = [rule for rule in rules if rule.name.startswith("study_") and not rule.declared.output]
+    collected = {
+        str(file)
+        for rule in rules
+        if rule.name == "studies"
+        for file in rule.declared.input[0](None)
+    }
+    studies = [
+        rule for rule in rules if rule.name.startswith("study_") and not rule.declared.output
+    ]
     assert len(studies) >= 3
     assert collected == {str(file) for rule in studies for file in rule.declared.input}
 
@@ -77,7 +96,10 @@ def test_the_catalogue_knows_how_to_run_the_workflow():
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):
     # How many jobs of each rule, and every file that they make or are made anew for.
     plans = [run_snakemake(tmp_path, "--dry-run", snakefile=name).stdout for name in SNAKEFILES]
-    ours, theirs = (sorted(re.findall(r"^\w+ +\d+$|\bresults/[\w./]+", plan, flags=re.MULTILINE)) for plan in plans)
+    ours, theirs = (
+        sorted(re.findall(r"^\w+ +\d+$|\bresults/[\w./]+", plan, flags=re.MULTILINE))
+        for plan in plans
+    )
     assert len(ours) > 100
     assert ours == theirs
 

@@ -31,9 +31,17 @@ def live_and_die(folder, n_jobs, seconds, targets):
     """Start the run and kill its process group some seconds after it finished some jobs; False if it ended before."""
     folder.mkdir(exist_ok=True)
     with (folder / "output.txt").open("w") as output:
-        place = {"stdout": output, "stderr": subprocess.STDOUT, "cwd": source_tree(), "env": environment()}
+        place = {
+            "stdout": output,
+            "stderr": subprocess.STDOUT,
+            "cwd": source_tree(),
+            "env": environment(),
+        }
         process = subprocess.Popen(command(folder, "--", *targets), start_new_session=True, **place)
-        while process.poll() is None and (folder / "output.txt").read_text().count("Finished jobid") < n_jobs:
+        while (
+            process.poll() is None
+            and (folder / "output.txt").read_text().count("Finished jobid") < n_jobs
+        ):
             time.sleep(0.05)
         try:
             process.wait(timeout=seconds)
@@ -46,13 +54,17 @@ def live_and_die(folder, n_jobs, seconds, targets):
 
 
 @pytest.mark.crash
-@pytest.mark.skipif(not Path("/proc/self/cwd").exists(), reason="needs /proc to see whether processes are left")
-def test_twenty_kills_leave_the_results_of_a_run_that_was_left_alone(tiny_run, reproducible_targets, tmp_path):
+@pytest.mark.skipif(
+    not Path("/proc/self/cwd").exists(), reason="needs /proc to see whether processes are left"
+)
+def test_twenty_kills_leave_the_results_of_a_run_that_was_left_alone(
+    tiny_run, reproducible_targets, tmp_path
+):
     expected = reproducible.digests(tiny_run / "results")
     moments = random.Random(20120429)
     n_killed, n_finished = 0, 0
-    # Lives are counted in jobs, not seconds, so that a slow machine gets on as well; should the run end before it was
-    # killed often enough, it starts anew.
+    # Lives are counted in jobs, not seconds, so that a slow machine gets on as well; should the run
+    # end before it was killed often enough, it starts anew.
     while n_killed < N_KILLS or n_finished == 0:
         folder = tmp_path / f"run_{n_finished}"
         n_jobs = moments.randrange(7) if n_killed < N_KILLS else sys.maxsize

@@ -55,13 +55,16 @@ def test_moved_files_columns_and_small_differences_are_followed(folders, monkeyp
 
 
 def test_what_one_core_makes_again_has_the_bytes_of_two(tiny_run, tmp_path):
-    # Labels, both renders of them, both networks; the flight is not made again, nor all that follows it.
+    # Labels, both renders of them, both networks; the flight is not made again, nor all that
+    # follows it.
     names = ("labels/0000.nc", "phy/labels/0000.nc", "cgan/labels/0000.nc")
     names += ("cgan/generator.safetensors", "tracker/rd/0.safetensors")
     folder = shutil.copytree(tiny_run, tmp_path / "run")
     for name in names:
         (folder / "results" / name).unlink()
-    run_snakemake(folder, "--rerun-triggers", "mtime", "--", *[f"results/{name}" for name in names], cores=1)
+    run_snakemake(
+        folder, "--rerun-triggers", "mtime", "--", *[f"results/{name}" for name in names], cores=1
+    )
     expected, found = (reproducible.digests(run / "results") for run in (tiny_run, folder))
     assert {name: found[name] for name in names} == {name: expected[name] for name in names}
 
@@ -73,16 +76,26 @@ def test_one_core_gives_the_same_bytes_as_two(tiny_run, reproducible_targets, tm
 
 
 @pytest.mark.slow
-def test_other_shards_in_another_order_give_the_same_tables_and_figures(tiny_run, reproducible_targets, tmp_path):
-    configs = settings(tmp_path, "flight: {frames_per_job: 1}\nlabels: {shard_size: 5}\nbenchmark: {shard_size: 4}")
+def test_other_shards_in_another_order_give_the_same_tables_and_figures(
+    tiny_run, reproducible_targets, tmp_path
+):
+    configs = settings(
+        tmp_path, "flight: {frames_per_job: 1}\nlabels: {shard_size: 5}\nbenchmark: {shard_size: 4}"
+    )
     # What does not hold shards, and no network, whose file names the shards it was trained on.
-    wanted = [name for name in reproducible_targets if name.startswith(("results/tables/", "results/figures/"))]
+    wanted = [
+        name
+        for name in reproducible_targets
+        if name.startswith(("results/tables/", "results/figures/"))
+    ]
     wanted.append("results/statistics.nc")
     # What comes last by itself is wanted first.
     first = [name for name in wanted if "closed_loop" in name or "realism" in name]
     assert first
     folder = tmp_path / "run"
-    run_snakemake(folder, "--prioritize", *first, "--", *wanted, cores=2, configs=configs, timeout=3600)
+    run_snakemake(
+        folder, "--prioritize", *first, "--", *wanted, cores=2, configs=configs, timeout=3600
+    )
     assert len(list((folder / "results/labels").glob("*.nc"))) == 2
     assert len(list((folder / "results/statistics").glob("*.nc"))) == 4
     expected, found = (reproducible.digests(run / "results") for run in (tiny_run, folder))

@@ -15,7 +15,9 @@ from lib.sources import check_disk, check_folders
 
 def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):
     check_disk(1, tmp_path / "results")
-    with pytest.raises(ValueError, match=rf"^disk: this run writes about 10{{12}} MB, {tmp_path} has \d+ MB left$"):
+    with pytest.raises(
+        ValueError, match=rf"^disk: this run writes about 10{{12}} MB, {tmp_path} has \d+ MB left$"
+    ):
         check_disk(1e18, tmp_path / "results")
 
 
@@ -23,7 +25,9 @@ def test_a_folder_is_checked_by_the_first_that_is_there(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     check_folders("results/a/b", "logs")
     monkeypatch.setattr("os.access", lambda folder, mode: folder != tmp_path)
-    with pytest.raises(ValueError, match=rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"):
+    with pytest.raises(
+        ValueError, match=rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"
+    ):
         check_folders("logs")
 
 
@@ -32,7 +36,9 @@ def small_disk(folder, kilobytes, read_only=False):
     """A disk of a few kilobytes mounted on a folder."""
     folder.mkdir(parents=True)
     options = f"size={kilobytes}k" + (",ro" if read_only else "")
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], check=False, capture_output=True)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], check=False, capture_output=True
+    )
     if mounted.returncode != 0:
         pytest.skip(f"cannot mount a small disk: {mounted.stderr.decode().strip()}")
     try:
@@ -65,7 +71,9 @@ def test_a_disk_that_fills_up_ends_the_job_in_one_line_and_leaves_nothing(tmp_pa
         done = run_snakemake(tmp_path, "--no-hooks", "--", "results/flight/0000.nc", fails=True)
         assert [path.name for path in (tmp_path / "results").rglob("*.nc")] == []
     (line,) = lines_with(done, "error: ")
-    assert line.startswith("error: reference_frames_0000: results/flight/0000.nc: cannot be written, the disk is full")
+    assert line.startswith(
+        "error: reference_frames_0000: results/flight/0000.nc: cannot be written, the disk is full"
+    )
     log = (tmp_path / "logs/reference_frames/0000.log").read_text().strip()
     assert log.splitlines()[-1].endswith(line.removeprefix("error: reference_frames_0000: "))
 

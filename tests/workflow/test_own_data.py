@@ -12,7 +12,18 @@ import pytest
 import xarray as xr
 import yaml
 from numpy.testing import assert_allclose, assert_array_equal
-from runs import CONFIG, ROOT, SCHEMA, lines_with, parsed, refused, rules_to_run, run_snakemake, settings, text_of
+from runs import (
+    CONFIG,
+    ROOT,
+    SCHEMA,
+    lines_with,
+    parsed,
+    refused,
+    rules_to_run,
+    run_snakemake,
+    settings,
+    text_of,
+)
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import update_config
 
@@ -39,7 +50,11 @@ def test_worked_examples_pass_the_schema_and_explain_every_setting(path):
     config = deepcopy(CONFIG)
     update_config(config, yaml.safe_load(path.read_text()))
     jsonschema.validate(config, SCHEMA)
-    lines = [line for line in path.read_text().splitlines() if ": " in line and not line.startswith(("#", "source"))]
+    lines = [
+        line
+        for line in path.read_text().splitlines()
+        if ": " in line and not line.startswith(("#", "source"))
+    ]
     assert lines
     assert all("#" in line for line in lines)
 
@@ -67,7 +82,9 @@ def test_a_bad_table_stops_before_any_job(tmp_path, table, expected):
     if table is not None:
         (tmp_path / "frames.tsv").write_text(formats.TABLE_HEADER + table)
     (tmp_path / "a").touch()
-    assert expected in refused(tmp_path, write_own(tmp_path, "nsidc", frames=str(tmp_path / "frames.tsv")))
+    assert expected in refused(
+        tmp_path, write_own(tmp_path, "nsidc", frames=str(tmp_path / "frames.tsv"))
+    )
 
 
 def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path):
@@ -89,7 +106,9 @@ def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
         (tmp_path / f"{split}.lst").write_text(f"data_{name}.png\n")
     configs = write_own(tmp_path, "png_pairs", pairs={"folder": str(tmp_path)})
     for target in ("realism", "results/figures/echogram.svg", "results/figures/pixel_grid.svg"):
-        with pytest.raises(WorkflowError, match="source png_pairs: there are no frames: images hold no positions"):
+        with pytest.raises(
+            WorkflowError, match="source png_pairs: there are no frames: images hold no positions"
+        ):
             parsed(tmp_path, configs, [target])
 
 
@@ -100,7 +119,9 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
     run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
 
     def again():
-        return rules_to_run(run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs))
+        return rules_to_run(
+            run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs)
+        )
 
     assert again() == set()
     imports = {"check_frames", "import_frame", "import_blocks", "flight"}
@@ -114,7 +135,9 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
 
 def check_own(results):
     """No result says of itself that it is of the synthetic flight."""
-    for path in (file for ending in ("svg", "csv", "nc", "html") for file in results.rglob(f"*.{ending}")):
+    for path in (
+        file for ending in ("svg", "csv", "nc", "html") for file in results.rglob(f"*.{ending}")
+    ):
         assert b"synthetic reference flight" not in path.read_bytes(), path
 
 
@@ -145,18 +168,28 @@ def test_exported_sets_are_those_of_the_run(exported, name):
             dataset = xr.load_dataset(exported / f"export/netcdf/{name}/scene_{scene.name}.nc")
             assert_array_equal(dataset["image"], scene.image)
             assert_array_equal(dataset["layer_bins"], scene.layer_bins)
-        assert f"{part}.lst: n_scenes {len(scenes)}" in (exported / f"export/pairs/{name}/about.txt").read_text()
+        assert (
+            f"{part}.lst: n_scenes {len(scenes)}"
+            in (exported / f"export/pairs/{name}/about.txt").read_text()
+        )
 
 
 @pytest.mark.slow
 def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, tmp_path):
     pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
-    done = run_snakemake(tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800)
-    assert "left out: realism: it compares the synthetic flight with observed values" in text_of(done)
+    done = run_snakemake(
+        tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800
+    )
+    assert "left out: realism: it compares the synthetic flight with observed values" in text_of(
+        done
+    )
     results = tmp_path / "results"
-    # Images and masks are those of the reference run, so what never saw the statistics scores the same. Renders did.
+    # Images and masks are those of the reference run, so what never saw the statistics scores the
+    # same. Renders did.
     for table, same in {"table2": [], "table3": ["rd_ods", "rd_ois", "rd_ap"]}.items():
-        ours, theirs = (pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported))
+        ours, theirs = (
+            pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported)
+        )
         assert list(ours.columns) == list(theirs.columns)
         assert len(ours) == len(theirs)
         assert ours.drop(columns=ours.columns[0]).select_dtypes("number").notna().all(axis=None)
@@ -166,13 +199,18 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
     assert not (results / "figures/flight_line.svg").exists()
     changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "data_scale": "db"})
-    assert {"check_pairs", "import_pairs"} <= rules_to_run(run_snakemake(tmp_path, "--dry-run", configs=changed))
+    assert {"check_pairs", "import_pairs"} <= rules_to_run(
+        run_snakemake(tmp_path, "--dry-run", configs=changed)
+    )
 
 
 @pytest.fixture
 def tiny_flight(tiny_run):
     """Echogram and layers of every frame of the tiny flight."""
-    pairs = [[tiny_run / f"results/flight/{i:04d}{part}.nc" for part in ("", "_layers")] for i in range(3)]
+    pairs = [
+        [tiny_run / f"results/flight/{i:04d}{part}.nc" for part in ("", "_layers")]
+        for i in range(3)
+    ]
     return [tuple(map(xr.load_dataset, pair)) for pair in pairs]
 
 
@@ -189,11 +227,15 @@ def own_flight(tiny_flight, tmp_path):
             name = f"20120330_04_{number + 1:03d}"
             file = own_files.write_echogram(tmp_path, f"echogram_{number}", content, kind)
             picks = own_files.write_layers(tmp_path, name, layers, content, old=old)
-            rows += [(name if role != "train" else f"{name}t", file.name, picks.name, role) for role in roles]
+            rows += [
+                (name if role != "train" else f"{name}t", file.name, picks.name, role)
+                for role in roles
+            ]
         lines = [formats.TABLE_HEADER, *("\t".join(row) for row in rows)]
         (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
         own = {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}
-        # One frame has no pick of the first horizon: only names tell that its first layer is the second one.
+        # One frame has no pick of the first horizon: only names tell that its first layer is the
+        # second one.
         names = own_files.layer_names(max(layers.sizes["layer"] for _, layers in tiny_flight))
         return write_own(tmp_path, source, **own, layer_names=names)
 
@@ -210,13 +252,18 @@ def own_flight(tiny_flight, tmp_path):
     ],
     ids=["nsidc", "cresis", "cresis old layers"],
 )
-def test_other_formats_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_path, own_flight, source, kinds, old):
-    run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old))
+def test_other_formats_give_the_flight_s_statistics_and_scenes(
+    tiny_flight, tmp_path, own_flight, source, kinds, old
+):
+    run_snakemake(
+        tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old)
+    )
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"
     assert found.sizes["layer"] == expected.sizes["layer"]
-    # Decibels in float32, eps 6e-8 of some 30 dB, keep power to 4e-7; levelling by whole bins moves nothing.
+    # Decibels in float32, eps 6e-8 of some 30 dB, keep power to 4e-7; levelling by whole bins moves
+    # nothing.
     check_statistics(found, expected, rtol=1e-5 if source == "nsidc" else 1e-12)
     for split in ("train", "test"):
         scenes = list(SceneSet(results / f"benchmark/{split}/0000.nc"))
@@ -237,8 +284,12 @@ def test_other_formats_give_the_flight_s_statistics_and_scenes(tiny_flight, tmp_
 def test_range_lines_flagged_enter_neither_statistics_nor_scenes(tiny_flight, tmp_path, own_flight):
     configs = own_flight("nsidc", ("nsidc", "nsidc", "nsidc"), False)
     lines = np.arange(512)
-    formats.write_supplement(tmp_path / "echogram_0_supplement.nc", no_good_data=np.uint8(lines < 60), land_ice=1)
-    formats.write_supplement(tmp_path / "echogram_2_supplement.nc", missing_data=np.uint8(lines == 300), low_SNR=1)
+    formats.write_supplement(
+        tmp_path / "echogram_0_supplement.nc", no_good_data=np.uint8(lines < 60), land_ice=1
+    )
+    formats.write_supplement(
+        tmp_path / "echogram_2_supplement.nc", missing_data=np.uint8(lines == 300), low_SNR=1
+    )
     run_snakemake(tmp_path / "run", "--", "flight", "charts", configs=configs)
     results = tmp_path / "run/results"
     for dataset, name in zip(tiny_flight[0], ("Data", "twtt"), strict=True):
@@ -253,7 +304,11 @@ def test_range_lines_flagged_enter_neither_statistics_nor_scenes(tiny_flight, tm
     table = pd.read_csv(results / "tables/frames.csv", keep_default_na=False)
     assert table["n_flagged_lines"].tolist() == [60, 60, 0, 1]
     assert table["n_flagged_blocks"].tolist() == [0, 1, 0, 1]
-    assert table["flags"].tolist() == [*2 * ["no_good_data 60; land_ice 512"], "", "missing_data 1; low_SNR 512"]
+    assert table["flags"].tolist() == [
+        *2 * ["no_good_data 60; land_ice 512"],
+        "",
+        "missing_data 1; low_SNR 512",
+    ]
 
 
 @pytest.mark.slow
@@ -261,7 +316,9 @@ def test_frames_that_fail_are_all_named_in_one_go(tmp_path, own_flight):
     configs = own_flight("nsidc", ("nsidc", "mat5", "nsidc"), False)
     first = tmp_path / "echogram_0"
     first.write_bytes(first.read_bytes()[: first.stat().st_size // 2])
-    done = run_snakemake(tmp_path / "run", "--", "results/statistics.nc", configs=configs, fails=True)
+    done = run_snakemake(
+        tmp_path / "run", "--", "results/statistics.nc", configs=configs, fails=True
+    )
     assert "error: check_frames: frames: 3 of 4 frames fail" in text_of(done)
     for name in ("20120330_04_001: ", "20120330_04_001t: ", "20120330_04_002: "):
         assert lines_with(done, name)

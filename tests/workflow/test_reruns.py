@@ -37,7 +37,10 @@ def downstream(plan):
     """For each rule of the finished run: itself and the rules that use what it makes, directly or not."""
     graph = plan("--rulegraph", "dot").stdout
     names = dict(re.findall(r'^\t(\d+)\[label = "(\w+)"', graph, flags=re.MULTILINE))
-    arrows = [(names[a], names[b]) for a, b in re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)]
+    arrows = [
+        (names[a], names[b])
+        for a, b in re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)
+    ]
     assert arrows
     downstream = {name: {name} for name in names.values()}
     for _ in names:
@@ -47,7 +50,9 @@ def downstream(plan):
 
 
 @pytest.mark.parametrize("name", [*EDITED, UNUSED])
-def test_an_edited_file_reruns_the_rules_that_depend_on_it_and_no_other(plan, tiny_source, rules, downstream, name):
+def test_an_edited_file_reruns_the_rules_that_depend_on_it_and_no_other(
+    plan, tiny_source, rules, downstream, name
+):
     direct = {rule.name for rule in rules if Path(name) in rule.code or rule.script == ROOT / name}
     expected = set().union(*(downstream[rule] for rule in direct & set(downstream)))
     with edited(tiny_source / name):
@@ -77,10 +82,15 @@ def test_touching_unchanged_inputs_reruns_nothing(plan, tiny_run, tiny_source):
         ("phy: {tolerance_db: 0.1}", {"render_phy", "render_closed_loop"}),
         ("tracker: {training: {learning_rate: 5.0e-4}}", {"train_tracker"}),
         ("cgan: {training: {precision: float32}}", {"train_cgan"}),
-        ("reference: {picks: {gap_db: 0.3}}", {"reference_frames_0000", "reference_frames_0001", "reference_scenes"}),
+        (
+            "reference: {picks: {gap_db: 0.3}}",
+            {"reference_frames_0000", "reference_frames_0001", "reference_scenes"},
+        ),
     ],
 )
-def test_a_setting_reruns_what_depends_on_it_and_nothing_else(plan, tmp_path, downstream, text, first):
+def test_a_setting_reruns_what_depends_on_it_and_nothing_else(
+    plan, tmp_path, downstream, text, first
+):
     changed = plan("--dry-run", configs=settings(tmp_path, text))
     triggered = re.search(r"Rules with provenance triggered jobs: (.*)", text_of(changed))
     assert triggered
@@ -90,6 +100,8 @@ def test_a_setting_reruns_what_depends_on_it_and_nothing_else(plan, tmp_path, do
 
 
 def test_a_setting_of_another_stage_reruns_nothing(plan, tmp_path):
-    other = "tracker: {n_bootstrap: 7, training: {learning_rate: 1.0}}\nsimilarity: {window_rows: 20}"
+    other = (
+        "tracker: {n_bootstrap: 7, training: {learning_rate: 1.0}}\nsimilarity: {window_rows: 20}"
+    )
     changed = plan("--dry-run", "--", "labels", "renders", configs=settings(tmp_path, other))
     assert rules_to_run(changed) == set()

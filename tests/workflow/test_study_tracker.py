@@ -15,7 +15,9 @@ def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
     zones = pd.read_csv(tiny_run / "results/tables/picks_by_zone.csv")
     depths = pd.read_csv(tiny_run / "results/tables/picks_by_depth.csv")
     for parts in (zones, depths):
-        whole = parts.groupby("training_set")[["n_layers", "n_true", "n_found", "n_false_layers"]].sum()
+        whole = parts.groupby("training_set")[
+            ["n_layers", "n_true", "n_found", "n_false_layers"]
+        ].sum()
         assert whole.equals(picks.groupby("training_set")[list(whole.columns)].sum())
     scores = pd.read_csv(tiny_run / "results/tables/table3_zones.csv")
     assert scores.groupby(["training_set", "metric"])["n_images"].sum().eq(3).all()
@@ -30,10 +32,16 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     run_snakemake(tmp_path / "run", "--", "study_tracker", "study_budgets", timeout=3600)
     folder = tmp_path / "run/results/studies/tracker"
     ablation = pd.read_csv(folder / "ablation.csv")
-    assert {"default", "masked", "full_labels", "balanced_by_image", "phy_as_printed"} <= set(ablation["setting"])
+    assert {"default", "masked", "full_labels", "balanced_by_image", "phy_as_printed"} <= set(
+        ablation["setting"]
+    )
     assert np.isfinite(ablation["mean"]).all()
     worth = pd.read_csv(folder / "worth.csv")
-    row = worth[(worth["training_set"] == "pd") & (worth["base_training_set"] == "rd") & (worth["metric"] == "ods")]
+    row = worth[
+        (worth["training_set"] == "pd")
+        & (worth["base_training_set"] == "rd")
+        & (worth["metric"] == "ods")
+    ]
     assert len(row) == 1
     assert (worth["low"] <= worth["difference"]).all()
     assert (worth["bootstrap_low"] <= worth["bootstrap_high"]).all()

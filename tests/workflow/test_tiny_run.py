@@ -27,7 +27,10 @@ def test_both_tables_are_complete(tiny_run):
     assert len(table2) == 9
     table3 = pd.read_csv(tiny_run / "results/tables/table3.csv")
     assert list(table3["output"]) == list(OUTPUTS)
-    assert list(table3.columns) == ["output", *[f"{name}_{metric}" for name in SETS for metric in ("ods", "ois", "ap")]]
+    assert list(table3.columns) == [
+        "output",
+        *[f"{name}_{metric}" for name in SETS for metric in ("ods", "ois", "ap")],
+    ]
     scores = table3.drop(columns="output").to_numpy()
     assert np.isfinite(scores).all()
     assert ((scores >= 0) & (scores <= 1)).all()
@@ -39,7 +42,9 @@ def test_every_label_set_is_rendered_by_both_methods_at_its_own_height(tiny_run)
     assert len(labels) == len(phy) == len(cgan) > 0
     for label, by_phy, by_cgan in zip(labels, phy, cgan, strict=True):
         assert label.name == by_phy.name == by_cgan.name
-        assert by_phy.image.shape == by_cgan.image.shape == (label.n_range_bins, label.n_range_lines)
+        assert (
+            by_phy.image.shape == by_cgan.image.shape == (label.n_range_bins, label.n_range_lines)
+        )
         assert label.layer_bins.shape[0] == label.notes["n_layers"] + 1  # and the surface
         assert not crossing_layers(label.layer_bins).any()
 
@@ -56,16 +61,23 @@ def test_every_figure_decodes_and_nothing_half_written_is_left(tiny_run):
     assert [str(path) for path in (tiny_run / "results").rglob("*.part*")] == []
 
 
-def test_every_sweep_of_estimators_runs_its_ends_and_no_flight_gives_a_number_that_is_not_finite(tiny_run):
+def test_every_sweep_of_estimators_runs_its_ends_and_no_flight_gives_a_number_that_is_not_finite(
+    tiny_run,
+):
     atlas = pd.read_csv(tiny_run / "results/tables/atlas_statistics.csv")
     assert list(atlas.columns) == list(COLUMNS)
     assert set(atlas["outcome"]) <= {"within", "beyond", "refused"}
     refused = atlas["outcome"] == "refused"
     assert (refused == (atlas["quantity"] == "all")).all()
     assert (atlas.loc[refused, "note"].str.len() > 20).all()
-    assert np.isfinite(atlas.loc[~refused, ["error", "largest", "standard_error"]].to_numpy(float)).all()
+    assert np.isfinite(
+        atlas.loc[~refused, ["error", "largest", "standard_error"]].to_numpy(float)
+    ).all()
     for panel, (values, _) in SWEEPS.items():
-        assert set(atlas.loc[atlas["panel"] == panel, "value"].astype(float)) == {float(values[0]), float(values[-1])}
+        assert set(atlas.loc[atlas["panel"] == panel, "value"].astype(float)) == {
+            float(values[0]),
+            float(values[-1]),
+        }
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +86,9 @@ def page(tiny_run):
     return (tiny_run / "results/report.html").read_text()
 
 
-def test_the_page_is_of_a_synthetic_flight_small_names_nothing_outside_and_has_every_figure_of_the_paper(page):
+def test_the_page_is_of_a_synthetic_flight_small_names_nothing_outside_and_has_every_figure_of_the_paper(
+    page,
+):
     assert "No observed radar data were used" in page
     outside = re.findall(r"""(?:src|href|action)\s*=\s*["'](?!data:|#)([^"']+)""", page)
     assert outside == []
@@ -99,7 +113,10 @@ def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page
 
 def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
     alone = ["unshare", "--net", "--map-root-user"]
-    if shutil.which("unshare") is None or subprocess.run([*alone, "true"], check=False).returncode != 0:
+    if (
+        shutil.which("unshare") is None
+        or subprocess.run([*alone, "true"], check=False).returncode != 0
+    ):
         alone = []
     page = tmp_path / "report.html"
     done = call(*alone, *command(tiny_run, "--report", page, source=tiny_source))

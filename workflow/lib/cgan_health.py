@@ -1,7 +1,7 @@
 """Signs that a training of the conditional GAN has collapsed, and the limits of each.
 
-Each limit was set before it was tried, for the reason stated beside it; where one had to be moved or added, that is
-said there, and the ten healthy trainings of the tests were drawn afterwards.
+Each limit was set before it was tried, for the reason stated beside it; where one had to be moved
+or added, that is said there, and the ten healthy trainings of the tests were drawn afterwards.
 """
 
 from dataclasses import replace
@@ -12,33 +12,39 @@ from snowsim.cgan.render import render
 from snowsim.seeding import random_stream
 
 UNDECIDED = {"bce": np.log(2), "lsgan": 0.25}  # loss of a discriminator that always says one half
-WINDOW_STEPS = 200  # the loss of one step scatters by about a half: its mean over these is known to 0.04
+WINDOW_STEPS = (
+    200  # the loss of one step scatters by about a half: its mean over these is known to 0.04
+)
 N_SCENES = 4
 PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
 
 # Below a tenth of the undecided loss it is right with 93 % confidence everywhere: its gradient for
 # the generator is mostly noise.
 SATURATED = 0.1
-# A discriminator that has learnt anything beats one that always says one half; 2 % for the scatter of the mean.
+# A discriminator that has learnt anything beats one that always says one half; 2 % for the scatter
+# of the mean.
 IDLE = 0.98
-# Renders of different masks that differ by less than a quarter of what the observed scenes differ by ignore the mask:
-# speckle alone, equal in none, makes observed scenes differ by about a third of their whole difference.
+# Renders of different masks that differ by less than a quarter of what the observed scenes differ
+# by ignore the mask: speckle alone, equal in none, makes observed scenes differ by about a third of
+# their whole difference.
 MASK_RESPONSE = 0.25
 # Half a grey level is what rounding to 8 bits hides: dropout that does less does nothing.
 DRAW_SPREAD = 0.5
-# A plain grey image of the observed mean errs as much: a render that errs more has learnt nothing. Added when trainings
-# at a hundred times the rate were found to answer to the mask. Three quarters would find one more of eleven of those,
-# and small healthy trainings with them.
+# A plain grey image of the observed mean errs as much: a render that errs more has learnt nothing.
+# Added when trainings at a hundred times the rate were found to answer to the mask. Three quarters
+# would find one more of eleven of those, and small healthy trainings with them.
 ERROR_SHARE = 1.0
-# Speckle of 16 looks has 7 grey levels: a pattern of three shows through it. It was 1 at first, the finest pattern that
-# 8 bits hold: a healthy training reached 1.05. Scenes with flat layers hold some themselves.
+# Speckle of 16 looks has 7 grey levels: a pattern of three shows through it. It was 1 at first, the
+# finest pattern that 8 bits hold: a healthy training reached 1.05. Scenes with flat layers hold
+# some themselves.
 CHECKERBOARD, CHECKERBOARD_OBSERVED = 3.0, 3.0
 
 
 def measure_losses(losses, adversarial):
     """`discriminator_ratio`: mean loss over the last `WINDOW_STEPS` steps, relative to an undecided discriminator's.
 
-    `losses` of the steps so far, as `train_steps` yields them; `adversarial` as in `Settings`, nothing for `none`.
+    `losses` of the steps so far, as `train_steps` yields them; `adversarial` as in `Settings`,
+    nothing for `none`.
     """
     if adversarial == "none":
         return {}
@@ -50,11 +56,12 @@ def measure_losses(losses, adversarial):
 def measure_renders(generator, scenes, settings, *, seed):
     """What the renders of the first `N_SCENES` observed scenes depend on, and the pattern they carry, a dict.
 
-    `mask_response`: root mean square difference between renders of different masks by the same dropout, as a share of
-    that between the observed images; `draw_spread`: the same between two draws for one mask [grey levels];
-    `error_share`: root mean square error as a share of the observed images' standard deviation; `checkerboard` and
-    `checkerboard_observed` [grey levels]. NaN if a render is not finite; ValueError for fewer than two scenes.
-    Scenes are cut to the smallest of them; `settings` as for `render`.
+    `mask_response`: root mean square difference between renders of different masks by the same
+    dropout, as a share of that between the observed images; `draw_spread`: the same between two
+    draws for one mask [grey levels]; `error_share`: root mean square error as a share of the
+    observed images' standard deviation; `checkerboard` and `checkerboard_observed` [grey levels].
+    NaN if a render is not finite; ValueError for fewer than two scenes. Scenes are cut to the
+    smallest of them; `settings` as for `render`.
     """
     scenes = [scenes[number] for number in range(min(N_SCENES, len(scenes)))]
     if len(scenes) < 2:
@@ -67,7 +74,10 @@ def measure_renders(generator, scenes, settings, *, seed):
     def rendered(draw):
         try:
             streams = (random_stream(seed, "cgan", "health", draw) for _ in cut)
-            images = [render(generator, scene, settings, rng=rng) for scene, rng in zip(cut, streams, strict=True)]
+            images = [
+                render(generator, scene, settings, rng=rng)
+                for scene, rng in zip(cut, streams, strict=True)
+            ]
             return np.stack(images).astype(float)
         except FloatingPointError:
             return np.full((len(scenes), height, width), np.nan)
@@ -87,8 +97,9 @@ def measure_renders(generator, scenes, settings, *, seed):
 def checkerboard(image):
     """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
 
-    The strongest of the periods: standard deviation of the median over all cells of a grid of that period, each less
-    its mean and what is the same along a row, which might be snow. Layers and edges, bright in few, move no median.
+    The strongest of the periods: standard deviation of the median over all cells of a grid of that
+    period, each less its mean and what is the same along a row, which might be snow. Layers and
+    edges, bright in few, move no median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []
@@ -106,7 +117,8 @@ def checkerboard(image):
 def faults(numbers, *, dropout):
     """What is wrong by the limits of this module, a phrase each; empty for a healthy training.
 
-    `numbers` of `measure_losses` and `measure_renders`, missing ones not checked. Without dropout draws may be equal.
+    `numbers` of `measure_losses` and `measure_renders`, missing ones not checked. Without dropout
+    draws may be equal.
     """
     found = []
     ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)
@@ -115,17 +127,25 @@ def faults(numbers, *, dropout):
     if not np.isfinite([ratio, response, pattern]).all() or np.isnan(spread):
         return ["values that are not finite"]
     if ratio < SATURATED:
-        found.append(f"discriminator saturated: its loss is {ratio:.3f} of an undecided one's, below {SATURATED}")
+        found.append(
+            f"discriminator saturated: its loss is {ratio:.3f} of an undecided one's, below {SATURATED}"
+        )
     if ratio > IDLE:
-        found.append(f"discriminator idle: its loss is {ratio:.3f} of an undecided one's, above {IDLE}")
+        found.append(
+            f"discriminator idle: its loss is {ratio:.3f} of an undecided one's, above {IDLE}"
+        )
     if response < MASK_RESPONSE:
-        found.append(f"mask ignored: renders differ by {response:.3f} of what scenes do, below {MASK_RESPONSE}")
+        found.append(
+            f"mask ignored: renders differ by {response:.3f} of what scenes do, below {MASK_RESPONSE}"
+        )
     if numbers.get("error_share", 0.0) > ERROR_SHARE:
         found.append(
             f"nothing learnt: renders err by {numbers['error_share']:.2f} of the contrast, above {ERROR_SHARE}"
         )
     if dropout > 0 and spread < DRAW_SPREAD:
-        found.append(f"dropout ignored: draws differ by {spread:.3f} grey levels, below {DRAW_SPREAD}")
+        found.append(
+            f"dropout ignored: draws differ by {spread:.3f} grey levels, below {DRAW_SPREAD}"
+        )
     if pattern > limit:
         found.append(f"checkerboard: a pattern of {pattern:.2f} grey levels, above {limit:.2f}")
     return found

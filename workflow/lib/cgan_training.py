@@ -28,9 +28,13 @@ def examine(training, losses, scenes, observed=None):
     """Scores on some scenes, numbers of health, and the renders, of a training as it is."""
     of_it = training.generator, scenes, training.settings
     scores, images = validate(*of_it, seed=training.seed)
-    rendered = (dataclasses.replace(scene, image=image) for scene, image in zip(scenes, images, strict=True))
+    rendered = (
+        dataclasses.replace(scene, image=image) for scene, image in zip(scenes, images, strict=True)
+    )
     scores["distance"] = scenes_distance(rendered, observed or scenes)
-    numbers = measure_losses(losses, training.settings.adversarial) | measure_renders(*of_it, seed=training.seed)
+    numbers = measure_losses(losses, training.settings.adversarial) | measure_renders(
+        *of_it, seed=training.seed
+    )
     return scores, numbers, images
 
 
@@ -40,8 +44,15 @@ class Validation:
     by = "fitness"
 
     def __init__(self, training, scenes, validation, *, observed=None, goes_on=False):
-        self.training, self.scenes, self.observed, self.goes_on = training, scenes, observed, goes_on
-        self.every_steps, self.patience, self.metric = (validation[key] for key in ("every_steps", "patience", "by"))
+        self.training, self.scenes, self.observed, self.goes_on = (
+            training,
+            scenes,
+            observed,
+            goes_on,
+        )
+        self.every_steps, self.patience, self.metric = (
+            validation[key] for key in ("every_steps", "patience", "by")
+        )
         self.run, self.images = None, []
 
     def score(self):
@@ -56,7 +67,9 @@ class Validation:
         if self.goes_on:
             return {**row, "fitness": fitness}
         # Once may pass; twice in a row, or at the end, it has collapsed.
-        if found and (training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)):
+        if found and (
+            training.step == settings.n_steps or (len(before) and before["n_faults"].iloc[-1] > 0)
+        ):
             msg = f"step {training.step}: {'; '.join(found)}"
             raise Collapsed(msg)
         return {**row, "fitness": -float("inf") if found else fitness}
@@ -67,7 +80,10 @@ class Validation:
 
     def samples(self):
         """Renders of the first scenes, by name."""
-        return {scene.name: image for scene, image in zip(self.scenes[:N_SAMPLES], self.images, strict=False)}
+        return {
+            scene.name: image
+            for scene, image in zip(self.scenes[:N_SAMPLES], self.images, strict=False)
+        }
 
 
 def sample_scenes(scenes, samples):
@@ -75,7 +91,9 @@ def sample_scenes(scenes, samples):
     for scene in scenes[:N_SAMPLES]:
         yield dataclasses.replace(scene, complete_layer_bins=None, notes={"step": None})
         for step, images in samples.items():
-            yield dataclasses.replace(scene, image=images[scene.name], complete_layer_bins=None, notes={"step": step})
+            yield dataclasses.replace(
+                scene, image=images[scene.name], complete_layer_bins=None, notes={"step": step}
+            )
 
 
 def train_and_examine(settings, seed, train_scenes, held_scenes, guides=None):
@@ -85,7 +103,11 @@ def train_and_examine(settings, seed, train_scenes, held_scenes, guides=None):
     try:
         losses = [step_losses for _, step_losses in train_steps(training, train_scenes, guides)]
         seconds = time.process_time() - started
-        rendered = held_scenes if guides is None else [guides[number] for number in range(len(held_scenes))]
+        rendered = (
+            held_scenes
+            if guides is None
+            else [guides[number] for number in range(len(held_scenes))]
+        )
         scores, numbers, _ = examine(training, losses, rendered, held_scenes)
     except FloatingPointError as error:
         return {"outcome": f"values that are not finite: {error}"}

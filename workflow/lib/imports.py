@@ -1,7 +1,7 @@
 """What a script depends on: the files of this project that it imports, and that those import in turn.
 
-Snakemake does not follow imports, so rules name these files. That importing a module executes the ``__init__`` of its
-folder does not count: a script takes nothing from it.
+Snakemake does not follow imports, so rules name these files. That importing a module executes the
+``__init__`` of its folder does not count: a script takes nothing from it.
 """
 
 import ast
@@ -9,7 +9,8 @@ import functools
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Where the first part of a dotted name lies, and what it may be: scripts import each other by their bare names.
+# Where the first part of a dotted name lies, and what it may be: scripts import each other by their
+# bare names.
 PLACES = {"snowsim": ROOT, "lib": ROOT / "workflow"}
 SCRIPTS = ROOT / "workflow/scripts"
 # Logs, errors and progress of every script: no result depends on them.
@@ -43,7 +44,11 @@ def imported_files(path):
             files += [module_file(alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = module_file(node.module)
-            files += [module_file(f"{node.module}.{alias.name}") or own for alias in node.names] if own else []
+            files += (
+                [module_file(f"{node.module}.{alias.name}") or own for alias in node.names]
+                if own
+                else []
+            )
     return sorted(set(filter(None, files)) - WITHOUT)
 
 

@@ -6,7 +6,17 @@ import time
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("numpy", "scipy", "numba", "xarray", "scikit-image", "matplotlib", "pandas", "torch", "snakemake")
+PACKAGES = (
+    "numpy",
+    "scipy",
+    "numba",
+    "xarray",
+    "scikit-image",
+    "matplotlib",
+    "pandas",
+    "torch",
+    "snakemake",
+)
 
 
 def describe_machine():
@@ -14,7 +24,9 @@ def describe_machine():
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     total = kernel_field("/proc/meminfo", "MemTotal")
     return {
-        "processor": kernel_field("/proc/cpuinfo", "model name") or platform.processor() or platform.machine(),
+        "processor": kernel_field("/proc/cpuinfo", "model name")
+        or platform.processor()
+        or platform.machine(),
         "cores in reach": str(cores),
         "memory": f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown",
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
@@ -48,8 +60,9 @@ def device_name():
 def time_rounds(works, n_rounds, *, n_warm_up=1, clock=time.perf_counter):
     """Runs ``(name, repeat, seconds)`` of works, callables by name, in the order they ran.
 
-    Each runs once a round, so that a busy machine slows all of them alike, and `n_warm_up` times right before: these
-    compile, and bring back to the cache what other work drove out. Without a round, ValueError.
+    Each runs once a round, so that a busy machine slows all of them alike, and `n_warm_up` times
+    right before: these compile, and bring back to the cache what other work drove out. Without a
+    round, ValueError.
     """
     if not (n_rounds >= 1 and n_warm_up >= 0):
         msg = f"expected n_rounds of at least 1 and n_warm_up of at least 0, got {n_rounds} and {n_warm_up}"

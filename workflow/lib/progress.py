@@ -17,5 +17,11 @@ def progress(iterable, description, total=None, initial=0):
     """Iterate with a progress bar on stderr, redrawn at most every few seconds where it is no terminal."""
     interval = 0.5 if sys.stderr.isatty() else 15
     return tqdm(
-        iterable, description, total=total, initial=initial, mininterval=interval, miniters=1, dynamic_ncols=True
+        iterable,
+        description,
+        total=total,
+        initial=initial,
+        mininterval=interval,
+        miniters=1,
+        dynamic_ncols=True,
     )

@@ -38,13 +38,19 @@ def named_by(figures, kind):
 
 def settings_of(figures):
     """Settings of all figures by name."""
-    return {name: value for figure in figures.values() for name, value in figure.get("settings", {}).items()}
+    return {
+        name: value
+        for figure in figures.values()
+        for name, value in figure.get("settings", {}).items()
+    }
 
 
 def drawn_by(stage):
     """Input function: what draws a stage's figures; an edit to those of another stage draws nothing anew."""
     drawing = ROOT / f"workflow/lib/figures/{stage}.py"
-    return lambda wildcards: sorted({str(f) for f in (drawing, *closure(drawing), *closure(SCRIPTS / "plot.py"))})
+    return lambda wildcards: sorted(
+        {str(f) for f in (drawing, *closure(drawing), *closure(SCRIPTS / "plot.py"))}
+    )
 
 
 def write_captions(registry, folder):

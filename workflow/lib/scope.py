@@ -9,12 +9,16 @@ LINES = 16  # over which a slope is taken: picks are whole bins
 def geometry(scene):
     """Height [range bins], layers below the surface, slope [bins per range line] and spacing [bins] of a `Scene`.
 
-    Slope is a layer's where it is steep, spacing that of neighbours where they are close; none where there is none.
+    Slope is a layer's where it is steep, spacing that of neighbours where they are close; none
+    where there is none.
     """
     layers = scene.layer_bins[np.isfinite(scene.layer_bins).any(axis=1)]
     found = {"height": scene.n_range_bins, "layers": max(len(layers) - 1, 0)}
     slopes = (layers[:, LINES:] - layers[:, :-LINES]) / LINES
-    for name, values, share in (("slope", slopes, STEEP), ("spacing", np.diff(layers, axis=0), CLOSE)):
+    for name, values, share in (
+        ("slope", slopes, STEEP),
+        ("spacing", np.diff(layers, axis=0), CLOSE),
+    ):
         values = np.abs(values[np.isfinite(values)])
         if values.size:
             found[name] = float(np.percentile(values, share))
@@ -25,7 +29,9 @@ def scope_of(scenes):
     """Least and most of every quantity of `geometry` over scenes, lists by name; to be kept with the generator."""
     found = [geometry(scene) for scene in scenes]
     names = {name for of_scene in found for name in of_scene}
-    held = {name: [of_scene[name] for of_scene in found if name in of_scene] for name in sorted(names)}
+    held = {
+        name: [of_scene[name] for of_scene in found if name in of_scene] for name in sorted(names)
+    }
     return {name: [min(values), max(values)] for name, values in held.items()}
 
 

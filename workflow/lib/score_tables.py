@@ -13,11 +13,15 @@ from snowsim.metrics.edges import COUNTS, score, stack_counts
 def similarity_table(images):
     """Table II: minimum, mean and maximum of each metric over the images, a column a method, in alphabetical order.
 
-    `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and the methods.
+    `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and
+    the methods.
     """
     rows = []
     for metric, statistic in product(("ssim", "psnr", "rmse"), ("min", "mean", "max")):
-        row = {method: getattr(group[metric], statistic)() for method, group in images.groupby("method")}
+        row = {
+            method: getattr(group[metric], statistic)()
+            for method, group in images.groupby("method")
+        }
         rows.append({"metric": metric, "statistic": statistic, **row})
     return pd.DataFrame(rows)
 
@@ -25,8 +29,9 @@ def similarity_table(images):
 def ssim_against_depth(rows, window_rows):
     """Mean SSIM of every row over the depth that all images share, and its moving average (Fig. 12).
 
-    `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is centred over
-    `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim, ssim_smooth`.
+    `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is
+    centred over `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim,
+    ssim_smooth`.
     """
     common_depth = rows.groupby(["method", "scene"])["range_bin"].max().min()
     common = rows[rows["range_bin"] <= common_depth]
@@ -40,7 +45,10 @@ def ssim_against_depth(rows, window_rows):
 def counts_by_image(table):
     """One output's per-threshold counts as the list that `snowsim.metrics.edges.score` takes, images sorted by name."""
     ordered = table.sort_values(["scene", "threshold"])
-    return [{name: group[name].to_numpy() for name in COUNTS} for _, group in ordered.groupby("scene", sort=True)]
+    return [
+        {name: group[name].to_numpy() for name in COUNTS}
+        for _, group in ordered.groupby("scene", sort=True)
+    ]
 
 
 def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
@@ -60,31 +68,44 @@ def tracker_table(intervals):
     """Table III in the paper's layout from the long table of `tracker_intervals`: a row per output."""
     wide = intervals.assign(column=intervals["training_set"] + "_" + intervals["metric"])
     columns = list(dict.fromkeys(wide["column"]))
-    table = wide.pivot_table(index="output", columns="column", values="mean").reindex(index=OUTPUTS, columns=columns)
+    table = wide.pivot_table(index="output", columns="column", values="mean").reindex(
+        index=OUTPUTS, columns=columns
+    )
     return table.rename_axis(columns=None).reset_index()
 
 
 def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
     """Scores of every training set and output, with intervals, and their differences to the first set.
 
-    `counts` maps (training set, output) to a list over replicas of lists over images, in one order, of count dicts.
-    Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and replicas, are drawn `n_bootstrap`
-    times with replacement, the same for every set. Columns `output, training_set, metric, mean, low, high, difference,
-    difference_low, difference_high, n_replicas, n_images, n_without_truth`; images without truth put their false
-    positives into OIS at the lowest threshold, see `snowsim.metrics.edges.score`.
+    `counts` maps (training set, output) to a list over replicas of lists over images, in one order,
+    of count dicts. Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and
+    replicas, are drawn `n_bootstrap` times with replacement, the same for every set. Columns
+    `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
+    n_replicas, n_images, n_without_truth`; images without truth put their false positives into OIS
+    at the lowest threshold, see `snowsim.metrics.edges.score`.
     """
-    stacked = {key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()}
+    stacked = {
+        key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()
+    }
     first = counts[training_sets[0], outputs[0]]
     n_replicas, n_images = len(first), len(first[0])
-    sizes = {"n_replicas": n_replicas, "n_images": n_images, "n_without_truth": score(first[0])["n_without_truth"]}
+    sizes = {
+        "n_replicas": n_replicas,
+        "n_images": n_images,
+        "n_without_truth": score(first[0])["n_without_truth"],
+    }
     draws = [
-        (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images)) for _ in range(n_bootstrap)
+        (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images))
+        for _ in range(n_bootstrap)
     ]
     rows = []
     for output in outputs:
         point = {s: replica_scores(stacked[s, output]) for s in training_sets}
         resampled = {
-            s: [replica_scores([stacked[s, output][i] for i in chosen], images) for chosen, images in draws]
+            s: [
+                replica_scores([stacked[s, output][i] for i in chosen], images)
+                for chosen, images in draws
+            ]
             for s in training_sets
         }
         for training_set in training_sets:
@@ -93,10 +114,20 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
                 mean, base_mean = _means([point[training_set], point[training_sets[0]]], index)
                 low, high = np.percentile(here, [2.5, 97.5])
                 ends = dict(
-                    zip(("difference_low", "difference_high"), np.percentile(here - base, [2.5, 97.5]), strict=True)
+                    zip(
+                        ("difference_low", "difference_high"),
+                        np.percentile(here - base, [2.5, 97.5]),
+                        strict=True,
+                    )
                 )
                 rows.append(
-                    {"output": output, "training_set": training_set, "metric": metric, "mean": mean, "low": low}
+                    {
+                        "output": output,
+                        "training_set": training_set,
+                        "metric": metric,
+                        "mean": mean,
+                        "low": low,
+                    }
                     | {"high": high, "difference": mean - base_mean, **ends, **sizes}
                 )
     return pd.DataFrame(rows)

@@ -1,6 +1,7 @@
 """Checks before the first job: the source's data, and space for results; a ValueError says what is wrong.
 
-Readers are imported where they are used: every start of the workflow comes by here, and needs those of one source.
+Readers are imported where they are used: every start of the workflow comes by here, and needs those
+of one source.
 """
 
 import os
@@ -55,7 +56,11 @@ def own_pairs(folder, lists, data_scale):
     if folder is None:
         msg = "config: import.pairs.folder: expected a folder of the published benchmark, got null"
         raise ValueError(msg)
-    pairs = {split: PairSet(Path(folder) / name, data_scale=data_scale) for split, name in lists.items() if name}
+    pairs = {
+        split: PairSet(Path(folder) / name, data_scale=data_scale)
+        for split, name in lists.items()
+        if name
+    }
     seen = {}
     for split, scenes in pairs.items():
         for scene in scenes.names:
@@ -70,7 +75,8 @@ def own_pairs(folder, lists, data_scale):
 def check_lists(lists, *, data_scale, contrast_db):
     """Table of every scene of the lists, split by split; one ValueError names all that cannot be read.
 
-    All scenes must be of one width; without `contrast_db` train scenes must tell what their grey levels stand for.
+    All scenes must be of one width; without `contrast_db` train scenes must tell what their grey
+    levels stand for.
     """
     import pandas as pd
 
@@ -79,7 +85,9 @@ def check_lists(lists, *, data_scale, contrast_db):
     rows, failed = [], []
     for split, path in lists.items():
         try:
-            rows += [{"split": split, **row} for row in PairSet(path, data_scale=data_scale).check()]
+            rows += [
+                {"split": split, **row} for row in PairSet(path, data_scale=data_scale).check()
+            ]
         except ValueError as error:
             failed.append(f"{path}: {error}")
     if failed:

@@ -1,8 +1,8 @@
 """Which trainings the study of the tracker is made of: settings, and how each differs from the default.
 
-A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`, `steps` (a factor),
-`skip` (a share), `phy` and `training`. A run is a pair of names, (setting, training set). `tracker` is the
-section of the configuration.
+A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`,
+`steps` (a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting,
+training set). `tracker` is the section of the configuration.
 """
 
 from pathlib import Path
@@ -10,7 +10,9 @@ from pathlib import Path
 
 def ablation_of(study, training_sets):
     """Settings of the ablation by name, the default first."""
-    return {"default": {"training_sets": list(training_sets)}} | {each["name"]: each for each in study["ablation"]}
+    return {"default": {"training_sets": list(training_sets)}} | {
+        each["name"]: each for each in study["ablation"]
+    }
 
 
 def check_names(study):
@@ -30,7 +32,9 @@ def check_names(study):
 
 def worth_of(study):
     """Pairs of runs, (setting, training set), whose difference is the worth of the first."""
-    return [tuple(tuple(f"default/{name}".split("/")[-2:]) for name in pair) for pair in study["worth"]]
+    return [
+        tuple(tuple(f"default/{name}".split("/")[-2:]) for name in pair) for pair in study["worth"]
+    ]
 
 
 def pairs_of(runs):
@@ -41,7 +45,9 @@ def pairs_of(runs):
 def data_of(changes, tracker):
     """How scenes are put together in a setting."""
     default = {key: tracker[key] for key in ("added_per_real", "order")}
-    return default | {k: v for k, v in changes.items() if k in {"order", "labels", "zones", "added_per_real"}}
+    return default | {
+        k: v for k, v in changes.items() if k in {"order", "labels", "zones", "added_per_real"}
+    }
 
 
 def training_of(changes, tracker):

@@ -7,12 +7,24 @@ from torch.utils.data import Subset
 from snowsim.tracker import Completed, TrainingSet
 
 
-def compose(real, added, settings, n_epochs, seed, added_per_real, order="mixed", labels="picked", zones=None):
+def compose(
+    real,
+    added,
+    settings,
+    n_epochs,
+    seed,
+    added_per_real,
+    order="mixed",
+    labels="picked",
+    zones=None,
+):
     """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
     if labels == "complete":
         real = Completed(real)
     if zones is not None:
-        places = ([place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added)
+        places = (
+            [place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added
+        )
         added = list(map(Subset, added, places))
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
@@ -20,5 +32,7 @@ def compose(real, added, settings, n_epochs, seed, added_per_real, order="mixed"
         settings = dataclasses.replace(settings, n_steps=n_shown // settings.batch_size)
     if order == "synthetic_first":
         n_draws = settings.n_steps * settings.batch_size // settings.n_copies
-        scenes = TrainingSet(real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed)
+        scenes = TrainingSet(
+            real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
+        )
     return scenes, settings

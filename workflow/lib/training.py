@@ -26,13 +26,23 @@ logger = logging.getLogger("snowsim")
 class TrainingRun:
     """One training with its checkpoint, losses, validations and logs: a context in which its files are written.
 
-    `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint (`.safetensors`, every
-    `every_steps`) says something else or is truncated; it goes when the block ends well. Events for TensorBoard go to
-    the folder `path_to_events`. `validation` has `score` every `every_steps` and after the last step, `weights` to keep
-    of the `best`, highest in `by`, and `samples` of each; `patience` of them without a better one end the training.
+    `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint
+    (`.safetensors`, every `every_steps`) says something else or is truncated; it goes when the
+    block ends well. Events for TensorBoard go to the folder `path_to_events`. `validation` has
+    `score` every `every_steps` and after the last step, `weights` to keep of the `best`, highest in
+    `by`, and `samples` of each; `patience` of them without a better one end the training.
     """
 
-    def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None, validation=None):
+    def __init__(
+        self,
+        training,
+        path_to_checkpoint,
+        expected,
+        *,
+        every_steps,
+        path_to_events=None,
+        validation=None,
+    ):
         self.training, self.validation, self.every_steps = training, validation, every_steps
         self.best, self.best_step, self.samples = None, 0, {}
         self._path, self._events_path = Path(path_to_checkpoint), path_to_events
@@ -41,7 +51,8 @@ class TrainingRun:
         self._events = None
 
     def __enter__(self):
-        # The workflow gives every process one thread; a training called by anyone else ends with the same bytes.
+        # The workflow gives every process one thread; a training called by anyone else ends with
+        # the same bytes.
         torch.set_num_threads(1)
         if self._path.exists():
             self._resume()
@@ -76,7 +87,10 @@ class TrainingRun:
     def has_stalled(self):
         """Whether the last `patience` validations brought nothing better."""
         patience = None if self.validation is None else self.validation.patience
-        return patience is not None and sum(row["step"] > self.best_step for row in self._scores) >= patience
+        return (
+            patience is not None
+            and sum(row["step"] > self.best_step for row in self._scores) >= patience
+        )
 
     def take(self, steps, n_steps, description):
         """Take the `steps` left of `n_steps`, or fewer if validation stalls, beside a progress bar so described."""
@@ -88,32 +102,50 @@ class TrainingRun:
             self._losses.append({"step": step, **losses})
             self._log("loss", losses, step, every=LOGGED_EVERY)
             if step % SHOWN_EVERY == 0:
-                bar.set_postfix({name: f"{value:.4g}" for name, value in losses.items()}, refresh=False)
+                bar.set_postfix(
+                    {name: f"{value:.4g}" for name, value in losses.items()}, refresh=False
+                )
             bar.update()
-            if self.validation is not None and (step % self.validation.every_steps == 0 or step == n_steps):
+            if self.validation is not None and (
+                step % self.validation.every_steps == 0 or step == n_steps
+            ):
                 self._validate(step)
             if step % self.every_steps == 0 and step < n_steps:
                 self._save(step)
         bar.close()
         if self.has_stalled:
-            logger.info("stopped after %d steps: none better since step %d", self.training.step, self.best_step)
+            logger.info(
+                "stopped after %d steps: none better since step %d",
+                self.training.step,
+                self.best_step,
+            )
 
     def _validate(self, step):
         scores = self.validation.score()
         best_before = max((row[self.validation.by] for row in self._scores), default=-np.inf)
         self._scores.append({"step": step, **scores})
         self._log("validation", scores, step)
-        logger.info("step %d: %s", step, ", ".join(f"{name} {value:.4g}" for name, value in scores.items()))
+        logger.info(
+            "step %d: %s", step, ", ".join(f"{name} {value:.4g}" for name, value in scores.items())
+        )
         self.samples[step] = self.validation.samples()
         if scores[self.validation.by] > best_before:
             # A copy: the weights go on changing.
-            self.best = {name: np.asarray(w).copy() for name, w in on_cpu(self.validation.weights()).items()}
+            self.best = {
+                name: np.asarray(w).copy() for name, w in on_cpu(self.validation.weights()).items()
+            }
             self.best_step = step
 
     def _save(self, step):
         tables = {"losses": self.losses(), "scores": self.scores()}
-        arrays = {"training": self.training.state(), "best": self.best or {}, "samples": self.samples}
-        arrays |= {kind: {name: np.array(table[name]) for name in table} for kind, table in tables.items()}
+        arrays = {
+            "training": self.training.state(),
+            "best": self.best or {},
+            "samples": self.samples,
+        }
+        arrays |= {
+            kind: {name: np.array(table[name]) for name in table} for kind, table in tables.items()
+        }
         columns = {kind: list(table) for kind, table in tables.items()}  # the file sorts them
         metadata = {**self._expected, "step": step, "best_step": self.best_step, "columns": columns}
         write_model(self._path, arrays, metadata)
@@ -147,7 +179,9 @@ def enough_memory(what):
         yield
     except (MemoryError, RuntimeError) as error:
         said = str(error).splitlines()[0] if str(error) else "no memory left"
-        out_of_memory = isinstance(error, MemoryError | torch.OutOfMemoryError) or "allocate memory" in said
+        out_of_memory = (
+            isinstance(error, MemoryError | torch.OutOfMemoryError) or "allocate memory" in said
+        )
         if not out_of_memory:
             raise
         msg = f"too little memory for {what}: {said[:200]}"

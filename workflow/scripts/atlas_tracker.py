@@ -19,14 +19,21 @@ def atlas_tracker(train, scenes, network, statistics, table, *, seed, settings, 
     flight = read_dataset(statistics)
 
     def render_level(n_layers):
-        scene = render_scene(level_scene(n_layers), flight, **phy, rng=random_stream(seed, "stress_tracker", n_layers))
+        scene = render_scene(
+            level_scene(n_layers),
+            flight,
+            **phy,
+            rng=random_stream(seed, "stress_tracker", n_layers),
+        )
         return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:
         trainings = training_atlas(real, short, atlas["learning_rates"], atlas["n_seeds"])
         rows = list(progress(trainings, "trainings"))
         pairs = [(scene.image, scene.mask()) for scene in held_out]
-    tracked = tracking_atlas(trained_network(weights, trained), trained.precision, pairs, atlas, render_level)
+    tracked = tracking_atlas(
+        trained_network(weights, trained), trained.precision, pairs, atlas, render_level
+    )
     rows += progress(tracked, "tracking")
     write_table(table, pd.DataFrame(rows))
 

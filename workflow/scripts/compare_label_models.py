@@ -28,13 +28,26 @@ def compare_label_models(
     tapered = flight.attrs["estimator"] != "paper"
     models = zone_models(summary, flight.sizes["layer"], zone_counts, tapered=tapered)
     surface = flight[[name for name in flight.data_vars if name.startswith("surface_")]]
-    by_count = {count: model.merge(surface) for count, model in zip(zone_counts, models, strict=True)}
+    by_count = {
+        count: model.merge(surface) for count, model in zip(zone_counts, models, strict=True)
+    }
     found = tabulate_models(list(by_count.values()))
-    chosen = {"paper": PAPER, "aic": choose(found, "aic", "aic"), "bic": choose(found, "bic", "bic")}
-    chosen |= {"bic, 4 zones": choose(found, PAPER[0], "bic"), "in use": choose(found, n_zones, psd)}
+    chosen = {
+        "paper": PAPER,
+        "aic": choose(found, "aic", "aic"),
+        "bic": choose(found, "bic", "bic"),
+    }
+    chosen |= {
+        "bic, 4 zones": choose(found, PAPER[0], "bic"),
+        "in use": choose(found, n_zones, psd),
+    }
     logger.info("chosen: %s", chosen)
-    datasets = {name: label_model(by_count[zones], spectrum) for name, (zones, spectrum) in chosen.items()}
-    models = {name: (*chosen[name], prepare(dataset, n_range_lines)) for name, dataset in datasets.items()}
+    datasets = {
+        name: label_model(by_count[zones], spectrum) for name, (zones, spectrum) in chosen.items()
+    }
+    models = {
+        name: (*chosen[name], prepare(dataset, n_range_lines)) for name, dataset in datasets.items()
+    }
     stream = partial(random_stream, seed, "compare_label_models")
 
     def draw_scenes(prepared):

@@ -25,25 +25,36 @@ def compare_renders(
     errors, by_region, in_air = [], [], []
     for method, paths in (("observed", observed), ("cgan", cgan), ("phy", phy)):
         with SceneSet(observed) as test, SceneSet(paths) as scenes:
-            for truth, scene in progress(zip(test, scenes, strict=True), f"{method} scenes", total=len(scenes)):
+            for truth, scene in progress(
+                zip(test, scenes, strict=True), f"{method} scenes", total=len(scenes)
+            ):
                 if truth.name != scene.name:
                     msg = f"{method}: expected scene {truth.name}, got {scene.name}"
                     raise ValueError(msg)
                 keys = {"scene": scene.name, "method": method}
                 # Renders were given the annotated layers: these are where their peaks should lie.
                 errors.append(position_errors(scene.image, truth.layer_bins, edges).assign(**keys))
-                by_region.append(texture_by_region(scene.image, truth.image, truth.layer_bins).assign(**keys))
+                by_region.append(
+                    texture_by_region(scene.image, truth.image, truth.layer_bins).assign(**keys)
+                )
                 above = air_texture(scene.image, scene.layer_bins)
-                in_air += [{"method": method, "quantity": name, "value": value} for name, value in above.items()]
+                in_air += [
+                    {"method": method, "quantity": name, "value": value}
+                    for name, value in above.items()
+                ]
     for path, tables in ((positions, errors), (textures, by_region)):
         table = pd.concat(tables)
         write_table(path, table[["scene", "method", *table.columns.drop(["scene", "method"])]])
     groups = pd.DataFrame(in_air).groupby(["quantity", "method"], sort=False)["value"]
-    write_table(air, groups.agg(["min", "mean", "max"]).assign(n_scenes=groups.size()).reset_index())
+    write_table(
+        air, groups.agg(["min", "mean", "max"]).assign(n_scenes=groups.size()).reset_index()
+    )
 
     rows, of_errors = [], []
     with SceneSet(observed) as test, SceneSet(cgan) as by_cgan, SceneSet(phy) as by_phy:
-        for truth, *renders in progress(zip(test, by_cgan, by_phy, strict=True), "bounds", total=len(test)):
+        for truth, *renders in progress(
+            zip(test, by_cgan, by_phy, strict=True), "bounds", total=len(test)
+        ):
             rendered = dict(zip(("cgan", "phy"), renders, strict=True))
             rows += similarity.explain_scene(truth, rendered, n_looks, rng=stream(truth.name))
             of_errors += similarity.explain_errors(truth, rendered)
@@ -51,7 +62,9 @@ def compare_renders(
     render_by_cgan, _ = scene_renderer(generator, flight, device)
     renderers = {
         "cgan": lambda scene: render_by_cgan(scene, stream("cgan", scene.name)),
-        "phy": lambda scene: render_scene(scene, flight, **conventions, rng=stream("phy", scene.name)).image,
+        "phy": lambda scene: (
+            render_scene(scene, flight, **conventions, rng=stream("phy", scene.name)).image
+        ),
     }
     with SceneSet(train) as scenes:
         _, numbers = held_out(len(scenes), n_held, seed=seed)

@@ -6,7 +6,13 @@ from itertools import islice
 import numpy as np
 from job import progress, run
 
-from lib.diagnostics.drawn_scenes import describe_image, describe_layers, scenes_table, span_of, two_sample_table
+from lib.diagnostics.drawn_scenes import (
+    describe_image,
+    describe_layers,
+    scenes_table,
+    span_of,
+    two_sample_table,
+)
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
@@ -20,18 +26,26 @@ def compare_scenes(observed, phy, cgan, two_sample, numbers, *, n_scenes, n_spli
             sets[name] = list(islice(scenes, n_scenes))
     n = min(map(len, sets.values()))
     sets = {name: scenes[:n] for name, scenes in sets.items()}
-    write_table(two_sample, two_sample_table(sets, n_splits=n_splits, n_steps=n_steps, stream=stream))
+    write_table(
+        two_sample, two_sample_table(sets, n_splits=n_splits, n_steps=n_steps, stream=stream)
+    )
     spans = {name: [span_of(scene) for scene in scenes] for name, scenes in sets.items()}
-    # A render by the cGAN, which has learned grey levels alone, has as many decibels as observed scenes in the mean.
+    # A render by the cGAN, which has learned grey levels alone, has as many decibels as observed
+    # scenes in the mean.
     spans["cgan"] = [np.mean(spans["observed"])] * n
     found = {
-        name: [describe_image(*each) for each in progress(zip(scenes, spans[name], strict=True), name, total=n)]
+        name: [
+            describe_image(*each)
+            for each in progress(zip(scenes, spans[name], strict=True), name, total=n)
+        ]
         for name, scenes in sets.items()
     }
     # Both renders are of the same layers.
     for name in ("observed", "phy"):
         for scene, of_scene in zip(sets[name], found[name], strict=True):
-            whole = scene.layer_bins if scene.complete_layer_bins is None else scene.complete_layer_bins
+            whole = (
+                scene.layer_bins if scene.complete_layer_bins is None else scene.complete_layer_bins
+            )
             of_scene |= describe_layers(whole)
     write_table(numbers, scenes_table(found, rng=stream("numbers")))
 

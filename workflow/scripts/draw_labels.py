@@ -8,9 +8,13 @@ from snowsim.labels import Nonstationary, draw_scene, prepare
 from snowsim.seeding import random_stream
 
 
-def draw_shard(statistics, labels, *, span, n_range_lines, n_layers, n_layers_range, drawn, nonstationary, seed):
+def draw_shard(
+    statistics, labels, *, span, n_range_lines, n_layers, n_layers_range, drawn, nonstationary, seed
+):
     flight = read_dataset(statistics)
-    nonstationary = Nonstationary(**nonstationary | {"zones": nonstationary["zones"] and tuple(nonstationary["zones"])})
+    nonstationary = Nonstationary(
+        **nonstationary | {"zones": nonstationary["zones"] and tuple(nonstationary["zones"])}
+    )
     n_layers = tuple(n_layers_range) if n_layers == "uniform" else n_layers
     model = prepare(flight, n_range_lines, n_layers=n_layers, **drawn, nonstationary=nonstationary)
     names = [f"label_{scene:06d}" for scene in range(*span)]

@@ -12,14 +12,18 @@ def doppler(segment):
     amplitude = (segment["Real"] + 1j * segment["Imaginary"]).transpose("twtt", "slow_time").values
     layer_twtt = segment["layer_twtt"].transpose("layer", "slow_time").values
     layer_bins = (layer_twtt - segment["twtt"].values[0]) / bin_size_s(segment)
-    wavenumber, first, mean = doppler_spectra(amplitude, layer_bins, segment.attrs["line_spacing_m"])
+    wavenumber, first, mean = doppler_spectra(
+        amplitude, layer_bins, segment.attrs["line_spacing_m"]
+    )
     dim = "doppler_wavenumber"
     return {dim: wavenumber, "doppler_layer_1": (dim, first), "doppler_layer_mean": (dim, mean)}
 
 
 def fit_statistics(summaries, segment, statistics, *, estimator):
     datasets = [read_dataset(path) for path in summaries]
-    fitted = estimate(merge(summary_from_dataset(dataset) for dataset in datasets), estimator=estimator)
+    fitted = estimate(
+        merge(summary_from_dataset(dataset) for dataset in datasets), estimator=estimator
+    )
     for path in segment:
         fitted = fitted.assign(doppler(read_dataset(path)))
     write_dataset(statistics, fitted.assign_attrs(synthetic=datasets[0].attrs["synthetic"]))

@@ -14,7 +14,13 @@ def import_frame(echogram, layers, frame, frame_layers, *, name, reading):
     observed, picked = read_frame(SimpleNamespace(echogram=echogram, layers=layers), **reading)
     n_flagged, flags = count_flagged(observed)
     if flags:
-        logger.info("%s: %d of %d range lines left out; flags: %s", name, n_flagged, observed.sizes["slow_time"], flags)
+        logger.info(
+            "%s: %d of %d range lines left out; flags: %s",
+            name,
+            n_flagged,
+            observed.sizes["slow_time"],
+            flags,
+        )
     kept = observed[["Data", *ECHOGRAM_ALONG_TRACK]]
     kept.attrs = picked.attrs = {"frame": name, "source": reading["source"], "synthetic": "no"}
     write_dataset(frame, kept)

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-# The package beside the workflow is the one that runs, installed or not: a conda environment holds its dependencies.
+# The package beside the workflow is the one that runs, installed or not: a conda environment holds
+# its dependencies.
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
@@ -28,7 +29,13 @@ def job(snakemake):
     """Log to the rule's log file; bad input or a full disk ends the job with one plain line on stderr."""
     path = Path(str(snakemake.log))
     path.parent.mkdir(parents=True, exist_ok=True)
-    logging.basicConfig(filename=path, filemode="w", level=logging.INFO, format="%(asctime)s %(message)s", force=True)
+    logging.basicConfig(
+        filename=path,
+        filemode="w",
+        level=logging.INFO,
+        format="%(asctime)s %(message)s",
+        force=True,
+    )
     begin = time.perf_counter()
     try:
         check_memory(snakemake.resources.get("mem_mb", 0))
@@ -46,7 +53,8 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
-# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files beside others.
+# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files
+# beside others.
 NOT_HANDED = {"code", "unread"}
 
 

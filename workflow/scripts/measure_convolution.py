@@ -13,7 +13,9 @@ from snowsim.seeding import random_stream
 def measure_convolution(table, *, reference, n_looks, seed, source):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    found = convolution_table(settings, climate, n_looks, partial(random_stream, seed, "measure_convolution"))
+    found = convolution_table(
+        settings, climate, n_looks, partial(random_stream, seed, "measure_convolution")
+    )
     write_table(table, found.assign(data=source))
 
 

@@ -5,7 +5,13 @@ from functools import partial
 import numpy as np
 from job import progress, run
 
-from lib.diagnostics.phy_charts import plan_table, time_growth, time_scenes, time_speckle, time_waveforms
+from lib.diagnostics.phy_charts import (
+    plan_table,
+    time_growth,
+    time_scenes,
+    time_speckle,
+    time_waveforms,
+)
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.reference import checked_settings, draw_climate

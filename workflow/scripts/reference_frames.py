@@ -18,7 +18,9 @@ def draw_frames(echograms, layers, segment, *, frames, flight, reference, seed):
         write_dataset(path_to_echogram, echogram)
         write_dataset(path_to_layers, picked)
     for path in segment:
-        write_dataset(path, draw_complex_segment(**made, rng=random_stream(seed, "reference_segment")))
+        write_dataset(
+            path, draw_complex_segment(**made, rng=random_stream(seed, "reference_segment"))
+        )
 
 
 run(draw_frames)

@@ -31,14 +31,24 @@ def render_shard(layers, generator, statistics, scenes, *, seed, device, source)
     beyond = []
 
     def rendered(scene):
-        image = render_scene(scene, random_stream(seed, "render_cgan", scene.name))  # by scene, never by shard
+        image = render_scene(
+            scene, random_stream(seed, "render_cgan", scene.name)
+        )  # by scene, never by shard
         beyond.append("; ".join(outside(scene, scope)))
         notes = scene.notes | {"outside_training": beyond[-1]}
-        return dataclasses.replace(scene, image=image, complete_layer_bins=None, peak_power=None, notes=notes)
+        return dataclasses.replace(
+            scene, image=image, complete_layer_bins=None, peak_power=None, notes=notes
+        )
 
     with SceneSet(layers) as drawn:
-        write_scenes(scenes, map(rendered, progress(drawn, "cGAN")), {"method": "cGAN", "synthetic": source})
-    logger.info("%d of %d scenes lie outside what the generator was trained on", sum(map(bool, beyond)), len(beyond))
+        write_scenes(
+            scenes, map(rendered, progress(drawn, "cGAN")), {"method": "cGAN", "synthetic": source}
+        )
+    logger.info(
+        "%d of %d scenes lie outside what the generator was trained on",
+        sum(map(bool, beyond)),
+        len(beyond),
+    )
 
 
 run(render_shard)

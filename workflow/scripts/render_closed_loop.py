@@ -15,8 +15,13 @@ def render_closed_loop(layers, statistics, summary, *, convention, seed, phy, fi
     stream = partial(random_stream, seed, "closed_loop")
     with SceneSet(layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), first)
-        renders = summarise_renders(scenes, read_dataset(statistics), convention, phy, stride, stream)
-    write_dataset(summary, summary_to_dataset(renders).assign_attrs(synthetic="renders by PHY, not observed data"))
+        renders = summarise_renders(
+            scenes, read_dataset(statistics), convention, phy, stride, stream
+        )
+    write_dataset(
+        summary,
+        summary_to_dataset(renders).assign_attrs(synthetic="renders by PHY, not observed data"),
+    )
 
 
 run(render_closed_loop)

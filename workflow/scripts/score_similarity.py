@@ -26,7 +26,9 @@ def score_method(observed, path_to_rendered, method):
 
 def score_similarity(observed, rendered, images, rows, *, methods):
     with SceneSet(observed) as scenes:
-        for method, path, path_to_images, path_to_rows in zip(methods, rendered, images, rows, strict=True):
+        for method, path, path_to_images, path_to_rows in zip(
+            methods, rendered, images, rows, strict=True
+        ):
             of_images, of_rows = score_method(scenes, path, method)
             write_table(path_to_images, of_images)
             write_table(path_to_rows, of_rows)

@@ -21,7 +21,9 @@ def pick(scenes, edges, threshold):
         first = np.diff(scene.layer_bins[:2], axis=0)
         first = float(np.nanmean(first)) if np.isfinite(first).any() else np.nan
         rows = layer_rows(picks, scene.layer_bins)
-        tables.append(rows.assign(scene=scene.name, first_thickness_bins=first, threshold=threshold))
+        tables.append(
+            rows.assign(scene=scene.name, first_thickness_bins=first, threshold=threshold)
+        )
     return pd.concat(tables)
 
 
@@ -36,7 +38,11 @@ def evaluate(scenes, path_to_network, path_to_counts, path_to_picks, device, out
         for output in outputs:
             edges = suppress(probabilities[OUTPUTS.index(output)], where=scene.name)
             counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
-            tables.append(pd.DataFrame({"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}))
+            tables.append(
+                pd.DataFrame(
+                    {"scene": scene.name, "output": output, "threshold": THRESHOLDS, **counts}
+                )
+            )
             if output == "fuse" and path_to_picks is not None:
                 fused.append(edges.astype(np.float32))
                 fused_counts.append(counts)

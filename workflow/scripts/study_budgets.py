@@ -21,7 +21,11 @@ def study(
         observed, validated, rendered = list(scenes), list(held), list(drawn)
     numbers = held_out(len(observed), n_held, seed=seed)
     train_scenes, held_scenes = ([observed[number] for number in part] for part in numbers)
-    guides = Guides(rendered, read_dataset(statistics), phy_options, seed=seed) if network == "guided" else None
+    guides = (
+        Guides(rendered, read_dataset(statistics), phy_options, seed=seed)
+        if network == "guided"
+        else None
+    )
 
     def scores_of(changed, number):
         """Rows of one training: what it was trained on, and its scores."""
@@ -29,7 +33,12 @@ def study(
             for name, trained_on in (("rd", observed), ("pd", rendered)):
                 yield name, trained_alone(trained_on, validated, Settings(**changed), seed=number)
         else:
-            yield "", train_and_examine(CganSettings(**changed), number, train_scenes, held_scenes, guides)
+            yield (
+                "",
+                train_and_examine(
+                    CganSettings(**changed), number, train_scenes, held_scenes, guides
+                ),
+            )
 
     rows = []
     runs = [(changed, replica) for changed in changes for replica in range(n_trainings)]
@@ -39,7 +48,13 @@ def study(
         label = ", ".join(f"{key} {value}" for key, value in changed.items())
         for trained_on, scores in scores_of(made, number):
             rows.append(
-                {"change": label, "n_steps": made["n_steps"], "trained_on": trained_on, "replica": replica, **scores}
+                {
+                    "change": label,
+                    "n_steps": made["n_steps"],
+                    "trained_on": trained_on,
+                    "replica": replica,
+                    **scores,
+                }
             )
     write_table(table, pd.DataFrame(rows))
 

@@ -14,14 +14,26 @@ from snowsim.io.scenes import SceneSet
 
 def study(train, table, *, seed, settings, n_held, n_seeds, learning_rates, l1_weights):
     with SceneSet(train) as scenes:
-        parts = ([scenes[number] for number in numbers] for numbers in held_out(len(scenes), n_held, seed=seed))
+        parts = (
+            [scenes[number] for number in numbers]
+            for numbers in held_out(len(scenes), n_held, seed=seed)
+        )
         train_scenes, held_scenes = parts
     rows = []
     runs = list(product(range(n_seeds), learning_rates, l1_weights))
     for number, learning_rate, l1_weight in progress(runs, "atlas"):
-        here = dataclasses.replace(Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight)
+        here = dataclasses.replace(
+            Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight
+        )
         outcome = train_and_examine(here, seed + number, train_scenes, held_scenes)
-        rows.append({"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight, **outcome})
+        rows.append(
+            {
+                "seed": seed + number,
+                "learning_rate": learning_rate,
+                "l1_weight": l1_weight,
+                **outcome,
+            }
+        )
     write_table(table, pd.DataFrame(rows))
 
 

@@ -24,7 +24,10 @@ def compare(
 ):  # fmt: skip
     flight = read_dataset(statistics)
     stream = partial(random_stream, seed, "render_phy")
-    by_network = {"cgan": scene_renderer(cgan, flight, device), "guided": scene_renderer(guided, flight, device)}
+    by_network = {
+        "cgan": scene_renderer(cgan, flight, device),
+        "guided": scene_renderer(guided, flight, device),
+    }
     by_network["l1"] = scene_renderer(l1, flight, device)
     guides = Guides([], flight, phy, seed=seed)
 
@@ -44,7 +47,10 @@ def compare(
         observed, validated, label_sets = list(scenes), list(held), list(sets)
     model = prepare(read_dataset(label_model), n_range_lines, n_layers=tuple(n_layers), **drawn)
     names = [f"uniform_{number:04d}" for number in range(n_drawn)]
-    uniform = [draw_scene(model, n_range_lines, name=n, rng=random_stream(seed, "uniform", n)) for n in names]
+    uniform = [
+        draw_scene(model, n_range_lines, name=n, rng=random_stream(seed, "uniform", n))
+        for n in names
+    ]
     settings, scope = Settings(**tracker), by_network["cgan"][1]
 
     def is_outside(scene):
@@ -53,7 +59,16 @@ def compare(
     rows, tables = [], [position_rows("observed", observed, is_outside)]
     for name, render in progress(renderers.items(), "renderers", total=len(renderers)):
         rendered, seconds = render_all(render, label_sets)
-        found = worth(name, rendered, observed, validated, settings, seed=seed, n_trainings=n_trainings, **two_sample)
+        found = worth(
+            name,
+            rendered,
+            observed,
+            validated,
+            settings,
+            seed=seed,
+            n_trainings=n_trainings,
+            **two_sample,
+        )
         rows += [{**row, "seconds_per_pixel": seconds} for row in found]
         tables.append(position_rows(name, render_all(render, uniform)[0], is_outside))
     write_table(costs, pd.DataFrame(rows))

@@ -8,7 +8,9 @@ from snowsim.statistics import merge, summarise, summary_to_dataset
 
 def summarise_frames(echograms, layers, summary):
     summaries = []
-    for path, path_to_layers in progress(list(zip(echograms, layers, strict=True)), "sums over frames"):
+    for path, path_to_layers in progress(
+        list(zip(echograms, layers, strict=True)), "sums over frames"
+    ):
         echogram = read_dataset(path)
         summaries.append(summarise(echogram, read_dataset(path_to_layers), where=path))
     # One source makes all frames of a flight.

@@ -10,7 +10,9 @@ from snowsim.seeding import random_stream
 
 def tabulate_ablation(counts, table, *, runs, pairs, replicas, n_bootstrap, seed):
     paths = iter(counts)
-    by_run = {tuple(run): [counts_by_image(read_table(next(paths))) for _ in replicas] for run in runs}
+    by_run = {
+        tuple(run): [counts_by_image(read_table(next(paths))) for _ in replicas] for run in runs
+    }
     rng = random_stream(seed, "tabulate_ablation")
     pairs = [tuple(map(tuple, pair)) for pair in pairs]
     write_table(table, runs_table(by_run, pairs, n_bootstrap=n_bootstrap, rng=rng))

@@ -18,7 +18,10 @@ def tabulate_closed_loop(
         write_table(path, compared)
     write_table(summary, summarise_loop(read_table(table)))
     n_scenes = [int(read_dataset(path).attrs["n_frames"]) for path in tried_statistics]
-    write_table(conventions, convention_table(zip(tried, map(read_table, tried_tables), n_scenes, strict=True)))
+    write_table(
+        conventions,
+        convention_table(zip(tried, map(read_table, tried_tables), n_scenes, strict=True)),
+    )
 
 
 run(tabulate_closed_loop)

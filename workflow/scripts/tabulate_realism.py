@@ -21,7 +21,9 @@ def tabulate_realism(
 ):  # fmt: skip
     settings = checked_settings(reference)
     described = []
-    for frame, (echogram, picks) in enumerate(progress(list(zip(echograms, layers, strict=True)), "realism")):
+    for frame, (echogram, picks) in enumerate(
+        progress(list(zip(echograms, layers, strict=True)), "realism")
+    ):
         noise = response_picture(settings.radar, rng=random_stream(seed, "tabulate_realism", frame))
         described.append(sides.describe_frame(read_dataset(echogram), read_dataset(picks), noise))
     numbers, of_flight = zip(*described, strict=True)
@@ -29,7 +31,9 @@ def tabulate_realism(
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
     with SceneSet(train) as train_scenes, SceneSet(test) as test_scenes:
         scenes = list(train_scenes), list(test_scenes)
-    flight = sides.describe_flight(numbers, scenes, read_dataset(statistics), settings, climate, rng=rng)
+    flight = sides.describe_flight(
+        numbers, scenes, read_dataset(statistics), settings, climate, rng=rng
+    )
     if folder is None:
         measured = read_table(record)
     else:

@@ -25,7 +25,11 @@ def tabulate_validation(
     write_table(superposition, validation.superposition(summary, flight))
     write_table(independence, validation.independence(summary, flight))
     # Quantiles of tracked peak power beside those of the Gamma law of as many looks.
-    quantiles = {"probability": "probability", "gamma": "gamma_quantile", "tracked": "tracked_power_quantile"}
+    quantiles = {
+        "probability": "probability",
+        "gamma": "gamma_quantile",
+        "tracked": "tracked_power_quantile",
+    }
     power = pd.DataFrame({column: flight[name].values for column, name in quantiles.items()})
     write_table(tracked_power, power.assign(n_looks=float(flight.attrs["n_looks"])))
 

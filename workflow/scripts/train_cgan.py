@@ -22,13 +22,20 @@ def train(
     *, phy=None, seed, device, settings, validation, on_collapse, source, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
     settings = Settings(**settings)
-    made_of = {"settings": dataclasses.asdict(settings), "seed": seed, "data": fingerprint([*scenes, *labels])}
+    made_of = {
+        "settings": dataclasses.asdict(settings),
+        "seed": seed,
+        "data": fingerprint([*scenes, *labels]),
+    }
     made_of |= {"validation": validation}
     what = f"a cGAN of width {settings.width}"
     check_memory(least_bytes(settings), what)
     with SceneSet(scenes) as observed, SceneSet(labels) as drawn, enough_memory(what):
         train_numbers, held_numbers = held_out(len(observed), validation["n_scenes"], seed=seed)
-        train_scenes, held_scenes = Subset(observed, train_numbers), [observed[number] for number in held_numbers]
+        train_scenes, held_scenes = (
+            Subset(observed, train_numbers),
+            [observed[number] for number in held_numbers],
+        )
         for scene in held_scenes:
             check_trainable(scene)
         training = Training(settings, seed=seed, device=device)
@@ -53,13 +60,19 @@ def train(
                     msg = f"cGAN training collapsed at {error}"
                     raise ValueError(msg) from error
                 collapse = str(error)
-                logger.warning("collapsed at %s; the weights after step %d are kept", collapse, taken.best_step)
+                logger.warning(
+                    "collapsed at %s; the weights after step %d are kept", collapse, taken.best_step
+                )
             best = taken.scores().set_index("step").loc[taken.best_step]
             if best["n_faults"] > 0:
                 collapse = f"step {taken.best_step}: {'; '.join(faults(best.to_dict(), dropout=settings.dropout))}"
                 logger.warning("collapsed at %s; these weights are kept all the same", collapse)
             metadata = {"kind": "cgan generator", **made_of, "step": taken.best_step}
-            metadata |= {"steps_taken": training.step, "collapse": collapse, "scope": scope_of(train_scenes)}
+            metadata |= {
+                "steps_taken": training.step,
+                "collapse": collapse,
+                "scope": scope_of(train_scenes),
+            }
             write_table(losses, taken.losses())
             write_table(scores, taken.scores())
             write_scenes(samples, sample_scenes(validated, taken.samples), {"synthetic": source})

@@ -11,9 +11,13 @@ from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
 
 
-def try_conventions(layers, statistics, recovered, tables, *, conventions, seed, phy, n_scenes, stride, varies):
+def try_conventions(
+    layers, statistics, recovered, tables, *, conventions, seed, phy, n_scenes, stride, varies
+):
     stream = partial(random_stream, seed, "closed_loop")
-    for convention, path_to_given, *paths in zip(conventions, statistics, recovered, tables, strict=True):
+    for convention, path_to_given, *paths in zip(
+        conventions, statistics, recovered, tables, strict=True
+    ):
         given = read_dataset(path_to_given)
         with SceneSet(layers) as drawn:
             scenes = enumerate(progress(islice(drawn, n_scenes), convention, total=n_scenes))

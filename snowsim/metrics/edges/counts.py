@@ -4,12 +4,27 @@ import numpy as np
 
 from snowsim.metrics.edges.matching import Matching
 from snowsim.metrics.edges.suppression import check_prediction
-from snowsim.metrics.edges.thinning import DELETABLE, check_thin, neighbour_steps, switch_on, thin_pixels
+from snowsim.metrics.edges.thinning import (
+    DELETABLE,
+    check_thin,
+    neighbour_steps,
+    switch_on,
+    thin_pixels,
+)
 
 THRESHOLDS = np.linspace(0.01, 0.99, 99)
 
 
-def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pixels=None, thin=True, where="image"):
+def match_counts(
+    prediction,
+    truth,
+    thresholds,
+    *,
+    max_dist=0.0075,
+    max_dist_pixels=None,
+    thin=True,
+    where="image",
+):
     """Count predicted and true pixels of one image that pair up, at every threshold.
 
     No suppression is done here: pass `suppress(prediction)` for the usual scores.
@@ -27,22 +42,25 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
     max_dist_pixels : float, optional
         The same in pixels, whatever the size of the image; replaces `max_dist`.
     thin : bool or "full"
-        Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True stops where the
-        Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are those of published scores; "full"
-        continues until nothing changes, as scikit-image and MATLAB do, and leaves slightly fewer pixels.
+        Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True
+        stops where the Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are
+        those of published scores; "full" continues until nothing changes, as scikit-image and
+        MATLAB do, and leaves slightly fewer pixels.
     where : str
         Name of the image, for errors.
 
     Returns
     -------
     dict of ndarray of int64, (threshold,)
-        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`; pairs are one-to-one: equally many match.
+        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`; pairs are one-to-one:
+        equally many match.
 
     Raises
     ------
     ValueError
-        If the prediction is empty, not a number or outside [0, 1]; sizes differ; the truth is not binary; there is no
-        threshold or one is not finite; the distance is negative or not finite; `thin` is unknown.
+        If the prediction is empty, not a number or outside [0, 1]; sizes differ; the truth is not
+        binary; there is no threshold or one is not finite; the distance is negative or not finite;
+        `thin` is unknown.
 
     Notes
     -----
@@ -65,14 +83,17 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
     prediction = check_prediction(prediction, where)
     truth = _check_truth(truth, prediction.shape, where)
     thresholds = _check_thresholds(thresholds, where)
-    name, distance = ("max_dist", max_dist) if max_dist_pixels is None else ("max_dist_pixels", max_dist_pixels)
+    name, distance = (
+        ("max_dist", max_dist) if max_dist_pixels is None else ("max_dist_pixels", max_dist_pixels)
+    )
     if not (np.isfinite(distance) and distance >= 0):
         msg = f"{where}: {name} must be finite and not negative, got {distance}"
         raise ValueError(msg)
     radius = distance * np.hypot(*truth.shape) if max_dist_pixels is None else distance
     early = check_thin(thin, where)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
-    # One frame of empty pixels serves the thinning and, so that both count pixels alike, the matching.
+    # One frame of empty pixels serves the thinning and, so that both count pixels alike, the
+    # matching.
     matching = Matching(np.pad(truth, 1), radius)
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
@@ -92,11 +113,15 @@ def match_counts(prediction, truth, thresholds, *, max_dist=0.0075, max_dist_pix
 def _changes(framed, levels, thin, early):
     """Yield, from the highest level down, level, pixels that leave the map and pixels that join it (flat indices)."""
     values = framed.ravel()
-    inside = np.pad(np.ones(np.subtract(framed.shape, 2), dtype=bool), 1)  # all pixels but the frame
+    inside = np.pad(
+        np.ones(np.subtract(framed.shape, 2), dtype=bool), 1
+    )  # all pixels but the frame
     pixels = np.flatnonzero(framed >= levels[0] if levels[0] > 0 else inside)
     n_levels_reached = np.searchsorted(levels, values[pixels], side="right").astype(np.uint16)
     pixels = pixels[np.argsort(levels.size - n_levels_reached, kind="stable")]
-    ends = np.cumsum(np.bincount(n_levels_reached, minlength=levels.size + 1)[::-1])  # [0]: those above every level
+    ends = np.cumsum(
+        np.bincount(n_levels_reached, minlength=levels.size + 1)[::-1]
+    )  # [0]: those above every level
     steps = neighbour_steps(framed.shape[1])
     on, codes, was_on = (np.zeros(values.size, dtype=np.uint8) for _ in range(3))
     nothing = pixels[:0]

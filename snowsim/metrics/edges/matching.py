@@ -3,15 +3,17 @@
 State of the matching, arrays that the kernel changes in place:
 
 `mate_of_pixel` (pixel)
-    Of every pixel of the flattened map: its true pixel, `FREE` or, where it is not predicted, `ABSENT`.
+    Of every pixel of the flattened map: its true pixel, `FREE` or, where it is not predicted,
+    `ABSENT`.
 `mate_of_truth` (true pixel)
     Its predicted pixel, or `FREE`.
 `saturated` (true pixel)
-    1 where the true pixel belongs to the saturated set S, which holds three properties: every member is matched; the
-    neighbours of the mates of S lie in S; the neighbours of every unmatched predicted pixel lie in S. No augmenting
-    path can then leave an unmatched pixel, so by Berge's theorem the matching is maximum. A search that fails adds what
-    it saw to S; the loss of a predicted pixel costs a search only if its true pixel is in S, and a failure of that
-    search takes what it saw out of S.
+    1 where the true pixel belongs to the saturated set S, which holds three properties: every
+    member is matched; the neighbours of the mates of S lie in S; the neighbours of every unmatched
+    predicted pixel lie in S. No augmenting path can then leave an unmatched pixel, so by Berge's
+    theorem the matching is maximum. A search that fails adds what it saw to S; the loss of a
+    predicted pixel costs a search only if its true pixel is in S, and a failure of that search
+    takes what it saw out of S.
 """
 
 import numpy as np
@@ -28,14 +30,17 @@ class Matching:
         n_rows, n_lines = truth.shape
         self.n_truth = int(truth.sum())
         self.n_matched = 0
-        # True pixels are numbered column by column, so those of a column within reach of a pixel are consecutive:
-        # `first[line, row]` is the first one at or below a row.
+        # True pixels are numbered column by column, so those of a column within reach of a pixel
+        # are consecutive: `first[line, row]` is the first one at or below a row.
         first_of_line = np.concatenate([[0], np.cumsum(truth.sum(axis=0))[:-1]])
         above = np.concatenate([np.zeros((1, n_lines), dtype=int), np.cumsum(truth, axis=0)])
         first = np.ascontiguousarray((above + first_of_line).T.astype(np.int32))
         lines, rows = np.nonzero(truth.T)
         pixel_of_truth = (rows * n_lines + lines).astype(np.int32)
-        mates = (np.full(n, what, dtype=np.int32) for n, what in ((truth.size, ABSENT), (self.n_truth, FREE)))
+        mates = (
+            np.full(n, what, dtype=np.int32)
+            for n, what in ((truth.size, ABSENT), (self.n_truth, FREE))
+        )
         saturated = np.zeros(self.n_truth, dtype=np.uint8)
         self._state = (first, pixel_of_truth, reach_by_column(radius, n_lines), *mates, saturated)
 
@@ -62,7 +67,9 @@ def _update(removed, added, first, pixel_of_truth, reach, mate_of_pixel, mate_of
     seen = np.zeros(n_truth, dtype=np.int32)  # number of the last search that saw a true pixel
     search = 0
     queue = np.empty(n_truth + 1, dtype=np.int32)  # true pixels in the order seen
-    back = np.empty(n_truth, dtype=np.int32)  # where a search came from: a pixel, or a true pixel when removing
+    back = np.empty(
+        n_truth, dtype=np.int32
+    )  # where a search came from: a pixel, or a true pixel when removing
 
     for pixel in removed:
         freed = mate_of_pixel[pixel]
@@ -122,7 +129,9 @@ def _update(removed, added, first, pixel_of_truth, reach, mate_of_pixel, mate_of
             here = pixel if head < 0 else mate_of_truth[queue[head]]
             head += 1
             row, line = here // n_lines, here % n_lines
-            for turn in range(2 * reach.size - 1):  # nearest columns first: offsets 0, -1, 1, -2, 2 ...
+            for turn in range(
+                2 * reach.size - 1
+            ):  # nearest columns first: offsets 0, -1, 1, -2, 2 ...
                 offset = (turn + 1) // 2 * (1 - 2 * (turn % 2))
                 if not 0 <= line + offset < n_lines:
                     continue

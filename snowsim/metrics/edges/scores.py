@@ -9,8 +9,8 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 def stack_counts(counts):
     """Counts of the images of a set as a dict of arrays (image, threshold); what is stacked already is passed through.
 
-    `counts` is of every image what `match_counts` gives. Refused: no image, missing counts, unlike lengths, and matched
-    pixels that outnumber the pixels.
+    `counts` is of every image what `match_counts` gives. Refused: no image, missing counts, unlike
+    lengths, and matched pixels that outnumber the pixels.
     """
     if isinstance(counts, dict):
         missing = [name for name in COUNTS if np.ndim(counts.get(name)) != 2]
@@ -20,7 +20,9 @@ def stack_counts(counts):
         stacked = {name: np.asarray(counts[name]) for name in COUNTS}
     else:
         counts = list(counts)
-        missing = [(i, name) for i, image in enumerate(counts) for name in COUNTS if name not in image]
+        missing = [
+            (i, name) for i, image in enumerate(counts) for name in COUNTS if name not in image
+        ]
         if missing:
             msg = f"counts of every image must hold {', '.join(COUNTS)}: image {missing[0][0]} has no {missing[0][1]}"
             raise ValueError(msg)
@@ -47,16 +49,17 @@ def score(counts, thresholds=None):
     Parameters
     ----------
     counts : sequence of dict, or dict of ndarray (image, threshold)
-        What `match_counts` gives of every image, thresholds ascending; or all of it as `stack_counts` gives it.
+        What `match_counts` gives of every image, thresholds ascending; or all of it as
+        `stack_counts` gives it.
     thresholds : array_like, (threshold,), optional
         What the counts were made with, to name the best one.
 
     Returns
     -------
     dict
-        `ods`, the best F of the pooled counts at one threshold; `ois`, F of the counts of every image at its own best
-        threshold, pooled; `ap`, the mean precision; `ods_index` and `ods_threshold` (NaN unless thresholds are given);
-        `n_images` and `n_without_truth`.
+        `ods`, the best F of the pooled counts at one threshold; `ois`, F of the counts of every
+        image at its own best threshold, pooled; `ap`, the mean precision; `ods_index` and
+        `ods_threshold` (NaN unless thresholds are given); `n_images` and `n_without_truth`.
 
     Raises
     ------
@@ -70,9 +73,10 @@ def score(counts, thresholds=None):
     nothing is found, has F = 0 everywhere: it so puts its false positives at the lowest threshold, the most there are,
     into OIS (and those of the common threshold into ODS). It is counted in `n_without_truth`.
 
-    AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest threshold stays,
-    precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the recalls seen are dropped, and the
-    sum is divided by 100. It can reach 1.01 where recall spans 0 to 1.
+    AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest
+    threshold stays, precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the
+    recalls seen are dropped, and the sum is divided by 100. It can reach 1.01 where recall spans 0
+    to 1.
 
     Examples
     --------
@@ -87,12 +91,16 @@ def score(counts, thresholds=None):
     stacked = stack_counts(counts)
     n_thresholds = stacked["n_truth"].shape[1]
     if thresholds is not None and np.shape(thresholds) != (n_thresholds,):
-        msg = f"thresholds must be {n_thresholds} as in the counts, got shape {np.shape(thresholds)}"
+        msg = (
+            f"thresholds must be {n_thresholds} as in the counts, got shape {np.shape(thresholds)}"
+        )
         raise ValueError(msg)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
     f = f_measure(*_precision_and_recall(pooled))
     best = np.argmax(f_measure(*_precision_and_recall(stacked)), axis=1)
-    at_own_best = {name: values[np.arange(best.size), best].sum() for name, values in stacked.items()}
+    at_own_best = {
+        name: values[np.arange(best.size), best].sum() for name, values in stacked.items()
+    }
     ods_index = int(np.argmax(f))
     return {
         "ods": float(f[ods_index]),
@@ -120,7 +128,9 @@ def f_measure(precision, recall):
 
 def _average_precision(pooled):
     precision, recall = _precision_and_recall(pooled)
-    recalls, lowest = np.unique(recall, return_index=True)  # and the precision at the lowest threshold of each
+    recalls, lowest = np.unique(
+        recall, return_index=True
+    )  # and the precision at the lowest threshold of each
     if recalls.size < 2:
         return 0.0
     interpolated = np.interp(EVERY_HUNDREDTH, recalls, precision[lowest], left=np.nan, right=np.nan)

@@ -41,8 +41,8 @@ def suppress(prediction, *, where="image"):
     Returns
     -------
     ndarray of float64, (range_bin, range_line)
-        The smoothed map where it is a maximum across the edge, else 0. Its outermost pixels are 0 and the next four
-        are scaled by 1/5 ... 4/5, so edges fade at the border.
+        The smoothed map where it is a maximum across the edge, else 0. Its outermost pixels are 0
+        and the next four are scaled by 1/5 ... 4/5, so edges fade at the border.
 
     Raises
     ------
@@ -77,8 +77,12 @@ def suppress(prediction, *, where="image"):
 
 def triangle_filter(image, radius):
     """Image under a separable triangle filter of unit sum, its border mirrored with the edge pixel repeated."""
-    weights = np.concatenate([np.arange(1, radius + 2), np.arange(radius, 0, -1)]) / (radius + 1) ** 2
-    return correlate1d(correlate1d(image, weights, axis=0, mode="reflect"), weights, axis=1, mode="reflect")
+    weights = (
+        np.concatenate([np.arange(1, radius + 2), np.arange(radius, 0, -1)]) / (radius + 1) ** 2
+    )
+    return correlate1d(
+        correlate1d(image, weights, axis=0, mode="reflect"), weights, axis=1, mode="reflect"
+    )
 
 
 def orientation(smoothed):
@@ -92,7 +96,8 @@ def orientation(smoothed):
 def _gradient(image):
     """Central differences along both axes, one-sided at the border; 0 along an axis of one pixel."""
     return [
-        np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image) for axis, length in enumerate(image.shape)
+        np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image)
+        for axis, length in enumerate(image.shape)
     ]
 
 
@@ -125,9 +130,9 @@ def _keep_maxima(smoothed, direction):
                 top, left = int(y), int(x)
                 bottom, right = min(top + 1, n_rows - 1), min(left + 1, n_lines - 1)
                 dy, dx = y - top, x - left
-                neighbour = (1 - dy) * ((1 - dx) * smoothed[top, left] + dx * smoothed[top, right]) + dy * (
-                    (1 - dx) * smoothed[bottom, left] + dx * smoothed[bottom, right]
-                )
+                neighbour = (1 - dy) * (
+                    (1 - dx) * smoothed[top, left] + dx * smoothed[top, right]
+                ) + dy * ((1 - dx) * smoothed[bottom, left] + dx * smoothed[bottom, right])
                 if value * MARGIN < neighbour:
                     maximum = False
                     break

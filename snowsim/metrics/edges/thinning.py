@@ -3,7 +3,8 @@
 import numpy as np
 from numba import njit
 
-# Neighbour k of a pixel counts anticlockwise from the right and owns bit k of the pixel's 8-bit code.
+# Neighbour k of a pixel counts anticlockwise from the right and owns bit k of the pixel's 8-bit
+# code.
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1))
 
 
@@ -31,9 +32,10 @@ def neighbour_steps(row_length):
 def thin(mask, *, early=False):
     """Thin a binary map (range_bin, range_line) to lines of one pixel, until nothing changes.
 
-    Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14, and in
-    ``skimage.morphology.thin``, with which it agrees pixel for pixel. With `early` it stops once one of the two
-    half-steps removes nothing, as the Python port of the Berkeley benchmark (py-bsds500): a few pixels more are kept.
+    Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14,
+    and in ``skimage.morphology.thin``, with which it agrees pixel for pixel. With `early` it stops
+    once one of the two half-steps removes nothing, as the Python port of the Berkeley benchmark
+    (py-bsds500): a few pixels more are kept.
     """
     framed = np.pad(np.asarray(mask, dtype=bool), 1)
     pixels = np.flatnonzero(framed)
@@ -67,7 +69,9 @@ def switch_on(pixels, on, codes, steps):
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
     """Thin a flattened, framed map whose pixels that are on are listed; `on` and `codes` change in place."""
-    queues = np.empty((2, pixels.size), dtype=pixels.dtype)  # by half-step: pixels to look at (again)
+    queues = np.empty(
+        (2, pixels.size), dtype=pixels.dtype
+    )  # by half-step: pixels to look at (again)
     lengths = np.array([pixels.size, pixels.size])
     queues[0], queues[1] = pixels, pixels
     queued = on * np.uint8(3)

@@ -5,7 +5,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lib.diagnostics.renders import air_texture
-from lib.diagnostics.similarity import PARTS, as_bytes, error_parts, with_other_speckle, without_speckle
+from lib.diagnostics.similarity import (
+    PARTS,
+    as_bytes,
+    error_parts,
+    with_other_speckle,
+    without_speckle,
+)
 from snowsim.echogram import to_uint8
 from snowsim.metrics.image import similarity
 
@@ -14,7 +20,9 @@ from snowsim.metrics.image import similarity
 def power(rng):
     """Mean power of a flat, layered scene, (range_bin, range_line)."""
     row = np.arange(200)[:, None]
-    return np.broadcast_to(1 + 300 * np.exp(-np.abs(row - 60) / 9) + 30 * np.exp(-np.abs(row - 110) / 6), (200, 256))
+    return np.broadcast_to(
+        1 + 300 * np.exp(-np.abs(row - 60) / 9) + 30 * np.exp(-np.abs(row - 110) / 6), (200, 256)
+    )
 
 
 def test_parts_add_up_to_the_mean_square_error(rng):
@@ -36,7 +44,8 @@ def test_parts_add_up_to_the_mean_square_error(rng):
 def test_a_planted_error_falls_into_its_part(error, part):
     reference = np.full((40, 640), 100.0)
     parts = error_parts(reference + error, reference)
-    # A step along track loses what averaging takes off its edge: 4 * 6 / sqrt(pi) of 640 lines at most.
+    # A step along track loses what averaging takes off its edge: 4 * 6 / sqrt(pi) of 640 lines at
+    # most.
     assert_allclose(parts[part], 9, rtol=0.03 if part == "along track" else 1e-12)
     assert_allclose(parts["speckle observed"], 0, atol=1e-24)
 
@@ -45,13 +54,16 @@ def test_speckle_of_either_image_falls_into_its_part(rng):
     reference = np.full((200, 256), 100.0)
     noise = 7 * rng.standard_normal(reference.shape)
     parts = error_parts(reference + noise, reference)
-    # Averaging over sigma 6 keeps 1 / (2 sqrt(pi) 6) of the variance of white noise, and takes that off twice.
+    # Averaging over sigma 6 keeps 1 / (2 sqrt(pi) 6) of the variance of white noise, and takes that
+    # off twice.
     kept = 1 / (2 * np.sqrt(np.pi) * 6)
     expected = 49 * (1 - 2 * 1 / (np.sqrt(2 * np.pi) * 6) + kept)
     # 51200 draws: the variance is known to sqrt(2 / n) = 0.6 %; allow four of those.
     assert_allclose(parts["speckle of the render"], expected, rtol=4 * np.sqrt(2 / noise.size))
     assert_allclose(parts["speckle observed"], 0, atol=1e-24)
-    assert_allclose(error_parts(reference, reference + noise)["speckle observed"], expected, rtol=0.03)
+    assert_allclose(
+        error_parts(reference, reference + noise)["speckle observed"], expected, rtol=0.03
+    )
 
 
 def test_other_speckle_is_as_far_off_as_a_second_observation_of_the_same_snow(power, rng):
@@ -63,7 +75,8 @@ def test_other_speckle_is_as_far_off_as_a_second_observation_of_the_same_snow(po
     second = as_bytes((10 * np.log10(observed()) - scale[0] + 10) * grey_per_db)
     redrawn = with_other_speckle(image, *scale, 16, rng=rng)
     truly, estimated = similarity(second, image), similarity(redrawn, image)
-    # The speckle that stays in the mean, 1 / (2 sqrt(pi) 6) = 5 % of its variance in power, counts for the bound.
+    # The speckle that stays in the mean, 1 / (2 sqrt(pi) 6) = 5 % of its variance in power, counts
+    # for the bound.
     assert_allclose(estimated["rmse"], truly["rmse"], rtol=0.05)
     assert_allclose(estimated["ssim"], truly["ssim"], atol=0.04)
 
@@ -87,9 +100,14 @@ def test_air_of_noise_has_no_texture_and_blotches_are_seen(rng):
     assert_allclose(texture["air_mean"], 100, atol=4 * 8 / np.sqrt(n))
     assert_allclose(texture["air_deviation"], 8, rtol=4 / np.sqrt(2 * n))
     # Autocorrelations of white noise scatter by 1 / sqrt(n).
-    assert_allclose([texture["air_correlation_across"], texture["air_correlation_down"]], 0, atol=4 / np.sqrt(n))
-    # A Gaussian of sigma 3 leaves 1 / (2 sqrt(pi) 3) of the deviation; about n / (4 pi 9) = 118 values are independent.
-    assert_allclose(texture["air_blotches"], 8 / (2 * np.sqrt(np.pi) * 3), rtol=4 / np.sqrt(2 * 118))
+    assert_allclose(
+        [texture["air_correlation_across"], texture["air_correlation_down"]], 0, atol=4 / np.sqrt(n)
+    )
+    # A Gaussian of sigma 3 leaves 1 / (2 sqrt(pi) 3) of the deviation; about n / (4 pi 9) = 118
+    # values are independent.
+    assert_allclose(
+        texture["air_blotches"], 8 / (2 * np.sqrt(np.pi) * 3), rtol=4 / np.sqrt(2 * 118)
+    )
     blotched = noise + 5 * np.sin(np.arange(256) / 20)
     assert air_texture(blotched, surface)["air_blotches"] > 3
     noise[60:] = 250  # what lies below the surface does not count

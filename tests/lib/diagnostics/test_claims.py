@@ -12,13 +12,23 @@ from result_tables import table3_intervals as intervals
 from scipy import stats
 
 from lib.diagnostics import claim_rules, claims
-from lib.diagnostics.claim_rules import CONFIRMED, CONTRADICTED, MISSING, OPEN, mean_interval, side_of_zero, signed
+from lib.diagnostics.claim_rules import (
+    CONFIRMED,
+    CONTRADICTED,
+    MISSING,
+    OPEN,
+    mean_interval,
+    side_of_zero,
+    signed,
+)
 from lib.diagnostics.claims import CLAIMS, check_claims, chi_square, doppler, expensive
 
 
 def similarity_table(cgan_less_phy):
     phy = np.random.default_rng(3).normal(20, 1, 40)
-    table = pd.DataFrame(product(("phy", "cgan"), [f"test_{i}" for i in range(40)]), columns=["method", "scene"])
+    table = pd.DataFrame(
+        product(("phy", "cgan"), [f"test_{i}" for i in range(40)]), columns=["method", "scene"]
+    )
     return table.assign(psnr=[*phy, *(phy + cgan_less_phy)], rmse=[*phy, *(phy - cgan_less_phy)])
 
 
@@ -31,7 +41,10 @@ def test_the_mean_s_interval_is_student_s_and_one_value_has_none(rng):
 
 
 def test_nineteen_of_twenty_intervals_hold_the_mean(rng):
-    held = [low <= 1 <= high for _, low, high in (mean_interval(rng.normal(1, 2, 15)) for _ in range(2000))]
+    held = [
+        low <= 1 <= high
+        for _, low, high in (mean_interval(rng.normal(1, 2, 15)) for _ in range(2000))
+    ]
     # Binomial, 2000 draws of 0.95: standard deviation 0.0049; four of them.
     assert_allclose(np.mean(held), 0.95, atol=4 * 0.0049)
 
@@ -40,7 +53,11 @@ def test_signs_of_an_interval_decide():
     assert side_of_zero(0.1, 0.2) == CONFIRMED
     assert side_of_zero(-0.2, -0.1) == CONTRADICTED
     assert side_of_zero(-0.1, 0.2) == side_of_zero(0.0, 0.2) == OPEN
-    for others, outcome in (([CONFIRMED] * 2, CONFIRMED), ([OPEN], OPEN), ([CONTRADICTED], CONTRADICTED)):
+    for others, outcome in (
+        ([CONFIRMED] * 2, CONFIRMED),
+        ([OPEN], OPEN),
+        ([CONTRADICTED], CONTRADICTED),
+    ):
         assert claim_rules.all_of([CONFIRMED, *others]) == outcome
 
 
@@ -71,13 +88,19 @@ def test_infinite_psnr_of_an_identical_image_is_left_out():
 
 def positions(cgan, phy):
     rows = []
-    for scene, (against, shape_class) in product(range(5), (("slope", 3), ("curvature", 0), ("curvature", 3))):
+    for scene, (against, shape_class) in product(
+        range(5), (("slope", 3), ("curvature", 0), ("curvature", 3))
+    ):
         # Only the most curved quarter counts: elsewhere the sign is the other way round.
         elsewhere = 0 if (against, shape_class) == ("curvature", 3) else 10
         # Differences that are equal in every scene have no spread; a little is real.
         errors = {"cgan": cgan, "phy": phy + elsewhere + 0.02 * (scene == 0), "observed": 3.0}
-        rows += [(f"s{scene}", method, against, shape_class, error) for method, error in errors.items()]
-    return pd.DataFrame(rows, columns=["scene", "method", "against", "shape_class", "mean_abs_error_bins"])
+        rows += [
+            (f"s{scene}", method, against, shape_class, error) for method, error in errors.items()
+        ]
+    return pd.DataFrame(
+        rows, columns=["scene", "method", "against", "shape_class", "mean_abs_error_bins"]
+    )
 
 
 def test_curvature_is_compared_where_layers_bend_most():
@@ -89,7 +112,10 @@ def test_augmentation_needs_all_sets_to_gain_and_the_best_set_all_intervals_belo
     gains = {("fuse", name): 0.02 for name in SETS[1:]}
     assert claims.augmentation(intervals(gains), "ods").outcome == CONFIRMED
     assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): 0.002}), "ods").outcome == OPEN
-    assert claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").outcome == CONTRADICTED
+    assert (
+        claims.augmentation(intervals(gains | {("fuse", "rd_pd"): -0.02}), "ods").outcome
+        == CONTRADICTED
+    )
     assert claims.best_fuse(intervals({("fuse", "rd_pd"): 0.03})).outcome == CONFIRMED
     close = {("fuse", "rd_pd"): 0.03, ("fuse", "rd_gd"): 0.025}
     assert claims.best_fuse(intervals(close)).outcome == OPEN
@@ -113,13 +139,22 @@ def test_tracked_power_agrees_within_five_percent_or_not(factor, outcome):
     probability = np.array([0.001, 0.1, 0.5, 0.9, 0.999])
     gamma = stats.gamma(5, scale=0.2).ppf(probability)
     tracked = gamma * np.array([9, 1, factor, 1, 9])  # beyond 1 % and 99 % nothing counts
-    table = pd.DataFrame({"probability": probability, "gamma": gamma, "tracked": tracked, "n_looks": 5.0})
+    table = pd.DataFrame(
+        {"probability": probability, "gamma": gamma, "tracked": tracked, "n_looks": 5.0}
+    )
     assert chi_square(table).outcome == outcome
 
 
-@pytest.mark.parametrize(("value", "outcome"), [(0.7, CONFIRMED), (4.0, CONTRADICTED), (np.nan, OPEN)])
+@pytest.mark.parametrize(
+    ("value", "outcome"), [(0.7, CONFIRMED), (4.0, CONTRADICTED), (np.nan, OPEN)]
+)
 def test_a_spectrum_is_flat_below_three_decibels(value, outcome):
-    table = pd.DataFrame({"quantity": ["line spacing", "Doppler spectrum, highest over lowest"], "value": [9.0, value]})
+    table = pd.DataFrame(
+        {
+            "quantity": ["line spacing", "Doppler spectrum, highest over lowest"],
+            "value": [9.0, value],
+        }
+    )
     assert doppler(table).outcome == outcome
 
 
@@ -127,7 +162,9 @@ def test_a_spectrum_is_flat_below_three_decibels(value, outcome):
     ("seconds", "error_db", "outcome"),
     [(1.0, 0.1, CONFIRMED), (1.0, 0.6, OPEN), (0.05, 0.1, OPEN), (0.05, 0.6, CONTRADICTED)],
 )
-def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds, error_db, outcome):
+def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(
+    seconds, error_db, outcome
+):
     rows = [
         ("stacks", "fine layering", 100, "convolution", 1e-9, 9.0),
         ("stacks", "fine layering", 50, "convolution", 1e-9, error_db),
@@ -135,29 +172,48 @@ def test_a_solver_is_too_expensive_only_if_it_costs_much_and_adds_little(seconds
         ("scene", "whole scene", 1, "PHY", 2e-3, 0.05),
         ("scene", "extrapolated", 0, "transfer matrix, stack", seconds, 0.0),
     ]
-    found = expensive(pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "seconds", "error_db"]))
+    found = expensive(
+        pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "seconds", "error_db"])
+    )
     assert found.outcome == outcome
     assert f"{seconds / 1e-3:,.0f} times" in found.numbers
 
 
 def test_what_the_flight_was_built_to_have_is_no_confirmation():
-    doppler_table = pd.DataFrame({"quantity": ["Doppler spectrum, highest over lowest"], "value": [0.7]})
+    doppler_table = pd.DataFrame(
+        {"quantity": ["Doppler spectrum, highest over lowest"], "value": [0.7]}
+    )
     config = {"source": "reference", "phy": {"n_looks": 16}, "benchmark": {"n_looks": 16}}
     tables = {"realism": doppler_table, "config": config}
 
     def built(tables, **options):
-        return {claim.tables[0] for claim in check_claims(tables, **options) if claim.by_construction}
+        return {
+            claim.tables[0] for claim in check_claims(tables, **options) if claim.by_construction
+        }
 
     assert built(tables) == {"realism", "config"}
     assert built(tables, synthetic=False) == set()
     # What came out otherwise all the same is counted with the rest.
-    assert built({"realism": doppler_table.assign(value=9.0), "config": config | {"phy": {"n_looks": 100}}}) == set()
+    assert (
+        built(
+            {
+                "realism": doppler_table.assign(value=9.0),
+                "config": config | {"phy": {"n_looks": 100}},
+            }
+        )
+        == set()
+    )
 
 
 @pytest.mark.parametrize(("n_replicas", "few"), [(2, True), (5, False)])
 def test_differences_of_few_trainings_are_indicative(n_replicas, few):
     table = intervals().assign(n_replicas=n_replicas)
-    for rule in (partial(claims.augmentation, metric="ods"), claims.best_fuse, claims.best_sides, claims.fifth_side):
+    for rule in (
+        partial(claims.augmentation, metric="ods"),
+        claims.best_fuse,
+        claims.best_sides,
+        claims.fifth_side,
+    ):
         assert ("indicative" in rule(table).caveat) == few
 
 

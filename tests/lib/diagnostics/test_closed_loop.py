@@ -5,7 +5,15 @@ import pytest
 from numpy.testing import assert_allclose
 
 from lib.diagnostics import closed_loop
-from lib.diagnostics.closed_loop import BOUNDS, COLUMNS, VARIES, as_frame, compare, summarise_loop, thinned
+from lib.diagnostics.closed_loop import (
+    BOUNDS,
+    COLUMNS,
+    VARIES,
+    as_frame,
+    compare,
+    summarise_loop,
+    thinned,
+)
 from snowsim import statistics
 from snowsim.statistics import estimate, merge, summarise
 
@@ -13,7 +21,8 @@ from snowsim.statistics import estimate, merge, summarise
 @pytest.fixture(scope="module")
 def fitted(flight):
     dataset = statistics.fit(flight)
-    # Four blocks are too few for zones of their own; here only the bookkeeping counts, so they are taken as enough.
+    # Four blocks are too few for zones of their own; here only the bookkeeping counts, so they are
+    # taken as enough.
     return dataset.assign(source=dataset["source"] * 0, psd_source=dataset["psd_source"] * 0)
 
 
@@ -38,7 +47,9 @@ def test_statistics_equal_themselves_and_other_zones_cannot_be_compared(fitted):
 
 
 def test_errors_are_in_the_unit_of_their_bound(fitted):
-    recovered = spoiled(fitted, peak_power=1.02, thickness_psd=10**0.05).assign(width_bins=fitted["width_bins"] + 0.5)
+    recovered = spoiled(fitted, peak_power=1.02, thickness_psd=10**0.05).assign(
+        width_bins=fitted["width_bins"] + 0.5
+    )
     table = compare(fitted, recovered).set_index("quantity")
     # The factors come back to rounding.
     assert_allclose(table.loc["peak_power", "error"], 0.02, rtol=1e-10)
@@ -59,12 +70,15 @@ def test_an_error_of_a_spectrum_is_its_bands_mean_density(fitted):
 def test_what_is_beyond_its_bound_has_a_reason(fitted):
     reasons = {}
     for factor in (1.04, 1.5):
-        table = compare(fitted, spoiled(fitted, peak_power=factor, thickness_mean_bins=factor)).set_index("quantity")
+        table = compare(
+            fitted, spoiled(fitted, peak_power=factor, thickness_mean_bins=factor)
+        ).set_index("quantity")
         assert not table.loc["peak_power", "within"].any()
         reasons[factor] = set(table.loc["peak_power", "reason"])
         if factor == 1.5:
             assert set(table.loc["thickness_mean_bins", "reason"]) == {"bias"}
-    # Powers are known to half a per cent: 4 % are some of them sampling's beyond a bound of 3 %, 50 % are none.
+    # Powers are known to half a per cent: 4 % are some of them sampling's beyond a bound of 3 %, 50
+    # % are none.
     assert reasons[1.04] <= {"sampling", "bias"}
     assert reasons[1.5] == {"bias"}
     faint = fitted.assign(noise_power=fitted["noise_power"] * 1e3)
@@ -82,13 +96,21 @@ def test_zones_drawn_evenly_are_the_reason_only_where_that_explains_the_error(fi
         relative_thickness_mean=(("zone", "slab"), 0.8 * cells),
         relative_thickness_variance=(("zone", "slab"), 0.01 * cells),
     )
-    drawn = {"mean_bins": (first * factor).mean(axis=0), "variance_bins2": (first * factor).var(axis=0)}
+    drawn = {
+        "mean_bins": (first * factor).mean(axis=0),
+        "variance_bins2": (first * factor).var(axis=0),
+    }
     for name, values in drawn.items():
         # 100,000 scenes know both to a per cent, far below the bounds.
         evenly = given.assign({f"thickness_{name}": (("zone", "slab"), values[:, None] * cells)})
-        for true, reason in ((evenly, "zone drawn evenly"), (spoiled(evenly, **{f"thickness_{name}": 2}), "bias")):
+        for true, reason in (
+            (evenly, "zone drawn evenly"),
+            (spoiled(evenly, **{f"thickness_{name}": 2}), "bias"),
+        ):
             start = given.assign({f"thickness_{name}": fitted[f"thickness_{name}"] * 0 + 1})
-            recovered = true.assign({f"thickness_{name}_standard_error": fitted[f"thickness_{name}"] * 0})
+            recovered = true.assign(
+                {f"thickness_{name}_standard_error": fitted[f"thickness_{name}"] * 0}
+            )
             table = compare(start, recovered).set_index("quantity")
             assert set(table.loc[f"thickness_{name}", "reason"]) == {reason}, name
 
@@ -120,10 +142,16 @@ def test_the_short_table_counts_what_the_long_one_holds(fitted):
 def test_planted_values_go_round_the_loop(planted, rng):
     frames, bin_size_s = [], 2.886e-10
     for index in range(8):
-        thickness = 44 + 2 * rng.standard_normal((4, 1)) + np.cumsum(0.1 * rng.standard_normal((4, 256)), axis=1)
+        thickness = (
+            44
+            + 2 * rng.standard_normal((4, 1))
+            + np.cumsum(0.1 * rng.standard_normal((4, 256)), axis=1)
+        )
         layer_bins = 50 + np.concatenate([np.zeros((1, 256)), np.cumsum(thickness, axis=0)])
         power = rng.gamma(5, planted.power(layer_bins, 340) / 5)
-        frames.append(as_frame(power, layer_bins, index, bin_size_s=bin_size_s, line_spacing_m=5.47))
+        frames.append(
+            as_frame(power, layer_bins, index, bin_size_s=bin_size_s, line_spacing_m=5.47)
+        )
     whole = merge(summarise(*frame) for frame in frames)
     some = merge(thinned(summarise(*frame), 2) for frame in reversed(frames))
     assert [frame.power.shape[0] for frame in whole] == [12] * 8
@@ -132,7 +160,8 @@ def test_planted_values_go_round_the_loop(planted, rng):
     edges = np.linspace(30, 60, 5)
     for summary in (whole, some):
         recovered = estimate(summary, zone_edge_bins=edges)
-        # 48 groups of 100 looks: a power to 2 %, a rate to 2.5 % by its own standard error; allow three and four.
+        # 48 groups of 100 looks: a power to 2 %, a rate to 2.5 % by its own standard error; allow
+        # three and four.
         assert_allclose(recovered["peak_power"], planted.peak_power, rtol=0.06)
         assert_allclose(recovered["decay_rate"], planted.decay_rate, rtol=0.1)
         assert_allclose(recovered.attrs["bin_size_s"], bin_size_s, rtol=1e-12)

@@ -55,7 +55,9 @@ def test_one_interface_is_fresnel_s_and_so_are_layers_of_one_medium(rng):
 
 @pytest.mark.parametrize("order", [0, 1, 7])
 @pytest.mark.parametrize("layer", [1.25, np.sqrt(1.7)])
-def test_quarter_wave_layer_reflects_as_in_the_closed_form_and_not_at_all_where_matched(order, layer):
+def test_quarter_wave_layer_reflects_as_in_the_closed_form_and_not_at_all_where_matched(
+    order, layer
+):
     above, below = 1.0, 1.7
     quarter_m = SPEED_OF_LIGHT_M_S / 5e9 / layer / 4
     reflection, transmission = reflect([above, layer, below], [(2 * order + 1) * quarter_m], 5e9)
@@ -73,14 +75,23 @@ def characteristic_matrix(index, thickness_m, frequency_hz):
         product = mpmath.eye(2)
         for n, d in zip(index[1:-1], thickness_m, strict=True):
             n = mpmath.mpmathify(complex(n))
-            phase = 2 * mpmath.pi * mpmath.mpf(frequency_hz) * n * mpmath.mpf(float(d)) / mpmath.mpf(299792458)
+            phase = (
+                2
+                * mpmath.pi
+                * mpmath.mpf(frequency_hz)
+                * n
+                * mpmath.mpf(float(d))
+                / mpmath.mpf(299792458)
+            )
             sine, cosine = mpmath.sin(phase), mpmath.cos(phase)
             product *= mpmath.matrix([[cosine, -1j * sine / n], [-1j * n * sine, cosine]])
         above, below = (mpmath.mpmathify(complex(index[end])) for end in (0, -1))
         electric = product[0, 0] + product[0, 1] * below
         magnetic = product[1, 0] + product[1, 1] * below
         denominator = above * electric + magnetic
-        return complex((above * electric - magnetic) / denominator), complex(2 * above / denominator)
+        return complex((above * electric - magnetic) / denominator), complex(
+            2 * above / denominator
+        )
 
 
 @pytest.mark.parametrize("n_layers", [1, 60, 300])
@@ -102,7 +113,9 @@ def test_what_single_scattering_leaves_out_is_of_third_order(rng, losses):
     for step in (1e-3, 5e-4):
         index = 1.3 + step * shape
         exact = reflect(index, thickness_m, SWEEP_HZ)[0]
-        errors.append(np.abs(reflect_once(index, thickness_m, SWEEP_HZ, losses=losses) - exact).max())
+        errors.append(
+            np.abs(reflect_once(index, thickness_m, SWEEP_HZ, losses=losses) - exact).max()
+        )
     # Halving the contrast divides the error by 2^3; the next order is 5 %.
     assert_allclose(np.log2(errors[0] / errors[1]), 3, atol=0.1)
     assert errors[1] > 1e-11  # far from rounding
@@ -112,8 +125,12 @@ def test_delays_are_two_way_and_two_interfaces_lack_one_loss_and_one_multiple_of
     index, thickness_m = np.array([1.0, 1.2, 1.6]), [0.1]
     r1, r2 = fresnel(1.0, 1.2), fresnel(1.2, 1.6)
     turn = np.exp(4j * np.pi * SWEEP_HZ * 1.2 * 0.1 / SPEED_OF_LIGHT_M_S)
-    assert_allclose(reflect_once(index, thickness_m, SWEEP_HZ, losses=False), r1 + r2 * turn, rtol=1e-13)
-    assert_allclose(reflect_once(index, thickness_m, SWEEP_HZ), r1 + (1 - r1**2) * r2 * turn, rtol=1e-13)
+    assert_allclose(
+        reflect_once(index, thickness_m, SWEEP_HZ, losses=False), r1 + r2 * turn, rtol=1e-13
+    )
+    assert_allclose(
+        reflect_once(index, thickness_m, SWEEP_HZ), r1 + (1 - r1**2) * r2 * turn, rtol=1e-13
+    )
     airy = (r1 + r2 * turn) / (1 + r1 * r2 * turn)
     assert_allclose(reflect(index, thickness_m, SWEEP_HZ)[0], airy, rtol=1e-13)
     delay_s = interface_delays_s(np.array([1.0, 1.2, 1.5]), np.array([0.3]))

@@ -21,24 +21,32 @@ def test_a_mirror_has_power_one_and_the_width_of_the_window_and_no_late_echo_is_
     mirror = np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None]
     x = np.array([0, -2, 2, 1]) / BANDWIDTH_HZ
     # The window is sampled at 721 frequencies: sums for integrals, second order.
-    assert_allclose(convolution.mean_profile(mirror, FREQUENCY_HZ, at_s + x), [1, 0, 0, 0.25], atol=1e-5)
+    assert_allclose(
+        convolution.mean_profile(mirror, FREQUENCY_HZ, at_s + x), [1, 0, 0, 0.25], atol=1e-5
+    )
     late = np.exp(2j * np.pi * FREQUENCY_HZ * 110e-9)[None]
     assert convolution.mean_profile(late, FREQUENCY_HZ, DELAY_S).max() < 1e-6
 
 
 def test_one_interface_is_the_same_coherent_and_not():
     at_s = 33.3 * 2.886e-10
-    coherent = convolution.mean_profile(0.2 * np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None], FREQUENCY_HZ, DELAY_S)
+    coherent = convolution.mean_profile(
+        0.2 * np.exp(2j * np.pi * FREQUENCY_HZ * at_s)[None], FREQUENCY_HZ, DELAY_S
+    )
     # Side lobes beyond 8 / B, below -60 dB, are left out.
     assert_allclose(
-        convolution.incoherent_profile([[0.04]], [[at_s]], DELAY_S, BANDWIDTH_HZ), coherent, atol=0.04 * 1e-6
+        convolution.incoherent_profile([[0.04]], [[at_s]], DELAY_S, BANDWIDTH_HZ),
+        coherent,
+        atol=0.04 * 1e-6,
     )
 
 
 def test_profile_peaks_where_a_layer_lies_and_as_high_as_it_reflects():
     index, thickness_m = np.array([[1.0, 1.3, 1.32]]), np.array([[1.0]])
     delay_s = interface_delays_s(index, thickness_m)[0]
-    power = convolution.mean_profile(reflect(index, thickness_m, FREQUENCY_HZ)[0], FREQUENCY_HZ, delay_s)
+    power = convolution.mean_profile(
+        reflect(index, thickness_m, FREQUENCY_HZ)[0], FREQUENCY_HZ, delay_s
+    )
     r1, r2 = 0.3 / 2.3, 0.02 / 2.62
     # 26 nulls apart the surface leaves less than -70 dB of itself, in amplitude 3e-4 of r1.
     assert_allclose(np.sqrt(power), [r1, (1 - r1**2) * r2], atol=1e-4)
@@ -68,14 +76,18 @@ def test_impossible_stacks_are_refused(rng):
 def test_models_agree_where_layers_are_weak_and_part_where_they_are_strong(rng):
     errors = {}
     for contrast in (3.0, 100.0, 600.0):
-        density, thickness_m = draw_years(64, 15, contrast, **YEARS | {"mean_density_kg_m3": 450.0}, rng=rng)
+        density, thickness_m = draw_years(
+            64, 15, contrast, **YEARS | {"mean_density_kg_m3": 450.0}, rng=rng
+        )
         index = np.concatenate([np.ones((64, 1)), 1 + 0.845e-3 * density], axis=1)
         works = convolution.model_works(index, thickness_m, FREQUENCY_HZ, DELAY_S, BANDWIDTH_HZ)
         assert tuple(works) == convolution.MODELS
         powers = {name: work() for name, work in works.items()}
         noise_power = 2e-3 * powers["transfer matrix"].max()
         for name in convolution.MODELS[1:]:
-            errors[name, contrast] = convolution.error_db(powers[name], powers["transfer matrix"], noise_power)
+            errors[name, contrast] = convolution.error_db(
+                powers[name], powers["transfer matrix"], noise_power
+            )
     assert errors["single scattering", 3.0] < 0.01
     for name in convolution.MODELS[1:]:
         assert errors[name, 3.0] <= errors[name, 100.0] < 0.5 < 2 < errors[name, 600.0]
@@ -85,7 +97,9 @@ def test_errors_are_decibels_over_the_noise():
     reference = np.array([1.0, 0.1])
     assert_allclose(convolution.error_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
     assert_allclose(convolution.bias_db(2 * reference, reference), 10 * np.log10(2), rtol=1e-12)
-    assert_allclose(convolution.error_db([1.0, 0.0], [1.0, 1.0], 1.0), 10 * np.log10(2) / np.sqrt(2), rtol=1e-12)
+    assert_allclose(
+        convolution.error_db([1.0, 0.0], [1.0, 1.0], 1.0), 10 * np.log10(2) / np.sqrt(2), rtol=1e-12
+    )
     with pytest.raises(ValueError, match="expected two positive, finite powers of one shape"):
         convolution.error_db([1.0], [1.0, 2.0])
     with pytest.raises(ValueError, match="expected two positive"):
@@ -103,5 +117,7 @@ def test_a_layered_profile_ends_as_a_half_space(rng):
 
 def test_a_missing_smrt_is_named_with_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "smrt", None)  # importing it then fails
-    with pytest.raises(ValueError, match=r"smrt, which is not installed: pip install 'snowsim\[studies\]'"):
+    with pytest.raises(
+        ValueError, match=r"smrt, which is not installed: pip install 'snowsim\[studies\]'"
+    ):
         import_smrt()

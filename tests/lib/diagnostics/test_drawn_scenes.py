@@ -8,7 +8,14 @@ import torch
 from numpy.testing import assert_allclose, assert_array_equal
 
 from lib.diagnostics import drawn_scenes
-from lib.diagnostics.drawn_scenes import LAGS, LAYER_LAGS, describe_image, describe_layers, span_of, two_sample_table
+from lib.diagnostics.drawn_scenes import (
+    LAGS,
+    LAYER_LAGS,
+    describe_image,
+    describe_layers,
+    span_of,
+    two_sample_table,
+)
 from lib.diagnostics.patch_network import fit_network
 from lib.diagnostics.two_sample import accuracy, decisions
 from snowsim.echogram import Scene, to_uint8
@@ -62,14 +69,20 @@ def test_scenes_of_one_kind_are_not_distinguished_and_those_of_fewer_looks_are(r
         assert whole["cgan", classifier] > 0.95
     assert table["first_row"].drop_duplicates().tolist() == [-1, 18, 82, 146, 210]
     low = [Scene("low", 80, LEVEL[:1], scene.image[:80]) for scene in sets["phy"]]
-    with pytest.raises(ValueError, match="expected scenes of 82 x 64 pixels or more, the smallest has 80 x 256"):
-        two_sample_table({**sets, "phy": low}, n_splits=3, n_steps=1, stream=partial(random_stream, 1))
+    with pytest.raises(
+        ValueError, match="expected scenes of 82 x 64 pixels or more, the smallest has 80 x 256"
+    ):
+        two_sample_table(
+            {**sets, "phy": low}, n_splits=3, n_steps=1, stream=partial(random_stream, 1)
+        )
 
 
 def test_a_network_is_a_function_of_its_seed_and_leaves_the_random_state_as_it_was(rng):
     before = torch.random.get_rng_state()
     patches, truth = rng.integers(0, 256, (70, 64, 64)).astype(np.uint8), np.arange(70) % 3 == 0
-    first, again = (fit_network(patches, truth, n_steps=3, rng=np.random.default_rng(1)) for _ in range(2))
+    first, again = (
+        fit_network(patches, truth, n_steps=3, rng=np.random.default_rng(1)) for _ in range(2)
+    )
     assert_array_equal(first(patches), again(patches))
     assert torch.equal(before, torch.random.get_rng_state())
 
@@ -78,16 +91,21 @@ def test_planted_looks_correlation_and_contrast_come_back(rng):
     scenes = [speckled(rng, rise=4.0, wide=2) for _ in range(4)]
     found = [describe_image(scene, span_of(scene)) for scene in scenes]
     mean = {key: np.mean([numbers[key] for numbers in found]) for key in found[0]}
-    # 42 rows x 256 lines x 4 scenes, every second one new: known to 1 %; steps of 0.1 dB add (0.1 / 3)^2 / 12 of 1/16.
+    # 42 rows x 256 lines x 4 scenes, every second one new: known to 1 %; steps of 0.1 dB add (0.1 /
+    # 3)^2 / 12 of 1/16.
     assert_allclose(mean["looks of the air", 0], 16, rtol=0.05)
     # Means of two share half with the next and nothing with the one after.
     for lag in LAGS:
         assert_allclose(mean["autocorrelation, range_line", lag], 0.5 if lag == 1 else 0, atol=0.02)
-    # 6.02 dB; the least of 10 rows of 256 lines, 1.1 dB a pixel, lies 1.5 x 0.07 x sqrt(2) below their mean.
+    # 6.02 dB; the least of 10 rows of 256 lines, 1.1 dB a pixel, lies 1.5 x 0.07 x sqrt(2) below
+    # their mean.
     for layer in (1, 2):
         assert_allclose(mean["contrast of layers", layer], 6.02 + 0.2, atol=0.2)
     without = describe_image(scenes[0], np.nan)
-    assert {quantity for quantity, _ in without} == {"autocorrelation, range_line", "autocorrelation, range_bin"}
+    assert {quantity for quantity, _ in without} == {
+        "autocorrelation, range_line",
+        "autocorrelation, range_bin",
+    }
 
 
 def test_roughness_of_planted_layers_comes_back_and_few_scenes_make_means_over_these(rng):
@@ -101,7 +119,10 @@ def test_roughness_of_planted_layers_comes_back_and_few_scenes_make_means_over_t
         expected = np.mean((0.01 * ((lines[:-lag] + lag) ** 2 - lines[:-lag] ** 2)) ** 2)
         assert_allclose(found["structure function, slabs", lag], expected)
     assert describe_layers(np.full((2, N_LINES), np.nan)) == {}
-    numbers = {"observed": [{("a", 1): 1.0}, {("a", 1): 3.0, ("b", 0): 5.0}], "phy": [{("a", 1): 2.0}] * 2}
+    numbers = {
+        "observed": [{("a", 1): 1.0}, {("a", 1): 3.0, ("b", 0): 5.0}],
+        "phy": [{("a", 1): 2.0}] * 2,
+    }
     table = drawn_scenes.scenes_table(numbers, rng=rng).set_index(["quantity", "at", "scenes"])
     assert table.loc["a", 1, "observed"].tolist() == [2, 1, 3, 2]
     assert table.loc["b", 0, "observed"].tolist() == [5, 5, 5, 1]

@@ -8,7 +8,12 @@ from numpy.testing import assert_allclose
 from planted_labels import N_LINES, WAVENUMBER, density_of, planted
 
 from lib.diagnostics import label_models
-from lib.diagnostics.label_models import choose, compare_models, tabulate_models, whittle_log_likelihood
+from lib.diagnostics.label_models import (
+    choose,
+    compare_models,
+    tabulate_models,
+    whittle_log_likelihood,
+)
 from snowsim.labels import prepare
 from snowsim.labels.models import SPECTRA, label_model
 
@@ -16,7 +21,9 @@ from snowsim.labels.models import SPECTRA, label_model
 def zone_model(name, n_zones, n_blocks, rng):
     """A flight of 3 slabs with spectra of one law, level and scale by true zone of 2, divided into some zones."""
     unit = density_of(name)[1:-1]
-    blocks = rng.exponential(unit, (2, n_blocks, 3, unit.size)) * np.array([1.0, 9])[:, None, None, None]
+    blocks = (
+        rng.exponential(unit, (2, n_blocks, 3, unit.size)) * np.array([1.0, 9])[:, None, None, None]
+    )
     shares = np.array([0.6, 1.0])[:, None, None] + 0.02 * rng.standard_normal((2, n_blocks, 3))
     blocks, shares = (part.reshape(n_zones, -1, *part.shape[2:]) for part in (blocks, shares))
     n = np.full((n_zones, 3), shares.shape[1])
@@ -67,9 +74,14 @@ def test_penalty_of_a_tabulated_density_is_its_optimism(rng):
     n, trials = 8, 4000
     seen, new = rng.exponential(1, (2, trials, n, 127)).mean(axis=2)
     pad = [(0, 0), (1, 1)]
-    in_sample = whittle_log_likelihood(np.pad(seen, pad), np.pad(seen, pad), np.full(trials, n)) / trials
-    out_of_sample = whittle_log_likelihood(np.pad(new, pad), np.pad(seen, pad), np.full(trials, n)) / trials
-    # 508,000 ratios whose variance is some 20: to 0.5 % of the 145 of n / (n - 1) a wavenumber, four of those.
+    in_sample = (
+        whittle_log_likelihood(np.pad(seen, pad), np.pad(seen, pad), np.full(trials, n)) / trials
+    )
+    out_of_sample = (
+        whittle_log_likelihood(np.pad(new, pad), np.pad(seen, pad), np.full(trials, n)) / trials
+    )
+    # 508,000 ratios whose variance is some 20: to 0.5 % of the 145 of n / (n - 1) a wavenumber,
+    # four of those.
     assert_allclose(in_sample - out_of_sample, 127 * n / (n - 1), rtol=0.03)
 
 
@@ -88,13 +100,16 @@ def test_choice_is_refused_where_it_is_none_and_spectra_are_tabulated_by_zone():
 def test_what_a_model_costs_stands_beside_the_first():
     statistics = planted(n_slabs=6)
     n_parameters = {"tabulated": 9, "matern": 3, "white": 1}
-    selection = pd.DataFrame({"n_zones": 4, "psd": list(n_parameters), "n_parameters": list(n_parameters.values())})
-    models = {psd: (4, psd, prepare(label_model(statistics, psd), N_LINES)) for psd in n_parameters}
-    table = compare_models(models, selection.assign(aic=0.0, bic=0.0), 60, lambda: np.random.default_rng(3)).set_index(
-        "model"
+    selection = pd.DataFrame(
+        {"n_zones": 4, "psd": list(n_parameters), "n_parameters": list(n_parameters.values())}
     )
+    models = {psd: (4, psd, prepare(label_model(statistics, psd), N_LINES)) for psd in n_parameters}
+    table = compare_models(
+        models, selection.assign(aic=0.0, bic=0.0), 60, lambda: np.random.default_rng(3)
+    ).set_index("model")
     assert (table.loc["tabulated"].filter(like="_change") == 0).all()
     assert_allclose(table.loc["matern", "parameters_saved"], 2 / 3)
-    # The same random numbers through nearly the same spectrum; white noise of its variance lies in the last band.
+    # The same random numbers through nearly the same spectrum; white noise of its variance lies in
+    # the last band.
     assert np.abs(table.loc["matern"].filter(like="_change").astype(float)).max() < 0.02
     assert table.loc["white", "undulation_3_bins"] > 3 * table.loc["tabulated", "undulation_3_bins"]

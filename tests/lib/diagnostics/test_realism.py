@@ -5,7 +5,13 @@ import yaml
 from numpy.testing import assert_allclose
 
 from lib.diagnostics import realism, realism_sides, realism_snow, two_sample
-from lib.diagnostics.pictures import BINS_PER_ROW, PRODUCT_ROW_S, Picture, means_100m, response_picture
+from lib.diagnostics.pictures import (
+    BINS_PER_ROW,
+    PRODUCT_ROW_S,
+    Picture,
+    means_100m,
+    response_picture,
+)
 from lib.diagnostics.realism_table import interval, realism_table, summary
 from lib.imports import ROOT
 from snowsim.reference import checked_settings
@@ -33,16 +39,21 @@ def speckle_picture(rng, *, gain_db=0.0, band_db=0.0, n_rows=200, n_lines=4000, 
 
 def test_noise_of_five_looks_and_planted_gain_and_bands_come_back(rng):
     numbers = realism.describe_air(speckle_picture(rng))
-    # 480,000 pixels: 4 standard errors of looks are about 4 * 5 * sqrt(3 / 480,000) = 0.05, trigamma(5) gives 2.043 dB.
+    # 480,000 pixels: 4 standard errors of looks are about 4 * 5 * sqrt(3 / 480,000) = 0.05,
+    # trigamma(5) gives 2.043 dB.
     assert_allclose(numbers["air, looks"], 5, atol=0.05)
     assert_allclose(numbers["air, s.d."], 2.043, rtol=0.01)
     assert abs(numbers["air, autocorrelation along track at 1 lines"]) < 4 / np.sqrt(480_000)
     numbers = realism.describe_air(speckle_picture(rng, gain_db=0.3, band_db=0.1))
-    # The running mean of 31 lines takes 1/31 of the variance; 4000 lines know the rest to 4 %, 120 rows to 26 %.
+    # The running mean of 31 lines takes 1/31 of the variance; 4000 lines know the rest to 4 %, 120
+    # rows to 26 %.
     assert_allclose(numbers["air, gain from line to line"], 0.3 * np.sqrt(30 / 31), rtol=0.04)
     assert_allclose(numbers["air, power from row to row"], 0.1, rtol=0.26)
-    # Without them, halves of 60 rows and 4000 lines share nothing: 2.04 / sqrt(60 sqrt(4000)) dB are left to chance.
-    assert realism.describe_air(speckle_picture(rng))["air, gain from line to line"] < 2 * 2.04 / np.sqrt(60 * 63)
+    # Without them, halves of 60 rows and 4000 lines share nothing: 2.04 / sqrt(60 sqrt(4000)) dB
+    # are left to chance.
+    assert realism.describe_air(speckle_picture(rng))[
+        "air, gain from line to line"
+    ] < 2 * 2.04 / np.sqrt(60 * 63)
 
 
 def test_a_planted_sidelobe_a_rough_surface_and_homogeneous_snow_between_layers(rng):
@@ -75,7 +86,8 @@ def test_decay_and_smoothness_of_planted_100_m_means(rng):
     numbers = realism.describe_means(layers)
     # 36 rows are 6 periods, of which a cubic takes a little.
     assert_allclose(numbers["Greenland, texture s.d."], np.sqrt(0.5), rtol=0.03)
-    # A window of 12 rows is two periods; its ends, not shifted with it, pull the peak of the correlation by per cents.
+    # A window of 12 rows is two periods; its ends, not shifted with it, pull the peak of the
+    # correlation by per cents.
     for lag in (5, 10):
         shift = BINS_PER_ROW * lag * 2 / 49
         assert_allclose(numbers[f"Greenland, shift of layers at {100 * lag} m"], shift, rtol=0.3)
@@ -94,11 +106,14 @@ def test_means_over_100_m_are_taken_of_decibels_from_the_surface_on():
 def test_the_response_has_the_autocorrelation_of_its_window(rng):
     radar = checked_settings({}).radar
     numbers = realism.describe_response(response_picture(radar, rng=rng, n_lines=2000))
-    # White noise under a Hann window in frequency: intensity correlates as the square of the transform of its square.
+    # White noise under a Hann window in frequency: intensity correlates as the square of the
+    # transform of its square.
     frequency = (np.arange(4000) + 0.5) / 4000
     density = np.sin(np.pi * frequency) ** 4
     for t in (0.1, 0.3):
-        phase = 2 * np.pi * (frequency - 0.5) * t * radar.bandwidth_hz / radar.response_widening * 1e-9
+        phase = (
+            2 * np.pi * (frequency - 0.5) * t * radar.bandwidth_hz / radar.response_widening * 1e-9
+        )
         expected = (np.sum(density * np.cos(phase)) / density.sum()) ** 2
         # Decibels instead of power, and straight lines between rows, cost up to 0.03.
         assert_allclose(numbers[f"air, autocorrelation down at {t} ns"], expected, atol=0.03)
@@ -108,11 +123,20 @@ def test_cores_of_planted_anomalies_and_ratios_of_thickness_come_back(rng):
     years = rng.standard_normal(20_000)
     series = 0.4 * (1 + 0.2 * years) + 1e-6 * np.arange(20_000)
     found = realism_snow.describe_core(series)
-    assert_allclose(found["cores, deviation from year to year"], 0.2 * 0.4 / series.mean(), rtol=4 / np.sqrt(40_000))
+    assert_allclose(
+        found["cores, deviation from year to year"],
+        0.2 * 0.4 / series.mean(),
+        rtol=4 / np.sqrt(40_000),
+    )
     assert abs(found["cores, correlation of one year with the next"]) < 4 / np.sqrt(20_000)
     other = 0.4 * (1 + 0.2 * (0.6 * years + 0.8 * rng.standard_normal(20_000)))
-    assert_allclose(realism_snow.neighbour_correlations([series, other]), [0.6], atol=4 * 0.64 / np.sqrt(20_000))
-    slabs = [np.array([[5.0], [8.0], [8.0]]), np.array([[15.0], [12.0], [12.0]])]  # 28 and 84 px of a mean of 56
+    assert_allclose(
+        realism_snow.neighbour_correlations([series, other]), [0.6], atol=4 * 0.64 / np.sqrt(20_000)
+    )
+    slabs = [
+        np.array([[5.0], [8.0], [8.0]]),
+        np.array([[15.0], [12.0], [12.0]]),
+    ]  # 28 and 84 px of a mean of 56
     assert realism_snow.thickness_ratio(slabs, (22, 40)) == 1.6
     assert realism_snow.thickness_ratio(slabs, (80, 100)) == 0.8
     assert np.isnan(realism_snow.thickness_ratio(slabs, (40, 60)))
@@ -135,7 +159,11 @@ def test_rows_agree_by_what_real_frames_differ_or_the_interval(rng):
         [("air, s.d.", "a", 2.0), ("air, s.d.", "b", 2.2), ("snow, s.d.", "a", 2.0)],
         columns=["quantity", "frame", "value"],
     )
-    for value, low, high, agrees in ((2.29, 2.28, 2.3, "yes"), (2.31, 2.3, 2.32, "no"), (2.31, 2.2, 2.45, "yes")):
+    for value, low, high, agrees in (
+        (2.29, 2.28, 2.3, "yes"),
+        (2.31, 2.3, 2.32, "no"),
+        (2.31, 2.2, 2.45, "yes"),
+    ):
         table = realism_table({"air, s.d.": (value, low, high)}, real, KNOWN).set_index("quantity")
         assert table.loc["air, s.d.", "agrees"] == agrees
     assert table.loc["snow, s.d.", "reason"] == "no such value in the flight"
@@ -160,7 +188,8 @@ def test_the_record_is_what_the_real_files_give(real_snow_radar):
 def test_real_frames_measure_what_is_printed_of_them(real_snow_radar):
     measured, _ = realism_sides.describe_real(real_snow_radar)
     value = measured.set_index(["quantity", "frame"])["value"]
-    # Published of the same pictures: s.d. 2.1 dB, looks 4.6-4.7; of the cores: 0.17 at Summit, neighbours 0.43-0.86.
+    # Published of the same pictures: s.d. 2.1 dB, looks 4.6-4.7; of the cores: 0.17 at Summit,
+    # neighbours 0.43-0.86.
     assert value["air, s.d."].round(1).tolist() == [2.1, 2.1]
     assert value["air, looks"].round(1).tolist() == [4.6, 4.6]
     assert round(value["cores, deviation from year to year", "Summit"], 2) == 0.17

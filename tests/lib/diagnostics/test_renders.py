@@ -21,7 +21,9 @@ FLAT = np.full((1, N_LINES), 50.0)  # a surface
 
 def wavy_layers(amplitude=6.0):
     lines = np.arange(N_LINES)
-    return np.array([np.full(N_LINES, 50.0), 100 + amplitude * np.sin(lines / 8), 160 + 0.2 * lines])
+    return np.array(
+        [np.full(N_LINES, 50.0), 100 + amplitude * np.sin(lines / 8), 160 + 0.2 * lines]
+    )
 
 
 def image_of(layer_bins, shift=0, n_range_bins=320):
@@ -53,7 +55,9 @@ def test_classes_are_quarters_hold_every_pixel_once_and_order_layers_by_how_they
     edges = shape_edges([wave[:2]])
     assert edges["curvature"][0] == 0
     assert np.isinf(edges["curvature"][-1])
-    table = position_errors(image_of(straight), straight, edges).set_index(["against", "shape_class"])
+    table = position_errors(image_of(straight), straight, edges).set_index(
+        ["against", "shape_class"]
+    )
     assert table.loc[("curvature", 0), "n"] == 2 * (N_LINES - 8)
 
 
@@ -75,7 +79,8 @@ def test_noise_has_no_texture_and_a_smoothed_image_has(rng):
     smooth = np.pad(smooth, ((0, 0), (0, 1)), mode="edge")
     of_noise = texture_by_region(noise, noise, FLAT).set_index("region")
     of_smooth = texture_by_region(smooth, noise, FLAT).set_index("region")
-    # 42 x 128 and 242 x 128 pixels: the lag-1 correlation of noise is known to 1 / sqrt(n); four of those.
+    # 42 x 128 and 242 x 128 pixels: the lag-1 correlation of noise is known to 1 / sqrt(n); four of
+    # those.
     for region, n in (("above", 42 * 128), ("below", 242 * 128)):
         assert_allclose(of_noise.loc[region, "autocorrelation_line"], 0, atol=4 / np.sqrt(n))
         # The mean of two neighbours correlates by one half with the next.
@@ -89,7 +94,12 @@ def test_a_constant_region_has_no_texture_and_one_of_few_rows_is_left_out(rng):
     flat = np.full((320, N_LINES), 7, dtype=np.uint8)
     table = texture_by_region(flat, flat, FLAT)
     assert (table["deviation"] == 0).all()
-    assert table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]].isna().all().all()
+    assert (
+        table[["autocorrelation_line", "autocorrelation_bin", "spectrum_distance_db"]]
+        .isna()
+        .all()
+        .all()
+    )
     noise = rng.integers(0, 256, (320, N_LINES)).astype(np.uint8)
     assert list(texture_by_region(noise, noise, FLAT - 30)["region"]) == ["below"]
 
@@ -111,8 +121,15 @@ def test_a_guide_holds_phys_render_to_the_byte_and_its_layers_are_as_bright_as_e
     expected = render_scene(labels, flight, **phy, rng=random_stream(7, "render_phy", labels.name))
     guide = Guides([labels], flight, phy, seed=7)[0]
     assert (guide.image == expected.image).all()
-    # What is left of it without its speckle is the mean: grey levels of both add up to the image, but for rounding.
-    assert np.abs(np.clip((guide.mean + guide.speckle + 1) * 127.5, 0, 255) - expected.image).max() <= 0.51
-    error = expected_brightness(labels, flight) - observed_brightness(expected.image, labels.layer_bins)
-    # Three times the speckle of 16 looks in means of 33 lines, 0.19 dB, of the surface's 40 dB; and some for its tails.
+    # What is left of it without its speckle is the mean: grey levels of both add up to the image,
+    # but for rounding.
+    assert (
+        np.abs(np.clip((guide.mean + guide.speckle + 1) * 127.5, 0, 255) - expected.image).max()
+        <= 0.51
+    )
+    error = expected_brightness(labels, flight) - observed_brightness(
+        expected.image, labels.layer_bins
+    )
+    # Three times the speckle of 16 looks in means of 33 lines, 0.19 dB, of the surface's 40 dB; and
+    # some for its tails.
     assert np.sqrt(np.nanmean(error**2)) < 0.02

@@ -18,14 +18,18 @@ each_radar = pytest.mark.parametrize("radar", PRESETS.values(), ids=PRESETS)
 @pytest.mark.parametrize("contrast_kg_m3", [30, 100, 250])
 def test_delays_and_powers_are_those_of_a_coherent_solver(radar, contrast_kg_m3, rng):
     delay_bins, power_db = solver_errors(radar, contrast_kg_m3, SPACING, rng=rng)
-    # Asked of `simulate`; beyond these contrasts the figure convolution_accuracy shows how they grow.
+    # Asked of `simulate`; beyond these contrasts the figure convolution_accuracy shows how they
+    # grow.
     assert np.abs(delay_bins).max() < 0.1
     assert np.abs(power_db).max() < 0.5
 
 
 @each_radar
-# A chord of a tail that curves: 0.7 dB where the beam, not facets, ends it; the diffuse share adds 0.3 dB.
-@pytest.mark.parametrize(("slope", "share", "most_db"), [(0.03, 0, 0.05), (0.5, 0, 0.8), (0.03, 0.0007, 0.3)])
+# A chord of a tail that curves: 0.7 dB where the beam, not facets, ends it; the diffuse share adds
+# 0.3 dB.
+@pytest.mark.parametrize(
+    ("slope", "share", "most_db"), [(0.03, 0, 0.05), (0.5, 0, 0.8), (0.03, 0.0007, 0.3)]
+)
 def test_tails_fall_as_the_integral_over_annuli_does(radar, slope, share, most_db):
     assert tail_error_db(radar, slope, diffuse_share=share) < most_db
 
@@ -42,7 +46,11 @@ def test_an_echo_has_the_height_and_the_trailing_edge_of_the_reference_radar_s()
     shape = given["variance_bins2"], given["decay_rate"]
     bins = (np.arange(received.size) - wave.lead) / 16 + waveform_peak(*shape)[0]
     _, share = radar.tail(settings.horizon_slope, radar.height_m)
-    ours = given["peak_power"][0] / (share * surface_reflectivity(340.0)) * waveform_exact(bins, *shape)
+    ours = (
+        given["peak_power"][0]
+        / (share * surface_reflectivity(340.0))
+        * waveform_exact(bins, *shape)
+    )
     tail = (np.arange(received.size) > wave.lead) & (received > 0.01 * received.max())
     # A Gaussian stands for the window's main lobe.
     assert np.abs(10 * np.log10(ours[tail] / received[tail])).max() < 0.15
@@ -53,7 +61,9 @@ def test_roughness_spreads_power_and_adds_none(roughness_m):
     radar = PRESETS["ku-12-18"]
     _, given = physical_parameters(Snowpack([0.0], [340.0], roughness_m, slope=0.1), radar)
     # Area of eq. (1): a Gaussian's times an exponential's. A Hann window's cell is 1.5 / B.
-    area = given["peak_power"][0] * np.sqrt(2 * np.pi * given["variance_bins2"]) / given["decay_rate"]
+    area = (
+        given["peak_power"][0] * np.sqrt(2 * np.pi * given["variance_bins2"]) / given["decay_rate"]
+    )
     mirror = surface_reflectivity(340.0) * 1.5 / radar.bandwidth_hz / radar.bin_s
     # 4096 frequencies of the window: 2.5e-4.
     assert_allclose(area / radar.tail(0.1, radar.height_m)[1], mirror, rtol=1e-3)

@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from lib.diagnostics import statistics_atlas
-from lib.diagnostics.statistics_atlas import Planted, compared, draw_atlas, is_finite, rules_applied, with_gaps
+from lib.diagnostics.statistics_atlas import (
+    Planted,
+    compared,
+    draw_atlas,
+    is_finite,
+    rules_applied,
+    with_gaps,
+)
 from snowsim import labels
 from snowsim.phy import draw_parameters, mean_power
 from snowsim.seeding import random_stream
@@ -17,7 +24,9 @@ def borders():
     fits = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(statistics_atlas, "SWEEPS", {})
-        patch.setattr(statistics_atlas, "estimate", lambda *a, **b: fits.append(estimate(*a, **b)) or fits[-1])
+        patch.setattr(
+            statistics_atlas, "estimate", lambda *a, **b: fits.append(estimate(*a, **b)) or fits[-1]
+        )
         return draw_atlas(lambda *keys: random_stream(20120429, *keys)), fits
 
 
@@ -43,10 +52,19 @@ def test_what_degrades_stays_finite_through_labels_and_renders(borders, rng):
 
 def test_border_cases_end_as_stated(atlas):
     borders = atlas[(atlas["panel"] == "borders") & (atlas["estimator"] == "deblended")]
-    outcome = borders.groupby("value")["outcome"].agg(lambda part: "beyond" if "beyond" in set(part) else part.iloc[0])
-    refused = {"no layers", "surface alone", "less than a block", "no air above the surface", "layers cross"}
+    outcome = borders.groupby("value")["outcome"].agg(
+        lambda part: "beyond" if "beyond" in set(part) else part.iloc[0]
+    )
+    refused = {
+        "no layers",
+        "surface alone",
+        "less than a block",
+        "no air above the surface",
+        "layers cross",
+    }
     assert set(outcome.index[outcome == "refused"]) == refused
-    # What planted layers still say stays within its bounds, but where a layer is hidden, half cut off or hardly picked.
+    # What planted layers still say stays within its bounds, but where a layer is hidden, half cut
+    # off or hardly picked.
     lost = {"layer never picked", "picks below the record", "first slab picked in one frame"}
     assert set(outcome.index[outcome == "beyond"]) <= lost
     note = borders.groupby("value")["note"].first()
@@ -75,7 +93,8 @@ def test_gaps_take_the_share_asked_for(rng):
     _, layers = with_gaps(next(planted.frames(rng)), 0.4, rng)
     missing = np.isnan(layers["twtt"].values)
     assert not missing[0].any()
-    # 4 layers of 4000 lines in gaps of 24 on average: some 270 gaps, the share to 0.03; allow four of those.
+    # 4 layers of 4000 lines in gaps of 24 on average: some 270 gaps, the share to 0.03; allow four
+    # of those.
     assert abs(missing[1:].mean() - 0.4) < 0.12
     assert with_gaps(next(planted.frames(rng)), 0.0, rng)[1]["twtt"].notnull().all()
 

@@ -7,12 +7,19 @@ from made_up import made_up_frame
 from numpy.testing import assert_allclose
 from scipy.stats import kstest
 
-from lib.diagnostics.validation import independence, lilliefors, superposition, thickness_tests, validate
+from lib.diagnostics.validation import (
+    independence,
+    lilliefors,
+    superposition,
+    thickness_tests,
+    validate,
+)
 from snowsim import statistics
 
 
 def test_published_critical_values_have_their_probabilities():
-    # Stephens (1974), table 1A: modified distances exceeded in 15, 10, 5 and 1 % of Gaussian samples.
+    # Stephens (1974), table 1A: modified distances exceeded in 15, 10, 5 and 1 % of Gaussian
+    # samples.
     values = np.random.default_rng(0).standard_normal(100)
     distance, _ = lilliefors(values)
     for modified, probability in ((0.775, 0.15), (0.819, 0.10), (0.895, 0.05), (1.035, 0.01)):
@@ -45,12 +52,16 @@ def red_thickness(rng, n_blocks=40, n_slabs=12, power=1.0):
     series = np.fft.irfft((normal[0] + 1j * normal[1]) * shape, 256)
     series /= series.std()
     bent = np.sign(series) * np.abs(series) ** power
-    level = rng.uniform(30, 50, (n_blocks, 1, 1)) * (1 + 0.05 * rng.standard_normal((1, n_slabs, 1)))
+    level = rng.uniform(30, 50, (n_blocks, 1, 1)) * (
+        1 + 0.05 * rng.standard_normal((1, n_slabs, 1))
+    )
     means = level * (1 + 0.02 * rng.standard_normal((n_blocks, n_slabs, 1)))
     return means + 2 * bent
 
 
-def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not_and_another_law_fails(rng):
+def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not_and_another_law_fails(
+    rng,
+):
     rows = pd.DataFrame(thickness_tests(red_thickness(rng), [30.0, 40, 50], rng=rng))
     undulation = rows[rows["of"] == "undulation"]
     assert (undulation["p_value"] < 0.01).mean() > 0.3
@@ -83,8 +94,12 @@ def summary(flight):
 def test_tables_count_every_line_and_block_once(summary, rng):
     fitted = statistics.estimate(summary)
     layers = pd.DataFrame({"n_layers": [5, 6], "n_scenes": [3, 7]})
-    histograms = pd.DataFrame({"zone": [0, 3], "slab": [0, -1], "low_bins": [500, 41], "n": [256, 1]})
-    tables = validate(summary, fitted, fitted, (layers, histograms), fitted["zone_edge_bins"], rng=rng)
+    histograms = pd.DataFrame(
+        {"zone": [0, 3], "slab": [0, -1], "low_bins": [500, 41], "n": [256, 1]}
+    )
+    tables = validate(
+        summary, fitted, fitted, (layers, histograms), fitted["zone_edge_bins"], rng=rng
+    )
     thickness = tables["thickness"]
     counts = thickness[thickness["slab"] >= 0].groupby("slab")["n_observed"].sum()
     assert counts.to_dict() == dict.fromkeys(range(4), 4 * 256)
@@ -121,7 +136,8 @@ def test_a_line_is_the_sum_of_its_layers(summary, estimator):
 def test_layers_of_a_planted_line_have_their_powers(planted):
     summary = statistics.summarise(*made_up_frame(*planted.level()))
     line = superposition(summary, statistics.estimate(summary))
-    # Without speckle what is left is where the fit ends, and rows on which no waveform's peak falls.
+    # Without speckle what is left is where the fit ends, and rows on which no waveform's peak
+    # falls.
     assert_allclose(line.filter(like="layer_").max(), planted.peak_power, rtol=0.01)
 
 
@@ -129,8 +145,11 @@ def test_a_planted_misfit_and_planted_looks_come_back_by_layer(flight):
     summary = statistics.merge(statistics.summarise(*frame) for frame in flight)
     fitted = statistics.fit(flight)
     found = independence(summary, fitted).set_index("layer")
-    assert (np.abs(found["looks"] - fitted.attrs["n_looks"]) < 4 * found["looks_standard_error"]).all()
-    # 1.36 / sqrt(n) is exceeded once in 20 by n independent values; the mean taken out of 20 lines leaves less.
+    assert (
+        np.abs(found["looks"] - fitted.attrs["n_looks"]) < 4 * found["looks_standard_error"]
+    ).all()
+    # 1.36 / sqrt(n) is exceeded once in 20 by n independent values; the mean taken out of 20 lines
+    # leaves less.
     assert (found["gamma_distance"] < 2 / np.sqrt(19 * found["n_groups"])).all()
     bent = fitted.assign(mean_waveform=fitted["model_waveform"] * 10**0.2)
     assert_allclose(independence(summary, bent)["waveform_rms_db"], 2, rtol=1e-9)

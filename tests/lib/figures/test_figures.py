@@ -36,10 +36,16 @@ def test_pareto_front_holds_what_nothing_beats_in_both():
 
 
 def runs():
-    table = {"setting": "s", "method": ["table"] * 3 + ["closed form", "float32 normal"], "repeat": [0, 1, 2, 0, 0]}
+    table = {
+        "setting": "s",
+        "method": ["table"] * 3 + ["closed form", "float32 normal"],
+        "repeat": [0, 1, 2, 0, 0],
+    }
     seconds = [1e-6, 9e-6, 2e-6, 5e-6, 1e-6]
     error_db = [0.01, 0.01, 0.01, 0.0, float("nan")]
-    return pd.DataFrame(table | {"seconds": seconds, "n_pixels": 100, "error_db": error_db, "device": "cpu"})
+    return pd.DataFrame(
+        table | {"seconds": seconds, "n_pixels": 100, "error_db": error_db, "device": "cpu"}
+    )
 
 
 def test_points_are_the_fastest_runs_per_pixel_and_drawn_with_their_floor_and_front():
@@ -104,8 +110,9 @@ def test_ragged_ends_and_gaps_are_black_and_leave_the_rest_as_bright(rng):
     image = image_with_gaps(ragged)
     missing = ~(np.isfinite(ragged) & (ragged > 0))
     assert (image[missing] == 0).all()
-    # The noise floor is the smallest of 60 row means; three of them are now of two thirds of their pixels. A mean of
-    # 400 pixels of 4 looks, 2.3 dB each, is known to 0.12 dB, a grey level of some 30 dB in 255; allow three.
+    # The noise floor is the smallest of 60 row means; three of them are now of two thirds of their
+    # pixels. A mean of 400 pixels of 4 looks, 2.3 dB each, is known to 0.12 dB, a grey level of
+    # some 30 dB in 255; allow three.
     assert np.abs(image[~missing].astype(int) - to_uint8(power)[0][~missing[20:]]).max() <= 3
 
 
@@ -114,8 +121,8 @@ def test_lines_left_out_are_black_and_leave_the_rest_as_it_was_even_where_they_a
     held = np.arange(100) < 30
     image = image_with_gaps(np.where(held, power, np.nan))
     assert (image[:, ~held] == 0).all()
-    # Gaps count as medians of their rows: the floor moves by the scatter of a row of 30 pixels, 2.3 / sqrt(30) dB,
-    # 6 grey levels of 18 dB in 255.
+    # Gaps count as medians of their rows: the floor moves by the scatter of a row of 30 pixels, 2.3
+    # / sqrt(30) dB, 6 grey levels of 18 dB in 255.
     assert np.abs(image[:, held].astype(int) - to_uint8(power[:, held])[0]).max() <= 6
 
 

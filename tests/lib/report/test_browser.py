@@ -16,7 +16,9 @@ def browser():
         pytest.skip(f"no browser at {CHROMIUM} (make test-machine)")
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     with playwright.sync_playwright() as session:
-        chromium = session.chromium.launch(executable_path=str(CHROMIUM), args=["--disable-gpu", "--disable-quic"])
+        chromium = session.chromium.launch(
+            executable_path=str(CHROMIUM), args=["--disable-gpu", "--disable-quic"]
+        )
         yield chromium
         chromium.close()
 
@@ -81,13 +83,21 @@ def test_the_layer_switch_shows_and_hides_layers(page):
 def place(page):
     """Range bin and range line that the readout names."""
     text = page.locator("#readout").inner_text()
-    return tuple(int(number) for number in re.match(r"range bin (\d+), range line (\d+)", text).groups())
+    return tuple(
+        int(number) for number in re.match(r"range bin (\d+), range line (\d+)", text).groups()
+    )
 
 
 def test_the_depth_cursor_moves_by_keyboard(page):
     row, line = place(page)
     page.focus("#readout")
-    moves = [("ArrowDown", 1, 0), ("PageDown", 11, 0), ("ArrowUp", 10, 0), ("ArrowLeft", 10, -1), ("PageUp", 0, -1)]
+    moves = [
+        ("ArrowDown", 1, 0),
+        ("PageDown", 11, 0),
+        ("ArrowUp", 10, 0),
+        ("ArrowLeft", 10, -1),
+        ("PageUp", 0, -1),
+    ]
     for key, rows, lines in moves:
         page.keyboard.press(key)
         assert place(page) == (row + rows, line + lines)
@@ -97,7 +107,11 @@ def test_the_depth_cursor_moves_by_keyboard(page):
     assert place(page)[0] == 0
     page.keyboard.press("End")
     readout = page.locator("#readout")
-    assert place(page)[0] == int(readout.get_attribute("aria-valuemax")) == int(readout.get_attribute("aria-valuenow"))
+    assert (
+        place(page)[0]
+        == int(readout.get_attribute("aria-valuemax"))
+        == int(readout.get_attribute("aria-valuenow"))
+    )
     for cursor in page.locator("#panels .cursor.across").all():
         assert float(cursor.get_attribute("y1")) == place(page)[0]
 
@@ -140,7 +154,9 @@ def test_a_figure_opens_large_and_escape_closes_it(page):
 
 
 def test_headings_descend_one_level_at_a_time(page):
-    levels = page.evaluate("[...document.querySelectorAll('h1,h2,h3,h4')].map(h => Number(h.tagName[1]))")
+    levels = page.evaluate(
+        "[...document.querySelectorAll('h1,h2,h3,h4')].map(h => Number(h.tagName[1]))"
+    )
     assert levels[0] == 1
     assert levels.count(1) == 1
     assert all(after <= before + 1 for before, after in zip(levels, levels[1:], strict=False))
@@ -155,7 +171,10 @@ def test_what_is_focused_is_seen(page):
 
 def luminance(colour):
     """Of an sRGB colour by WCAG 2.1."""
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (v / 255 for v in colour[:3])]
+    linear = [
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+        for c in (v / 255 for v in colour[:3])
+    ]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 

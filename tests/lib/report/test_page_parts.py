@@ -36,9 +36,15 @@ def test_a_caption_names_the_paper_s_figures(caption, numbers):
 
 
 def test_a_title_is_the_first_clause_without_the_paper_s_figure():
-    assert title_of("Where frames lie (paper, Fig. 4). The coast\n is schematic.") == "Where frames lie"
+    assert (
+        title_of("Where frames lie (paper, Fig. 4). The coast\n is schematic.")
+        == "Where frames lie"
+    )
     assert title_of("Closed loop: statistics of 0.5 dB.") == "Closed loop"
-    assert title_of("Time (fastest of 27 runs; all in the table) of a scene. More.") == "Time of a scene"
+    assert (
+        title_of("Time (fastest of 27 runs; all in the table) of a scene. More.")
+        == "Time of a scene"
+    )
     assert title_of("Errors of 0.5 dB and more") == "Errors of 0.5 dB and more"
     assert len(title_of("word " * 60)) <= 114
 
@@ -47,7 +53,13 @@ def test_table2_stands_beside_the_paper_s():
     paper = {metric: {"cgan": [7, 8, 9], "phy": [4, 5, 6]} for metric in ("ssim", "psnr", "rmse")}
     rows = compare_table2(table2([1, 2, 3], [2, 4, 6]), paper)
     ours, published = "2.00 / 4.00 / 6.00", "4.00 / 5.00 / 6.00"
-    assert rows[1] == {"metric": "SSIM", "method": "PHY", "ours": ours, "printed": "", "paper": published}
+    assert rows[1] == {
+        "metric": "SSIM",
+        "method": "PHY",
+        "ours": ours,
+        "printed": "",
+        "paper": published,
+    }
 
 
 def test_the_run_as_printed_stands_beside_the_run(planted_page):
@@ -58,7 +70,10 @@ def test_the_run_as_printed_stands_beside_the_run(planted_page):
 
 
 def test_errors_of_picks_stand_beside_edge_scores(planted_page):
-    rows = re.findall(r'<th scope="row">([^<]*)</th>((?:<td class="num">[^<]*</td>)+)</tr>', planted_page.read_text())
+    rows = re.findall(
+        r'<th scope="row">([^<]*)</th>((?:<td class="num">[^<]*</td>)+)</tr>',
+        planted_page.read_text(),
+    )
     cells = {name: re.findall(r">([^<]+)<", found) for name, found in rows}
     assert cells["Mean absolute error [range bins]"] == ["1.00"] * 4
     assert cells["Share of errors within 2 range bins"] == ["0.900"] * 4
@@ -66,7 +81,9 @@ def test_errors_of_picks_stand_beside_edge_scores(planted_page):
 
 
 def test_table3_marks_what_is_resolved():
-    intervals = table3_intervals({("fuse", "rd_gd"): 0.02, ("fuse", "rd_pd_gd"): -0.02}, 0.01, outputs=["fuse"])
+    intervals = table3_intervals(
+        {("fuse", "rd_gd"): 0.02, ("fuse", "rd_pd_gd"): -0.02}, 0.01, outputs=["fuse"]
+    )
     compared = compare_table3(intervals, {"fuse": {name: [0.1, 0.2, 0.3] for name in SETS}})
     assert [row["score"] for row in compared] == ["ODS", "OIS", "AP"]
     assert [cell["resolved"] for cell in compared[0]["cells"]] == [False, True, False, True]
@@ -74,10 +91,14 @@ def test_table3_marks_what_is_resolved():
 
 
 @pytest.mark.parametrize("n_replicas", [2, 5])
-def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(n_replicas, tmp_path):
+def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_trainings(
+    n_replicas, tmp_path
+):
     path = tmp_path / "studies/tracker/worth.csv"
     path.parent.mkdir(parents=True)
-    worth(n_replicas, mean=0.9, base_mean=0.7, difference=0.2, low=0.1, high=0.3).to_csv(path, index=False)
+    worth(n_replicas, mean=0.9, base_mean=0.7, difference=0.2, low=0.1, high=0.3).to_csv(
+        path, index=False
+    )
     intervals = table3_intervals()
     shown = content.with_study(intervals, [str(path)])[intervals.columns]
     fuse = shown["output"] == "fuse"
@@ -85,18 +106,27 @@ def test_the_fused_output_s_differences_are_the_study_s_where_it_has_more_traini
     if n_replicas == 2:
         return pd.testing.assert_frame_equal(shown, intervals)
     added = shown[fuse & (shown["training_set"] != "rd")]
-    assert (added[["mean", "difference", "difference_low", "difference_high"]] == [0.9, 0.2, 0.1, 0.3]).all(axis=None)
+    assert (
+        added[["mean", "difference", "difference_low", "difference_high"]] == [0.9, 0.2, 0.1, 0.3]
+    ).all(axis=None)
     assert (shown.loc[fuse, "n_replicas"] == 5).all()
     assert (shown.loc[fuse & (shown["training_set"] == "rd"), "mean"] == 0.7).all()
 
 
 def test_stages_cost_what_their_rules_cost(tmp_path):
-    for name, seconds in (("draw/0.tsv", 2.0), ("draw/deep/1.tsv", 3.0), ("plot/all.tsv", 1.0), ("gone/all.tsv", 99.0)):
+    for name, seconds in (
+        ("draw/0.tsv", 2.0),
+        ("draw/deep/1.tsv", 3.0),
+        ("plot/all.tsv", 1.0),
+        ("gone/all.tsv", 99.0),
+    ):
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f"s\th:m:s\tmax_rss\tcpu_time\n{seconds}\t0:00:02\t512.0\t{seconds / 2}\n")
     path.write_text("s\th:m:s\tmax_rss\tcpu_time\n99\t0:01:39\t-\t-\n")
-    costs = stage_costs(read_benchmarks(tmp_path), {"draw": "labels", "plot": "labels", "unseen": "phy"})
+    costs = stage_costs(
+        read_benchmarks(tmp_path), {"draw": "labels", "plot": "labels", "unseen": "phy"}
+    )
     assert [stage["stage"] for stage in costs] == ["labels"]
     assert costs[0]["n_jobs"] == 3
     assert (costs[0]["wall_s"], costs[0]["cpu_s"], costs[0]["memory_gb"]) == (6.0, 3.0, 0.5)
@@ -119,10 +149,13 @@ def decoded(uri):
 
 
 def test_an_embedded_image_is_the_image_but_for_compression_and_grey(rng):
-    smooth = np.clip(128 + 100 * np.sin(np.arange(64)[:, None] / 9 + np.arange(48) / 7), 0, 255).astype(np.uint8)
+    smooth = np.clip(
+        128 + 100 * np.sin(np.arange(64)[:, None] / 9 + np.arange(48) / 7), 0, 255
+    ).astype(np.uint8)
     with Image.open(io.BytesIO(decoded(image_uri(smooth)))) as image:
         back = np.asarray(image.convert("L")).astype(float)
-    # WebP of quality 65 on a smooth image: about 1 grey level; an image upside down would be off by 70.
+    # WebP of quality 65 on a smooth image: about 1 grey level; an image upside down would be off by
+    # 70.
     assert np.sqrt(np.mean((back - smooth) ** 2)) < 3
     with pytest.raises(ValueError, match="uint8 and 2-D, got float64"):
         image_uri(np.zeros((4, 4)))
@@ -153,14 +186,27 @@ def test_a_template_s_unknown_name_leaves_no_page_and_text_from_tables_is_no_mar
 
 def test_settings_have_their_full_names_and_durations_and_sizes_read_well():
     config = {"seed": 1, "phy": {"align": "peak", "deep": {"x": [1, 2]}}, "empty": {}}
-    assert config_lines(config) == [("seed", "1"), ("phy.align", "peak"), ("phy.deep.x", "[1, 2]"), ("empty", "{}")]
-    assert [duration(s) for s in (1.23, 45.2, 200, 7500)] == ["1.2 s", "45 s", "3 min 20 s", "2 h 5 min"]
+    assert config_lines(config) == [
+        ("seed", "1"),
+        ("phy.align", "peak"),
+        ("phy.deep.x", "[1, 2]"),
+        ("empty", "{}"),
+    ]
+    assert [duration(s) for s in (1.23, 45.2, 200, 7500)] == [
+        "1.2 s",
+        "45 s",
+        "3 min 20 s",
+        "2 h 5 min",
+    ]
     assert [size(n) for n in (820, 12_000, 1_340_000)] == ["820 B", "12 kB", "1.3 MB"]
 
 
 def test_figures_of_a_stage_stand_together_in_the_order_stages_come():
     figures = [{"stage": stage} for stage in ("tracker", "labels", "tracker")]
-    assert [(stage, len(group)) for stage, group in groupby_stage(figures)] == [("tracker", 2), ("labels", 1)]
+    assert [(stage, len(group)) for stage, group in groupby_stage(figures)] == [
+        ("tracker", 2),
+        ("labels", 1),
+    ]
 
 
 def test_the_page_shows_figures_and_what_studies_made_with_their_study_s_name(planted_page):

@@ -38,27 +38,38 @@ def test_every_threshold_has_the_maximum_matching(rng, thin):
         if thin:
             maps = [thin_of_skimage(each) for each in maps]
         assert_array_equal(counts["n_prediction"], [each.sum() for each in maps])
-        assert_array_equal(counts["matched_truth"], [largest_matching(each, truth, max_dist) for each in maps])
+        assert_array_equal(
+            counts["matched_truth"], [largest_matching(each, truth, max_dist) for each in maps]
+        )
         assert_array_equal(counts["matched_prediction"], counts["matched_truth"])
         assert_array_equal(counts["n_truth"], truth.sum())
 
 
 def test_long_chains_of_displaced_pairs_are_resolved():
-    # Row pixels 0..n-1 against 1..n with a reach of one pixel: all pair up only if every pair moves the same way.
+    # Row pixels 0..n-1 against 1..n with a reach of one pixel: all pair up only if every pair moves
+    # the same way.
     truth, prediction = np.zeros((2, 1, 400))
     truth[0, 1:301] = 1
     prediction[0, :300] = np.linspace(0.2, 0.9, 300)
     counts = match_counts(prediction, truth, [0.1], max_dist=1.5 / np.hypot(1, 400), thin=False)
     assert counts["matched_truth"] == [300]
-    # One more pixel to the right of the truth's end cannot pair; one more true pixel on the left can.
+    # One more pixel to the right of the truth's end cannot pair; one more true pixel on the left
+    # can.
     prediction[0, 300:303] = 0.15
-    assert match_counts(prediction, truth, [0.1], max_dist=1.5 / np.hypot(1, 400), thin=False)["matched_truth"] == [300]
+    assert match_counts(prediction, truth, [0.1], max_dist=1.5 / np.hypot(1, 400), thin=False)[
+        "matched_truth"
+    ] == [300]
 
 
 def test_pixels_at_the_tolerance_pair_and_beyond_it_do_not():
     truth = np.zeros((300, 400))
     truth[150, 200] = 1
-    for row, line, pairs in [(153, 202, 1), (150, 203, 1), (153, 203, 0), (154, 200, 0)]:  # 0.0075 * 500 = 3.75 px
+    for row, line, pairs in [
+        (153, 202, 1),
+        (150, 203, 1),
+        (153, 203, 0),
+        (154, 200, 0),
+    ]:  # 0.0075 * 500 = 3.75 px
         prediction = np.zeros((300, 400))
         prediction[row, line] = 1
         assert match_counts(prediction, truth, [0.5])["matched_truth"] == [pairs]
@@ -80,8 +91,20 @@ def test_thresholds_come_in_any_order_and_twice_and_empty_maps_count_zero(rng):
 
 
 # Of py-bsds500 on 14 maps, which were scored without suppression.
-NAMES = ["00_m128x256_n3", "02_m128x256_n10", "04_m128x256_n22", "06_m192x320_n8", "07_m192x320_n14", "09_m192x320_n30"]
-NAMES += ["11_m321x481_n12", "15_steps4conn_192x320_n10", "17_noisy_128x256_n8", "20_sideways_128x512"]
+NAMES = [
+    "00_m128x256_n3",
+    "02_m128x256_n10",
+    "04_m128x256_n22",
+    "06_m192x320_n8",
+    "07_m192x320_n14",
+    "09_m192x320_n30",
+]
+NAMES += [
+    "11_m321x481_n12",
+    "15_steps4conn_192x320_n10",
+    "17_noisy_128x256_n8",
+    "20_sideways_128x512",
+]
 NAMES += ["22_emptypred_128x256", "24_ones_128x256", "26_px_1x1_hit", "28_row_1x200"]
 
 
@@ -92,9 +115,11 @@ def test_the_default_lies_within_the_reference_s_own_error_on_every_map(shared_d
     given = (reference[key] for key in ("pred", "gt", "thresholds"))
     counts = match_counts(*given, max_dist=float(reference["max_dist"]), thin=True)
     assert_array_equal(counts["n_truth"], reference["sum_r"])
-    # Both stop thinning at the same pixel; thinned until nothing changes, 7 of the 14 maps have up to 11 pixels less.
+    # Both stop thinning at the same pixel; thinned until nothing changes, 7 of the 14 maps have up
+    # to 11 pixels less.
     assert_array_equal(counts["n_prediction"], reference["sum_p"])
-    # Same pixels: a maximum matching cannot be smaller; the reference's random outliers cost it up to 0.6 %.
+    # Same pixels: a maximum matching cannot be smaller; the reference's random outliers cost it up
+    # to 0.6 %.
     surplus = counts["matched_truth"] - reference["count_r"]
     assert (surplus >= 0).all()
     assert (surplus <= max(3, 0.006 * reference["gt"].sum())).all()

@@ -17,15 +17,19 @@ TWO_IMAGES = [counts_of([8, 6, 2], 10, [20, 8, 2]), counts_of([10, 4, 1], 10, [1
 
 def test_ods_ois_ap_and_the_pooled_curve_follow_their_definitions():
     scores = score(TWO_IMAGES, thresholds=[0.2, 0.5, 0.8])
-    # Pooled: 18 of 20 true, 18 of 30 predicted: P 0.6, R 0.9; then P 10/12, R 0.5; then P 1, R 0.15.
+    # Pooled: 18 of 20 true, 18 of 30 predicted: P 0.6, R 0.9; then P 10/12, R 0.5; then P 1, R
+    # 0.15.
     assert_allclose(scores["ods"], 2 * 0.6 * 0.9 / 1.5)
     assert scores["ods_index"] == 0
     assert scores["ods_threshold"] == 0.2
-    # Own best: image one at the middle threshold (F 2/3 over 8/15), image two at the lowest: 16 of 20, 16 of 18.
+    # Own best: image one at the middle threshold (F 2/3 over 8/15), image two at the lowest: 16 of
+    # 20, 16 of 18.
     assert_allclose(scores["ois"], 2 * 16 / (20 + 18))
     # Recalls 0.15, 0.5, 0.9: trapezia of linear pieces, summed at hundredths.
     recall = np.arange(15, 91) / 100
-    precision = np.where(recall < 0.5, 1 - (recall - 0.15) / 0.35 / 6, 5 / 6 - (recall - 0.5) / 0.4 * (5 / 6 - 0.6))
+    precision = np.where(
+        recall < 0.5, 1 - (recall - 0.15) / 0.35 / 6, 5 / 6 - (recall - 0.5) / 0.4 * (5 / 6 - 0.6)
+    )
     assert_allclose(scores["ap"], precision.sum() / 100)
     assert scores["n_images"] == 2
     curve = precision_recall(TWO_IMAGES)
@@ -62,11 +66,18 @@ def test_shards_pool_to_the_same_scores_in_any_order(rng):
     images = []
     for _ in range(6):
         truth = rng.random((30, 40)) < 0.1
-        images.append(match_counts(np.clip(truth * 0.5 + 0.5 * rng.random(truth.shape), 0, 1), truth, [0.3, 0.6, 0.9]))
+        images.append(
+            match_counts(
+                np.clip(truth * 0.5 + 0.5 * rng.random(truth.shape), 0, 1), truth, [0.3, 0.6, 0.9]
+            )
+        )
     whole = score(images)
     assert score(images[3:] + images[:3]) == whole
     shards = [stack_counts(images[:4]), stack_counts(images[4:])]
-    assert score({name: np.concatenate([shard[name] for shard in shards]) for name in shards[0]}) == whole
+    assert (
+        score({name: np.concatenate([shard[name] for shard in shards]) for name in shards[0]})
+        == whole
+    )
 
 
 @pytest.mark.parametrize(

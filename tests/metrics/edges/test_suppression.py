@@ -16,16 +16,21 @@ def suppress_slowly(prediction):
     for side in (-1, 1):
         at = [
             np.clip(axis + side * step, 0, length - 1.001)
-            for axis, step, length in zip((rows, lines), (np.sin(angle), np.cos(angle)), prediction.shape, strict=True)
+            for axis, step, length in zip(
+                (rows, lines), (np.sin(angle), np.cos(angle)), prediction.shape, strict=True
+            )
         ]
         keep &= smoothed * 1.01 >= map_coordinates(smoothed, at, order=1)
-    ramp = [np.minimum(np.minimum(np.arange(n), np.arange(n)[::-1]), 5) / 5 for n in prediction.shape]
+    ramp = [
+        np.minimum(np.minimum(np.arange(n), np.arange(n)[::-1]), 5) / 5 for n in prediction.shape
+    ]
     return np.where(keep, smoothed, 0) * ramp[0][:, None] * ramp[1]
 
 
 def test_suppression_equals_an_independent_slow_one(rng):
     prediction = np.clip(gaussian_filter(rng.random((60, 70)), 1.5), 0, 1)
-    # Differences are roundings of bilinear weights; where they could decide, 1.01 keeps the two apart.
+    # Differences are roundings of bilinear weights; where they could decide, 1.01 keeps the two
+    # apart.
     assert_allclose(suppress(prediction), suppress_slowly(prediction), atol=1e-15)
 
 
@@ -41,7 +46,8 @@ def test_ridge_of_any_slope_becomes_a_line_about_one_pixel_wide(slope):
     prediction, distance = ridge(slope)
     inside = slice(20, -20)
     strong = suppress(prediction)[:, inside] > 0.5
-    # Nothing farther than half a pixel across, 0.5 sqrt(2) on the diagonal, stays, and no range line goes empty.
+    # Nothing farther than half a pixel across, 0.5 sqrt(2) on the diagonal, stays, and no range
+    # line goes empty.
     assert np.abs(distance[:, inside][strong]).max() <= 0.5 * np.sqrt(2)
     assert strong.any(axis=0).all()
     assert strong.sum() <= 1.5 * strong.shape[1]
@@ -58,7 +64,9 @@ def test_ends_of_layers_fade_at_the_border():
     prediction = np.zeros((40, 60))
     prediction[20] = 1
     crest = suppress(prediction)[20]
-    assert_allclose(crest[:6], 0.5 * np.array([0, 0.2, 0.4, 0.6, 0.8, 1]))  # [1 2 1] / 4 leaves half of the crest
+    assert_allclose(
+        crest[:6], 0.5 * np.array([0, 0.2, 0.4, 0.6, 0.8, 1])
+    )  # [1 2 1] / 4 leaves half of the crest
     assert_allclose(crest, crest[::-1])
 
 
@@ -83,5 +91,6 @@ def test_suppression_equals_the_published_vectors(shared_data, name):
         smoothed = triangle_filter(vectors["pred"].astype(float), 1)
         assert_array_equal(smoothed, vectors["smoothed"])
         assert_allclose(orientation(smoothed), vectors["orient"], rtol=0, atol=1e-12)
-        # Values of 1e-46, where the smoothing kernel ends, may fall on either side: 1e-16 is far above them.
+        # Values of 1e-46, where the smoothing kernel ends, may fall on either side: 1e-16 is far
+        # above them.
         assert_allclose(suppress(vectors["pred"]), vectors["nms_r1_s5_m101"], rtol=0, atol=1e-16)

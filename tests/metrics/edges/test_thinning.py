@@ -18,7 +18,9 @@ def test_thinning_equals_scikit_image_on_any_small_map(mask):
 
 @pytest.mark.parametrize("smooth", [0, 1, 2, 5])
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.95, 1])
-def test_thinning_equals_scikit_image_on_blobs_of_any_width_and_keeps_their_parts(rng, smooth, share):
+def test_thinning_equals_scikit_image_on_blobs_of_any_width_and_keeps_their_parts(
+    rng, smooth, share
+):
     noise = gaussian_filter(rng.standard_normal((90, 120)), smooth)
     mask = noise <= np.quantile(noise, share)
     thinned = thin(mask)

@@ -51,7 +51,9 @@ def curvature(positions):
     error = _by_method(bent, "mean_abs_error_bins")
     means = ", ".join(f"{name} {error[key].mean():.2f}" for key, name in METHODS.items())
     words = "Mean distance from a layer to the brightest pixel near it, in the quarter of pixels where layers bend most"
-    caveat = "Speckle also moves the brightest pixel near a layer, in the observed scene as in renders."
+    caveat = (
+        "Speckle also moves the brightest pixel near a layer, in the observed scene as in renders."
+    )
     words += f": {means} range bins. cGAN less PHY"
     return _paired(error["cgan"] - error["phy"], "range bins", words, caveat)
 
@@ -101,7 +103,9 @@ def needless_texture(textures):
         f"{name} {likeness[key].mean():.3f} ({deviation[key].mean():.1f} grey levels of deviation)"
         for key, name in (("observed", "observed"), ("cgan", "cGAN"), ("phy", "PHY"))
     )
-    words = f"Autocorrelation of neighbouring range lines above the surface, zero for noise: {parts}"
+    words = (
+        f"Autocorrelation of neighbouring range lines above the surface, zero for noise: {parts}"
+    )
     return _paired(likeness["cgan"] - likeness["observed"], "", f"{words}. cGAN less observed")
 
 
@@ -118,8 +122,13 @@ def _difference(row):
 def augmentation(intervals, metric):
     """Differences of one fused score to RD's."""
     rows = _scores(intervals, "fuse", metric)
-    outcomes = {name: side_of_zero(rows[name]["difference_low"], rows[name]["difference_high"]) for name in SETS}
-    parts = "; ".join(f"{SETS[name]} {_difference(rows[name])} ({outcome})" for name, outcome in outcomes.items())
+    outcomes = {
+        name: side_of_zero(rows[name]["difference_low"], rows[name]["difference_high"])
+        for name in SETS
+    }
+    parts = "; ".join(
+        f"{SETS[name]} {_difference(rows[name])} ({outcome})" for name, outcome in outcomes.items()
+    )
     return Claim(
         all_of(outcomes.values()),
         f"Difference to RD with 95 % interval: {parts}.",
@@ -140,13 +149,17 @@ def best_fuse(intervals):
     """Differences of fused ODS to RD's, RD+PD's against those of the other sets."""
     rows = _scores(intervals, "fuse")
     ours, others = rows["rd_pd"], [rows[name] for name in SETS if name != "rd_pd"]
-    if ours["difference_high"] < 0 or any(row["difference_low"] > ours["difference_high"] for row in others):
+    if ours["difference_high"] < 0 or any(
+        row["difference_low"] > ours["difference_high"] for row in others
+    ):
         outcome = CONTRADICTED
     elif ours["difference_low"] > max(0, *(row["difference_high"] for row in others)):
         outcome = CONFIRMED
     else:
         outcome = OPEN
-    means = ", ".join(f"{name} {rows[key]['mean']:.3f}" for key, name in {"rd": "RD", **SETS}.items())
+    means = ", ".join(
+        f"{name} {rows[key]['mean']:.3f}" for key, name in {"rd": "RD", **SETS}.items()
+    )
     return Claim(
         outcome,
         f"{means}. RD+PD less RD {_difference(ours)}.",
@@ -179,11 +192,16 @@ def best_sides(intervals):
 def fifth_side(intervals):
     """Differences of the ODS of side output 5 to RD's."""
     rows = _scores(intervals, "side_5")
-    outcomes = [side_of_zero(-rows[name]["difference_high"], -rows[name]["difference_low"]) for name in SETS]
+    outcomes = [
+        side_of_zero(-rows[name]["difference_high"], -rows[name]["difference_low"]) for name in SETS
+    ]
     return Claim(
         all_of(outcomes),
-        "ODS less RD's: " + "; ".join(f"{words} {_difference(rows[name])}" for name, words in SETS.items()) + ".",
-        "Confirmed where all three sets lose, contradicted where one of them gains, else not resolved. " + BY_BOOTSTRAP,
+        "ODS less RD's: "
+        + "; ".join(f"{words} {_difference(rows[name])}" for name, words in SETS.items())
+        + ".",
+        "Confirmed where all three sets lose, contradicted where one of them gains, else not resolved. "
+        + BY_BOOTSTRAP,
         trainings(rows["rd_gd"]),
     )
 
@@ -221,8 +239,13 @@ def equal_looks(config):
     if config["source"] != "reference":
         return Claim(OPEN, "How many looks the scenes have is not known.", "Compares two settings.")
     ours, observed = config["phy"]["n_looks"], config["benchmark"]["n_looks"]
-    outcome, numbers = CONFIRMED if ours == observed else CONTRADICTED, f"phy.n_looks is {ours}, benchmark.n_looks"
-    return Claim(outcome, f"{numbers} {observed}.", "Compares two settings.", "PHY is given this number.")
+    outcome, numbers = (
+        CONFIRMED if ours == observed else CONTRADICTED,
+        f"phy.n_looks is {ours}, benchmark.n_looks",
+    )
+    return Claim(
+        outcome, f"{numbers} {observed}.", "Compares two settings.", "PHY is given this number."
+    )
 
 
 def expensive(convolution):
@@ -230,7 +253,9 @@ def expensive(convolution):
     scenes = convolution[convolution["part"] == "scene"]
     least = scenes.groupby("method")["seconds"].min()
     scene_db = scenes.loc[scenes["method"] == "PHY", "error_db"].iloc[0]
-    layered = convolution[(convolution["sweep"] == "fine layering") & (convolution["method"] == "convolution")]
+    layered = convolution[
+        (convolution["sweep"] == "fine layering") & (convolution["method"] == "convolution")
+    ]
     layering_db = layered.loc[layered["value"] == LAYERING_KG_M3, "error_db"].max()
     error_db = np.fmax(scene_db, layering_db)
     ratio = least["transfer matrix, stack"] / least["PHY"]
@@ -257,24 +282,49 @@ CLAIMS = (
     ("PHY follows the curvature of layers better than the cGAN.", "render_positions", curvature),
     ("The cGAN has the better texture.", "render_texture", texture),
     ("The cGAN has the better contrast.", "render_texture", contrast),
-    ("The cGAN has the better PSNR.", "similarity", partial(better_similarity, metric="psnr", sign=1, unit="dB")),
+    (
+        "The cGAN has the better PSNR.",
+        "similarity",
+        partial(better_similarity, metric="psnr", sign=1, unit="dB"),
+    ),
     ("The cGAN has the better RMSE.", "similarity", LOWER_RMSE),
-    ("PHY is better above the surface.", "render_texture", partial(better_region, region="above", better="phy")),
+    (
+        "PHY is better above the surface.",
+        "render_texture",
+        partial(better_region, region="above", better="phy"),
+    ),
     ("The cGAN adds texture above the surface.", "render_texture", needless_texture),
-    ("The cGAN is better below the surface.", "render_texture", partial(better_region, region="below", better="cgan")),
-    ("Augmentation raises the fused output's ODS.", "table3_intervals", partial(augmentation, metric="ods")),
-    ("Augmentation raises the fused output's OIS.", "table3_intervals", partial(augmentation, metric="ois")),
+    (
+        "The cGAN is better below the surface.",
+        "render_texture",
+        partial(better_region, region="below", better="cgan"),
+    ),
+    (
+        "Augmentation raises the fused output's ODS.",
+        "table3_intervals",
+        partial(augmentation, metric="ods"),
+    ),
+    (
+        "Augmentation raises the fused output's OIS.",
+        "table3_intervals",
+        partial(augmentation, metric="ois"),
+    ),
     ("RD+PD gives the best fused ODS.", "table3_intervals", best_fuse),
     ("RD+GD gives the best side outputs.", "table3_intervals", best_sides),
     ("Side output 5 gets worse with synthetic data.", "table3_intervals", fifth_side),
     ("Tracked peak power is chi-square distributed.", "tracked_power", chi_square),
     ("The Doppler spectrum is flat.", "realism", doppler),
     ("PHY's speckle has as many looks as that of observed scenes.", "config", equal_looks),
-    ("Models of the FDTD class are too expensive for what they add.", "convolution_accuracy", expensive),
+    (
+        "Models of the FDTD class are too expensive for what they add.",
+        "convolution_accuracy",
+        expensive,
+    ),
 )
 
 
-# Confirmed on the reference flight because that was built so; with own data they are claims as any other.
+# Confirmed on the reference flight because that was built so; with own data they are claims as any
+# other.
 BUILT_IN = (chi_square, doppler, equal_looks)
 
 

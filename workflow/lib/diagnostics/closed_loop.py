@@ -15,11 +15,13 @@ from snowsim.statistics.summaries import BY_GROUP
 from snowsim.statistics.zones import OWN_ZONE
 
 SURE = 2.0  # standard errors by which a difference counts as one
-# A Gaussian of variance 1 stands in three bins: below, its width is not seen in samples one bin apart.
+# A Gaussian of variance 1 stands in three bins: below, its width is not seen in samples one bin
+# apart.
 NARROW_BINS2 = 1.0
 
 
-# How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for.
+# How a quantity is compared: its dimensions, the unit of its error, and the largest error asked
+# for.
 Bound = namedtuple("Bound", "dims unit largest")
 BOUNDS = {
     "peak_power": Bound(("layer",), "relative", 0.03),
@@ -37,12 +39,18 @@ BOUNDS = {
     "surface_trend_variance_bins2": Bound((), "relative", 0.15),
     **dict.fromkeys(("noise_spread_db", "surface_to_noise_spread_db"), Bound((), "relative", 0.15)),
     **dict.fromkeys(("common_spread_db", "layer_spread_db"), Bound((), "relative", 0.15)),
-    **dict.fromkeys(("fading_spread_db", "fading_length_lines"), Bound(("interface",), "relative", 0.15)),
+    **dict.fromkeys(
+        ("fading_spread_db", "fading_length_lines"), Bound(("interface",), "relative", 0.15)
+    ),
     **dict.fromkeys(("line_gain_spread_db", "texture_variance"), Bound((), "relative", 0.15)),
     **dict.fromkeys(("texture_length_bins", "texture_length_lines"), Bound((), "relative", 0.15)),
 }
 # What renders of label sets with one radiometry for all do not show.
-VARIES = [name for name in BOUNDS if name.endswith(("_spread_db", "_length_lines")) or name.startswith("texture_")]
+VARIES = [
+    name
+    for name in BOUNDS
+    if name.endswith(("_spread_db", "_length_lines")) or name.startswith("texture_")
+]
 COLUMNS = (
     *("quantity", "layer", "zone", "slab", "band", "interface"),
     *("given", "given_standard_error", "recovered", "recovered_standard_error"),
@@ -53,10 +61,10 @@ COLUMNS = (
 def compare(given, recovered, *, varies=True):
     """What comes back of the statistics that went into renders, a row a value that was measured, with `COLUMNS`.
 
-    `layer`, `zone`, `slab`, `band` of wavenumber and `interface` (surface or buried) are -1 where a quantity has none;
-    `error` is recovered against given, in `unit`, its standard error that of sampling the renders. Where label sets
-    have one radiometry, nothing `varies` and the quantities of `VARIES` are left out. Different zones or bands are
-    refused.
+    `layer`, `zone`, `slab`, `band` of wavenumber and `interface` (surface or buried) are -1 where a
+    quantity has none; `error` is recovered against given, in `unit`, its standard error that of
+    sampling the renders. Where label sets have one radiometry, nothing `varies` and the quantities
+    of `VARIES` are left out. Different zones or bands are refused.
     """
     for name in ("zone_edge_bins", "band_edge_wavenumber"):
         ours, theirs = given[name].values, recovered[name].values
@@ -65,7 +73,9 @@ def compare(given, recovered, *, varies=True):
             raise ValueError(msg)
     rows = []
     for quantity, bound in BOUNDS.items():
-        absent = quantity not in given or quantity not in recovered  # trends, by `paper` and version 0.1
+        absent = (
+            quantity not in given or quantity not in recovered
+        )  # trends, by `paper` and version 0.1
         if absent or (quantity in VARIES and not varies):
             continue
         values = [_values(dataset, quantity, bound.dims) for dataset in (given, recovered)]
@@ -74,14 +84,17 @@ def compare(given, recovered, *, varies=True):
         for at in np.ndindex(shape):
             numbers = [float(array[at]) for pair in values for array in pair]
             if measured[at] and np.isfinite(numbers).all() and numbers[0] != 0:
-                rows.append(_row(quantity, bound, dict(zip(bound.dims, at, strict=True)), numbers, given))
+                rows.append(
+                    _row(quantity, bound, dict(zip(bound.dims, at, strict=True)), numbers, given)
+                )
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
 def largest_errors(table):
     """Bound, median and largest magnitude of every quantity's error, the latter over what sampling resolves.
 
-    `score`: mean over powers, decay rates, noise, widths and, where estimated, offsets of the median over its bound.
+    `score`: mean over powers, decay rates, noise, widths and, where estimated, offsets of the
+    median over its bound.
     """
     magnitude = table["error"].abs()
     resolved = _is_resolved(table)
@@ -105,13 +118,23 @@ def summarise_loop(table):
         part = table[table["quantity"] == quantity]
         reasons = part.loc[~part["within"], "reason"].value_counts()
         resolved = _is_resolved(part)
-        row = {"quantity": quantity, "unit": BOUNDS[quantity].unit, "bound": BOUNDS[quantity].largest}
-        row |= {"n": len(part), "n_within": int(part["within"].sum()), "n_resolved": int(resolved.sum())}
+        row = {
+            "quantity": quantity,
+            "unit": BOUNDS[quantity].unit,
+            "bound": BOUNDS[quantity].largest,
+        }
+        row |= {
+            "n": len(part),
+            "n_within": int(part["within"].sum()),
+            "n_resolved": int(resolved.sum()),
+        }
         row["n_resolved_within"] = int(part.loc[resolved, "within"].sum())
         row["median"] = errors[f"{quantity}_median"]
         row["median_standard_error"] = part["error_standard_error"].median()
         row["largest"] = errors[f"{quantity}_largest"]
-        rows.append(row | {"reasons": "; ".join(f"{reason}: {n}" for reason, n in sorted(reasons.items()))})
+        rows.append(
+            row | {"reasons": "; ".join(f"{reason}: {n}" for reason, n in sorted(reasons.items()))}
+        )
     return pd.DataFrame(rows)
 
 
@@ -125,11 +148,18 @@ def _values(statistics, quantity, dims):
     names = (quantity, f"{quantity}_standard_error")
     if "band" not in dims:
         return [statistics[name].transpose(*dims).values.astype(float) for name in names]
-    density, error = (statistics[name].transpose("zone", "slab", "wavenumber").values for name in names)
+    density, error = (
+        statistics[name].transpose("zone", "slab", "wavenumber").values for name in names
+    )
     bands = _bands(statistics)
     # Periodograms of different wavenumbers are independent, all but for leakage.
-    errors = [np.sqrt((error[..., band] ** 2).sum(axis=-1)) / error[..., band].shape[-1] for band in bands]
-    return [np.stack([density[..., band].mean(axis=-1) for band in bands], axis=-1), np.stack(errors, axis=-1)]
+    errors = [
+        np.sqrt((error[..., band] ** 2).sum(axis=-1)) / error[..., band].shape[-1] for band in bands
+    ]
+    return [
+        np.stack([density[..., band].mean(axis=-1) for band in bands], axis=-1),
+        np.stack(errors, axis=-1),
+    ]
 
 
 def _bands(statistics):
@@ -145,7 +175,11 @@ def _measured(recovered, quantity, shape):
         return measured
     if len(shape) == 1:
         return measured & (recovered["substituted"].values[: shape[0]] == 0)
-    source = "psd_source" if quantity in ("thickness_psd", "thickness_trend_variance_bins2") else "source"
+    source = (
+        "psd_source"
+        if quantity in ("thickness_psd", "thickness_trend_variance_bins2")
+        else "source"
+    )
     own = recovered[source].transpose("zone", "slab").values[: shape[0], : shape[1]] == OWN_ZONE
     measured &= own.reshape(own.shape + (1,) * (len(shape) - 2))
     if quantity.startswith("relative_"):
@@ -168,9 +202,16 @@ def _row(quantity, bound, where, numbers, given):
         "quantity": quantity,
         **{dim: where.get(dim, -1) for dim in COLUMNS[1:6]},
         **dict(zip(COLUMNS[6:10], numbers, strict=True)),
-        **{"error": error, "error_standard_error": sampling, "unit": bound.unit, "bound": bound.largest},
+        **{
+            "error": error,
+            "error_standard_error": sampling,
+            "unit": bound.unit,
+            "bound": bound.largest,
+        },
         "within": within,
-        "reason": "" if within else _reason(quantity, where, found, abs(error) - bound.largest, sampling, given),
+        "reason": ""
+        if within
+        else _reason(quantity, where, found, abs(error) - bound.largest, sampling, given),
     }
 
 
@@ -192,7 +233,10 @@ def _reason(quantity, where, found, excess, sampling, given):
     if "layer" in where:
         if given["peak_power"].values[where["layer"]] < float(given["noise_power"]):
             return "below the noise"
-        if quantity == "variance_bins2" and given["variance_bins2"].values[where["layer"]] < NARROW_BINS2:
+        if (
+            quantity == "variance_bins2"
+            and given["variance_bins2"].values[where["layer"]] < NARROW_BINS2
+        ):
             return "narrower than a bin"
     return "bias"
 
@@ -211,7 +255,11 @@ def _drawn_evenly(quantity, where, given):
 
 def _falls_steeply(given, where):
     """Whether a band of a given spectrum lies below the lowest band's continued as k^-2."""
-    density = given["thickness_psd"].transpose("zone", "slab", "wavenumber").values[where["zone"], where["slab"]]
+    density = (
+        given["thickness_psd"]
+        .transpose("zone", "slab", "wavenumber")
+        .values[where["zone"], where["slab"]]
+    )
     lowest, band = (_bands(given)[i] for i in (0, where["band"]))
     square = np.maximum(np.arange(density.size), 1.0) ** 2
     return density[band].mean() < (density * square)[lowest].mean() * (1 / square[band]).mean()
@@ -226,20 +274,30 @@ def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
 def thinned(summary, stride):
     """A summary with one in `stride` of its averaged range lines, at least one; picks and their power stay whole.
 
-    The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and its share of the
-    power on its picks, where it happens to be strong or faint: with 2 of 12 a sixth of the fading is lost, with 6 none.
+    The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and
+    its share of the power on its picks, where it happens to be strong or faint: with 2 of 12 a
+    sixth of the fading is lost, with 6 none.
     """
-    return [replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP}) for frame in summary]
+    return [
+        replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP})
+        for frame in summary
+    ]
 
 
 def summarise_renders(scenes, given, convention, phy, stride, stream):
     """Sums over renders of (number, scene) by statistics `given`; `stream` gives the random generator of a scene.
 
-    A convention is named ``<estimator>_<normalise>_<align>_<width>``; the rest of the settings is that of `phy`.
+    A convention is named ``<estimator>_<normalise>_<align>_<width>``; the rest of the settings is
+    that of `phy`.
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     _, normalise, align, width = convention.split("_")
-    options = {"tolerance_db": phy["tolerance_db"], "speckle": "gamma", "normalise": normalise, "align": align}
+    options = {
+        "tolerance_db": phy["tolerance_db"],
+        "speckle": "gamma",
+        "normalise": normalise,
+        "align": align,
+    }
     drawn = {"width": width, "speckle_correlation": phy["speckle_correlation"]}
     summaries = []
     for number, scene in scenes:
@@ -255,7 +313,9 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
 
 def recover(summary, given, *, varies):
     """Statistics of renders, zone by zone as the flight's, and their table of `compare` beside those `given`."""
-    recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values)
+    recovered = estimate(
+        summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values
+    )
     table = compare(given, recovered, varies=varies)
     return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), table
 
@@ -264,7 +324,9 @@ def convention_table(tried):
     """A row a convention, of (its name, table of `recover`, number of scenes); the least `score` comes closest."""
     rows = []
     for convention, errors, n_scenes in tried:
-        names = dict(zip(("estimator", "normalise", "align", "width"), convention.split("_"), strict=True))
+        names = dict(
+            zip(("estimator", "normalise", "align", "width"), convention.split("_"), strict=True)
+        )
         rows.append(names | {"n_scenes": n_scenes} | largest_errors(errors))
     table = pd.DataFrame(rows)
     table.insert(5, "closest", table["score"] == table["score"].min())

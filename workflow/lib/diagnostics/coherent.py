@@ -1,7 +1,8 @@
 """Stacks of snow for a coherent radar, what they reflect at normal incidence, and simpler models of their echo.
 
-Fields vary as ``exp(-i w t)``: a wave that goes down a layer gains ``exp(i k n d)``, and a medium that absorbs has an
-index with a positive imaginary part. Stacks are (look, medium), uppermost first, with thicknesses (look, layer).
+Fields vary as ``exp(-i w t)``: a wave that goes down a layer gains ``exp(i k n d)``, and a medium
+that absorbs has an index with a positive imaginary part. Stacks are (look, medium), uppermost
+first, with thicknesses (look, layer).
 """
 
 import numpy as np
@@ -21,9 +22,10 @@ def fresnel(index_above, index_below):
 def reflect(index, thickness_m, frequency_hz):
     """Reflection and transmission of stacks, every multiple included: two complex arrays (..., frequency).
 
-    `index` (..., medium) has a half-space above and one below, two media more than `thickness_m` (..., layer). Transfer
-    matrices of travelling waves, ``(down, up)`` above an interface ``((1, r), (r, 1)) / t`` times that below: Born &
-    Wolf (1999), section 1.6; Yeh (1988), Optical Waves in Layered Media, chapter 5.
+    `index` (..., medium) has a half-space above and one below, two media more than `thickness_m`
+    (..., layer). Transfer matrices of travelling waves, ``(down, up)`` above an interface ``((1,
+    r), (r, 1)) / t`` times that below: Born & Wolf (1999), section 1.6; Yeh (1988), Optical Waves
+    in Layered Media, chapter 5.
     """
     index, thickness_m, frequency_hz = _checked_stack(index, thickness_m, frequency_hz)
     r = fresnel(index[..., :-1], index[..., 1:])
@@ -47,8 +49,9 @@ def reflect(index, thickness_m, frequency_hz):
 def reflect_once(index, thickness_m, frequency_hz, *, losses=True):
     """Reflection of stacks by single scattering, complex (..., frequency); what it leaves out is of third order in r.
 
-    ``R = sum_k r_k prod_{m < k} (1 - r_m^2) exp(2 i sum_{j <= k} phi_j)``. The product is what interfaces above take
-    from a wave, down and up; without `losses` it is 1: the first Born approximation, in the true phases.
+    ``R = sum_k r_k prod_{m < k} (1 - r_m^2) exp(2 i sum_{j <= k} phi_j)``. The product is what
+    interfaces above take from a wave, down and up; without `losses` it is 1: the first Born
+    approximation, in the true phases.
     """
     index, thickness_m, frequency_hz = _checked_stack(index, thickness_m, frequency_hz)
     amplitude = interface_amplitudes(index, losses=losses)
@@ -74,7 +77,11 @@ def interface_amplitudes(index, *, losses=True):
 def interface_delays_s(index, thickness_m):
     """Two-way travel time [s] from the uppermost interface to each interface, by the real part of the index."""
     optical_m = np.cumsum(np.real(index)[..., 1:-1] * np.asarray(thickness_m, dtype=float), axis=-1)
-    return 2 / SPEED_OF_LIGHT_M_S * np.concatenate([np.zeros_like(np.real(index)[..., :1]), optical_m], axis=-1)
+    return (
+        2
+        / SPEED_OF_LIGHT_M_S
+        * np.concatenate([np.zeros_like(np.real(index)[..., :1]), optical_m], axis=-1)
+    )
 
 
 def _phase(index, thickness_m, layer, frequency_hz):
@@ -87,7 +94,11 @@ def _checked_stack(index, thickness_m, frequency_hz):
     """The three as arrays; ValueError unless they are a stack of passive media and frequencies."""
     index, thickness_m = np.asarray(index), np.asarray(thickness_m, dtype=float)
     frequency_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=float))
-    fits = index.ndim >= 1 and index.shape[-1] >= 2 and thickness_m.shape == (*index.shape[:-1], index.shape[-1] - 2)
+    fits = (
+        index.ndim >= 1
+        and index.shape[-1] >= 2
+        and thickness_m.shape == (*index.shape[:-1], index.shape[-1] - 2)
+    )
     if not fits:
         msg = f"index must have two media more than thickness_m has layers, got {index.shape} and {thickness_m.shape}"
         raise ValueError(msg)
@@ -106,8 +117,9 @@ def _checked_stack(index, thickness_m, frequency_hz):
 def draw_years(n_looks, n_slabs, contrast_kg_m3, *, mean_density_kg_m3, slab_m, roughness_m, rng):
     """Stacks of slabs of alternating density, as dense autumn and light summer snow: density and thickness.
 
-    Slabs differ by +-40 % from `slab_m`. In each look every interface is moved by a roughness of its own (standard
-    deviation `roughness_m`): more than a wavelength in all makes echoes of different interfaces incoherent.
+    Slabs differ by +-40 % from `slab_m`. In each look every interface is moved by a roughness of
+    its own (standard deviation `roughness_m`): more than a wavelength in all makes echoes of
+    different interfaces incoherent.
     """
     step = np.where(np.arange(n_slabs + 1) % 2 == 0, -0.5, 0.5) * contrast_kg_m3
     density = np.tile(mean_density_kg_m3 + step, (n_looks, 1))
@@ -128,10 +140,14 @@ def draw_lenses(density_kg_m3, thickness_m, n_lenses, *, lens_m, rng):
         whole, inside = thickness_m[:, slab], np.minimum(lens_m, 0.5 * thickness_m[:, slab])
         above = (whole - inside) * rng.uniform(0.2, 0.8, whole.size)
         pieces = np.stack([above, inside, whole - inside - above], axis=1)
-        thickness_m = np.concatenate([thickness_m[:, :slab], pieces, thickness_m[:, slab + 1 :]], axis=1)
+        thickness_m = np.concatenate(
+            [thickness_m[:, :slab], pieces, thickness_m[:, slab + 1 :]], axis=1
+        )
         around = density_kg_m3[:, slab, None]
         media = np.concatenate([around, np.full_like(around, ICE_DENSITY_KG_M3), around], axis=1)
-        density_kg_m3 = np.concatenate([density_kg_m3[:, :slab], media, density_kg_m3[:, slab + 1 :]], axis=1)
+        density_kg_m3 = np.concatenate(
+            [density_kg_m3[:, :slab], media, density_kg_m3[:, slab + 1 :]], axis=1
+        )
     return _checked(density_kg_m3), thickness_m
 
 
@@ -168,7 +184,8 @@ def sweep_frequencies_hz(start_hz, stop_hz, longest_delay_s):
 def mean_profile(reflection, frequency_hz, delay_s):
     """Power of Hann-weighted range profiles at two-way travel times, averaged over looks, (delay,); a mirror has 1.
 
-    ``p(t) = |sum_f w R exp(-2 pi i f t) / sum_f w|^2`` over even frequencies: an FMCW beat signal, R (look, frequency).
+    ``p(t) = |sum_f w R exp(-2 pi i f t) / sum_f w|^2`` over even frequencies: an FMCW beat signal,
+    R (look, frequency).
     """
     frequency_hz = np.asarray(frequency_hz, dtype=float)
     weight = np.sin(np.pi * (np.arange(frequency_hz.size) + 0.5) / frequency_hz.size) ** 2
@@ -180,8 +197,8 @@ def mean_profile(reflection, frequency_hz, delay_s):
 def incoherent_profile(power, at_s, delay_s, bandwidth_hz):
     """Sum of Hann range responses of points, by power and averaged over looks, at even delays: the convolution model.
 
-    The response, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B t``, is left out beyond ``|x| = 8``, where
-    it is below -60 dB. `power` and `at_s` (look, point) broadcast.
+    The response, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B t``, is left out beyond
+    ``|x| = 8``, where it is below -60 dB. `power` and `at_s` (look, point) broadcast.
     """
     power, at_s = np.broadcast_arrays(np.asarray(power, dtype=float), np.asarray(at_s, dtype=float))
     delay_s = np.asarray(delay_s, dtype=float)
@@ -198,8 +215,8 @@ def incoherent_profile(power, at_s, delay_s, bandwidth_hz):
 def model_works(index, thickness_m, frequency_hz, delay_s, bandwidth_hz):
     """What each of `MODELS` does for one ensemble of stacks, as callables that return its mean power, (delay,).
 
-    ``convolution`` adds powers of the echoes of single scattering without their phases, which is what eq. (1) of Yari
-    et al. (2021), IEEE JSTARS 14, and the nature run do.
+    ``convolution`` adds powers of the echoes of single scattering without their phases, which is
+    what eq. (1) of Yari et al. (2021), IEEE JSTARS 14, and the nature run do.
     """
     stack = (index, thickness_m, frequency_hz)
     sweep = (frequency_hz, delay_s)
@@ -218,7 +235,9 @@ def model_works(index, thickness_m, frequency_hz, delay_s, bandwidth_hz):
 
 def error_db(power, reference, noise_power=0.0):
     """Root mean square of the ratio of two mean powers, noise added to both [dB]: what lies below it does not count."""
-    power, reference = (np.asarray(values, dtype=float) + noise_power for values in (power, reference))
+    power, reference = (
+        np.asarray(values, dtype=float) + noise_power for values in (power, reference)
+    )
     _check(power, reference)
     return float(np.sqrt(np.mean((10 * np.log10(power / reference)) ** 2)))
 
@@ -231,7 +250,9 @@ def bias_db(power, reference):
 
 
 def _check(power, reference):
-    good = power.shape == reference.shape and all((np.isfinite(p) & (p > 0)).all() for p in (power, reference))
+    good = power.shape == reference.shape and all(
+        (np.isfinite(p) & (p > 0)).all() for p in (power, reference)
+    )
     if not good:
         msg = f"expected two positive, finite powers of one shape, got shapes {power.shape} and {reference.shape}"
         raise ValueError(msg)

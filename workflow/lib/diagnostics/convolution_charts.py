@@ -1,7 +1,8 @@
 """Accuracy of the convolution model: errors of simpler models against a coherent one, of waveforms, and their cost.
 
-Errors are in decibels over thermal noise as far below the surface as the reference flight has it. Stacks end in air
-above; looks differ in where each interface lies, by more than a wavelength there and back.
+Errors are in decibels over thermal noise as far below the surface as the reference flight has it.
+Stacks end in air above; looks differ in where each interface lies, by more than a wavelength there
+and back.
 """
 
 from dataclasses import replace
@@ -51,7 +52,11 @@ SCENE_LAYERS, SCENE_TOLERANCE_DB = 15, 0.05
 
 def convolution_table(settings, climate, n_looks, stream):
     """A row a model and stack, a tail, a timed scene, a simulated stack; `stream` gives the generator of some keys."""
-    rows = [row for stack in planted_stacks(settings, stream) for row in stack_rows(*stack, settings.radar)]
+    rows = [
+        row
+        for stack in planted_stacks(settings, stream)
+        for row in stack_rows(*stack, settings.radar)
+    ]
     rows += tail_rows(settings.radar)
     rows += scene_rows(settings, climate, n_looks, rows, stream("scenes"))
     rows += simulation_rows(stream)
@@ -61,24 +66,40 @@ def convolution_table(settings, climate, n_looks, stream):
 def planted_stacks(settings, stream):
     """Ensembles of stacks: sweep, value, unit, density [kg m-3] and thickness [m] of (look, slab)."""
     radar, firn = settings.radar, settings.firn
-    years = partial(coherent.draw_years, LOOKS, mean_density_kg_m3=MEAN_DENSITY_KG_M3, roughness_m=radar.roughness_m)
+    years = partial(
+        coherent.draw_years,
+        LOOKS,
+        mean_density_kg_m3=MEAN_DENSITY_KG_M3,
+        roughness_m=radar.roughness_m,
+    )
     for contrast in CONTRASTS_KG_M3:
-        stack = years(DEFAULT_SLABS, float(contrast), slab_m=DEFAULT_SLAB_M, rng=stream("contrast", contrast))
+        stack = years(
+            DEFAULT_SLABS, float(contrast), slab_m=DEFAULT_SLAB_M, rng=stream("contrast", contrast)
+        )
         yield "density contrast", contrast, "kg m-3", *stack
     for n_layers in N_LAYERS:
         slab_m = min(DEFAULT_SLAB_M, DEPTH_M / n_layers)
-        stack = years(n_layers, firn.horizon_jump_kg_m3, slab_m=slab_m, rng=stream("layers", n_layers))
+        stack = years(
+            n_layers, firn.horizon_jump_kg_m3, slab_m=slab_m, rng=stream("layers", n_layers)
+        )
         yield "layers", n_layers, "1", *stack
     for n_lenses in N_LENSES:
         rng = stream("lenses", n_lenses)
         stack = years(DEFAULT_SLABS, LENS_STACK_KG_M3, slab_m=DEFAULT_SLAB_M, rng=rng)
-        yield "ice lenses", n_lenses, "1", *coherent.draw_lenses(*stack, n_lenses, lens_m=LENS_M, rng=rng)
+        yield (
+            "ice lenses",
+            n_lenses,
+            "1",
+            *coherent.draw_lenses(*stack, n_lenses, lens_m=LENS_M, rng=rng),
+        )
     # Cells of the nature run: a quarter of a range bin in snow of the surface's density.
     density = firn.surface_density_kg_m3
     cell_m = radar.bin_size_s / radar.n_sub_bins / travel_time_s(1.0, density / 1000)
     for sd in LAYERING_KG_M3:
         rng = stream("layering", sd)
-        fluctuation = draw_layering(LOOKS, int(DEPTH_M / cell_m), cell_m, sd, firn.layering_length_m, rng=rng)
+        fluctuation = draw_layering(
+            LOOKS, int(DEPTH_M / cell_m), cell_m, sd, firn.layering_length_m, rng=rng
+        )
         yield "fine layering", sd, "kg m-3", *coherent.layered(fluctuation, density, cell_m)
 
 
@@ -91,15 +112,26 @@ def stack_rows(sweep, value, unit, density, thickness_m, radar):
     frequency_hz = coherent.sweep_frequencies_hz(START_FREQUENCY_HZ, stop_hz, LONGEST_S)
     works = coherent.model_works(index, thickness_m, frequency_hz, delay_s, radar.bandwidth_hz)
     powers = {}
-    timed = {name: lambda name=name, work=work: powers.update({name: work()}) for name, work in works.items()}
-    seconds = {name: seconds / len(index) for name, _, seconds in time_rounds(timed, 1, n_warm_up=0)}
+    timed = {
+        name: lambda name=name, work=work: powers.update({name: work()})
+        for name, work in works.items()
+    }
+    seconds = {
+        name: seconds / len(index) for name, _, seconds in time_rounds(timed, 1, n_warm_up=0)
+    }
     reference = powers["transfer matrix"]
     layers_s = coherent.interface_delays_s(index, thickness_m).mean(axis=0)
     inside = (delay_s >= 0) & (delay_s <= layers_s[-1])
     at_layers = np.unique(np.rint(layers_s[1:] / radar.bin_size_s).astype(int) + BINS_ABOVE)
     at_layers = at_layers[at_layers < N_BINS]
     noise_power = surface_reflectivity(density[0, 0]) * 10 ** (-radar.surface_to_noise_db / 10)
-    about = {"part": "stacks", "sweep": sweep, "value": value, "unit": unit, "reference": "transfer matrix"}
+    about = {
+        "part": "stacks",
+        "sweep": sweep,
+        "value": value,
+        "unit": unit,
+        "reference": "transfer matrix",
+    }
     rows = []
     for name in coherent.MODELS:
         row = about | {"method": name, "seconds": seconds[name]}
@@ -120,7 +152,10 @@ def tail_rows(radar):
     """What eq. (1) leaves of the nature run's off-nadir tail, by how far down it is followed, and by what shapes it."""
     slopes = {"horizon": radar.horizon_slope, "surface": radar.surface_slope}
     tails = product(slopes.items(), TAILS_DB)
-    sweeps = [(name, tail_db, "dB below the peak", radar, slope, tail_db) for (name, slope), tail_db in tails]
+    sweeps = [
+        (name, tail_db, "dB below the peak", radar, slope, tail_db)
+        for (name, slope), tail_db in tails
+    ]
     sweeps += [
         (sweep, value, unit, replace(radar, **{name: value}), radar.horizon_slope, SHAPING_DB)
         for sweep, (name, unit, values) in SHAPED_BY.items()
@@ -139,28 +174,39 @@ def scene_rows(settings, climate, n_looks, rows, rng):
     """Seconds of a scene of 256 x 256 pixels and 15 layers by each model, with the error that `rows` give it."""
     layer_bins, parameters = planted_scene(SCENE_LAYERS, SCENE_LINES, SCENE_BINS, n_looks=n_looks)
     works = {
-        "PHY": partial(render, layer_bins, parameters, SCENE_BINS, tolerance_db=SCENE_TOLERANCE_DB, rng=rng),
+        "PHY": partial(
+            render, layer_bins, parameters, SCENE_BINS, tolerance_db=SCENE_TOLERANCE_DB, rng=rng
+        ),
         "PHY, as printed": partial(render_as_printed, layer_bins, parameters, SCENE_BINS, rng=rng),
     }
     runs = time_rounds(works, 3)
-    scene = partial(draw_scene, 0, "test", climate=climate, settings=settings, n_looks=n_looks, rng=rng)
+    scene = partial(
+        draw_scene, 0, "test", climate=climate, settings=settings, n_looks=n_looks, rng=rng
+    )
     share = {"nature run": SCENE_LINES * SCENE_BINS / scene().image.size}
     runs += time_rounds({"nature run": scene}, 2, n_warm_up=0)
 
     def errors(part, sweep, value, method):
-        [found] = [r for r in rows if (r["part"], r["sweep"], r["value"], r["method"]) == (part, sweep, value, method)]
+        [found] = [
+            r
+            for r in rows
+            if (r["part"], r["sweep"], r["value"], r["method"]) == (part, sweep, value, method)
+        ]
         return found
 
     of_phases = errors("stacks", "layers", DEFAULT_SLABS, "convolution")["error_db"]
     of_phy = np.hypot(errors("tail", "horizon", SHAPING_DB, "PHY")["error_db"], of_phases)
     known = {"PHY": of_phy, "PHY, as printed": of_phy, "nature run": of_phases}
     scenes = [
-        ("whole scene", repeat, name, known[name], seconds * share.get(name, 1.0)) for name, repeat, seconds in runs
+        ("whole scene", repeat, name, known[name], seconds * share.get(name, 1.0))
+        for name, repeat, seconds in runs
     ]
     for method in coherent.MODELS:
         found = errors("stacks", "layers", DEFAULT_SLABS, method)
         seconds = found["seconds"] * SCENE_LINES * n_looks
-        scenes.append(("one look and line, extrapolated", 0, f"{method}, stack", found["error_db"], seconds))
+        scenes.append(
+            ("one look and line, extrapolated", 0, f"{method}, stack", found["error_db"], seconds)
+        )
     about = {"part": "scene", "unit": "repeat", "reference": "transfer matrix"}
     names = ("sweep", "value", "method", "error_db", "seconds")
     return [about | dict(zip(names, scene, strict=True)) for scene in scenes]

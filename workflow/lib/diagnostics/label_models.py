@@ -13,10 +13,12 @@ CRITERIA = ("aic", "bic")
 def tabulate_models(zone_models):
     """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
 
-    Means are Gaussian, periodograms exponential about their density (Whittle), cells independent; slabs undulate
-    together, so the flight tells less than is counted: both AIC and BIC lean to more parameters.
+    Means are Gaussian, periodograms exponential about their density (Whittle), cells independent;
+    slabs undulate together, so the flight tells less than is counted: both AIC and BIC lean to more
+    parameters.
     """
-    # Quasi-likelihood, Burnham & Anderson (2002), section 2.5: neighbouring blocks scatter more than by Whittle's law.
+    # Quasi-likelihood, Burnham & Anderson (2002), section 2.5: neighbouring blocks scatter more
+    # than by Whittle's law.
     finest = max(zone_models, key=lambda model: model.sizes["zone"])
     dispersion = finest.attrs["dispersion"]
     rows = []
@@ -25,8 +27,14 @@ def tabulate_models(zone_models):
             likelihood, n_parameters, penalty = _spectra_likelihood(model, psd)
             total = model.attrs["means_log_likelihood"] + likelihood / dispersion
             row = {"n_zones": model.sizes["zone"], "psd": psd}
-            row |= {"n_parameters": model.attrs["means_n_parameters"] + n_parameters, "log_likelihood": total}
-            row |= {name: model.attrs[f"means_{name}_penalty"] + penalty[name] - 2 * total for name in CRITERIA}
+            row |= {
+                "n_parameters": model.attrs["means_n_parameters"] + n_parameters,
+                "log_likelihood": total,
+            }
+            row |= {
+                name: model.attrs[f"means_{name}_penalty"] + penalty[name] - 2 * total
+                for name in CRITERIA
+            }
             rows.append(row | {"dispersion": dispersion})
     return pd.DataFrame(rows)
 
@@ -36,23 +44,35 @@ def _spectra_likelihood(model, psd):
     tabulated, own, n, source = (
         model[name].values for name in ("thickness_psd", "block_psd", "n_psd_samples", "psd_source")
     )
-    # Slabs with too few blocks everywhere take the one above: they tell nothing, and it is the same ones in all models.
+    # Slabs with too few blocks everywhere take the one above: they tell nothing, and it is the same
+    # ones in all models.
     n = np.where(source > ALL_ZONES, 0, n)
     # Tapered ordinates that neighbour each other tell less than independent ones.
     share = model.attrs.get("independent_share", 1.0)
     likelihood = share * whittle_log_likelihood(own, densities_of(tabulated, psd), n)
     # Cells with too few blocks share what all blocks of their slab give.
-    blocks = [count for count, where in zip(n.ravel(), source.ravel(), strict=True) if where == OWN_ZONE]
-    blocks += [n[:, slab].sum() for slab in range(n.shape[1]) if (source[:, slab] == ALL_ZONES).any()]
+    blocks = [
+        count for count, where in zip(n.ravel(), source.ravel(), strict=True) if where == OWN_ZONE
+    ]
+    blocks += [
+        n[:, slab].sum() for slab in range(n.shape[1]) if (source[:, slab] == ALL_ZONES).any()
+    ]
     blocks = np.array(blocks, dtype=float)
     n_wavenumbers = share * (tabulated.shape[-1] - 2)
     if psd == TABULATED:
         # Exact for exponential values: 2 n / (n - 1) a wavenumber.
-        n_parameters, aic = round(n_wavenumbers * blocks.size), (2 * n_wavenumbers * blocks / (blocks - 1)).sum()
+        n_parameters, aic = (
+            round(n_wavenumbers * blocks.size),
+            (2 * n_wavenumbers * blocks / (blocks - 1)).sum(),
+        )
         bic = (n_wavenumbers * np.log(blocks)).sum()
     else:
         k = SPECTRA[psd].n_parameters
-        n_parameters, aic, bic = k * blocks.size, 2.0 * k * blocks.size, (k * np.log(n_wavenumbers * blocks)).sum()
+        n_parameters, aic, bic = (
+            k * blocks.size,
+            2.0 * k * blocks.size,
+            (k * np.log(n_wavenumbers * blocks)).sum(),
+        )
     return likelihood, n_parameters, {"aic": float(aic), "bic": float(bic)}
 
 
@@ -62,7 +82,9 @@ def whittle_log_likelihood(periodogram, density, n):
     Not of wavenumbers 0 and 1/2, nor where the periodogram is faint, as for `fit_spectrum`.
     """
     periodogram, density = periodogram[..., 1:-1], density[..., 1:-1]
-    held = (density > 0) & (periodogram > FAINTEST * periodogram.max(axis=-1, keepdims=True, initial=0))
+    held = (density > 0) & (
+        periodogram > FAINTEST * periodogram.max(axis=-1, keepdims=True, initial=0)
+    )
     safe = np.where(held, density, 1)
     return float(-(n[..., None] * np.where(held, np.log(safe) + periodogram / safe, 0)).sum())
 
@@ -90,7 +112,9 @@ def tabulate_spectra(psd):
     for zone, tabulated in enumerate(psd):
         wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
         columns = {"zone": zone, "wavenumber": wavenumber, "tabulated": tabulated}
-        parts.append(pd.DataFrame(columns | {name: fit_spectrum(name, tabulated)[0] for name in SPECTRA})[1:])
+        parts.append(
+            pd.DataFrame(columns | {name: fit_spectrum(name, tabulated)[0] for name in SPECTRA})[1:]
+        )
     return pd.concat(parts, ignore_index=True)
 
 
@@ -108,14 +132,19 @@ def scene_statistics(model, n_scenes, *, rng):
         means.append(thickness.mean(axis=1))
         variance += thickness.var(axis=1).sum()
         spectrum = np.abs(np.fft.rfft(thickness)) ** 2 * (2 / model.n_range_lines**2)
-        bands += [spectrum[:, low:high].sum() for low, high in zip(edges[:-1], edges[1:], strict=True)]
+        bands += [
+            spectrum[:, low:high].sum() for low, high in zip(edges[:-1], edges[1:], strict=True)
+        ]
         touched += drawn.notes["n_touched"], drawn.notes["n_samples"]
     means = np.concatenate(means)
     return {
         "thickness_mean_bins": means.mean(),
         "thickness_deviation_bins": means.std(),
         "undulation_deviation_bins": np.sqrt(variance / means.size),
-        **{f"undulation_{band}_bins": np.sqrt(total / means.size) for band, total in enumerate(bands)},
+        **{
+            f"undulation_{band}_bins": np.sqrt(total / means.size)
+            for band, total in enumerate(bands)
+        },
         "touched_share": touched[0] / touched[1],
     }
 
@@ -123,12 +152,18 @@ def scene_statistics(model, n_scenes, *, rng):
 def compare_models(models, selection, n_scenes, stream):
     """Label models side by side, a row each, by what chose it: (number of zones, kind of spectrum, `LabelModel`).
 
-    Shares saved and changes are relative to the first; `stream` gives the same random generator for every model.
+    Shares saved and changes are relative to the first; `stream` gives the same random generator for
+    every model.
     """
     rows = []
     for name, (n_zones, psd, model) in models.items():
         criterion = selection[(selection["n_zones"] == n_zones) & (selection["psd"] == psd)].iloc[0]
-        row = {"model": name, "n_zones": n_zones, "psd": psd, "n_parameters": int(criterion["n_parameters"])}
+        row = {
+            "model": name,
+            "n_zones": n_zones,
+            "psd": psd,
+            "n_parameters": int(criterion["n_parameters"]),
+        }
         row |= {"aic": criterion["aic"], "bic": criterion["bic"]}
         rows.append(row | scene_statistics(model, n_scenes, rng=stream()))
     table = pd.DataFrame(rows)

@@ -29,15 +29,21 @@ def fit_network(patches, truth, *, n_steps, rng):
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(rng.integers(2**31)))
         network = patch_network().to(memory_format=torch.channels_last)
-    optimiser = torch.optim.AdamW(network.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY, fused=True)
+    optimiser = torch.optim.AdamW(
+        network.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY, fused=True
+    )
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, LEARNING_RATE, total_steps=n_steps)
-    order = np.concatenate([rng.permutation(len(truth)) for _ in range(-(-n_steps * BATCH_SIZE // len(truth)))])
+    order = np.concatenate(
+        [rng.permutation(len(truth)) for _ in range(-(-n_steps * BATCH_SIZE // len(truth)))]
+    )
     network.train()
     for step in range(n_steps):
         chosen = order[step * BATCH_SIZE : (step + 1) * BATCH_SIZE]
         batch = patches[chosen][:, :, :: rng.choice((1, -1))]
         logits = network(to_signed(batch).contiguous(memory_format=torch.channels_last))[:, 0]
-        loss = nn.functional.binary_cross_entropy_with_logits(logits, torch.from_numpy(truth[chosen]).float())
+        loss = nn.functional.binary_cross_entropy_with_logits(
+            logits, torch.from_numpy(truth[chosen]).float()
+        )
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()

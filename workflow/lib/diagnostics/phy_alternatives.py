@@ -26,7 +26,8 @@ def waveforms_of(layer_bins, parameters, n_range_bins, normalise, align):
 def render_as_printed(layer_bins, parameters, n_range_bins, *, rng, normalise="peak", align="peak"):
     """What `render` gives, as printed: whole columns convolved, then M looks of 4 normals for every pixel, float64.
 
-    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2) (n3 + i n4)|^2``.
+    Yari et al. (2021), eqs (1), (3), (4): ``P = 1/M sum |sqrt(P_s / 2) (n1 + i n2) + sqrt(P_n / 2)
+    (n3 + i n4)|^2``.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, normalise, align)
     n_looks = int(checked_looks(parameters["n_looks"]))
@@ -35,15 +36,20 @@ def render_as_printed(layer_bins, parameters, n_range_bins, *, rng, normalise="p
     total = np.zeros(waveforms.shape)
     for _ in range(n_looks):
         normals = rng.standard_normal((4, *waveforms.shape))
-        total += (signal * normals[0] + noise * normals[2]) ** 2 + (signal * normals[1] + noise * normals[3]) ** 2
+        total += (signal * normals[0] + noise * normals[2]) ** 2 + (
+            signal * normals[1] + noise * normals[3]
+        ) ** 2
     return total / n_looks
 
 
-def render_scatterers(layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, align="gaussian"):
+def render_scatterers(
+    layer_bins, parameters, n_range_bins, *, rng, n_scatterers=100, align="gaussian"
+):
     """What `render` gives, as a sum of point scatterers, in the manner of the CReSIS toolbox's simulator.
 
-    Those of a layer and range line are normal about it plus an exponential delay, with exponential power and
-    sinc-squared responses on every row. They are its only speckle: `n_looks` acts on the noise.
+    Those of a layer and range line are normal about it plus an exponential delay, with exponential
+    power and sinc-squared responses on every row. They are its only speckle: `n_looks` acts on the
+    noise.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     n_looks = checked_looks(parameters["n_looks"])
@@ -65,7 +71,8 @@ def render_scatterers(layer_bins, parameters, n_range_bins, *, rng, n_scatterers
 def draw_moving_speckle(mean_power, *, method, rng):
     """Power averaged over looks with means of their own, (look, range_bin, range_line): the geometry moves.
 
-    ``looks``: sum of looks. ``gamma``: shape ``(sum m)^2 / sum m^2``, right in mean and variance, exact if all equal.
+    ``looks``: sum of looks. ``gamma``: shape ``(sum m)^2 / sum m^2``, right in mean and variance,
+    exact if all equal.
     """
     if method == "looks":
         return draw_looks(mean_power, rng)
@@ -81,9 +88,12 @@ def draw_moving_speckle(mean_power, *, method, rng):
 def convolved_power(waveforms, samples_per_bin=1):
     """Mean power by numerical convolution of whole columns, from above the topmost layer: nothing wraps around.
 
-    Narrow Gaussians alias, fast decays are summed coarsely, the transform leaves 1e-16 of the peak everywhere.
+    Narrow Gaussians alias, fast decays are summed coarsely, the transform leaves 1e-16 of the peak
+    everywhere.
     """
-    topmost = np.nanmin(waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0)
+    topmost = np.nanmin(
+        waveforms.centre_bins - 8 * np.sqrt(waveforms.variance_bins2)[:, None], initial=0
+    )
     n_above = int(np.ceil(-topmost)) * samples_per_bin
     n_samples = (waveforms.n_range_bins - 1) * samples_per_bin + 1 + n_above
     x_bins = ((np.arange(n_samples) - n_above) / samples_per_bin)[:, None]
@@ -92,7 +102,11 @@ def convolved_power(waveforms, samples_per_bin=1):
     for layer, centre in enumerate(waveforms.centre_bins):
         lines = np.isfinite(centre)
         gaussian = np.exp(-((x_bins - centre[lines]) ** 2) / (2 * waveforms.variance_bins2[layer]))
-        exponential = np.exp(-waveforms.decay_rate[layer] * delay) * waveforms.amplitude[layer] / samples_per_bin
+        exponential = (
+            np.exp(-waveforms.decay_rate[layer] * delay)
+            * waveforms.amplitude[layer]
+            / samples_per_bin
+        )
         exponential[0] /= 2  # trapezoids: the exponential starts with a step
         power[:, lines] += fftconvolve(gaussian, exponential[:, None], axes=0)[:n_samples]
     return np.maximum(power[n_above::samples_per_bin], 0)
@@ -125,13 +139,21 @@ def power_in_support(waveforms, noise_power, tolerance_db):
     for layer in np.flatnonzero(supports.kept):
         lines = np.flatnonzero(np.isfinite(waveforms.centre_bins[layer]))
         centre = waveforms.centre_bins[layer, lines]
-        first = np.clip(np.ceil(centre + supports.first_bins[layer]), 0, waveforms.n_range_bins).astype(int)
-        stop = np.clip(np.floor(centre + supports.last_bins[layer]) + 1, 0, waveforms.n_range_bins).astype(int)
+        first = np.clip(
+            np.ceil(centre + supports.first_bins[layer]), 0, waveforms.n_range_bins
+        ).astype(int)
+        stop = np.clip(
+            np.floor(centre + supports.last_bins[layer]) + 1, 0, waveforms.n_range_bins
+        ).astype(int)
         rows = first + np.arange((stop - first).max(initial=0))[:, None]
         inside = rows < stop
         x_bins = (rows - centre)[inside]
-        one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-        power[rows[inside], np.broadcast_to(lines, rows.shape)[inside]] += waveforms.amplitude[layer] * one
+        one = waveform_unchecked(
+            x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer]
+        )
+        power[rows[inside], np.broadcast_to(lines, rows.shape)[inside]] += (
+            waveforms.amplitude[layer] * one
+        )
     return power
 
 
@@ -140,7 +162,9 @@ def recursive_power(waveforms, noise_power, tolerance_db, dtype=float):
     supports = _found_supports(waveforms, noise_power, tolerance_db)
     power = np.zeros(waveforms.shape, dtype=dtype)
     per_layer = (waveforms.amplitude, waveforms.variance_bins2, waveforms.decay_rate)
-    ends = (np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins))
+    ends = (
+        np.where(supports.kept, edge, np.nan) for edge in (supports.first_bins, supports.last_bins)
+    )
     _filter_layers(waveforms.centre_bins, *per_layer, *ends, power)
     return power
 
@@ -168,7 +192,9 @@ def _filter_layers(centre_bins, amplitude, variance, decay, first_bins, last_bin
             if not start < stop:
                 continue
             x = start - centre
-            gaussian = power.dtype.type(amplitude[layer] * np.exp(-x * x / (2 * variance[layer])) / 6)
+            gaussian = power.dtype.type(
+                amplitude[layer] * np.exp(-x * x / (2 * variance[layer])) / 6
+            )
             ratio = power.dtype.type(np.exp(-(x / 2 + 0.125) / variance[layer]))
             state = one * 0
             for row in range(int(start), int(stop)):
@@ -199,7 +225,9 @@ def cut_power(waveforms):
 
 def nearest_power(waveforms, n_phases=16):
     """Closed form with centres moved to the nearest of `n_phases` places a bin, as tables without interpolation do."""
-    return exact_power(replace(waveforms, centre_bins=np.rint(waveforms.centre_bins * n_phases) / n_phases))
+    return exact_power(
+        replace(waveforms, centre_bins=np.rint(waveforms.centre_bins * n_phases) / n_phases)
+    )
 
 
 def wrapped_power(waveforms):

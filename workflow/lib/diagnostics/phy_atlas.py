@@ -22,7 +22,8 @@ SHORTCUTS = ("naive", "sampled", "wrapped", "cut", "nearest", "recursive32")
 LINES = np.array([[0.0, 0.26, 0.53, 0.77]])  # sub-bin positions
 # One layer, peaking at 6.7 with noise of 1e-3 under it.
 PLAIN = Case(100 + LINES, np.ones(1), np.full(1, 12.0), np.full(1, 0.07))
-# Speckle is drawn on this many pixels for every number of looks, and compared at these levels of its law.
+# Speckle is drawn on this many pixels for every number of looks, and compared at these levels of
+# its law.
 LOOKS = (0.5, 1, 1.5, 2, 4, 9, 10, 16, 20, 100, 1e3, 1e4, 1e5, 1e6, 1e7, 1e9)
 SHAPE, LEVELS = (512, 512), np.array([0.01, 0.1, 0.5, 0.9, 0.99])
 MOST_LOOKS_SUMMED = 20  # more take seconds
@@ -33,7 +34,10 @@ RENDER_LOOKS, RENDER_SPECKLE_DB = 1e6, 0.03
 
 def _pair(spacing_bins, **changes):
     """Two plain layers."""
-    both = {name: np.repeat(getattr(PLAIN, name), 2) for name in ("peak_power", "variance_bins2", "decay_rate")}
+    both = {
+        name: np.repeat(getattr(PLAIN, name), 2)
+        for name in ("peak_power", "variance_bins2", "decay_rate")
+    }
     layer_bins = np.concatenate([PLAIN.layer_bins, PLAIN.layer_bins + spacing_bins])
     return replace(PLAIN, layer_bins=layer_bins, **(both | changes))
 
@@ -45,7 +49,12 @@ def sweeps():
         return lambda x: noisy(replace(PLAIN, **{name: np.array([x])}))
 
     # From exponentials that outlast the window to ones shorter than a bin.
-    yield "decay rate [per bin]", 10.0 ** np.arange(-6, 4.1, 0.5), plain_with("decay_rate"), SHORTCUTS
+    yield (
+        "decay rate [per bin]",
+        10.0 ** np.arange(-6, 4.1, 0.5),
+        plain_with("decay_rate"),
+        SHORTCUTS,
+    )
     # From far narrower than a bin to far wider than the window.
     widths = 10.0 ** np.arange(-6, 8.1, 0.5)
     yield "variance [bins²]", widths, plain_with("variance_bins2"), (*SHORTCUTS, "recursive64")
@@ -55,11 +64,21 @@ def sweeps():
     yield "position [bins]", places, lambda x: replace(PLAIN, layer_bins=x + LINES), SHORTCUTS
     # Touching, and crossing, which is refused.
     distances = [-10, -1, -1e-3, 0, *10.0 ** np.arange(-15, 2.1)]
-    yield "spacing of two layers [bins]", distances, _pair, ("naive", "sampled", "nearest", "recursive32")
+    yield (
+        "spacing of two layers [bins]",
+        distances,
+        _pair,
+        ("naive", "sampled", "nearest", "recursive32"),
+    )
     # The noise is 30 dB below the weaker layer.
     ratios = 10.0 ** np.array([-300, -250, -200, -150, -100, -50, *range(-30, 1, 2)])
     methods = ("naive", "sampled", "nearest", "recursive32", "table32")
-    yield "power of the weaker layer", ratios, lambda x: noisy(_pair(60, peak_power=np.array([1, x]))), methods
+    yield (
+        "power of the weaker layer",
+        ratios,
+        lambda x: noisy(_pair(60, peak_power=np.array([1, x]))),
+        methods,
+    )
     # From loose to below the resolution of float32, then of float64.
     tolerances_db = [10, 3, 1, *10.0 ** np.arange(-0.5, -15.1, -0.5)]
     yield "tolerance [dB]", tolerances_db, lambda x: replace(PLAIN, tolerance_db=x), ("table32",)
@@ -67,7 +86,12 @@ def sweeps():
     slow = replace(PLAIN, decay_rate=np.array([1e-6]))
     heights = [1, 2, 3, *(10**power for power in range(1, 7))]
     methods = ("wrapped", "cut", "recursive32", "recursive64")
-    yield "height [bins]", heights, lambda x: replace(slow, layer_bins=np.array([[0.3 * x]]), n_range_bins=x), methods
+    yield (
+        "height [bins]",
+        heights,
+        lambda x: replace(slow, layer_bins=np.array([[0.3 * x]]), n_range_bins=x),
+        methods,
+    )
 
 
 def sweep_looks(*, rng):
@@ -76,8 +100,16 @@ def sweep_looks(*, rng):
     `cube_open` is the cube without the floor of 10 looks that `draw_speckle` holds it to.
     """
     methods = ("looks", "gamma", "cube", "quantile", "cube_open")
-    runs = [(n, method) for n in LOOKS for method in methods if method != "looks" or n <= MOST_LOOKS_SUMMED]
-    return [row("looks M", n_looks, method, _looks_outcome(method, n_looks, rng)) for n_looks, method in runs]
+    runs = [
+        (n, method)
+        for n in LOOKS
+        for method in methods
+        if method != "looks" or n <= MOST_LOOKS_SUMMED
+    ]
+    return [
+        row("looks M", n_looks, method, _looks_outcome(method, n_looks, rng))
+        for n_looks, method in runs
+    ]
 
 
 def _looks_outcome(method, n_looks, rng):
@@ -88,7 +120,9 @@ def _looks_outcome(method, n_looks, rng):
     limit_db = LAW_LIMIT_DB + 10 * np.log10(1 + 5 * standard_error)
     try:
         if method == "cube_open":
-            drawn = (1 - 1 / (9 * n_looks) + rng.standard_normal(SHAPE) / (3 * np.sqrt(n_looks))) ** 3
+            drawn = (
+                1 - 1 / (9 * n_looks) + rng.standard_normal(SHAPE) / (3 * np.sqrt(n_looks))
+            ) ** 3
         else:
             drawn = draw_speckle(np.ones(SHAPE, dtype=np.float32), n_looks, method=method, rng=rng)
     except ValueError:
@@ -104,7 +138,12 @@ def _looks_outcome(method, n_looks, rng):
 def border_cases():
     """Scenes at the limits of valid input, by name."""
     nothing = np.empty(0)
-    none = {"layer_bins": np.empty((0, 4)), "peak_power": nothing, "variance_bins2": nothing, "decay_rate": nothing}
+    none = {
+        "layer_bins": np.empty((0, 4)),
+        "peak_power": nothing,
+        "variance_bins2": nothing,
+        "decay_rate": nothing,
+    }
     return {
         "no layers": replace(PLAIN, **none),
         "all absent": replace(PLAIN, layer_bins=np.nan * LINES),
@@ -145,7 +184,11 @@ def refused_cases():
 def sweep_borders(*, rng):
     """Every border case by the public functions; a case that must be refused is wrong if it is not."""
     methods = ("exact", "planned", "render")
-    rows = [row("borders", name, m, _outcome(case, m, rng)) for name, case in border_cases().items() for m in methods]
+    rows = [
+        row("borders", name, m, _outcome(case, m, rng))
+        for name, case in border_cases().items()
+        for m in methods
+    ]
     for name, case in refused_cases().items():
         # The exact form is given neither tolerance nor noise.
         given = methods[1:] if name in ("tolerance zero", "noise negative") else methods
@@ -160,7 +203,9 @@ def _outcome(case, method, rng):
     def error_db(power):
         return largest_error_db(power, case.computed("exact") + case.noise_power, 0.0)
 
-    return outcome_of(partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB)
+    return outcome_of(
+        partial(_rendered, case, rng), error_db, case.tolerance_db + RENDER_SPECKLE_DB
+    )
 
 
 def _refusal(case, method, rng):
@@ -171,7 +216,10 @@ def _refusal(case, method, rng):
 
 def _rendered(case, rng):
     """Power with noise after so many looks that it is all but the mean."""
-    parameters = {name: getattr(case, name) for name in ("peak_power", "variance_bins2", "decay_rate", "noise_power")}
+    parameters = {
+        name: getattr(case, name)
+        for name in ("peak_power", "variance_bins2", "decay_rate", "noise_power")
+    }
     return render(case.layer_bins, parameters | {"n_looks": RENDER_LOOKS}, case.n_range_bins, rng=rng,
                   tolerance_db=case.tolerance_db, normalise="none", align="gaussian")  # fmt: skip
 
@@ -190,13 +238,24 @@ def summarise_atlas(atlas):
     """
     rows = []
     for (setting, method), sweep in atlas.groupby(["setting", "method"], sort=False):
-        counts = {f"n_{name}": int((sweep["outcome"] == name).sum()) for name in ("within", "refused", "wrong")}
+        counts = {
+            f"n_{name}": int((sweep["outcome"] == name).sum())
+            for name in ("within", "refused", "wrong")
+        }
         safe = pd.DataFrame()
         if pd.api.types.is_number(sweep["value"].iloc[0]):
             sweep = sweep.sort_values("value", kind="stable")
             run = (sweep["outcome"] == "wrong").cumsum()
             runs = [each for _, each in sweep[sweep["outcome"] == "within"].groupby(run)]
             safe = max(runs, key=len, default=safe)
-        ends = {} if safe.empty else {"first_safe": safe["value"].iloc[0], "last_safe": safe["value"].iloc[-1]}
-        rows.append({"setting": setting, "method": method, "first_safe": None, "last_safe": None} | ends | counts)
+        ends = (
+            {}
+            if safe.empty
+            else {"first_safe": safe["value"].iloc[0], "last_safe": safe["value"].iloc[-1]}
+        )
+        rows.append(
+            {"setting": setting, "method": method, "first_safe": None, "last_safe": None}
+            | ends
+            | counts
+        )
     return pd.DataFrame(rows)

@@ -10,7 +10,9 @@ from lib.diagnostics.phy_errors import largest_error_db
 from snowsim.phy.parameters import checked_waveforms
 from snowsim.phy.power import mean_power
 
-EXACT_LIMIT_DB = 1e-11  # closed form and quadrature lose 5e-13 each where exponents are large: 4e-12 dB
+EXACT_LIMIT_DB = (
+    1e-11  # closed form and quadrature lose 5e-13 each where exponents are large: 4e-12 dB
+)
 SHORTCUT_LIMIT_DB = 0.5  # the speckle of 100 looks is 0.43 dB
 MOST_ROWS_COMPARED = 10_000
 REACH_DEVIATIONS = 9.5  # beyond, a Gaussian is below 3e-20 of its peak
@@ -23,7 +25,8 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(128)
 class Case:
     """One scene as `mean_power` is given it, with noise and tolerance.
 
-    As printed (``normalise="none", align="gaussian"``), so that the outcome does not rest on where a peak was found.
+    As printed (``normalise="none", align="gaussian"``), so that the outcome does not rest on where
+    a peak was found.
     """
 
     layer_bins: np.ndarray
@@ -38,7 +41,10 @@ class Case:
     def given(self):
         """Arguments of `mean_power`."""
         names = ("layer_bins", "peak_power", "variance_bins2", "decay_rate", "n_range_bins")
-        return {name: getattr(self, name) for name in names} | {"normalise": "none", "align": "gaussian"}
+        return {name: getattr(self, name) for name in names} | {
+            "normalise": "none",
+            "align": "gaussian",
+        }
 
     def computed(self, method):
         """Mean power by a method, (range_bin, range_line); ValueError where it is refused."""
@@ -48,23 +54,39 @@ class Case:
         if method == "planned":
             return mean_power(**self.given, **tolerance)
         if method in ("recursive32", "recursive64"):
-            return ways.recursive_power(self.waveforms(), **tolerance, dtype=method.replace("recursive", "float"))
+            return ways.recursive_power(
+                self.waveforms(), **tolerance, dtype=method.replace("recursive", "float")
+            )
         if method == "table32":
             return ways.single_precision_power(self.waveforms(), **tolerance)
-        way = {"sampled": ways.convolved_power, "naive": ways.naive_power, "wrapped": ways.wrapped_power}
+        way = {
+            "sampled": ways.convolved_power,
+            "naive": ways.naive_power,
+            "wrapped": ways.wrapped_power,
+        }
         way |= {"cut": ways.cut_power, "nearest": ways.nearest_power}
         return way[method](self.waveforms())
 
     def outcome(self, method):
         """Outcome of a method: the exact form is held to a relative error, others to that of power plus noise."""
-        limits_db = {"exact": EXACT_LIMIT_DB, "planned": self.tolerance_db, "table32": self.tolerance_db}
+        limits_db = {
+            "exact": EXACT_LIMIT_DB,
+            "planned": self.tolerance_db,
+            "table32": self.tolerance_db,
+        }
 
         def error_db(power):
-            rows = np.linspace(0, self.n_range_bins - 1, min(self.n_range_bins, MOST_ROWS_COMPARED)).astype(int)
+            rows = np.linspace(
+                0, self.n_range_bins - 1, min(self.n_range_bins, MOST_ROWS_COMPARED)
+            ).astype(int)
             noise_power = 0.0 if method == "exact" else self.noise_power
-            return largest_error_db(power[rows], quadrature_power(self.waveforms(), rows), noise_power)
+            return largest_error_db(
+                power[rows], quadrature_power(self.waveforms(), rows), noise_power
+            )
 
-        return outcome_of(partial(self.computed, method), error_db, limits_db.get(method, SHORTCUT_LIMIT_DB))
+        return outcome_of(
+            partial(self.computed, method), error_db, limits_db.get(method, SHORTCUT_LIMIT_DB)
+        )
 
     def waveforms(self):
         """The same, checked."""
@@ -98,7 +120,11 @@ def compared(setting, values, case_of, methods):
     """Rows of one sweep: the case of every value by `exact`, `planned` and every further method."""
     cases = [(value, case_of(value)) for value in values]
     methods = ("exact", "planned", *methods)
-    return [row(setting, value, method, case.outcome(method)) for value, case in cases for method in methods]
+    return [
+        row(setting, value, method, case.outcome(method))
+        for value, case in cases
+        for method in methods
+    ]
 
 
 def noisy(case, relative_noise=1e-3):
@@ -114,11 +140,15 @@ def quadrature_power(waveforms, rows):
 def waveform_by_quadrature(x_bins, variance_bins2, decay_rate):
     """Waveform of one layer, ``int_0^inf exp(-(x - t)^2 / 2d - a t) dt``, float64 of the shape of `x_bins`.
 
-    Gauss-Legendre over where the integrand exceeds 1e-19 of its largest value: all terms are positive, none cancel.
+    Gauss-Legendre over where the integrand exceeds 1e-19 of its largest value: all terms are
+    positive, none cancel.
     """
     x_bins = np.asarray(x_bins, dtype=float)
     flat = x_bins.ravel()
-    chunks = [_integral(flat[i : i + CHUNK], variance_bins2, decay_rate) for i in range(0, flat.size, CHUNK)]
+    chunks = [
+        _integral(flat[i : i + CHUNK], variance_bins2, decay_rate)
+        for i in range(0, flat.size, CHUNK)
+    ]
     return np.concatenate([np.empty(0), *chunks]).reshape(x_bins.shape)
 
 

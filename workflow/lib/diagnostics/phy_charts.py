@@ -21,7 +21,11 @@ ALL_WAYS_DB = (0.5, 0.05, 1e-3)  # tolerances at which slower ways are timed, to
 SCENE_TOLERANCES_DB = (0.5, 0.1, 0.05, 0.01)
 GROWTH_TOLERANCE_DB = 0.05
 N_LOOKS = (16, 100)
-CORRELATION = (1, 0.16, 0.02)  # down range, of bins somewhat finer than a range response; others cost the same
+CORRELATION = (
+    1,
+    0.16,
+    0.02,
+)  # down range, of bins somewhat finer than a range response; others cost the same
 MOVEMENTS_DB = (1.0, 3.0, 6.0, 10.0, 20.0)
 TIMED_MOVEMENT_DB = 6.0  # the time does not depend on how far the mean moves
 DISTANCE = dict.fromkeys(("looks", "gamma"), lambda n_looks: 0.0)
@@ -37,7 +41,14 @@ COLUMNS = ["setting", "method", "repeat", "seconds", "n_pixels", "error_db", "de
 def runs_table(runs, about, columns, **same):
     """A row a run of `time_rounds`, whose names begin with a setting and end with a method, and what is known of it."""
     rows = [
-        {"setting": name[0], "method": name[-1], "repeat": repeat, "seconds": seconds, **same, **about.get(name, {})}
+        {
+            "setting": name[0],
+            "method": name[-1],
+            "repeat": repeat,
+            "seconds": seconds,
+            **same,
+            **about.get(name, {}),
+        }
         for name, repeat, seconds in runs
     ]
     return pd.DataFrame(rows, columns=columns).assign(device=device_name())
@@ -50,7 +61,9 @@ def time_waveforms(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
     exact, noise_power = exact_power(waveforms), parameters["noise_power"]
     works = {
         ("1 sample per bin", "convolved"): partial(ways.convolved_power, waveforms),
-        ("4 samples per bin", "convolved"): partial(ways.convolved_power, waveforms, samples_per_bin=4),
+        ("4 samples per bin", "convolved"): partial(
+            ways.convolved_power, waveforms, samples_per_bin=4
+        ),
         ("as usually written", "naive closed form"): partial(ways.naive_power, waveforms),
         ("every row", "closed form"): partial(exact_power, waveforms),
         ("16 per bin", "nearest"): partial(ways.nearest_power, waveforms),
@@ -63,7 +76,10 @@ def time_waveforms(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
             for dtype in (np.float32, np.float64):
                 name = f"recursive {np.dtype(dtype).name}"
                 works[setting, name] = partial(ways.recursive_power, *limits, dtype=dtype)
-    about = {key: {"error_db": phy_errors.largest_error_db(work(), exact, noise_power)} for key, work in works.items()}
+    about = {
+        key: {"error_db": phy_errors.largest_error_db(work(), exact, noise_power)}
+        for key, work in works.items()
+    }
     works[FLOOR] = partial(rng.standard_normal, exact.shape, dtype=np.float32)
     return runs_table(time_rounds(works, n_rounds), about, COLUMNS, n_pixels=exact.size)
 
@@ -88,7 +104,9 @@ def time_speckle(n_range_lines, n_range_bins, n_rounds, *, rng):
             works[key] = partial(draw_speckle, mean_power, n_looks, method=method, rng=rng)
             about[key] = {"distance": distance(n_looks), "n_looks": n_looks}
         key = (f"M = {n_looks}", "quantile, correlated")
-        works[key] = partial(draw_speckle, mean_power, n_looks, method="quantile", correlation=CORRELATION, rng=rng)
+        works[key] = partial(
+            draw_speckle, mean_power, n_looks, method="quantile", correlation=CORRELATION, rng=rng
+        )
         about[key] = {"distance": phy_errors.correlated_distance(n_looks), "n_looks": n_looks}
         for movement_db in MOVEMENTS_DB:
             distance = phy_errors.moving_distance(look_means(movement_db, n_looks))
@@ -99,11 +117,27 @@ def time_speckle(n_range_lines, n_range_bins, n_rounds, *, rng):
     moving = np.broadcast_to(means, (n_looks, *shape))
     setting = f"M = {n_looks}, {TIMED_MOVEMENT_DB:g} dB"
     for method in ("gamma", "looks"):
-        works[setting, f"{method}, moving"] = partial(ways.draw_moving_speckle, moving, method=method, rng=rng)
-    about[setting, "looks, moving"] = {"distance": 0.0, "n_looks": n_looks, "movement_db": TIMED_MOVEMENT_DB}
+        works[setting, f"{method}, moving"] = partial(
+            ways.draw_moving_speckle, moving, method=method, rng=rng
+        )
+    about[setting, "looks, moving"] = {
+        "distance": 0.0,
+        "n_looks": n_looks,
+        "movement_db": TIMED_MOVEMENT_DB,
+    }
     runs = time_rounds(works, n_rounds)
     runs += [(key, np.nan, np.nan) for key in about if key not in works]
-    columns = ["setting", "method", "repeat", "seconds", "n_pixels", "device", "distance", "n_looks", "movement_db"]
+    columns = [
+        "setting",
+        "method",
+        "repeat",
+        "seconds",
+        "n_pixels",
+        "device",
+        "distance",
+        "n_looks",
+        "movement_db",
+    ]
     return runs_table(runs, about, columns, n_pixels=mean_power.size)
 
 
@@ -117,7 +151,10 @@ def phy_works(layer_bins, parameters, n_range_bins, rng):
     given, noise_power = (layer_bins, parameters, n_range_bins), parameters["noise_power"]
     waveforms = ways.waveforms_of(*given, "peak", "peak")
     exact = exact_power(waveforms)
-    printed, by_phy = (f"M = {parameters['n_looks']}", "as printed"), partial(eight_bits, render, *given, rng=rng)
+    printed, by_phy = (
+        (f"M = {parameters['n_looks']}", "as printed"),
+        partial(eight_bits, render, *given, rng=rng),
+    )
     works = {printed: partial(eight_bits, ways.render_as_printed, *given, rng=rng)}
     works["exact", "PHY exact"] = partial(by_phy, tolerance_db=None)
     means = {printed: ways.convolved_power(waveforms), ("exact", "PHY exact"): exact}
@@ -125,7 +162,9 @@ def phy_works(layer_bins, parameters, n_range_bins, rng):
         key = (f"{tolerance_db:g} dB", "PHY")
         works[key] = partial(by_phy, tolerance_db=tolerance_db)
         means[key] = ways.table_power(waveforms, noise_power, tolerance_db)
-    return works, {key: phy_errors.largest_error_db(mean, exact, noise_power) for key, mean in means.items()}
+    return works, {
+        key: phy_errors.largest_error_db(mean, exact, noise_power) for key, mean in means.items()
+    }
 
 
 def scatterer_work(layer_bins, parameters, n_range_bins, rng):
@@ -141,19 +180,26 @@ def cgan_work(layer_bins, n_range_bins, settings, rng):
     """A generator of the configured size; what it has learned makes no difference to its cost."""
     settings = Settings(**settings)
     generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
-    return partial(render_cgan, generator, Scene("planted", n_range_bins, layer_bins), settings, rng=rng)
+    return partial(
+        render_cgan, generator, Scene("planted", n_range_bins, layer_bins), settings, rng=rng
+    )
 
 
-def time_scenes(n_layers, n_range_lines, n_range_bins, n_rounds, *, reference, climate, cgan, n_looks, stream):
+def time_scenes(
+    n_layers, n_range_lines, n_range_bins, n_rounds, *, reference, climate, cgan, n_looks, stream
+):
     """Seconds of whole scenes, 8-bit scaling included, by each model; largest error of the mean [dB] by eq. (1).
 
-    `reference` and `climate` are the reference flight's; `stream` gives the random generator of some keys.
+    `reference` and `climate` are the reference flight's; `stream` gives the random generator of
+    some keys.
     """
     rng = stream()
     layer_bins, parameters = phy_errors.planted_scene(n_layers, n_range_lines, n_range_bins)
     works, errors_db = phy_works(layer_bins, parameters, n_range_bins, rng)
     few = ("100 scatterers", "scatterers")
-    works[few], errors_db[few] = scatterer_work(layer_bins[:, :SCATTERER_LINES], parameters, n_range_bins, rng)
+    works[few], errors_db[few] = scatterer_work(
+        layer_bins[:, :SCATTERER_LINES], parameters, n_range_bins, rng
+    )
     works[f"width {cgan['width']}", "cGAN"] = cgan_work(layer_bins, n_range_bins, cgan, rng)
     works[FLOOR] = partial(rng.standard_normal, (n_range_bins, n_range_lines), dtype=np.float32)
     runs = time_rounds(works, n_rounds)
@@ -189,7 +235,16 @@ def time_growth(n_layers, n_range_lines, n_range_bins, n_rounds, *, rng):
             key = (setting, layers, lines, "PHY exact")
             works[key] = partial(eight_bits, render, *given, tolerance_db=None, rng=rng)
             about[key] = size | {"plan_ms": np.nan}
-    columns = ["setting", "n_layers", "n_pixels", "method", "plan_ms", "repeat", "seconds", "device"]
+    columns = [
+        "setting",
+        "n_layers",
+        "n_pixels",
+        "method",
+        "plan_ms",
+        "repeat",
+        "seconds",
+        "device",
+    ]
     return runs_table(time_rounds(works, 3 * n_rounds), about, columns)
 
 
@@ -197,8 +252,15 @@ def plan_table(scenes):
     """What the plans of rendered scenes left out, bound and cost, from the notes kept with them: by scene, in short."""
     plans = pd.DataFrame([{"scene": scene.name, **scene.notes} for scene in scenes])
     plans = plans[["scene", *(name for name in plans.columns if name.startswith("plan_"))]]
-    in_short = plans[list(PLANNED)].agg(["min", "mean", "max"]).T.rename_axis("quantity").reset_index()
+    in_short = (
+        plans[list(PLANNED)].agg(["min", "mean", "max"]).T.rename_axis("quantity").reset_index()
+    )
     in_short["n_scenes"] = len(plans)
-    # Of all pixels times layers of all scenes together: large scenes weigh more than in the mean of shares.
-    in_short["of_all_terms"] = [plans["plan_terms"].sum() / plans["plan_terms_full"].sum(), None, None]
+    # Of all pixels times layers of all scenes together: large scenes weigh more than in the mean of
+    # shares.
+    in_short["of_all_terms"] = [
+        plans["plan_terms"].sum() / plans["plan_terms_full"].sum(),
+        None,
+        None,
+    ]
     return plans, in_short

@@ -24,14 +24,21 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
     phase = 2 * np.pi * np.arange(n_range_lines) / 64 + 2.4 * np.arange(n_layers)[:, None]
     first = np.array([1, 0.3, 0.2, 0.15, 0.1])
     power = np.concatenate([first, 0.1 * 0.85 ** np.arange(1, max(n_layers - 4, 1))])[:n_layers]
-    parameters = {"peak_power": power, "variance_bins2": np.full(n_layers, 12.0), "noise_power": 1e-3}
+    parameters = {
+        "peak_power": power,
+        "variance_bins2": np.full(n_layers, 12.0),
+        "noise_power": 1e-3,
+    }
     parameters |= {"decay_rate": np.linspace(0.1, 0.05, n_layers), "n_looks": n_looks}
     return depth + min(2, 0.2 * spacing) * np.sin(phase), parameters
 
 
 def largest_error_db(power, exact, noise_power):
     """Largest ``|10 log10((power + noise) / (exact + noise))|`` of all pixels [dB]; powers below 1e-290 are nothing."""
-    power, exact = np.asarray(power, dtype=float) + noise_power, np.asarray(exact, dtype=float) + noise_power
+    power, exact = (
+        np.asarray(power, dtype=float) + noise_power,
+        np.asarray(exact, dtype=float) + noise_power,
+    )
     vanished = exact < VANISHED
     if not np.all(np.isfinite(power) & (power >= 0)) or np.any(power[vanished] > 2 * VANISHED):
         return np.inf
@@ -63,7 +70,9 @@ def correlated_distance(n_looks):
     """Largest distance of the distribution functions of correlated speckle and of `gamma`, at a million normals."""
     normals = ndtri((np.arange(1_000_000) + 0.5) / 1_000_000).astype(np.float32)[:, None]
     power = np.ones(normals.shape)
-    filter_to_power(normals, np.ones(1, dtype=np.float32), normal_quantiles(float(n_looks)), power, power)
+    filter_to_power(
+        normals, np.ones(1, dtype=np.float32), normal_quantiles(float(n_looks)), power, power
+    )
     return float(np.abs(gammainc(n_looks, n_looks * power) - ndtr(normals.astype(float))).max())
 
 
@@ -78,8 +87,9 @@ def moving_distance(look_means):
 def mean_of_looks_below(level, look_means):
     """Distribution function, at positive powers (level,), of the mean of exponential looks of these means, (look,).
 
-    Gil-Pelaez (1951), Biometrika 38, 481-482: ``F(x) = 1/2 - 1/pi int Im(exp(-iux) phi(u)) / u du`` with ``phi(u) =
-    prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step until phi has fallen to 1e-7.
+    Gil-Pelaez (1951), Biometrika 38, 481-482: ``F(x) = 1/2 - 1/pi int Im(exp(-iux) phi(u)) / u du``
+    with ``phi(u) = prod 1 / (1 - i u m / M)``, summed at odd multiples of half a step until phi has
+    fallen to 1e-7.
     """
     level = np.asarray(level, dtype=float)
     scale = np.asarray(look_means, dtype=float) / np.size(look_means)
@@ -92,20 +102,25 @@ def mean_of_looks_below(level, look_means):
     transform = np.ones(u.size, dtype=complex)
     for one in scale:
         transform /= 1 - 1j * u * one
-    return np.array([0.5 - step / np.pi * (np.exp(-1j * u * x) * transform / u).imag.sum() for x in level])
+    return np.array(
+        [0.5 - step / np.pi * (np.exp(-1j * u * x) * transform / u).imag.sum() for x in level]
+    )
 
 
 def scattered_mean_power(layer_bins, parameters, n_range_bins, *, align="gaussian", reach_bins=200):
     """Mean power with noise that `render_scatterers` has: eq. (1) convolved with one bin's sinc-squared response.
 
-    By sums at quarters of a bin, which resolve both; beyond `reach_bins` the response, below 3e-6, is left out.
+    By sums at quarters of a bin, which resolve both; beyond `reach_bins` the response, below 3e-6,
+    is left out.
     """
     waveforms = waveforms_of(layer_bins, parameters, n_range_bins, "peak", align)
     power = np.full(waveforms.shape, float(parameters["noise_power"]))
     for shift in np.arange(-reach_bins, reach_bins, 0.25):
         weight = 0.25 * np.sinc(shift) ** 2
         if weight > 1e-20:
-            power += weight * exact_power(replace(waveforms, centre_bins=waveforms.centre_bins + shift))
+            power += weight * exact_power(
+                replace(waveforms, centre_bins=waveforms.centre_bins + shift)
+            )
     return power
 
 
@@ -131,11 +146,15 @@ class WaveformFit:
 def fit_waveform(x_bins, power, tail_db):
     """Fit eq. (1) to the tail of a mean echo without noise, (sample,) at increasing `x_bins`, by least squares in dB.
 
-    The tail reaches from the peak to where power has first fallen by `tail_db`; what comes before shows the range
-    response. It must have an end and six samples.
+    The tail reaches from the peak to where power has first fallen by `tail_db`; what comes before
+    shows the range response. It must have an end and six samples.
     """
     x_bins, power = np.asarray(x_bins, dtype=float), np.asarray(power, dtype=float)
-    if x_bins.shape != power.shape or power.ndim != 1 or not (np.isfinite(power) & (power >= 0)).all():
+    if (
+        x_bins.shape != power.shape
+        or power.ndim != 1
+        or not (np.isfinite(power) & (power >= 0)).all()
+    ):
         msg = f"expected positions and powers, finite and not negative, got shapes {x_bins.shape} and {power.shape}"
         raise ValueError(msg)
     top = int(power.argmax())
@@ -154,12 +173,23 @@ def fit_waveform(x_bins, power, tail_db):
     decay = tail_db * np.log(10) / 10 / x[-1]
     low, high = (np.log(bounds) for bounds in zip(*SAFE_RANGE.values(), strict=True))
     # Several starts: the cost has side valleys where a wide Gaussian stands in for a slow decay.
-    starts = [(-1.0, np.log(v), np.log(factor * decay), 0.0) for v in (0.3, 10.0) for factor in (0.3, 1)]
+    starts = [
+        (-1.0, np.log(v), np.log(factor * decay), 0.0) for v in (0.3, 10.0) for factor in (0.3, 1)
+    ]
     limits = ([-np.inf, low[0], low[1], -np.inf], [np.inf, high[0], high[1], np.inf])
-    fits = [least_squares(residual, start, bounds=limits, xtol=1e-12, ftol=1e-12) for start in starts]
+    fits = [
+        least_squares(residual, start, bounds=limits, xtol=1e-12, ftol=1e-12) for start in starts
+    ]
     best = min(fits, key=lambda fit: fit.cost)
     offset, log_variance, log_decay, amplitude_db = best.x
     amplitude = power[top] * 10 ** (amplitude_db / 10)
     errors_db = np.sqrt(np.mean(best.fun**2)), np.abs(best.fun).max()
-    found = (x_bins[top] + offset, np.exp(log_variance), np.exp(log_decay), amplitude, *errors_db, x[-1] - x[0])
+    found = (
+        x_bins[top] + offset,
+        np.exp(log_variance),
+        np.exp(log_decay),
+        amplitude,
+        *errors_db,
+        x[-1] - x[0],
+    )
     return WaveformFit(*map(float, found))

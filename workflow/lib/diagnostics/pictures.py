@@ -1,6 +1,7 @@
 """Echograms in decibels, of the flight and of real Snow Radar alike, and real cores: what realism is measured on.
 
-The real ones are numbers recovered from published pictures; what that does to them is said where each is read.
+The real ones are numbers recovered from published pictures; what that does to them is said where
+each is read.
 """
 
 from dataclasses import dataclass, replace
@@ -13,11 +14,15 @@ from snowsim.reference.radar import draw_detected, quantised, range_response
 
 AIR_MARGIN_BINS = 40  # above the flight's surface, where nothing but noise is
 PRODUCT_ROW_S = 8.67e-11  # two-way, of the products of 2016 as their readers print it
-MEAN_M, SAMPLED_BINS, SAMPLES_PER_ROW = 100, 5, 3.26  # as the picture of the Greenland frames was made
+MEAN_M, SAMPLED_BINS, SAMPLES_PER_ROW = (
+    100,
+    5,
+    3.26,
+)  # as the picture of the Greenland frames was made
 BINS_PER_ROW = SAMPLED_BINS * SAMPLES_PER_ROW
 GREENLAND = {"2012-05-08 058": "maris_2012.npy", "2011-03-29 049-050": "maris_2011.npy"}
-# Pixels per row of the product; rows of air and columns whose air no ridge reaches. The third picture, of 2017, is of
-# another band (2-18 GHz) and left out.
+# Pixels per row of the product; rows of air and columns whose air no ridge reaches. The third
+# picture, of 2017, is of another band (2-18 GHz) and left out.
 SEA_ICE = {
     "2016-04-19 010": ("OIB_20160419_04_010.npz", 0.535, slice(10, 300), 1020),
     "2016-04-20 090": ("OIB_20160420_02_090.npz", 0.89, slice(10, 240), 800),
@@ -60,24 +65,33 @@ def response_picture(radar, *, rng, n_rows=256, n_lines=256):
     finer = replace(radar, bin_size_s=PRODUCT_ROW_S, n_sub_bins=2)
     margin = range_response(finer).size
     white = np.ones((n_lines, n_rows * finer.n_sub_bins + 2 * margin), dtype=np.float32)
-    power = quantised(draw_detected(white, finer, margin, finer.n_looks, rng=rng), finer.quantisation_db)
-    return Picture(to_db(power.T.astype(float)), PRODUCT_ROW_S, np.zeros(n_lines, dtype=int), slice(0, n_rows))
+    power = quantised(
+        draw_detected(white, finer, margin, finer.n_looks, rng=rng), finer.quantisation_db
+    )
+    return Picture(
+        to_db(power.T.astype(float)), PRODUCT_ROW_S, np.zeros(n_lines, dtype=int), slice(0, n_rows)
+    )
 
 
 def means_100m(picture, line_spacing_m):
     """A frame as the Greenland frames were published, (row, column): decibels, not power, averaged over 100 m columns.
 
-    Every fifth bin from the surface on was plotted and about 3.26 of them melted into a row of the picture. Their bins
-    are taken to be those of the products of 2016, so that rows of both sides are equally long: 56 of them hold a year
-    of .184 m w.e. (13,916 annotated frames of 2012), which makes 1.1 cm of air, and not the 4.33 cm of other products.
+    Every fifth bin from the surface on was plotted and about 3.26 of them melted into a row of the
+    picture. Their bins are taken to be those of the products of 2016, so that rows of both sides
+    are equally long: 56 of them hold a year of .184 m w.e. (13,916 annotated frames of 2012), which
+    makes 1.1 cm of air, and not the 4.33 cm of other products.
     """
-    step = SAMPLED_BINS * PRODUCT_ROW_S / picture.row_s  # from sample to sample, in rows of the frame
+    step = (
+        SAMPLED_BINS * PRODUCT_ROW_S / picture.row_s
+    )  # from sample to sample, in rows of the frame
     n_rows = int((len(picture.power_db) - picture.surface_row.max()) / step / SAMPLES_PER_ROW)
     sampled = np.rint(np.arange(int(n_rows * SAMPLES_PER_ROW)) * step).astype(int)
     samples = picture.below_surface(0, sampled[-1] + 1)[sampled]
     n_lines = round(MEAN_M / line_spacing_m)
     n_columns = samples.shape[1] // n_lines
-    columns = samples[:, : n_columns * n_lines].reshape(len(samples), n_columns, n_lines).mean(axis=2)
+    columns = (
+        samples[:, : n_columns * n_lines].reshape(len(samples), n_columns, n_lines).mean(axis=2)
+    )
     first = (np.arange(n_rows) * SAMPLES_PER_ROW).astype(int)
     return np.stack([columns[i : i + 3].mean(axis=0) for i in first])
 
@@ -85,35 +99,45 @@ def means_100m(picture, line_spacing_m):
 def read_greenland(folder):
     """The two Greenland frames by name, (row, column) [dB], rows of 16.3 bins from the picked surface down.
 
-    Traps: the length of a bin is not stated; decibels were averaged; 2011 was interpolated to the time axis of 2012.
+    Traps: the length of a bin is not stated; decibels were averaged; 2011 was interpolated to the
+    time axis of 2012.
     """
-    return {name: np.load(Path(folder) / "greenland_2011_2012" / file) for name, file in GREENLAND.items()}
+    return {
+        name: np.load(Path(folder) / "greenland_2011_2012" / file)
+        for name, file in GREENLAND.items()
+    }
 
 
 def read_sea_ice(folder):
     """The two sea-ice frames of 2-8 GHz as `Picture` by name, one column a range line.
 
-    Traps: rows and columns were resampled to the nearest: along track some range lines stand twice and are dropped,
-    rows are left as they are; picks drawn over are unknown; the surface is the brightest pixel of a range line.
+    Traps: rows and columns were resampled to the nearest: along track some range lines stand twice
+    and are dropped, rows are left as they are; picks drawn over are unknown; the surface is the
+    brightest pixel of a range line.
     """
     pictures = {}
     for name, (file, row_px, air, n_columns) in SEA_ICE.items():
         with np.load(Path(folder) / "sea_ice_2016_2017" / file) as held:
             grey = held["gray"].astype(float)
             power_db = held["dB_at_gray0"] + grey * float(held["dB_per_gray"])
-            drawn_over = np.unpackbits(held["overlay_mask"])[: grey.size].reshape(grey.shape).astype(bool)
+            drawn_over = (
+                np.unpackbits(held["overlay_mask"])[: grey.size].reshape(grey.shape).astype(bool)
+            )
         power_db[drawn_over] = np.nan
         # A colour map may move a repeated column by one grey level.
         repeated = (np.abs(np.diff(grey[air], axis=1)) <= 1).mean(axis=0) > 0.8
         power_db = power_db[:, :n_columns][:, ~np.pad(repeated, (1, 0))[:n_columns]]
-        pictures[name] = Picture(power_db, PRODUCT_ROW_S / row_px, np.nanargmax(power_db, axis=0), air)
+        pictures[name] = Picture(
+            power_db, PRODUCT_ROW_S / row_px, np.nanargmax(power_db, axis=0), air
+        )
     return pictures
 
 
 def read_cores(folder):
     """Annual series of real cores by name, youngest year first: accumulation, or thickness of annual layers.
 
-    GreenTRACS cores (west Greenland) lie along a line and cover the years 2016 to 1955, NaN where a core has none.
+    GreenTRACS cores (west Greenland) lie along a line and cover the years 2016 to 1955, NaN where a
+    core has none.
     """
     cores = Path(folder) / "cores"
     table = np.genfromtxt(cores / "greentracs/Accumulation.txt")[:, :-1]
@@ -130,6 +154,8 @@ def read_cores(folder):
 def read_densities(folder):
     """Depth [m] and density [kg m-3] of the two cores sampled every 0.1 m or so, by name."""
     cores = Path(folder) / "cores"
-    core15 = np.genfromtxt(cores / "greentracs/Core15_depth_density.txt", delimiter=",", skip_header=1)
+    core15 = np.genfromtxt(
+        cores / "greentracs/Core15_depth_density.txt", delimiter=",", skip_header=1
+    )
     summit = np.genfromtxt(cores / "summit/summit_density_top10m.csv", delimiter=",", skip_header=1)
     return {"GreenTRACS 15": core15 * [1, 1e3], "Summit": summit}

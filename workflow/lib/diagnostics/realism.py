@@ -10,8 +10,13 @@ from lib.diagnostics.pictures import BINS_PER_ROW, PRODUCT_ROW_S
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
 
-TOP_BINS, STAGES_BINS, DEEP_BINS = (50, 650), ((50, 800), (800, 2000)), (2000, 4000)  # below the surface
-# The length of a bin of the Greenland frames is not known: from that of the products of 2016 to that of 2012 [m].
+TOP_BINS, STAGES_BINS, DEEP_BINS = (
+    (50, 650),
+    ((50, 800), (800, 2000)),
+    (2000, 4000),
+)  # below the surface
+# The length of a bin of the Greenland frames is not known: from that of the products of 2016 to
+# that of 2012 [m].
 BIN_AIR_M = (PRODUCT_ROW_S * SPEED_OF_LIGHT_M_S / 2, 2.886e-10 * SPEED_OF_LIGHT_M_S / 2)
 PROMINENCE_DB = 0.3  # least of a peak of the mean profile
 SHIFT_ROWS, MOST_SHIFT = 12, 4  # [rows of 16.3 bins] of a window whose shift is sought, and how far
@@ -46,7 +51,8 @@ def rows_between(means, bins):
 def describe_decay(means, bin_air_m):
     """Decay of 100 m means with depth [dB per m of air] for bins of a length in air [m]; NaN beyond the data.
 
-    Limits of the two stages are depths, those of bins of the real frames if these are as short as in 2016.
+    Limits of the two stages are depths, those of bins of the real frames if these are as short as
+    in 2016.
     """
 
     def decay(bins):
@@ -70,7 +76,9 @@ def describe_means(means):
     depth_rows = np.arange(len(rows))
     texture = rows - np.polyval(np.polyfit(depth_rows, rows.mean(axis=1), 3), depth_rows)[:, None]
     prominence = find_peaks(texture.mean(axis=1), prominence=PROMINENCE_DB)[1]["prominences"]
-    along, down = (correlation(texture, lags, axis=axis) for lags, axis in ((COLUMN_LAGS, 1), (ROW_LAGS, 0)))
+    along, down = (
+        correlation(texture, lags, axis=axis) for lags, axis in ((COLUMN_LAGS, 1), (ROW_LAGS, 0))
+    )
     metres = [100 * lag for lag in COLUMN_LAGS]
     return {
         "Greenland, texture s.d.": texture.std(),
@@ -79,21 +87,31 @@ def describe_means(means):
         "Greenland, peaks": 1e3 * prominence.size / (TOP_BINS[1] - TOP_BINS[0]),
         "Greenland, prominence of peaks, median": np.median(prominence) if prominence.size else 0,
         "Greenland, prominence of peaks, largest": prominence.max(initial=0),
-        **named("Greenland, shift of layers at * m", metres, [shift_bins(texture, lag) for lag in COLUMN_LAGS]),
+        **named(
+            "Greenland, shift of layers at * m",
+            metres,
+            [shift_bins(texture, lag) for lag in COLUMN_LAGS],
+        ),
     }
 
 
 def shift_bins(texture, lag):
     """Median shift between columns at a lag [bins], sizes alone: where windows of 12 rows are most alike."""
     shifts = []
-    for window in (texture[i : i + SHIFT_ROWS] for i in range(0, len(texture) - SHIFT_ROWS + 1, SHIFT_ROWS)):
+    for window in (
+        texture[i : i + SHIFT_ROWS] for i in range(0, len(texture) - SHIFT_ROWS + 1, SHIFT_ROWS)
+    ):
         window = window - window.mean(axis=0)
         for one, other in zip(window.T[:-lag], window.T[lag:], strict=True):
-            alike = np.correlate(one, other, "full")[SHIFT_ROWS - 1 - MOST_SHIFT : SHIFT_ROWS + MOST_SHIFT]
+            alike = np.correlate(one, other, "full")[
+                SHIFT_ROWS - 1 - MOST_SHIFT : SHIFT_ROWS + MOST_SHIFT
+            ]
             best = int(np.argmax(alike))
             if 0 < best < 2 * MOST_SHIFT:  # no peak at an end of the reach
                 left, middle, right = alike[best - 1 : best + 2]
-                shifts.append(best - MOST_SHIFT + 0.5 * (left - right) / (left - 2 * middle + right))
+                shifts.append(
+                    best - MOST_SHIFT + 0.5 * (left - right) / (left - 2 * middle + right)
+                )
     return BINS_PER_ROW * np.median(np.abs(shifts)) if shifts else np.nan
 
 
@@ -109,7 +127,11 @@ def describe_air(picture):
         "air, gain from line to line": common_sd(air, axis=0, slow=SLOW_LINES),
         "air, power from row to row": common_sd(air, axis=1),
         **named("air, percentile *", PERCENTILES, np.nanpercentile(deviation, PERCENTILES)),
-        **named("air, autocorrelation along track at * lines", AIR_LAGS, correlation(deviation, AIR_LAGS, axis=1)),
+        **named(
+            "air, autocorrelation along track at * lines",
+            AIR_LAGS,
+            correlation(deviation, AIR_LAGS, axis=1),
+        ),
     }
 
 
@@ -121,7 +143,10 @@ def common_sd(image, *, axis, slow=None):
     means = [np.nanmean(half, axis=axis) for half in np.array_split(image, 2, axis=axis)]
     if slow:
         kernel = np.full(slow, 1 / slow)
-        means = [mean - np.convolve(np.pad(mean, slow // 2, mode="edge"), kernel, "valid") for mean in means]
+        means = [
+            mean - np.convolve(np.pad(mean, slow // 2, mode="edge"), kernel, "valid")
+            for mean in means
+        ]
     one, other = (mean - mean.mean() for mean in means)
     return np.sqrt(max(0, np.mean(one * other)))
 
@@ -145,7 +170,9 @@ def describe_sidelobes(picture):
         return {}
     first = -int(max(SIDELOBE_NS) / row_ns) - 1
     power = np.nanmean(10 ** (picture.below_surface(first, 1) / 10), axis=1) - picture.noise()
-    values = np.interp(SIDELOBE_NS, -row_ns * np.arange(first, 1)[::-1], np.maximum(power / power[-1], 0)[::-1])
+    values = np.interp(
+        SIDELOBE_NS, -row_ns * np.arange(first, 1)[::-1], np.maximum(power / power[-1], 0)[::-1]
+    )
     return named("sidelobes, level before the surface at * ns", SIDELOBE_NS, to_db(values))
 
 
@@ -186,6 +213,14 @@ def layer_power_correlation(power, layer_bins):
     rows = np.rint(np.nan_to_num(layer_bins[1:])).astype(int)
     tracked = np.where(np.isfinite(layer_bins[1:]), np.take_along_axis(power, rows, axis=0), np.nan)
     n_means = tracked.shape[1] // LOOKED_LINES
-    means = to_db(tracked[:, : n_means * LOOKED_LINES].reshape(len(tracked), n_means, LOOKED_LINES).mean(axis=2))
+    means = to_db(
+        tracked[:, : n_means * LOOKED_LINES]
+        .reshape(len(tracked), n_means, LOOKED_LINES)
+        .mean(axis=2)
+    )
     known = means[np.isfinite(means).mean(axis=1) > 0.5]
-    return correlation(known - np.nanmean(known, axis=1, keepdims=True), (1,), axis=1)[0] if known.size else np.nan
+    return (
+        correlation(known - np.nanmean(known, axis=1, keepdims=True), (1,), axis=1)[0]
+        if known.size
+        else np.nan
+    )

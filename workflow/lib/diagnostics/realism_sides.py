@@ -16,7 +16,11 @@ DECIDED = ("flight against real", "its interval, low", "its interval, high", "re
 def describe_picture(picture):
     """Numbers of noise, sidelobes and homogeneous snow."""
     describe = (realism.describe_air, realism.describe_sidelobes, realism.describe_snow)
-    return {name: value for numbers in (of(picture) for of in describe) for name, value in numbers.items()}
+    return {
+        name: value
+        for numbers in (of(picture) for of in describe)
+        for name, value in numbers.items()
+    }
 
 
 def describe_frame(echogram, layers, response):
@@ -40,7 +44,8 @@ def describe_frame(echogram, layers, response):
 def describe_flight(frames, scenes, statistics, settings, climate, *, rng):
     """Value and interval of every number of the flight: of frames, scenes, statistics, and of snow drawn anew.
 
-    `frames`: numbers by quantity, of every frame; `scenes`: of train and of test; `climate` is the flight's own.
+    `frames`: numbers by quantity, of every frame; `scenes`: of train and of test; `climate` is the
+    flight's own.
     """
     train, test = scenes
     cores = realism_snow.draw_cores(climate, rng=rng)
@@ -51,17 +56,27 @@ def describe_flight(frames, scenes, statistics, settings, climate, *, rng):
         "cores, correlation of neighbours": realism_snow.neighbour_correlations(cores),
         "density, deviation about a parabola": [realism_snow.density_residual(log) for log in logs],
         "density of snow at the surface": [settings.firn.surface_density_kg_m3],
-        "layers 1 to 3, left of a peak one thickness below": realism_snow.left_below(statistics, slice(0, 3)),
-        "deeper layers, left of a peak one thickness below": realism_snow.left_below(statistics, slice(3, None)),
+        "layers 1 to 3, left of a peak one thickness below": realism_snow.left_below(
+            statistics, slice(0, 3)
+        ),
+        "deeper layers, left of a peak one thickness below": realism_snow.left_below(
+            statistics, slice(3, None)
+        ),
     }
     found = {name: interval(list(values), rng=rng) for name, values in samples.items()}
     slabs = realism_snow.thickness_of(train)
     inside = realism_snow.thickness_of(train, realism_snow.INTERIOR_MOST_M)
-    found["layers, spacing, deviation over mean"] = interval(inside, realism_snow.spacing_variation, rng=rng)
-    found["layers, mean of five, deviation over mean"] = interval(slabs, realism_snow.mean_variation, rng=rng)
+    found["layers, spacing, deviation over mean"] = interval(
+        inside, realism_snow.spacing_variation, rng=rng
+    )
+    found["layers, mean of five, deviation over mean"] = interval(
+        slabs, realism_snow.mean_variation, rng=rng
+    )
     for first, end in realism_snow.FIRST_PX:
         name = f"layers, thickness over a first one of {first} to {end} px"
-        found[name] = interval(slabs, lambda drawn, px=(first, end): realism_snow.thickness_ratio(drawn, px), rng=rng)
+        found[name] = interval(
+            slabs, lambda drawn, px=(first, end): realism_snow.thickness_ratio(drawn, px), rng=rng
+        )
     return found | describe_benchmark(train, test, rng=rng) | describe_doppler(statistics)
 
 
@@ -85,7 +100,9 @@ def describe_benchmark(train, test, *, rng):
         if scene.complete_layer_bins is not None
     ]
     return {
-        "test scenes of fewer than 6 layers": interval(n_layers, lambda n: np.mean(np.array(n) < 6), rng=rng),
+        "test scenes of fewer than 6 layers": interval(
+            n_layers, lambda n: np.mean(np.array(n) < 6), rng=rng
+        ),
         "most layers of a test scene": (max(n_layers),) * 3,
         "picked share of train scenes": interval(shares, np.mean, rng=rng),
     }
@@ -97,7 +114,9 @@ def describe_real(folder):
     for frame, means in pictures.read_greenland(folder).items():
         numbers[frame] = realism.describe_means(means)
         for bin_air_m in realism.BIN_AIR_M:
-            numbers[f"{frame}, bins of {100 * bin_air_m:.2f} cm"] = realism.describe_decay(means, bin_air_m)
+            numbers[f"{frame}, bins of {100 * bin_air_m:.2f} cm"] = realism.describe_decay(
+                means, bin_air_m
+            )
         crops.append(two_sample.means_crops(means))
     for frame, picture in pictures.read_sea_ice(folder).items():
         numbers[frame] = describe_picture(picture) | realism.describe_response(picture)
@@ -109,8 +128,14 @@ def describe_real(folder):
     for one, other, value in zip(aligned[:-1], aligned[1:], between, strict=True):
         numbers[f"{one} and {other}"] = {"cores, correlation of neighbours": value}
     for name, log in pictures.read_densities(folder).items():
-        numbers[f"{name}, density"] = {"density, deviation about a parabola": realism_snow.density_residual(log)}
-    rows = [(quantity, frame, value) for frame, of_frame in numbers.items() for quantity, value in of_frame.items()]
+        numbers[f"{name}, density"] = {
+            "density, deviation about a parabola": realism_snow.density_residual(log)
+        }
+    rows = [
+        (quantity, frame, value)
+        for frame, of_frame in numbers.items()
+        for quantity, value in of_frame.items()
+    ]
     return pd.DataFrame(rows, columns=["quantity", "frame", "value"]), crops
 
 
@@ -127,5 +152,8 @@ def with_classifier(real, decided):
 def without_flight(record):
     """A record taken apart: value and interval of flight against real by quantity, and all that is of real frames."""
     of_flight = record["frame"].isin(DECIDED[:3])
-    decided = {name: tuple(group["value"]) for name, group in record[of_flight].groupby("quantity", sort=False)}
+    decided = {
+        name: tuple(group["value"])
+        for name, group in record[of_flight].groupby("quantity", sort=False)
+    }
     return decided, record[~of_flight]

@@ -5,25 +5,39 @@ import numpy as np
 from snowsim.reference.echo import draw_layering
 from snowsim.reference.line import line_length_km
 
-N_PLACES, PLACE_KM, N_YEARS = 16, 60.0, 62  # as the cores of west Greenland: places, their distance, years
+N_PLACES, PLACE_KM, N_YEARS = (
+    16,
+    60.0,
+    62,
+)  # as the cores of west Greenland: places, their distance, years
 DENSITY_STEP_M, DENSITY_DEPTH_M, LOG_SPACING_M = 0.1, 10.0, 0.0025
-INTERIOR_MOST_M = 0.184 + 0.052  # [m w.e.] annual accumulation, mean and s.d., of real frames of 20 layers or more
-MEAN_FIRST_PX = 56.0  # of the same frames; a simulator's classes of first layers are in pixels of this scale
+INTERIOR_MOST_M = (
+    0.184 + 0.052
+)  # [m w.e.] annual accumulation, mean and s.d., of real frames of 20 layers or more
+MEAN_FIRST_PX = (
+    56.0  # of the same frames; a simulator's classes of first layers are in pixels of this scale
+)
 FIRST_PX = ((22, 40), (40, 60), (60, 80), (80, 100))
 
 
 def draw_cores(climate, *, rng):
     """Accumulation of the years at places 60 km apart along the flight, (place, year) [m w.e.], youngest first."""
     middle_km = line_length_km() / 2 + PLACE_KM * (np.arange(N_PLACES) - (N_PLACES - 1) / 2)
-    places = [km + np.array([0, 0.01]) for km in middle_km]  # a distance between lines is needed to draw any
-    return np.array([climate.draw_accumulation("cores", at, N_YEARS + 1, rng=rng)[1:, 0] for at in places])
+    places = [
+        km + np.array([0, 0.01]) for km in middle_km
+    ]  # a distance between lines is needed to draw any
+    return np.array(
+        [climate.draw_accumulation("cores", at, N_YEARS + 1, rng=rng)[1:, 0] for at in places]
+    )
 
 
 def anomalies(series):
     """Deviation of annual values from a straight line over their mean; NaN stays."""
     known = np.isfinite(series)
     year = np.arange(series.size)
-    return (series - np.polyval(np.polyfit(year[known], series[known], 1), year)) / np.mean(series[known])
+    return (series - np.polyval(np.polyfit(year[known], series[known], 1), year)) / np.mean(
+        series[known]
+    )
 
 
 def shared_correlation(one, other):
@@ -37,14 +51,18 @@ def describe_core(series):
     anomaly = anomalies(series)
     return {
         "cores, deviation from year to year": np.nanstd(anomaly),
-        "cores, correlation of one year with the next": shared_correlation(anomaly[:-1], anomaly[1:]),
+        "cores, correlation of one year with the next": shared_correlation(
+            anomaly[:-1], anomaly[1:]
+        ),
     }
 
 
 def neighbour_correlations(cores):
     """Correlation of the anomalies of each core with those of the next."""
     by_core = [anomalies(series) for series in cores]
-    return [shared_correlation(one, other) for one, other in zip(by_core[:-1], by_core[1:], strict=True)]
+    return [
+        shared_correlation(one, other) for one, other in zip(by_core[:-1], by_core[1:], strict=True)
+    ]
 
 
 def draw_densities(firn, *, rng):
@@ -88,7 +106,9 @@ def mean_variation(slabs):
 def thickness_ratio(slabs, first_px):
     """Mean thickness of deeper layers over the first, where the first is as thick, relative to its mean, as limits."""
     first = np.concatenate([thickness[0] for thickness in slabs])
-    ratio = np.concatenate([np.nanmean(thickness[1:], axis=0) / thickness[0] for thickness in slabs])
+    ratio = np.concatenate(
+        [np.nanmean(thickness[1:], axis=0) / thickness[0] for thickness in slabs]
+    )
     first_as_px = first / np.nanmean(first) * MEAN_FIRST_PX
     inside = (first_px[0] <= first_as_px) & (first_as_px < first_px[1])
     return np.nanmean(ratio[inside]) if inside.any() else np.nan

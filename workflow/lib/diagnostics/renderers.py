@@ -21,7 +21,10 @@ SMOOTHED_LINES = 4.0  # standard deviation of the mean along track in which laye
 def render_all(render, scenes):
     """Scenes as one renderer, a function of a scene, draws them, and seconds of processor time a pixel."""
     started = time.process_time()
-    rendered = [replace(scene, image=render(scene), complete_layer_bins=None, peak_power=None) for scene in scenes]
+    rendered = [
+        replace(scene, image=render(scene), complete_layer_bins=None, peak_power=None)
+        for scene in scenes
+    ]
     return rendered, (time.process_time() - started) / sum(scene.image.size for scene in rendered)
 
 
@@ -35,19 +38,36 @@ def trained_alone(scenes, validation, settings, *, seed):
     seconds = time.process_time() - started
     counts = []
     for scene in validation:
-        fused = track(training.network, scene.image, precision=settings.precision)[OUTPUTS.index("fuse")]
-        counts.append(match_counts(suppress(fused, where=scene.name), scene.mask(), THRESHOLDS, where=scene.name))
+        fused = track(training.network, scene.image, precision=settings.precision)[
+            OUTPUTS.index("fuse")
+        ]
+        counts.append(
+            match_counts(
+                suppress(fused, where=scene.name), scene.mask(), THRESHOLDS, where=scene.name
+            )
+        )
     return {**score(counts, THRESHOLDS), "core_seconds": seconds}
 
 
 def worth(name, rendered, observed, validation, settings, *, seed, n_trainings, n_splits, n_steps):
     """A row a training: two-sample accuracies of a renderer's scenes, and scores of a tracker trained on them alone."""
-    seeds = [int(random_stream(seed, "train_tracker", str(k)).integers(2**31)) for k in range(n_trainings)]
+    seeds = [
+        int(random_stream(seed, "train_tracker", str(k)).integers(2**31))
+        for k in range(n_trainings)
+    ]
     sets = {"observed": observed, name: rendered[: len(observed)]}
     options = {"n_splits": n_splits, "n_steps": n_steps}
-    table = two_sample_table(sets, **options, stream=lambda *keys: random_stream(seed, "compare_scenes", *keys))
-    whole = table[(table["scenes"] == name) & (table["first_row"] < 0)].set_index("classifier")["accuracy"]
-    row = {"renderer": name, "two_sample_network": whole["network"], "two_sample_texture": whole["texture"]}
+    table = two_sample_table(
+        sets, **options, stream=lambda *keys: random_stream(seed, "compare_scenes", *keys)
+    )
+    whole = table[(table["scenes"] == name) & (table["first_row"] < 0)].set_index("classifier")[
+        "accuracy"
+    ]
+    row = {
+        "renderer": name,
+        "two_sample_network": whole["network"],
+        "two_sample_texture": whole["texture"],
+    }
     scores = [trained_alone(rendered, validation, settings, seed=s) for s in seeds]
     return [row | {"replica": k, "ods": s["ods"], "ap": s["ap"]} for k, s in enumerate(scores)]
 
@@ -55,9 +75,10 @@ def worth(name, rendered, observed, validation, settings, *, seed, n_trainings, 
 def position_rows(name, scenes, is_outside):
     """Where renders show the layers they were given: a row a scene, with its `geometry`.
 
-    `error_bins`: median distance of the brightest bin near a layer from it, after a mean along track; `share_found` of
-    the layers' pixels have one in reach; `below_grey`: mean level under the last layer, less that of the air, and
-    `below_deviation` of its row means. Scenes of the surface alone are left out.
+    `error_bins`: median distance of the brightest bin near a layer from it, after a mean along
+    track; `share_found` of the layers' pixels have one in reach; `below_grey`: mean level under the
+    last layer, less that of the air, and `below_deviation` of its row means. Scenes of the surface
+    alone are left out.
     """
     rows = []
     for scene in scenes:
@@ -65,10 +86,17 @@ def position_rows(name, scenes, is_outside):
         if not np.isfinite(buried).any():
             continue
         image = scene.image.astype(float)
-        error = layer_position_error(gaussian_filter1d(image, SMOOTHED_LINES, axis=1), buried)["error_bins"]
+        error = layer_position_error(gaussian_filter1d(image, SMOOTHED_LINES, axis=1), buried)[
+            "error_bins"
+        ]
         found, given = np.isfinite(error), np.isfinite(buried)
         below = image[int(np.nanmax(buried)) + 15 :].mean(axis=1) - image[:40].mean()
-        row = {"renderer": name, "scene": scene.name, "outside": is_outside(scene), **geometry(scene)}
+        row = {
+            "renderer": name,
+            "scene": scene.name,
+            "outside": is_outside(scene),
+            **geometry(scene),
+        }
         row["error_bins"] = np.median(np.abs(error[found])) if found.any() else np.nan
         row["share_found"] = found.sum() / given.sum()
         rows.append(row | {"below_grey": below.mean(), "below_deviation": below.std()})

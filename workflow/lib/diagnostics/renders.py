@@ -8,7 +8,9 @@ from snowsim.echogram import MINIMUM_ROWS
 from snowsim.metrics.image import ssim_map
 from snowsim.metrics.texture import autocorrelation, layer_position_error, radial_psd_distance_db
 
-MARGIN_BINS = 8  # kept clear of the surface: half the SSIM window, and the rise of its echo over about 4 bins
+MARGIN_BINS = (
+    8  # kept clear of the surface: half the SSIM window, and the rise of its echo over about 4 bins
+)
 LEAST_BINS = 16  # rows of a region
 BLOTCH_PIXELS = 3.0  # sigma of the average that leaves blotches and takes noise away
 N_CLASSES = 4
@@ -18,7 +20,8 @@ SHAPES = ("slope", "curvature")
 def shape_edges(layer_sets):
     """Quartiles of absolute slope and curvature over all layers below the surface, row 0, of a set of scenes.
 
-    5 edges from 0 to infinity for `slope` [bins per range line] and `curvature` [bins per range line squared].
+    5 edges from 0 to infinity for `slope` [bins per range line] and `curvature` [bins per range
+    line squared].
     """
     shapes = {name: [] for name in SHAPES}
     for layer_bins in layer_sets:
@@ -41,13 +44,16 @@ def shape_edges(layer_sets):
 def position_errors(image, layer_bins, edges):
     """Distance from layers to the brightest pixel near them, by the classes of slope and curvature of `shape_edges`.
 
-    The surface, row 0, is left out; `n_found` of `n` pixels of layers have a peak in reach. Class 0 is the flattest.
+    The surface, row 0, is left out; `n_found` of `n` pixels of layers have a peak in reach. Class 0
+    is the flattest.
     """
     found = layer_position_error(image, np.asarray(layer_bins, dtype=float)[1:])
     error = np.abs(found["error_bins"])
     rows = []
     for name in SHAPES:
-        for shape_class, (low, high) in enumerate(zip(edges[name][:-1], edges[name][1:], strict=True)):
+        for shape_class, (low, high) in enumerate(
+            zip(edges[name][:-1], edges[name][1:], strict=True)
+        ):
             chosen = (np.abs(found[name]) >= low) & (np.abs(found[name]) < high)
             peaks = error[chosen & np.isfinite(error)]
             mean = peaks.mean() if peaks.size else np.nan
@@ -61,7 +67,10 @@ def surface_regions(layer_bins, n_range_bins):
     surface = np.asarray(layer_bins, dtype=float)[0]
     above = int(np.floor(np.nanmin(surface))) - MARGIN_BINS
     below = int(np.ceil(np.nanmax(surface))) + MARGIN_BINS
-    return {"above": slice(0, max(above, 0)), "below": slice(below, min(MINIMUM_ROWS, n_range_bins))}
+    return {
+        "above": slice(0, max(above, 0)),
+        "below": slice(below, min(MINIMUM_ROWS, n_range_bins)),
+    }
 
 
 def texture_by_region(image, observed, layer_bins):
@@ -80,7 +89,9 @@ def texture_by_region(image, observed, layer_bins):
         for along in ("range_line", "range_bin"):
             value = np.nan if part.std() == 0 else autocorrelation(part, [1], along=along)[0]
             row[f"autocorrelation_{along.removeprefix('range_')}"] = value
-        row["spectrum_distance_db"] = np.nan if plain else radial_psd_distance_db(part, reference, n_bands=8)
+        row["spectrum_distance_db"] = (
+            np.nan if plain else radial_psd_distance_db(part, reference, n_bands=8)
+        )
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -88,7 +99,8 @@ def texture_by_region(image, observed, layer_bins):
 def air_texture(image, layer_bins):
     """Grey level and texture of the rows above the snow surface, row 0 of `layer_bins`.
 
-    `air_blotches`: deviation once averaged [grey levels]; independent pixels of deviation s leave s / 10.6.
+    `air_blotches`: deviation once averaged [grey levels]; independent pixels of deviation s leave s
+    / 10.6.
     """
     image, surface = np.asarray(image), np.asarray(layer_bins, dtype=float)[0]
     n_rows = int(np.floor(np.nanmin(surface))) - MARGIN_BINS if np.isfinite(surface).any() else 0

@@ -9,9 +9,22 @@ from scipy.ndimage import gaussian_filter1d
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR
 from snowsim.metrics.image import similarity
 
-SMOOTH_LINES = 6.0  # [range lines] sigma of the mean along track; layers move by less than a bin over as many
-PARTS = ("grey level", "mean by depth", "along track", "speckle of the render", "speckle observed", "speckle in common")
-DEPTHS = (("fewer than 6 layers", 0, 6), ("6 to 15 layers", 6, 16), ("16 layers or more", 16, np.inf))
+SMOOTH_LINES = (
+    6.0  # [range lines] sigma of the mean along track; layers move by less than a bin over as many
+)
+PARTS = (
+    "grey level",
+    "mean by depth",
+    "along track",
+    "speckle of the render",
+    "speckle observed",
+    "speckle in common",
+)
+DEPTHS = (
+    ("fewer than 6 layers", 0, 6),
+    ("6 to 15 layers", 6, 16),
+    ("16 layers or more", 16, np.inf),
+)
 
 
 def without_speckle(image):
@@ -22,8 +35,9 @@ def without_speckle(image):
 def error_parts(image, reference):
     """Mean square error of an 8-bit image, taken apart: a dict by `PARTS` [grey levels squared] that sums to it.
 
-    Of the means, of row means without these, of averages along track without both; then what averaging takes from the
-    render, from the observed image and, with its sign, what those have in common. Different sizes are refused.
+    Of the means, of row means without these, of averages along track without both; then what
+    averaging takes from the render, from the observed image and, with its sign, what those have in
+    common. Different sizes are refused.
     """
     image, reference = np.asarray(image, dtype=float), np.asarray(reference, dtype=float)
     if image.shape != reference.shape:
@@ -46,8 +60,9 @@ def error_parts(image, reference):
 def with_other_speckle(image, noise_floor_db, maximum_db, n_looks, *, rng):
     """The observed 8-bit image as it might have come out of the same snow: its mean power under new speckle.
 
-    Its similarity to the image is the best of any renderer whose speckle is as strong, Gamma(n_looks) by pixel. Mean
-    power is the average along track, where a few per cent of speckle stay: the bound is that much too good.
+    Its similarity to the image is the best of any renderer whose speckle is as strong,
+    Gamma(n_looks) by pixel. Mean power is the average along track, where a few per cent of speckle
+    stay: the bound is that much too good.
     """
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     grey_per_db = 255 / (maximum_db - bottom_db)
@@ -67,10 +82,19 @@ def explain_scene(observed, rendered, n_looks, *, rng):
     n_layers = observed.layer_bins.shape[0] - 1
     depth = next(name for name, low, high in DEPTHS if low <= n_layers < high)
     here = {"scenes": "test", "layers": "complete", "depth": depth}
-    redrawn = with_other_speckle(observed.image, observed.noise_floor_db, observed.maximum_db, n_looks, rng=rng)
+    redrawn = with_other_speckle(
+        observed.image, observed.noise_floor_db, observed.maximum_db, n_looks, rng=rng
+    )
     smooth = as_bytes(without_speckle(observed.image))
-    images = {"bound": {"mean echo as observed, other speckle": redrawn, "mean echo as observed, no speckle": smooth}}
-    images |= {method: without_faults(scene.image, observed.image) for method, scene in rendered.items()}
+    images = {
+        "bound": {
+            "mean echo as observed, other speckle": redrawn,
+            "mean echo as observed, no speckle": smooth,
+        }
+    }
+    images |= {
+        method: without_faults(scene.image, observed.image) for method, scene in rendered.items()
+    }
     return [
         {**here, "method": method, "case": case, **similarity(image, observed.image)}
         for method, cases in images.items()
@@ -80,13 +104,19 @@ def explain_scene(observed, rendered, n_looks, *, rng):
 
 def explain_errors(observed, rendered):
     """Mean square errors of renders, by method, taken apart: a row a method."""
-    return [{"method": method, **error_parts(scene.image, observed.image)} for method, scene in rendered.items()]
+    return [
+        {"method": method, **error_parts(scene.image, observed.image)}
+        for method, scene in rendered.items()
+    ]
 
 
 def explain_annotation(scene, renderers):
     """Similarity to a held-out train scene, rendered from the layers picked and, if known, from all there are."""
     rows = []
-    for layers, layer_bins in (("as picked", scene.layer_bins), ("complete", scene.complete_layer_bins)):
+    for layers, layer_bins in (
+        ("as picked", scene.layer_bins),
+        ("complete", scene.complete_layer_bins),
+    ):
         if layer_bins is None:
             continue
         annotated = dataclasses.replace(scene, layer_bins=layer_bins)

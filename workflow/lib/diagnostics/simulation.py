@@ -29,13 +29,23 @@ def simulation_rows(stream):
     rows = []
     for name, radar in PRESETS.items():
         for sweep, unit, value, stack in stacks:
-            bins, error_db = solver_errors(radar, *stack, rng=stream("simulate", name, sweep, value))
-            about = {"part": "simulate", "sweep": sweep, "value": value, "unit": unit, "method": name}
+            bins, error_db = solver_errors(
+                radar, *stack, rng=stream("simulate", name, sweep, value)
+            )
+            about = {
+                "part": "simulate",
+                "sweep": sweep,
+                "value": value,
+                "unit": unit,
+                "method": name,
+            }
             errors = {"error_db": np.abs(error_db).max(), "delay_error_bins": np.abs(bins).max()}
             rows.append(about | errors | {"reference": "transfer matrix"})
     wide = PRESETS["snow-2-8"]
     tails = [("slope", "1", s, wide, s) for s in SLOPES]
-    tails += [("beam", "degrees", b, replace(wide, beamwidth_deg=b), ROUGH_SLOPE) for b in BEAMS_DEG]
+    tails += [
+        ("beam", "degrees", b, replace(wide, beamwidth_deg=b), ROUGH_SLOPE) for b in BEAMS_DEG
+    ]
     for sweep, unit, value, radar, slope in tails:
         for share in DIFFUSE_SHARES:
             about = {"part": "decay", "sweep": sweep, "value": value, "unit": unit}
@@ -50,17 +60,24 @@ def solver_errors(radar, contrast_kg_m3, spacing, *, rng):
 
     Interfaces lie `spacing` range cells apart, the contrast turns its sign from one to the next.
     """
-    radar = replace(radar, height_m=1e6, widening=1.0)  # a plane wave and the window's own response, as the solver's
+    radar = replace(
+        radar, height_m=1e6, widening=1.0
+    )  # a plane wave and the window's own response, as the solver's
     n = np.arange(N_INTERFACES)
     density = MEAN_DENSITY_KG_M3 + np.where(n % 2, 0.5, -0.5) * contrast_kg_m3
     index = refractive_index_kovacs95(density)
     cell_m = radar.cell_s * SPEED_OF_LIGHT_M_S / 2
     depth_m = np.concatenate([[0], np.cumsum(spacing * cell_m / index[:-1])])
-    # In every look anew, an eighth of the wavelength in all: phases there and back scatter by half a turn.
+    # In every look anew, an eighth of the wavelength in all: phases there and back scatter by half
+    # a turn.
     rough_m = np.where(n > 0, SPEED_OF_LIGHT_M_S / radar.centre_hz / 8, 0.0)
-    normals = rng.permuted(np.tile(ndtri((np.arange(N_LOOKS) + 0.5) / N_LOOKS), (n.size, 1)), axis=1).T
+    normals = rng.permuted(
+        np.tile(ndtri((np.arange(N_LOOKS) + 0.5) / N_LOOKS), (n.size, 1)), axis=1
+    ).T
     at_m = np.maximum.accumulate(depth_m + rough_m * normals, axis=1)
-    below_s, parameters = physical_parameters(Snowpack(depth_m, density, rough_m, slope=1e-5), radar)
+    below_s, parameters = physical_parameters(
+        Snowpack(depth_m, density, rough_m, slope=1e-5), radar
+    )
 
     step = radar.bin_s / N_SHIFTS
     margin = int(np.ceil(3 * radar.cell_s / radar.bin_s))
@@ -68,7 +85,9 @@ def solver_errors(radar, contrast_kg_m3, spacing, *, rng):
     shifts = np.arange(N_SHIFTS) / N_SHIFTS
     layer_bins = margin + below_s / radar.bin_s - shifts
     power = np.tile(parameters.pop("peak_power"), N_SHIFTS)
-    phy = mean_power(layer_bins, power, **parameters, n_range_bins=n_bins, normalise="none", align="gaussian").ravel()
+    phy = mean_power(
+        layer_bins, power, **parameters, n_range_bins=n_bins, normalise="none", align="gaussian"
+    ).ravel()
 
     delay_s = (np.arange(n_bins * N_SHIFTS) - margin * N_SHIFTS) * step
     media = np.tile(np.concatenate([[1], index]), (N_LOOKS, 1))
@@ -90,7 +109,9 @@ def _peaks(profile, delay_s, layers_s, cell_s):
         left, middle, right = profile[top - 1 : top + 2]
         peaks_there = middle >= max(left, right)  # else a neighbour's flank hides it
         away = 0.5 * (left - right) / (left - 2 * middle + right) if peaks_there else 0.0
-        peaks.append((delay_s[top] + away * (delay_s[1] - delay_s[0]), middle - 0.25 * (left - right) * away))
+        peaks.append(
+            (delay_s[top] + away * (delay_s[1] - delay_s[0]), middle - 0.25 * (left - right) * away)
+        )
     return np.array(peaks).T
 
 

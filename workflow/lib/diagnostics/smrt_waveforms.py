@@ -1,8 +1,9 @@
 """Waveforms of SMRT's nadir altimetry solver beside best fits of eq. (1) and the nature run's annuli integral.
 
-Picard et al. (2018), Geosci. Model Dev. 11, 2763-2788; the solver: Larue et al. (2021), Remote Sens. Environ. 263,
-112534. It refracts angles of incidence at the surface, where the nature run takes slopes of buried horizons as they
-look from the air: SMRT is given the slope divided by the index above. The diffuse share has no counterpart there.
+Picard et al. (2018), Geosci. Model Dev. 11, 2763-2788; the solver: Larue et al. (2021), Remote
+Sens. Environ. 263, 112534. It refracts angles of incidence at the surface, where the nature run
+takes slopes of buried horizons as they look from the air: SMRT is given the slope divided by the
+index above. The diffuse share has no counterpart there.
 """
 
 import numpy as np
@@ -74,7 +75,11 @@ def snowpacks(smrt, settings):
 
 def waveform(smrt, emmodel, pack, sensor):
     """SMRT's mean echo on its oversampled gates."""
-    options = {"oversampling_time": OVERSAMPLING, "return_oversampled": True, "theta_inc_sampling": N_ANGLES}
+    options = {
+        "oversampling_time": OVERSAMPLING,
+        "return_oversampled": True,
+        "theta_inc_sampling": N_ANGLES,
+    }
     options["compute_coherent_reflection"] = False  # no specular part, as in the other models
     model = smrt.make_model(emmodel, "nadir_lrm_altimetry", rtsolver_options=options)
     return np.maximum(np.asarray(model.run(sensor, pack).data).squeeze(), 0)
@@ -100,7 +105,11 @@ def compare_waveforms(settings):
     rows, curves = [], []
 
     def add_curve(case, model, x_bins, power):
-        curves.append(pd.DataFrame({"case": case, "model": model, "x_bins": x_bins, "power": power / power.max()}))
+        curves.append(
+            pd.DataFrame(
+                {"case": case, "model": model, "x_bins": x_bins, "power": power / power.max()}
+            )
+        )
 
     for case, (emmodel, pack) in packs.items():
         power = waveform(smrt, emmodel, pack, sensor)
@@ -113,19 +122,50 @@ def compare_waveforms(settings):
             if other is not None:
                 rate = fit_waveform(*other, tail_db).decay_rate
                 found["annuli integral"] = (*difference_db(x_bins, power, *other, tail_db), rate)
-            about = {"part": "tail", "sweep": case, "value": tail_db, "unit": "dB below the peak", "reference": "SMRT"}
+            about = {
+                "part": "tail",
+                "sweep": case,
+                "value": tail_db,
+                "unit": "dB below the peak",
+                "reference": "SMRT",
+            }
             names = ("method", "error_db", "layer_error_db", "decay_rate")
-            rows += [about | dict(zip(names, (method, *numbers), strict=True)) for method, numbers in found.items()]
+            rows += [
+                about | dict(zip(names, (method, *numbers), strict=True))
+                for method, numbers in found.items()
+            ]
         if other is not None:
             add_curve(case, "annuli integral", *other)
     works = {"SMRT": lambda: waveform(smrt, *packs["horizon"], sensor)}
     [of_tail] = [
-        row["error_db"] for row in rows if (row["sweep"], row["value"], row["method"]) == ("horizon", SHAPING_DB, "PHY")
+        row["error_db"]
+        for row in rows
+        if (row["sweep"], row["value"], row["method"]) == ("horizon", SHAPING_DB, "PHY")
     ]
     for name, repeat, seconds in time_rounds(works, 3):
-        about = {"part": "scene", "sweep": "one waveform, extrapolated", "value": repeat, "unit": "repeat"}
-        numbers = {"method": name, "reference": "PHY", "error_db": of_tail, "seconds": seconds * SCENE_LINES}
+        about = {
+            "part": "scene",
+            "sweep": "one waveform, extrapolated",
+            "value": repeat,
+            "unit": "repeat",
+        }
+        numbers = {
+            "method": name,
+            "reference": "PHY",
+            "error_db": of_tail,
+            "seconds": seconds * SCENE_LINES,
+        }
         rows.append(about | numbers)
-    columns = ["part", "sweep", "value", "unit", "device", "method", "reference", "error_db", "layer_error_db"]
+    columns = [
+        "part",
+        "sweep",
+        "value",
+        "unit",
+        "device",
+        "method",
+        "reference",
+        "error_db",
+        "layer_error_db",
+    ]
     table = pd.DataFrame(rows).assign(device=device_name())
     return table[[*columns, "decay_rate", "seconds"]], pd.concat(curves)

@@ -1,8 +1,9 @@
 """The atlas of the estimators: flights planted with eq. (1), to where one or both lose what was planted.
 
-A row has the mean `error` over layers, its `largest` magnitude, the mean `standard_error` claimed, and as `note` the
-rule that degraded the result or the line that refused it. ``beyond`` is further off than the quantity's bound and than
-`N_ERRORS` of the errors claimed. The outcome ``not finite`` must not be.
+A row has the mean `error` over layers, its `largest` magnitude, the mean `standard_error` claimed,
+and as `note` the rule that degraded the result or the line that refused it. ``beyond`` is further
+off than the quantity's bound and than `N_ERRORS` of the errors claimed. The outcome ``not finite``
+must not be.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +23,9 @@ SURFACE_BIN = 60.0
 BIN_SIZE_S, LINE_SPACING_M = 2.886e-10, 5.47
 QUANTITIES = ("peak_power", "decay_rate", "width_bins", "noise_power")
 PANEL = "borders"  # of the panels the one that is no sweep
-N_ERRORS = 3  # of its own, which an estimate may be off even beyond its bound: short flights tell no more
+N_ERRORS = (
+    3  # of its own, which an estimate may be off even beyond its bound: short flights tell no more
+)
 GAP_LINES = 24  # mean length of a gap in a layer's picks [range lines]
 COLUMNS = (
     *("panel", "value", "estimator", "quantity", "error", "largest", "standard_error"),
@@ -59,14 +62,17 @@ class Planted:
             power = np.repeat(power, GROUP_LINES, axis=1)[:, : self.n_lines]
             if np.isfinite(self.n_looks):
                 power = power * rng.gamma(self.n_looks, 1 / self.n_looks, power.shape)
-            yield as_frame(power, layer_bins, index, bin_size_s=BIN_SIZE_S, line_spacing_m=LINE_SPACING_M)
+            yield as_frame(
+                power, layer_bins, index, bin_size_s=BIN_SIZE_S, line_spacing_m=LINE_SPACING_M
+            )
 
     def _layer_bins(self, rng):
         """Rows of layers, (layer, range_line)."""
         n_groups = -(-self.n_lines // GROUP_LINES)
         thickness = np.full((len(self.peak_power) - 1, n_groups), self.slab_bins)
         if self.thickness_sd > 0:
-            # From frame to frame as from group to group: block means then differ, and zones with them.
+            # From frame to frame as from group to group: block means then differ, and zones with
+            # them.
             for size in ((len(thickness), 1), thickness.shape):
                 thickness = thickness * np.exp(self.thickness_sd * rng.standard_normal(size))
         surface = SURFACE_BIN + rng.uniform(-0.5, 0.5, (1, n_groups))
@@ -77,7 +83,10 @@ class Planted:
         """Mean power with the waveforms' peaks on the layers, (range_bin, column)."""
         variance_bins2 = np.full(len(layer_bins), self.variance_bins2)
         n_range_bins = int(layer_bins.max()) + 100
-        return mean_power(layer_bins, self.peak_power, variance_bins2, self.decay_rate, n_range_bins) + self.noise_power
+        return (
+            mean_power(layer_bins, self.peak_power, variance_bins2, self.decay_rate, n_range_bins)
+            + self.noise_power
+        )
 
 
 def compared(panel, value, planted, frames, estimator, *, zone_edge_bins=None):
@@ -91,7 +100,10 @@ def compared(panel, value, planted, frames, estimator, *, zone_edge_bins=None):
     note = rules_applied(fitted)
     if not is_finite(fitted):
         return [row | {"quantity": "all", "outcome": "not finite", "note": note}]
-    return [row | _compared(fitted, quantity, true) | {"note": note} for quantity, true in planted.truth().items()]
+    return [
+        row | _compared(fitted, quantity, true) | {"note": note}
+        for quantity, true in planted.truth().items()
+    ]
 
 
 def is_finite(fitted):
@@ -125,7 +137,9 @@ def rules_applied(fitted):
 def _compared(fitted, quantity, true):
     """Error of one quantity over the layers that were found."""
     bound = BOUNDS[quantity]
-    found, claimed = (np.atleast_1d(fitted[name].values) for name in (quantity, f"{quantity}_standard_error"))
+    found, claimed = (
+        np.atleast_1d(fitted[name].values) for name in (quantity, f"{quantity}_standard_error")
+    )
     n = min(found.size, true.size)
     known = np.isfinite(found[:n])
     found, claimed, true = found[:n][known], claimed[:n][known], true[:n][known]
@@ -133,7 +147,11 @@ def _compared(fitted, quantity, true):
     error = (found - true) / scale
     largest = float(np.abs(error).max())
     # Three digits: beyond them results differ between machines.
-    numbers = {"error": error.mean(), "largest": largest, "standard_error": (claimed / scale).mean()}
+    numbers = {
+        "error": error.mean(),
+        "largest": largest,
+        "standard_error": (claimed / scale).mean(),
+    }
     row = {name: float(f"{number:.3g}") for name, number in numbers.items()}
     row |= {"quantity": quantity, "unit": bound.unit, "bound": bound.largest}
     allowed = np.maximum(bound.largest, N_ERRORS * claimed / scale)
@@ -142,13 +160,19 @@ def _compared(fitted, quantity, true):
 
 # Values of each sweep, and the flight planted for one.
 SWEEPS = {
-    "slab thickness [bins]": ((3, 5, 8, 12, 18, 27, 44, 80), lambda value: Planted(slab_bins=value)),
+    "slab thickness [bins]": (
+        (3, 5, 8, 12, 18, 27, 44, 80),
+        lambda value: Planted(slab_bins=value),
+    ),
     "weakest layer over noise [dB]": (
         (-15, -10, -5, 0, 5, 10, 20, 30),
         lambda value: Planted(noise_power=min(Planted.peak_power) * 10 ** (-value / 10)),
     ),
     "looks of a range line": ((0.2, 0.5, 1, 2, 5, 20, 100), lambda value: Planted(n_looks=value)),
-    "range lines of a flight": ((200, 256, 512, 1024, 2048, 4096), lambda value: Planted(n_frames=1, n_lines=value)),
+    "range lines of a flight": (
+        (200, 256, 512, 1024, 2048, 4096),
+        lambda value: Planted(n_frames=1, n_lines=value),
+    ),
     "share of picks missing": ((0, 0.2, 0.4, 0.6, 0.8, 0.95), lambda _: Planted()),
 }
 
@@ -159,7 +183,11 @@ def sweep(panel, stream, *, share=1.0):
     `stream` gives the random generator of a panel and a value.
     """
     values, plant = SWEEPS[panel]
-    chosen = np.unique(np.linspace(0, len(values) - 1, max(int(np.ceil(share * len(values))), 2)).round().astype(int))
+    chosen = np.unique(
+        np.linspace(0, len(values) - 1, max(int(np.ceil(share * len(values))), 2))
+        .round()
+        .astype(int)
+    )
     rows = []
     for value in (values[i] for i in chosen):
         planted = plant(value)
@@ -183,7 +211,9 @@ def with_gaps(frame, share, rng):
         for line in range(n_lines):
             turn = rng.random(n_layers)
             missing = np.where(missing, turn >= leave, turn < min(enter, 1.0))
-            layers["twtt"].values[1:, line] = np.where(missing[1:], np.nan, layers["twtt"].values[1:, line])
+            layers["twtt"].values[1:, line] = np.where(
+                missing[1:], np.nan, layers["twtt"].values[1:, line]
+            )
     return echogram, layers
 
 
@@ -239,16 +269,34 @@ def border_cases(stream):
         ("as planted", default, frames, None),
         ("no layers", default, _picks(frames, _without(slice(None))), None),
         ("surface alone", default, _picks(frames, _without(buried)), None),
-        own("one slab", replace(default, peak_power=default.peak_power[:2], decay_rate=default.decay_rate[:2])),
+        own(
+            "one slab",
+            replace(default, peak_power=default.peak_power[:2], decay_rate=default.decay_rate[:2]),
+        ),
         own("one zone: level slabs", replace(default, thickness_sd=0.0)),
         ("zones without data", default, frames, [10.0, 20, 30, 40, 90]),
         ("less than a block", default, cut(slow_time=slice(0, 255)), None),
         ("layer in 4 groups", default, _picks(frames, _without(deepest, slice(20, None))), None),
-        ("layer in no whole block", default, _picks(frames, _without(deepest, slice(120, 130))), None),
+        (
+            "layer in no whole block",
+            default,
+            _picks(frames, _without(deepest, slice(120, 130))),
+            None,
+        ),
         ("gaps in every block", default, _picks(frames, _without(buried, slice(100, 110))), None),
         ("layer never picked", default, _picks(frames, _without(2)), None),
-        ("surface not picked in a frame", default, _picks(frames, _without(0, first_frame=3)), None),
-        ("first slab picked in one frame", default, _picks(frames, _without(1, first_frame=1)), None),
+        (
+            "surface not picked in a frame",
+            default,
+            _picks(frames, _without(0, first_frame=3)),
+            None,
+        ),
+        (
+            "first slab picked in one frame",
+            default,
+            _picks(frames, _without(1, first_frame=1)),
+            None,
+        ),
         ("picks below the record", default, cut_rows(slice(0, 200)), None),
         ("no air above the surface", default, cut_rows(slice(30, None)), None),
         ("a third of the lines lost", default, [_lost_lines(frame) for frame in frames], None),

@@ -36,7 +36,10 @@ def training_atlas(real, settings, learning_rates, n_seeds):
 
 def short_training(real, settings, seed):
     """Mean loss of the last steps of a short training."""
-    losses = [step["total"] for _, step in train_steps(Training(settings, seed=seed), TrainingSet(real, seed=seed))]
+    losses = [
+        step["total"]
+        for _, step in train_steps(Training(settings, seed=seed), TrainingSet(real, seed=seed))
+    ]
     return float(np.mean(losses[-N_LAST:]))
 
 
@@ -44,18 +47,30 @@ def tracking_atlas(network, precision, scenes, atlas, render_level):
     """Fused ODS on changed (image, mask) pairs and on pairs of level layers of `render_level`: rows of a table."""
 
     def ods(pairs):
-        edges = [suppress(track(network, image, precision=precision)[OUTPUTS.index("fuse")]) for image, _ in pairs]
-        counts = [match_counts(found, mask, THRESHOLDS) for found, (_, mask) in zip(edges, pairs, strict=True)]
+        edges = [
+            suppress(track(network, image, precision=precision)[OUTPUTS.index("fuse")])
+            for image, _ in pairs
+        ]
+        counts = [
+            match_counts(found, mask, THRESHOLDS)
+            for found, (_, mask) in zip(edges, pairs, strict=True)
+        ]
         return score(counts)["ods"]
 
     yield row("flat image", 0, partial(ods, [(scenes[0][0] * 0, scenes[0][1])]))
     for shift in atlas["brightness_shifts"]:
-        shifted = [(np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8), mask) for image, mask in scenes]
+        shifted = [
+            (np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8), mask)
+            for image, mask in scenes
+        ]
         yield row("brightness", shift, partial(ods, shifted))
     for cut in atlas["rows_cut"]:
         # From the bottom, where no layer lies.
         rows = [image.shape[0] // 16 * 16 - cut for image, _ in scenes]
-        lower = [(image[:n_rows], mask[:n_rows]) for (image, mask), n_rows in zip(scenes, rows, strict=True)]
+        lower = [
+            (image[:n_rows], mask[:n_rows])
+            for (image, mask), n_rows in zip(scenes, rows, strict=True)
+        ]
         yield row("rows cut", cut, partial(ods, lower))
     for n_layers in atlas["n_layers"]:
         yield row("layers", n_layers, partial(ods, [render_level(n_layers)]))
@@ -72,5 +87,7 @@ def row(panel, value, work, replica=0, *, failure=ValueError, status="refused"):
 
 def level_scene(n_layers, n_range_lines=256):
     """Level layers, to be rendered."""
-    layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(n_range_lines)
+    layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(
+        n_range_lines
+    )
     return Scene(f"{n_layers} level layers", scene_height(layer_bins), layer_bins)

@@ -82,33 +82,50 @@ def fitted(features, truth):
 def decisions(one, other, *, n_splits, fit=fitted):
     """Whether crops of two classes are classified rightly, two lists of bool (crop,) by frame; None if impossible.
 
-    Classes are lists of frames, each an array (crop, ...) of what `fit` takes, with truth of bool (crop,), to give a
-    function to decisions. Frames are dealt out to splits; those of each are decided by what saw the others alone.
+    Classes are lists of frames, each an array (crop, ...) of what `fit` takes, with truth of bool
+    (crop,), to give a function to decisions. Frames are dealt out to splits; those of each are
+    decided by what saw the others alone.
     """
-    filled = [sum(map(len, frames[split::n_splits])) for frames in (one, other) for split in range(n_splits)]
+    filled = [
+        sum(map(len, frames[split::n_splits]))
+        for frames in (one, other)
+        for split in range(n_splits)
+    ]
     if not all(filled):
         return None
     right = [[], []]
     for split in range(n_splits):
         seen = [
-            np.concatenate([frame for place, frame in enumerate(frames) if place % n_splits != split and len(frame)])
+            np.concatenate(
+                [
+                    frame
+                    for place, frame in enumerate(frames)
+                    if place % n_splits != split and len(frame)
+                ]
+            )
             for frames in (one, other)
         ]
         decide = fit(np.concatenate(seen), np.repeat([False, True], [len(part) for part in seen]))
         for side, frames in enumerate((one, other)):
-            right[side] += [decide(frame) == bool(side) for frame in frames[split::n_splits] if len(frame)]
+            right[side] += [
+                decide(frame) == bool(side) for frame in frames[split::n_splits] if len(frame)
+            ]
     return right
 
 
 def accuracy(right, *, rng):
     """Mean share of right decisions over two classes, and its 95 % interval by the bootstrap over what each lists.
 
-    `right` are two lists of shares, or of decisions, of what is drawn as a whole; NaN where there is None.
+    `right` are two lists of shares, or of decisions, of what is drawn as a whole; NaN where there
+    is None.
     """
     if right is None:
         return np.nan, np.nan, np.nan
     drawn = [rng.choice(part, (N_BOOTSTRAP, len(part))).mean(axis=1) for part in right]
-    return (np.mean([np.mean(part) for part in right]), *np.percentile(np.mean(drawn, axis=0), [2.5, 97.5]))
+    return (
+        np.mean([np.mean(part) for part in right]),
+        *np.percentile(np.mean(drawn, axis=0), [2.5, 97.5]),
+    )
 
 
 def accuracy_of_crops(one, other, *, rng):
@@ -120,13 +137,21 @@ def accuracy_of_crops(one, other, *, rng):
 def compare(flight, real, *, rng):
     """Flight against real, accuracy and interval, and one real frame against the other, accuracy: by kind of crop.
 
-    `flight` and `real`: crops by kind, of every frame. A real frame's two halves stand for two frames.
+    `flight` and `real`: crops by kind, of every frame. A real frame's two halves stand for two
+    frames.
     """
     found = {}
     for kind in KINDS:
-        of_flight, of_real = ([frame[kind] for frame in frames if kind in frame] for frames in (flight, real))
-        one, other = ([part[: len(part) // 2], part[len(part) // 2 :]] for part in (of_real[0], of_real[-1]))
-        found[kind] = (*accuracy_of_crops(of_flight, of_real, rng=rng), accuracy_of_crops(one, other, rng=rng)[0])
+        of_flight, of_real = (
+            [frame[kind] for frame in frames if kind in frame] for frames in (flight, real)
+        )
+        one, other = (
+            [part[: len(part) // 2], part[len(part) // 2 :]] for part in (of_real[0], of_real[-1])
+        )
+        found[kind] = (
+            *accuracy_of_crops(of_flight, of_real, rng=rng),
+            accuracy_of_crops(one, other, rng=rng)[0],
+        )
     return found
 
 
@@ -138,5 +163,8 @@ def crops_dataset(flight, real):
             held = [crop for frame in frames for crop in frame.get(kind, [])]
             if held:
                 chosen = [held[i] for i in np.linspace(0, len(held) - 1, N_SHOWN).astype(int)]
-                shown[f"{side}, {kind}"] = (("crop", f"row of {kind}", f"column of {kind}"), np.array(chosen))
+                shown[f"{side}, {kind}"] = (
+                    ("crop", f"row of {kind}", f"column of {kind}"),
+                    np.array(chosen),
+                )
     return xr.Dataset(shown)

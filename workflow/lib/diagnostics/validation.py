@@ -17,7 +17,10 @@ TEST_COLUMNS = (
     *("of", "zone", "slab", "n", "n_effective", "mean", "deviation"),
     *("distance", "p_value", "p_value_correlated"),
 )
-NULL_VALUES, NULL_DRAWS = 50, 20_000  # of the law under the null hypothesis; the seed is its own, the result a constant
+NULL_VALUES, NULL_DRAWS = (
+    50,
+    20_000,
+)  # of the law under the null hypothesis; the seed is its own, the result a constant
 NULL_SEED = 1967
 FEWEST_GROUPS = 20  # of 20 whole lines: they tell looks to 7 %
 
@@ -25,8 +28,8 @@ FEWEST_GROUPS = 20  # of 20 whole lines: they tell looks to 7 %
 def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
     """Tables of the flight beside what was made of its statistics: `thickness`, `tests`, `distributions`.
 
-    `rendered` are statistics of PHY's renders of the labels; `labels` the tables `layers` and `histograms` of
-    `summarise_labels`, drawn in the zones of `zone_edge_bins`.
+    `rendered` are statistics of PHY's renders of the labels; `labels` the tables `layers` and
+    `histograms` of `summarise_labels`, drawn in the zones of `zone_edge_bins`.
     """
     label_layers, label_histograms = labels
     edges = np.asarray(zone_edge_bins, dtype=float)
@@ -34,7 +37,9 @@ def validate(summary, statistics, rendered, labels, zone_edge_bins, *, rng):
     distributions = [_layer_counts(statistics, label_layers), _width_counts(statistics, rendered)]
     return {
         "thickness": _thickness_histograms(thickness, edges, label_histograms),
-        "tests": pd.DataFrame(thickness_tests(thickness, edges, rng=rng), columns=list(TEST_COLUMNS)),
+        "tests": pd.DataFrame(
+            thickness_tests(thickness, edges, rng=rng), columns=list(TEST_COLUMNS)
+        ),
         "distributions": pd.concat(distributions, ignore_index=True),
     }
 
@@ -45,12 +50,18 @@ def _thickness_histograms(thickness, edges, synthetic):
     parts = []
     for z in range(edges.size - 1):
         inside = np.flatnonzero(zone == z)
-        parts += [_counts(z, slab, thickness[inside, slab].ravel()) for slab in range(thickness.shape[1])]
+        parts += [
+            _counts(z, slab, thickness[inside, slab].ravel()) for slab in range(thickness.shape[1])
+        ]
         parts.append(_counts(z, -1, level[inside]))
     keys = ["zone", "slab", "low_bins"]
     observed = pd.concat(parts).set_index(keys)["n_observed"]
-    table = synthetic.set_index(keys)["n"].rename("n_synthetic").to_frame().join(observed, how="outer")
-    return table.fillna(0).astype(int).sort_index().reset_index()[[*keys, "n_observed", "n_synthetic"]]
+    table = (
+        synthetic.set_index(keys)["n"].rename("n_synthetic").to_frame().join(observed, how="outer")
+    )
+    return (
+        table.fillna(0).astype(int).sort_index().reset_index()[[*keys, "n_observed", "n_synthetic"]]
+    )
 
 
 def _counts(zone, slab, values):
@@ -65,7 +76,9 @@ def _layer_counts(statistics, label_layers):
     counts = statistics["n_blocks_by_layers"].sum("zone").values
     counts[0] += statistics.attrs["n_blocks_without_layers"]
     most = max(counts.size - 1, int(label_layers["n_layers"].max()))
-    synthetic = np.bincount(label_layers["n_layers"], weights=label_layers["n_scenes"], minlength=most + 1)
+    synthetic = np.bincount(
+        label_layers["n_layers"], weights=label_layers["n_scenes"], minlength=most + 1
+    )
     observed = np.pad(counts, (0, most + 1 - counts.size))
     return _distribution("n_layers", np.arange(most + 2) - 0.5, observed, synthetic.astype(int))
 
@@ -88,8 +101,8 @@ def _distribution(quantity, edges, observed, synthetic):
 def superposition(summary, statistics):
     """One averaged range line with the layers fitted to it (Figs 6 and 7 of the paper): the first with most layers.
 
-    Powers are those of this line, by least squares with weights 1 / P^2; shapes are the flight's, and where `paper`
-    gives a layer no decay rate, that of the layer above.
+    Powers are those of this line, by least squares with weights 1 / P^2; shapes are the flight's,
+    and where `paper` gives a layer no decay rate, that of the layer above.
     """
     present = is_present(stacked(summary, "n_picks"))[:, : statistics.sizes["layer"]]
     group = int(present.sum(axis=1).argmax())
@@ -100,26 +113,39 @@ def superposition(summary, statistics):
     kept = np.isfinite(observed) & (row < position[-1] + 40)
     row, observed = row[kept], observed[kept]
     names = ("decay_rate", "variance_bins2", "offset_bins")
-    decay, variance, offset = (pd.Series(statistics[name].values).ffill().to_numpy()[layers] for name in names)
+    decay, variance, offset = (
+        pd.Series(statistics[name].values).ffill().to_numpy()[layers] for name in names
+    )
     below, height = waveform_peak(variance, decay)
     lag = row - (position + offset - below)[:, None]
     columns = waveform_exact(lag, variance[:, None], decay[:, None]) / height[:, None]
     noise = float(statistics["noise_power"])
-    weight = 1 / np.maximum(pd.Series(observed).rolling(9, center=True, min_periods=1).mean().to_numpy(), noise)
+    weight = 1 / np.maximum(
+        pd.Series(observed).rolling(9, center=True, min_periods=1).mean().to_numpy(), noise
+    )
     power = np.linalg.lstsq((columns * weight).T, (observed - noise) * weight, rcond=None)[0]
-    alone = {f"layer_{layer}": line for layer, line in zip(layers, power[:, None] * columns, strict=True)}
-    return pd.DataFrame({"row": row, "observed": observed, "model": power @ columns + noise} | alone)
+    alone = {
+        f"layer_{layer}": line for layer, line in zip(layers, power[:, None] * columns, strict=True)
+    }
+    return pd.DataFrame(
+        {"row": row, "observed": observed, "model": power @ columns + noise} | alone
+    )
 
 
 def independence(summary, statistics):
     """How far the flight departs from what PHY assumes, by layer: from the fitted eq. (1), and from Gamma(M).
 
-    `waveform_rms_db` and `waveform_largest_db` are of the mean waveform about the picks over that of the fitted model
-    of all layers. `looks` and their error are those that fit tracked power, `gamma_distance` is Kolmogorov's between
-    it and the law of the flight's own looks, on the quantiles that are kept; NaN where a layer has too few lines.
+    `waveform_rms_db` and `waveform_largest_db` are of the mean waveform about the picks over that
+    of the fitted model of all layers. `looks` and their error are those that fit tracked power,
+    `gamma_distance` is Kolmogorov's between it and the law of the flight's own looks, on the
+    quantiles that are kept; NaN where a layer has too few lines.
     """
     tracked = stacked_tracked(summary)
-    ratio = (statistics["mean_waveform"] / statistics["model_waveform"]).transpose("layer", "lag").values
+    ratio = (
+        (statistics["mean_waveform"] / statistics["model_waveform"])
+        .transpose("layer", "lag")
+        .values
+    )
     residual = 10 * np.log10(ratio)
     n_looks = float(statistics.attrs["n_looks"])
     rows = []
@@ -131,7 +157,9 @@ def independence(summary, statistics):
             law = betainc(n_looks, (GROUP_LINES - 1) * n_looks, np.clip(seen / GROUP_LINES, 0, 1))
             distance = np.abs(law - probability).max()
         known = decibels[np.isfinite(decibels)]
-        rms, largest = (np.sqrt(np.mean(known**2)), np.abs(known).max()) if known.size else (np.nan, np.nan)
+        rms, largest = (
+            (np.sqrt(np.mean(known**2)), np.abs(known).max()) if known.size else (np.nan, np.nan)
+        )
         rows.append((layer, n_whole, rms, largest, looks, error, distance))
     columns = "layer n_groups waveform_rms_db waveform_largest_db looks looks_standard_error gamma_distance"
     return pd.DataFrame(rows, columns=columns.split())
@@ -140,8 +168,9 @@ def independence(summary, statistics):
 def lilliefors(values, n_effective=None):
     """Kolmogorov's distance of values from a Gaussian of their own mean and variance, and the p-value.
 
-    Lilliefors (1967), J. Am. Stat. Assoc. 62, 399-402; its law for any (effective) n from that of ``D (sqrt n - 0.01 +
-    0.85 / sqrt n)``, Stephens (1974), J. Am. Stat. Assoc. 69, 730-737, by 20,000 draws: p-values to 0.003.
+    Lilliefors (1967), J. Am. Stat. Assoc. 62, 399-402; its law for any (effective) n from that of
+    ``D (sqrt n - 0.01 + 0.85 / sqrt n)``, Stephens (1974), J. Am. Stat. Assoc. 69, 730-737, by
+    20,000 draws: p-values to 0.003.
     """
     values = np.sort(np.asarray(values, dtype=float))
     if values.size < 4 or values[0] == values[-1]:
@@ -157,7 +186,9 @@ def lilliefors(values, n_effective=None):
 def _distance(values):
     """Kolmogorov's distance of sorted rows (row, value) from Gaussians of their own mean and variance, (row,)."""
     n = values.shape[1]
-    expected = ndtr((values - values.mean(axis=1, keepdims=True)) / values.std(axis=1, ddof=1, keepdims=True))
+    expected = ndtr(
+        (values - values.mean(axis=1, keepdims=True)) / values.std(axis=1, ddof=1, keepdims=True)
+    )
     step = np.arange(n + 1) / n
     return np.maximum((step[1:] - expected).max(axis=1), (expected - step[:-1]).max(axis=1))
 
@@ -177,8 +208,8 @@ def _null():
 def thickness_tests(thickness, zone_edge_bins, *, rng, n_draws=199):
     """Tests of the two Gaussian laws labels are drawn from, by zone and slab: a dict each.
 
-    `thickness (block, slab, range_line)` [bins] has NaN in gaps; blocks of a frame stand together, in order. `p_value`
-    holds if all `n` values were independent, `p_value_correlated` as they are.
+    `thickness (block, slab, range_line)` [bins] has NaN in gaps; blocks of a frame stand together,
+    in order. `p_value` holds if all `n` values were independent, `p_value_correlated` as they are.
     """
     mean, level, zone = place_blocks(thickness, zone_edge_bins)
     whole = np.isfinite(thickness).all(axis=2)
@@ -208,7 +239,8 @@ def _means_row(share, zone, slab):
 def _undulations_row(thickness, zone, slab, n_draws, rng):
     """The row of the lines of whole blocks (block, range_line); none where a block is level.
 
-    Worth ``2 (sum P)^2 / sum P^2`` values a block for the mean periodogram P; p-value by Gaussian flights of that P.
+    Worth ``2 (sum P)^2 / sum P^2`` values a block for the mean periodogram P; p-value by Gaussian
+    flights of that P.
     """
     if not (thickness.std(axis=1) > 0).all():
         return []
@@ -226,7 +258,9 @@ def _undulations_row(thickness, zone, slab, n_draws, rng):
 
 def _standardised(thickness):
     """Thickness about the mean of its block over its s.d."""
-    return (thickness - thickness.mean(axis=1, keepdims=True)) / thickness.std(axis=1, keepdims=True)
+    return (thickness - thickness.mean(axis=1, keepdims=True)) / thickness.std(
+        axis=1, keepdims=True
+    )
 
 
 def _row(of, zone, slab, values, n_effective, p_value_correlated):

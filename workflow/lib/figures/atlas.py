@@ -5,11 +5,18 @@ import numpy as np
 from lib.figures.style import COLOURS, GREEN, ORANGE, PLANTED, RED, new_figure, note_source
 
 PUBLIC = ("exact", "planned", "render", "looks", "gamma", "cube", "quantile")
-METHOD_NAMES = {"exact": "mean_power exact", "planned": "mean_power with a tolerance", "render": "render"}
+METHOD_NAMES = {
+    "exact": "mean_power exact",
+    "planned": "mean_power with a tolerance",
+    "render": "render",
+}
 METHOD_NAMES |= {name: f"speckle {name}" for name in ("looks", "gamma", "cube", "quantile")}
 METHOD_NAMES |= {"naive": "closed form as usually written", "sampled": "sampled convolution (FFT)"}
 METHOD_NAMES |= {"wrapped": "FFT without padding", "cut": "support cut at -5 s.d., +150 bins"}
-METHOD_NAMES |= {"nearest": "table, nearest of 16 per bin", "recursive32": "recursive filter, float32"}
+METHOD_NAMES |= {
+    "nearest": "table, nearest of 16 per bin",
+    "recursive32": "recursive filter, float32",
+}
 METHOD_NAMES |= {"recursive64": "recursive filter, float64", "table32": "table forced into float32"}
 METHOD_NAMES |= {"cube_open": "cube below 10 looks"}
 LEAST_ERROR, MOST_ERROR_DB = 1e-14, 1e2  # of PHY's atlas; beyond, drawn at the border
@@ -19,7 +26,11 @@ TICKS = {
     "spacing of two layers [bins]": (-10, -1e-6, 0, 1e-12, 1e-6, 1),
     "power of the weaker layer": (1e-300, 1e-200, 1e-100, 1),
 }
-QUANTITIES = {"peak_power": "peak power [%]", "decay_rate": "decay rate [%]", "width_bins": "1/e width [bins]"}
+QUANTITIES = {
+    "peak_power": "peak power [%]",
+    "decay_rate": "decay rate [%]",
+    "width_bins": "1/e width [bins]",
+}
 MOST_BOUNDS = 300  # errors of estimators beyond so many bounds are drawn there
 LOGARITHMIC = ("slab thickness [bins]", "looks of a range line", "range lines of a flight")
 # Marks of outcomes, in the order of how bad they are.
@@ -30,11 +41,15 @@ OUTCOMES |= dict.fromkeys(("wrong", "not finite"), ("x", RED))
 def atlas_phy(atlas_phy):
     """PHY: all sweeps on axes of their own, border cases on the last, one legend for all."""
     figure, axes = new_figure(3, 3, width=10, height=9)
-    sweeps = [(name, rows) for name, rows in atlas_phy.groupby("setting", sort=False) if name != "borders"]
+    sweeps = [
+        (name, rows) for name, rows in atlas_phy.groupby("setting", sort=False) if name != "borders"
+    ]
     handles = {}
     for ax, (setting, rows) in zip(axes.flat, sweeps, strict=False):
         plot_methods(ax, setting, rows)
-        handles |= {label: handle for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+        handles |= {
+            label: handle for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+        }
     for ax in axes[:, 0]:
         ax.set_ylabel("largest error [dB]", fontsize=7)
     # Limits of valid input as a grid of outcomes, a row a case, a column a public function.
@@ -44,14 +59,29 @@ def atlas_phy(atlas_phy):
         chosen, (marker, colour) = rows[rows["outcome"] == outcome], OUTCOMES[outcome]
         x = [methods.index(method) for method in chosen["method"]]
         y = [cases.index(case) for case in chosen["value"]]
-        ax.plot(x, y, marker, color=colour, markersize=5, markeredgewidth=1.5, linestyle="none", label=outcome)
-    ax.set_xticks(range(len(methods)), [METHOD_NAMES[name].replace(" ", "\n", 1) for name in methods], fontsize=6)
+        ax.plot(
+            x,
+            y,
+            marker,
+            color=colour,
+            markersize=5,
+            markeredgewidth=1.5,
+            linestyle="none",
+            label=outcome,
+        )
+    ax.set_xticks(
+        range(len(methods)),
+        [METHOD_NAMES[name].replace(" ", "\n", 1) for name in methods],
+        fontsize=6,
+    )
     ax.set_yticks(range(len(cases)), cases, fontsize=6)
     ax.set(ylim=(len(cases) - 0.5, -0.5), xlim=(-0.5, len(methods) - 0.5))
     ax.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=3)
     ax.set_title("limits of valid input", fontsize=8)
     labels = [name for name in METHOD_NAMES.values() if name in handles]
-    figure.legend([handles[label] for label in labels], labels, loc="outside lower left", ncols=4, fontsize=7)
+    figure.legend(
+        [handles[label] for label in labels], labels, loc="outside lower left", ncols=4, fontsize=7
+    )
     return note_source(figure, PLANTED)
 
 
@@ -64,7 +94,13 @@ def plot_methods(ax, setting, rows):
         public = method in PUBLIC
         error = line["error_db"].clip(LEAST_ERROR, MOST_ERROR_DB)
         style = {"color": COLOURS[method], "zorder": 3 if public else 2}
-        ax.plot(line["value"], error, linewidth=1.6 if public else 0.7, label=METHOD_NAMES[method], **style)
+        ax.plot(
+            line["value"],
+            error,
+            linewidth=1.6 if public else 0.7,
+            label=METHOD_NAMES[method],
+            **style,
+        )
         wrong, refused = line["outcome"] == "wrong", line["outcome"] == "refused"
         ax.plot(line["value"][wrong], error[wrong], "x", markersize=4, **style)
         height = 3 * MOST_ERROR_DB * 4 ** (methods.index(method) % 4)
@@ -72,7 +108,9 @@ def plot_methods(ax, setting, rows):
     limit = rows[rows["method"].isin(("planned", "gamma"))].sort_values("value")
     ax.plot(limit["value"], limit["limit_db"], color="0.5", linestyle=":", linewidth=0.9)
     positive = (rows["value"] > 0).all()
-    ax.set_xscale(**({"value": "log"} if positive else {"value": "symlog", "linthresh": LINEAR_FROM[setting]}))
+    ax.set_xscale(
+        **({"value": "log"} if positive else {"value": "symlog", "linthresh": LINEAR_FROM[setting]})
+    )
     ax.set_yscale("log")
     ax.set(ylim=(LEAST_ERROR / 3, 1e5), yticks=10.0 ** np.arange(-14, 3, 4))
     if setting in TICKS:
@@ -111,7 +149,14 @@ def plot_estimators(ax, atlas, panel, quantity):
         error, reach = scale * held["error"], 2 * scale * held["standard_error"]
         low, high = np.maximum(error - reach, -limit), np.minimum(error + reach, limit)
         ax.vlines(held["value"], low, high, color=colour, alpha=0.4, linewidth=2)
-        ax.plot(held["value"], error.clip(-limit, limit), "o-", color=colour, markersize=3, label=estimator)
+        ax.plot(
+            held["value"],
+            error.clip(-limit, limit),
+            "o-",
+            color=colour,
+            markersize=3,
+            label=estimator,
+        )
         refused = part.loc[part["outcome"] == "refused", "value"]
         ax.plot(refused, np.full(len(refused), limit), "x", color=colour, markersize=4)
     ax.set_yscale("symlog", linthresh=bound)

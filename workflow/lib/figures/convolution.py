@@ -11,8 +11,14 @@ SWEEPS = {
     "ice lenses": ("ice lenses of 3 cm among 20 slabs", "symlog"),
     "fine layering": ("s.d. of fine layering [kg m-3]", "log"),
 }
-SIMULATED = {"contrast": "contrast, 3 range cells apart [kg m-3]", "spacing": "spacing at 250 kg m-3 [range cells]"}
-CLAIMED = {"error_db": ("-", 0.5), "delay_error_bins": ("--", 0.1)}  # how drawn; what `snowsim.simulate` keeps
+SIMULATED = {
+    "contrast": "contrast, 3 range cells apart [kg m-3]",
+    "spacing": "spacing at 250 kg m-3 [range cells]",
+}
+CLAIMED = {
+    "error_db": ("-", 0.5),
+    "delay_error_bins": ("--", 0.1),
+}  # how drawn; what `snowsim.simulate` keeps
 SIMPLER = ("Born", "single scattering", "convolution")
 TAIL_MARKS = {"surface": "o", "horizon": "s", "volume": "^"}
 SPECKLE_DB = 0.43  # standard deviation of the mean of 100 looks: 10 / ln 10 / sqrt(100)
@@ -43,7 +49,11 @@ def plot_stacks(ax, table, sweep, xlabel, scale="log"):
     for method in SIMPLER:
         line = rows[rows["method"] == method].sort_values("value")
         # Two of the lines often coincide: the wider lies below.
-        style = {"color": COLOURS[method], "linewidth": 3 if method == "single scattering" else 1.2, "label": method}
+        style = {
+            "color": COLOURS[method],
+            "linewidth": 3 if method == "single scattering" else 1.2,
+            "label": method,
+        }
         ax.plot(line["value"], line["error_db"].clip(LEAST_DB), "o-", markersize=3, **style)
     _limit(ax)
     ax.set(xscale=scale, yscale="log", xlabel=xlabel, ylabel="error [dB rms]")
@@ -55,13 +65,30 @@ def plot_stacks(ax, table, sweep, xlabel, scale="log"):
 
 def plot_tails(ax, table):
     """Error of the best fit of eq. (1) to tails of surface and horizon, by how far down they are followed."""
-    rows = table[(table["part"] == "tail") & (table["unit"] == "dB below the peak") & (table["method"] == "PHY")]
+    rows = table[
+        (table["part"] == "tail")
+        & (table["unit"] == "dB below the peak")
+        & (table["method"] == "PHY")
+    ]
     for (reference, case), line in rows.groupby(["reference", "sweep"], sort=False):
         line = line.sort_values("value")
-        style = {"color": COLOURS["SMRT" if reference == "SMRT" else "nature run"], "label": f"{case}, {reference}"}
-        ax.plot(line["value"], line["error_db"].clip(LEAST_DB), f"{TAIL_MARKS[case]}-", markersize=3, **style)
+        style = {
+            "color": COLOURS["SMRT" if reference == "SMRT" else "nature run"],
+            "label": f"{case}, {reference}",
+        }
+        ax.plot(
+            line["value"],
+            line["error_db"].clip(LEAST_DB),
+            f"{TAIL_MARKS[case]}-",
+            markersize=3,
+            **style,
+        )
     _limit(ax)
-    ax.set(yscale="log", xlabel="tail followed down to [dB below the peak]", ylabel="best fit of eq. (1) [dB rms]")
+    ax.set(
+        yscale="log",
+        xlabel="tail followed down to [dB below the peak]",
+        ylabel="best fit of eq. (1) [dB rms]",
+    )
     ax.legend(fontsize=6)
 
 
@@ -75,10 +102,14 @@ def plot_costs(ax, table):
         ax.plot(*at, "o", color=COLOURS[name], markersize=4)
         offset = 4 if name in ABOVE else -8  # names of neighbouring points lie above and below them
         ax.annotate(name, at, xytext=(3, offset), textcoords="offset points", fontsize=6)
-    ax.set(xscale="log", yscale="log", xlabel="error of the mean [dB rms]", ylabel="seconds per scene")
+    ax.set(
+        xscale="log", yscale="log", xlabel="error of the mean [dB rms]", ylabel="seconds per scene"
+    )
     ax.set_xlim(LEAST_DB / 2, 20 * np.nanmax(points["error_db"].clip(LEAST_DB)))
     ax.axvspan(LEAST_DB / 2, 1.6 * LEAST_DB, color="0.93", zorder=0)
-    ax.annotate("reference", (LEAST_DB, 0.02), xycoords=("data", "axes fraction"), fontsize=6, ha="center")
+    ax.annotate(
+        "reference", (LEAST_DB, 0.02), xycoords=("data", "axes fraction"), fontsize=6, ha="center"
+    )
 
 
 def plot_simulated(ax, table, sweep, xlabel):
@@ -87,7 +118,9 @@ def plot_simulated(ax, table, sweep, xlabel):
     for number, (radar, line) in enumerate(rows.groupby("method", sort=False)):
         for column, (style, claimed) in CLAIMED.items():
             label = radar if style == "-" else None
-            ax.plot(line["value"], line[column].clip(LEAST_DB), style, color=SERIES[number], label=label)
+            ax.plot(
+                line["value"], line[column].clip(LEAST_DB), style, color=SERIES[number], label=label
+            )
             ax.axhline(claimed, color="0.5", linestyle=":", linewidth=1)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="power [dB], dashed: delay [bins]")
     ticks = sorted(rows["value"].unique())[:: 2 if sweep == "contrast" else 1]
@@ -105,7 +138,12 @@ def plot_decay(ax, table):
             at = np.degrees(np.arctan(points["value"])) if sweep == "slope" else points["value"]
             style = {"color": SERIES[number], "markersize": 3, "label": f"{sweep}, {case}"}
             ax.plot(at, points["error_db"].clip(LEAST_DB), f"{marker}-", **style)
-    ax.set(xscale="log", yscale="log", xlabel="rms slope or beam width [degrees]", ylabel="error over 20 dB [dB]")
+    ax.set(
+        xscale="log",
+        yscale="log",
+        xlabel="rms slope or beam width [degrees]",
+        ylabel="error over 20 dB [dB]",
+    )
     ax.set_ylim(LEAST_DB / 2, 20)
     ax.legend(fontsize=6)
 

@@ -4,7 +4,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from lib.figures.style import BLACK, BLUE, GREEN, GREY, LAND, PINK, RED, WHITE, new_figure, plot_echogram, plot_picks
+from lib.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LAND,
+    PINK,
+    RED,
+    WHITE,
+    new_figure,
+    plot_echogram,
+    plot_picks,
+)
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.echogram import layer_bins_of, to_uint8
 
@@ -28,8 +40,9 @@ def echogram(frame, picks):
 def image_with_gaps(power):
     """8-bit image of a frame, uint8 (range_bin, range_line), black where nothing was measured.
 
-    Levelled frames have ragged ends: rows that fewer than half of the lines reach (where most hold nothing, of those
-    that do) are black whole; in the others `to_uint8` finds the noise floor with the row's median in the gaps.
+    Levelled frames have ragged ends: rows that fewer than half of the lines reach (where most hold
+    nothing, of those that do) are black whole; in the others `to_uint8` finds the noise floor with
+    the row's median in the gaps.
     """
     measured = np.isfinite(power) & (power > 0)
     reached = measured.sum(axis=1)
@@ -41,7 +54,9 @@ def image_with_gaps(power):
         raise ValueError(msg)
     held = np.where(measured[rows], power[rows], np.nan)
     image = np.zeros(power.shape, dtype=np.uint8)
-    image[rows] = to_uint8(np.where(measured[rows], held, np.nanmedian(held, axis=1, keepdims=True)))[0]
+    image[rows] = to_uint8(
+        np.where(measured[rows], held, np.nanmedian(held, axis=1, keepdims=True))
+    )[0]
     image[~measured] = 0
     return image
 
@@ -67,7 +82,9 @@ def position(frame, picks):
     return {
         "latitude_deg": float(frame["Latitude"].mean()),
         "longitude_deg": float(frame["Longitude"].mean()),
-        "first_slab_bins": float(np.nanmean(first_slab)) if np.isfinite(first_slab).any() else np.nan,
+        "first_slab_bins": float(np.nanmean(first_slab))
+        if np.isfinite(first_slab).any()
+        else np.nan,
         "n_range_lines": frame.sizes["slow_time"],
         "picked": float(np.isfinite(layer_bins).mean()),
     }
@@ -80,9 +97,15 @@ def pixel_grid(frame, picks):
     layer_bins = layer_bins[layers, line : line + N_LINES]
     power = frame["Data"].transpose("twtt", "slow_time").values[:, line : line + N_LINES]
     first, last = chosen_bins(layer_bins, power.shape[0])
-    power_db = 10 * np.log10(np.where(power[first:last] > 0, power[first:last], np.nan))  # blank where there is no echo
+    power_db = 10 * np.log10(
+        np.where(power[first:last] > 0, power[first:last], np.nan)
+    )  # blank where there is no echo
     bins, lines = np.meshgrid(np.arange(first, last), np.arange(N_LINES), indexing="ij")
-    table = {"range_bin": bins.ravel(), "range_line": lines.ravel() + line, "power_db": power_db.ravel()}
+    table = {
+        "range_bin": bins.ravel(),
+        "range_line": lines.ravel() + line,
+        "power_db": power_db.ravel(),
+    }
     for layer, tracked in zip(layers, layer_bins, strict=True):
         table[f"layer_{layer}"] = (bins == np.rint(tracked)).astype(int).ravel()
     figure, axes = new_figure(1, 2, width=6.5, height=4.6, width_ratios=[1, 1.2])
@@ -94,7 +117,9 @@ def pixel_grid(frame, picks):
         ax.plot(column + offset, bins[:, 0], color="0.3", linewidth=0.9)
         for tracked, colour in zip(np.rint(tracked_bins), LAYER_COLOURS, strict=False):
             if np.isfinite(tracked):
-                ax.plot(column[int(tracked) - first] + offset, tracked, "o", color=colour, markersize=4)
+                ax.plot(
+                    column[int(tracked) - first] + offset, tracked, "o", color=colour, markersize=4
+                )
     ax.set(xlabel=f"power [dB], {OFFSET_DB:g} dB further per range line", ylabel="range bin")
     ax.set_ylim(last - 0.5, first - 0.5)
     return figure, pd.DataFrame(table)
@@ -102,7 +127,9 @@ def pixel_grid(frame, picks):
 
 def chosen_pixels(layer_bins):
     """First of the four range lines in a row with most picked layers, and the uppermost three of these layers."""
-    picked = np.lib.stride_tricks.sliding_window_view(np.isfinite(layer_bins), N_LINES, axis=1).all(axis=2)
+    picked = np.lib.stride_tricks.sliding_window_view(np.isfinite(layer_bins), N_LINES, axis=1).all(
+        axis=2
+    )
     # More than three layers are no better than three: the first such lines are taken.
     line = int(np.argmax(np.minimum(picked.sum(axis=0), N_LAYERS)))
     return line, np.flatnonzero(picked[:, line])[:N_LAYERS]
@@ -112,7 +139,9 @@ def chosen_bins(layer_bins, n_range_bins):
     """Range bins to show: those of the layers and some around; the uppermost where no layer is picked."""
     if layer_bins.size == 0:
         return 0, min(8 * MARGIN_BINS, n_range_bins)
-    return max(int(layer_bins.min()) - MARGIN_BINS, 0), min(int(layer_bins.max()) + 2 * MARGIN_BINS, n_range_bins)
+    return max(int(layer_bins.min()) - MARGIN_BINS, 0), min(
+        int(layer_bins.max()) + 2 * MARGIN_BINS, n_range_bins
+    )
 
 
 def plot_pixels(ax, power_db, layer_bins, first_bin):
@@ -129,11 +158,19 @@ def plot_pixels(ax, power_db, layer_bins, first_bin):
         for line, tracked in enumerate(np.rint(bins)):
             if np.isfinite(tracked):
                 corner = (line - 0.5, tracked - 0.5)
-                ax.add_patch(Rectangle(corner, 1, 1, fill=False, edgecolor=colour, linewidth=1.8, zorder=3))
+                ax.add_patch(
+                    Rectangle(corner, 1, 1, fill=False, edgecolor=colour, linewidth=1.8, zorder=3)
+                )
         ax.plot([], [], "s", markerfacecolor="none", color=colour, label=f"layer {layer}")
     ax.set(xlabel="range line", ylabel="range bin", xticks=range(n_lines))
     if layer_bins:
-        ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(layer_bins), handletextpad=0.1, columnspacing=1)
+        ax.legend(
+            loc="lower left",
+            bbox_to_anchor=(0, 1),
+            ncols=len(layer_bins),
+            handletextpad=0.1,
+            columnspacing=1,
+        )
 
 
 def waveforms(statistics):
@@ -141,10 +178,25 @@ def waveforms(statistics):
     figure, axes = new_figure(1, 3, width=8)
     lag, noise = statistics["lag"], float(statistics["noise_power"])
     for layer, ax in enumerate(axes[0, :2]):
-        rows = statistics.sel(layer=layer) if "layer" in statistics.coords else statistics.isel(layer=layer)
+        rows = (
+            statistics.sel(layer=layer)
+            if "layer" in statistics.coords
+            else statistics.isel(layer=layer)
+        )
         ax.plot(lag, 10 * np.log10(rows["mean_waveform"]), color=BLACK, label="averaged lines")
-        ax.plot(lag, 10 * np.log10(rows["model_waveform"]), color=BLUE, linestyle="--", label="all layers")
-        ax.plot(lag, 10 * np.log10(rows["layer_waveform"] + noise), color=RED, label="this layer and noise")
+        ax.plot(
+            lag,
+            10 * np.log10(rows["model_waveform"]),
+            color=BLUE,
+            linestyle="--",
+            label="all layers",
+        )
+        ax.plot(
+            lag,
+            10 * np.log10(rows["layer_waveform"] + noise),
+            color=RED,
+            label="this layer and noise",
+        )
         ax.set(xlabel=f"range bins below layer {layer}", ylabel="power [dB]")
         ax.legend(fontsize=6)
     ax, power = axes[0, 2], statistics["peak_power"].values
@@ -168,20 +220,37 @@ def along_track(statistics):
     else:
         x, kind = statistics["wavenumber"][1:], "detected_power_spectrum"
         ax.set_ylabel("spectrum of detected power / mean [dB]")
-    for part, label, colour in (("layer_1", "layer 1", GREY), ("layer_mean", "mean of layers 1-15", BLACK)):
+    for part, label, colour in (
+        ("layer_1", "layer 1", GREY),
+        ("layer_mean", "mean of layers 1-15", BLACK),
+    ):
         if f"{kind}_{part}" in statistics:
             density = statistics[f"{kind}_{part}"].values[-x.size :]
-            # Means of power over bands: a single wavenumber of a single layer is exponentially distributed.
+            # Means of power over bands: a single wavenumber of a single layer is exponentially
+            # distributed.
             n_together = max(1, x.size // N_BANDS)
             kept = x.size // n_together * n_together
             bands = density[:kept].reshape(-1, n_together).mean(axis=1)
             centres = x.values[:kept].reshape(-1, n_together).mean(axis=1)
-            ax.plot(centres, 10 * np.log10(np.maximum(bands, 1e-4)), color=colour, linewidth=1, label=label)
-    ax.set_xlabel("wavenumber [cycles per range line]" if x.name == "wavenumber" else "wavenumber [cycles per m]")
+            ax.plot(
+                centres,
+                10 * np.log10(np.maximum(bands, 1e-4)),
+                color=colour,
+                linewidth=1,
+                label=label,
+            )
+    ax.set_xlabel(
+        "wavenumber [cycles per range line]"
+        if x.name == "wavenumber"
+        else "wavenumber [cycles per m]"
+    )
     ax.legend(fontsize=7)
     # The paper's chi-square.
     ax = axes[0, 1]
-    expected, observed = statistics["gamma_quantile"].values, statistics["tracked_power_quantile"].values
+    expected, observed = (
+        statistics["gamma_quantile"].values,
+        statistics["tracked_power_quantile"].values,
+    )
     ax.plot(expected, expected, color="0.6", linewidth=1)
     ax.plot(expected, observed, ".", color=BLACK, markersize=3)
     n_looks = statistics.attrs["n_looks"]
@@ -189,7 +258,8 @@ def along_track(statistics):
     return figure
 
 
-# A map of Greenland: degrees north and east, rounded; clockwise from the southern tip. Between places it is straight.
+# A map of Greenland: degrees north and east, rounded; clockwise from the southern tip. Between
+# places it is straight.
 COAST = (
     (59.8, -43.9), (60.1, -43.1), (60.5, -43.0),  # Cape Farewell, Prins Christian Sund, Lindenow Fjord
     (62.5, -42.1), (63.2, -41.4), (63.7, -40.5),  # Timmiarmiut, Skjoldungen, Kap Mosting
@@ -213,7 +283,10 @@ PARALLELS_DEG, MERIDIANS_DEG = (60, 65, 70, 75, 80), (-70, -60, -50, -40, -30, -
 
 def project(latitude_deg, longitude_deg):
     """Polar stereographic coordinates on a sphere, x and y [km]: the pole at 0, scale true at 70 degrees north."""
-    latitude, longitude = np.radians(latitude_deg), np.radians(np.asarray(longitude_deg) - CENTRAL_LONGITUDE_DEG)
+    latitude, longitude = (
+        np.radians(latitude_deg),
+        np.radians(np.asarray(longitude_deg) - CENTRAL_LONGITUDE_DEG),
+    )
     scale = (1 + np.sin(np.radians(TRUE_LATITUDE_DEG))) * (EARTH_RADIUS_M / 1000)
     radius = scale * np.tan(np.pi / 4 - latitude / 2)
     return radius * np.sin(longitude), -radius * np.cos(longitude)
@@ -221,7 +294,13 @@ def project(latitude_deg, longitude_deg):
 
 def draw_coast(ax):
     """Greenland with its graticule on axes in km of `project`; no ticks, the graticule is labelled."""
-    ax.fill(*project(*np.array([*COAST, COAST[0]]).T), color=LAND, edgecolor="0.45", linewidth=0.8, zorder=0)
+    ax.fill(
+        *project(*np.array([*COAST, COAST[0]]).T),
+        color=LAND,
+        edgecolor="0.45",
+        linewidth=0.8,
+        zorder=0,
+    )
     line = {"color": "0.75", "linewidth": 0.5, "zorder": 1}
     text = {"fontsize": 7, "color": "0.35", "textcoords": "offset points"}
     for latitude in PARALLELS_DEG:
@@ -229,6 +308,13 @@ def draw_coast(ax):
         ax.annotate(f"{latitude}°N", project(latitude, -10), xytext=(2, 0), va="center", **text)
     for longitude in MERIDIANS_DEG:
         ax.plot(*project(np.linspace(58.5, 83, 50), longitude), **line)
-        ax.annotate(f"{-longitude}°W", project(58.5, longitude), xytext=(0, -2), ha="center", va="top", **text)
+        ax.annotate(
+            f"{-longitude}°W",
+            project(58.5, longitude),
+            xytext=(0, -2),
+            ha="center",
+            va="top",
+            **text,
+        )
     ax.set_aspect("equal")
     ax.set_axis_off()

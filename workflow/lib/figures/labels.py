@@ -14,16 +14,26 @@ def label_models(model_selection, model_selection_scenes, model_selection_spectr
     ax, least = axes[0, 0], model_selection["bic"].min()
     for psd, rows in model_selection.groupby("psd", sort=False):
         above = np.maximum(rows["bic"] - least, 10)
-        ax.plot(rows["n_parameters"], above, "o-", color=COLOURS[psd], markersize=3, label=name_of(psd))
+        ax.plot(
+            rows["n_parameters"], above, "o-", color=COLOURS[psd], markersize=3, label=name_of(psd)
+        )
         for row, y in zip(rows.itertuples(), above, strict=True):
-            ax.annotate(f"{row.n_zones}", (row.n_parameters, y), xytext=(2, 2), textcoords="offset points", fontsize=5)
+            ax.annotate(
+                f"{row.n_zones}",
+                (row.n_parameters, y),
+                xytext=(2, 2),
+                textcoords="offset points",
+                fontsize=5,
+            )
     ax.set(xscale="log", yscale="log", xlabel="parameters", ylabel="BIC above its least")
     ax.legend(fontsize=6)
     # Observed as points, and each law fitted to it.
     ax, rows = axes[0, 1], model_selection_spectra[model_selection_spectra["zone"] == 0]
     ax.loglog(rows["wavenumber"], rows["tabulated"], ".", color=COLOURS["tabulated"], markersize=2)
     for name in SPECTRA:
-        ax.loglog(rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name))
+        ax.loglog(
+            rows["wavenumber"], rows[name], color=COLOURS[name], linewidth=0.9, label=name_of(name)
+        )
     ax.set(xlabel="wavenumber [cycles per range line]", ylabel="PSD of slab 0, zone 0 [bins² line]")
     ax.legend(fontsize=6)
     # Statistics of scenes by each model against those of the first.
@@ -31,7 +41,9 @@ def label_models(model_selection, model_selection_scenes, model_selection_spectr
     columns = [name for name in model_selection_scenes.columns if name.endswith("_bins_change")]
     rows = model_selection_scenes[~model_selection_scenes["model"].isin(("paper", "in use"))]
     for i, row in enumerate(rows.itertuples()):
-        label = f"{row.model}: {row.n_zones} zones, {name_of(row.psd)}, {row.n_parameters} parameters"
+        label = (
+            f"{row.model}: {row.n_zones} zones, {name_of(row.psd)}, {row.n_parameters} parameters"
+        )
         at = np.arange(len(columns)) + 0.25 * (i - (len(rows) - 1) / 2)
         ax.plot([100 * getattr(row, name) for name in columns], at, "o", markersize=4, label=label)
     ax.axvline(0, color="0.6", linewidth=0.8)
@@ -74,9 +86,21 @@ def plot_correlation(ax, correlation):
     for band, rows in correlation.groupby("band"):
         colour = BLACK if band < 0 else colormaps["plasma"](band / 5)
         ax.plot(rows["separation"], rows["observed"], "o", color=colour, markersize=2.5)
-        ax.plot(rows["separation"], rows["synthetic"], color=colour, label="means" if band < 0 else f"band {band}")
+        ax.plot(
+            rows["separation"],
+            rows["synthetic"],
+            color=colour,
+            label="means" if band < 0 else f"band {band}",
+        )
     ax.set(xlabel="slabs apart", ylabel="correlation")
-    ax.legend(fontsize=6, ncols=5, handlelength=1, columnspacing=1, loc="lower center", bbox_to_anchor=(0.5, 1))
+    ax.legend(
+        fontsize=6,
+        ncols=5,
+        handlelength=1,
+        columnspacing=1,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1),
+    )
 
 
 def _zone_colour(zone, table):

@@ -25,9 +25,23 @@ def speed_accuracy_speckle(speed_accuracy_speckle):
     ax, method = axes[0, 1], "gamma, moving"
     for n_looks, rows in runs[runs["method"] == method].groupby("n_looks"):
         rows = rows.drop_duplicates("movement_db").sort_values("movement_db")
-        style = {"linestyle": "-" if n_looks == runs["n_looks"].min() else "--", "color": COLOURS[method]}
-        ax.plot(rows["movement_db"], rows["distance"], "o", markersize=3, label=f"{n_looks:.0f} looks", **style)
-    ax.set(yscale="log", xlabel="change of the mean within the looks [dB]", ylabel="distance from the sum of looks")
+        style = {
+            "linestyle": "-" if n_looks == runs["n_looks"].min() else "--",
+            "color": COLOURS[method],
+        }
+        ax.plot(
+            rows["movement_db"],
+            rows["distance"],
+            "o",
+            markersize=3,
+            label=f"{n_looks:.0f} looks",
+            **style,
+        )
+    ax.set(
+        yscale="log",
+        xlabel="change of the mean within the looks [dB]",
+        ylabel="distance from the sum of looks",
+    )
     ax.legend(fontsize=6)
     return note_source(figure, PLANTED)
 
@@ -41,8 +55,19 @@ def speed_accuracy_growth(speed_accuracy_growth):
     """Time of a scene against its pixels and against its layers."""
     runs = speed_accuracy_growth
     figure, axes = new_figure(1, 2, width=7)
-    plot_growth(axes[0, 0], runs[runs["setting"] == "pixels"], "n_pixels", "pixels of a scene of 15 layers", "log")
-    plot_growth(axes[0, 1], runs[runs["setting"] == "layers"], "n_layers", "layers of a scene of 1024 x 256 pixels")
+    plot_growth(
+        axes[0, 0],
+        runs[runs["setting"] == "pixels"],
+        "n_pixels",
+        "pixels of a scene of 15 layers",
+        "log",
+    )
+    plot_growth(
+        axes[0, 1],
+        runs[runs["setting"] == "layers"],
+        "n_layers",
+        "layers of a scene of 1024 x 256 pixels",
+    )
     return note_source(figure, PLANTED)
 
 
@@ -60,7 +85,9 @@ def phy_plan(plans):
         ax.axvline(values.mean(), color=BLACK, linewidth=1, label=f"mean {values.mean():.3g}")
         ax.set(xlabel=label, ylabel="scenes")
     tolerance_db = plans["plan_tolerance_db"].iloc[0]
-    axes[0, 2].axvline(tolerance_db, color=BLACK, linestyle=":", linewidth=1, label=f"tolerance {tolerance_db:.3g}")
+    axes[0, 2].axvline(
+        tolerance_db, color=BLACK, linestyle=":", linewidth=1, label=f"tolerance {tolerance_db:.3g}"
+    )
     for ax in axes[0]:
         ax.legend(fontsize=6)
     return figure
@@ -69,8 +96,12 @@ def phy_plan(plans):
 def fastest(runs, by):
     """Least nanoseconds per pixel of every group: other jobs only ever add; and the group's first other values."""
     runs = runs.assign(ns=runs["seconds"] / runs["n_pixels"] * 1e9)
-    others = {name: "first" for name in runs.columns if name not in (*by, "ns", "repeat", "seconds")}
-    return runs.groupby(list(by), sort=False, dropna=False).agg({"ns": "min", **others}).reset_index()
+    others = {
+        name: "first" for name in runs.columns if name not in (*by, "ns", "repeat", "seconds")
+    }
+    return (
+        runs.groupby(list(by), sort=False, dropna=False).agg({"ns": "min", **others}).reset_index()
+    )
 
 
 def pareto_front(error, cost):
@@ -85,7 +116,9 @@ def pareto_front(error, cost):
     return front
 
 
-def plot_speed_accuracy(ax, runs, column="error_db", xlabel="largest error of mean power plus noise [dB]"):
+def plot_speed_accuracy(
+    ax, runs, column="error_db", xlabel="largest error of mean power plus noise [dB]"
+):
     """Fastest runs against error, Pareto front and floor; lines where no error is known: they are no approximations."""
     points = fastest(runs, ("setting", "method"))
     floor = points[points["method"] == FLOOR]
@@ -95,19 +128,36 @@ def plot_speed_accuracy(ax, runs, column="error_db", xlabel="largest error of me
     least = known.loc[inexact, column].min()
     shown = known.assign(x=np.where(inexact, known[column], least / 10))
     for method, rows in shown.groupby("method", sort=False):
-        ax.plot(rows["x"], rows["ns"], "o", color=COLOURS[method], markersize=4, label=method, zorder=3)
+        ax.plot(
+            rows["x"], rows["ns"], "o", color=COLOURS[method], markersize=4, label=method, zorder=3
+        )
     _annotate(ax, shown)
     front = shown[pareto_front(known[column].where(inexact, 0), known["ns"])].sort_values("x")
-    ax.plot(front["x"], front["ns"], drawstyle="steps-post", color="0.6", linewidth=1, label="Pareto front")
+    ax.plot(
+        front["x"],
+        front["ns"],
+        drawstyle="steps-post",
+        color="0.6",
+        linewidth=1,
+        label="Pareto front",
+    )
     for row in points[~np.isfinite(points[column])].itertuples():
         label = f"{row.method} (another model)"
         ax.axhline(row.ns, color=COLOURS[row.method], linestyle="--", linewidth=1, label=label)
     if len(floor):
-        ax.axhline(floor["ns"].min(), color=BLACK, linestyle=":", linewidth=1, label="one float32 normal per pixel")
+        ax.axhline(
+            floor["ns"].min(),
+            color=BLACK,
+            linestyle=":",
+            linewidth=1,
+            label="one float32 normal per pixel",
+        )
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="ns per pixel")
     if not inexact.all():
         ax.axvspan(least / 30, least / 4, color="0.93", zorder=0)
-        ax.annotate("exact", (least / 10, 0.02), xycoords=("data", "axes fraction"), fontsize=6, ha="center")
+        ax.annotate(
+            "exact", (least / 10, 0.02), xycoords=("data", "axes fraction"), fontsize=6, ha="center"
+        )
         ax.set_xlim(left=least / 30)
     ax.set_xlim(right=12 * known[column].max())
     ax.legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.01, 1))
@@ -124,9 +174,14 @@ def _annotate(ax, shown):
     for points, text in clusters:
         x, y = points.mean(axis=0)
         others = [other.mean(axis=0) for other, _ in clusters if other is not points]
-        hangs = any(abs(at[0] - x) < NEAR_DECADES[0] * 2 and 0 < at[1] - y < NEAR_DECADES[1] for at in others)
+        hangs = any(
+            abs(at[0] - x) < NEAR_DECADES[0] * 2 and 0 < at[1] - y < NEAR_DECADES[1]
+            for at in others
+        )
         offset = (0, -9 if hangs else 5)
-        ax.annotate(text, (10**x, 10**y), xytext=offset, textcoords="offset points", fontsize=6, ha="center")
+        ax.annotate(
+            text, (10**x, 10**y), xytext=offset, textcoords="offset points", fontsize=6, ha="center"
+        )
 
 
 def near_points(places, rows):
@@ -154,8 +209,22 @@ def plot_growth(ax, runs, column, xlabel, scale="linear"):
     points = fastest(runs, (column, "method"))
     for method, rows in points.groupby("method", sort=False):
         rows, colour = rows.sort_values(column), COLOURS[method]
-        ax.plot(rows[column], rows["ns"] * rows["n_pixels"] / 1e6, "o-", color=colour, markersize=3, label=method)
+        ax.plot(
+            rows[column],
+            rows["ns"] * rows["n_pixels"] / 1e6,
+            "o-",
+            color=colour,
+            markersize=3,
+            label=method,
+        )
         if rows["plan_ms"].notna().any():
-            ax.plot(rows[column], rows["plan_ms"], "--", color=colour, linewidth=0.8, label=f"{method}, planned")
+            ax.plot(
+                rows[column],
+                rows["plan_ms"],
+                "--",
+                color=colour,
+                linewidth=0.8,
+                label=f"{method}, planned",
+            )
     ax.set(xlabel=xlabel, ylabel="ms per scene", xscale=scale, yscale=scale)
     ax.legend(fontsize=6)

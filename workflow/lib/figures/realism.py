@@ -6,7 +6,10 @@ from lib.figures.style import BLACK, BLUE, RED, new_figure
 
 CURVES = {
     "Greenland, autocorrelation along track": ("distance [m]", "autocorrelation, 100 m means"),
-    "snow, autocorrelation along track": ("distance [range lines]", "autocorrelation, homogeneous snow"),
+    "snow, autocorrelation along track": (
+        "distance [range lines]",
+        "autocorrelation, homogeneous snow",
+    ),
     "air, autocorrelation down": ("delay [ns]", "autocorrelation, air"),
     "Greenland, shift of layers": ("distance [m]", "median shift of layers [bins]"),
 }
@@ -39,7 +42,11 @@ def plot_differences(ax, table):
     for limit in (-1, 1):
         ax.axvline(limit, color="0.5", linestyle=":", linewidth=1)
     ax.set_yticks(y, rows["quantity"], fontsize=5)
-    ax.set(xlim=(-REACH - 0.3, REACH + 0.3), ylim=(-1, len(rows)), xlabel="flight - real, over what is tolerated")
+    ax.set(
+        xlim=(-REACH - 0.3, REACH + 0.3),
+        ylim=(-1, len(rows)),
+        xlabel="flight - real, over what is tolerated",
+    )
 
 
 def plot_curve(ax, table, real, name):
@@ -50,7 +57,15 @@ def plot_curve(ax, table, real, name):
         for rows in (table, real)
     )
     for frame, points in observed.groupby("frame", sort=False):
-        ax.plot(points["x"], points["value"], "o--", color=BLUE, markersize=3, linewidth=0.7, label=f"real, {frame}")
+        ax.plot(
+            points["x"],
+            points["value"],
+            "o--",
+            color=BLUE,
+            markersize=3,
+            linewidth=0.7,
+            label=f"real, {frame}",
+        )
     reach = [flight["value"] - flight["low"], flight["high"] - flight["value"]]
     style = {"fmt": "o-", "color": BLACK, "markersize": 3, "label": "flight"}
     ax.errorbar(flight["x"], flight["value"], yerr=np.maximum(reach, 0), **style)
@@ -64,7 +79,14 @@ def realism_crops(crops):
     figure, axes = new_figure(len(names), crops.sizes["crop"], width=8, height=1.2 * len(names))
     for row, name in zip(axes, names, strict=True):
         for ax, crop in zip(row, crops[name].values, strict=True):
-            ax.imshow(crop - crop.mean(), cmap="gray", vmin=-5, vmax=5, aspect="auto", interpolation="none")
+            ax.imshow(
+                crop - crop.mean(),
+                cmap="gray",
+                vmin=-5,
+                vmax=5,
+                aspect="auto",
+                interpolation="none",
+            )
             ax.set(xticks=[], yticks=[])
         row[0].set_ylabel(name.replace(", ", "\n"), fontsize=7)
     return figure

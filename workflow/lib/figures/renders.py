@@ -5,7 +5,15 @@ from itertools import islice
 import numpy as np
 
 from lib.figures import style
-from lib.figures.style import evenly_spaced, name_of, new_figure, note_source, plot_echogram, plot_layers, plot_picks
+from lib.figures.style import (
+    evenly_spaced,
+    name_of,
+    new_figure,
+    note_source,
+    plot_echogram,
+    plot_layers,
+    plot_picks,
+)
 from snowsim.echogram import MINIMUM_ROWS
 
 N_STEPS_SHOWN = 4
@@ -23,8 +31,12 @@ def cgan_losses(losses, validation):
     axes[0, 0].legend(fontsize=7)
     best = validation.loc[validation["fitness"].idxmax()]
     for ax, metric in zip(axes[0, 1:], ("psnr", "ssim"), strict=True):
-        ax.plot(validation["step"], validation[metric], "o-", color=style.COLOURS["cgan"], markersize=3)
-        ax.plot(best["step"], best[metric], "o", color=style.BLACK, markersize=6, markerfacecolor="none")
+        ax.plot(
+            validation["step"], validation[metric], "o-", color=style.COLOURS["cgan"], markersize=3
+        )
+        ax.plot(
+            best["step"], best[metric], "o", color=style.BLACK, markersize=6, markerfacecolor="none"
+        )
         ax.set(xlabel="step", ylabel=name_of(metric))
     return figure
 
@@ -36,7 +48,9 @@ def cgan_samples(samples):
         sheets.setdefault(sample.name, []).append(sample)
     steps = [sample.notes["step"] for sample in next(iter(sheets.values()))[1:]]
     shown = evenly_spaced(steps, N_STEPS_SHOWN)
-    figure, axes = new_figure(len(sheets), 2 + len(shown), width=9, height=1.8 * len(sheets), sharey="row")
+    figure, axes = new_figure(
+        len(sheets), 2 + len(shown), width=9, height=1.8 * len(sheets), sharey="row"
+    )
     for row, (name, (observed, *rendered)) in zip(axes, sheets.items(), strict=True):
         plot_layers(row[0], observed, f"{name}: layers")
         plot_echogram(row[1], observed.image, "observed")
@@ -48,13 +62,19 @@ def cgan_samples(samples):
 def annotation(train, source):
     """A train scene, its annotation, and every layer there is: of rich scenes the one in the middle by share found."""
     shares = [annotated_share(scene) for scene in train]
-    rich = [i for i, scene in enumerate(train) if complete_layers(scene).shape[0] > RICH_LAYERS] or range(len(train))
+    rich = [
+        i for i, scene in enumerate(train) if complete_layers(scene).shape[0] > RICH_LAYERS
+    ] or range(len(train))
     middle = sorted(rich, key=lambda i: (shares[i], i))[len(rich) // 2]
     scene = train[middle]
     panels = {"echogram": None, "annotation": scene.layer_bins}
     if scene.complete_layer_bins is not None:
         title = f"semi-automatic annotation, {100 * shares[middle]:.0f} %"
-        panels = {"echogram": None, title: scene.layer_bins, "corrected annotation": scene.complete_layer_bins}
+        panels = {
+            "echogram": None,
+            title: scene.layer_bins,
+            "corrected annotation": scene.complete_layer_bins,
+        }
     figure, axes = new_figure(1, len(panels), width=2.5 * len(panels), height=3.4, sharey=True)
     for ax, (title, layer_bins) in zip(axes[0], panels.items(), strict=True):
         plot_echogram(ax, scene.image, title)
@@ -82,7 +102,9 @@ def synthetic(test, phy, cgan, n_labels, source):
     with_layers = np.flatnonzero(n_observed) if any(n_observed) else np.arange(len(n_observed))
     chosen = with_layers[evenly_spaced(np.array(n_observed)[with_layers], N_SCENES_SHOWN)]
     left = np.array(n_drawn, dtype=float)  # NaN once shown
-    figure, axes = new_figure(5, chosen.size, width=2.3 * chosen.size, height=8.5, sharex=True, sharey=True)
+    figure, axes = new_figure(
+        5, chosen.size, width=2.3 * chosen.size, height=8.5, sharex=True, sharey=True
+    )
     for column, i in zip(axes.T, chosen, strict=True):
         alike = int(np.nanargmin(np.abs(left - n_observed[i]))) if np.isfinite(left).any() else 0
         left[alike] = np.nan

@@ -7,14 +7,40 @@ from lib.figures.style import COLOURS, METHODS, name_of, new_figure, plot_echogr
 from snowsim.echogram import SURFACE_ROW
 
 N_SCENES_SHOWN = 3
-PART_COLOURS = (style.BLACK, style.BLUE, style.SKY, style.ORANGE, style.PINK)  # of the mean square error
+PART_COLOURS = (
+    style.BLACK,
+    style.BLUE,
+    style.SKY,
+    style.ORANGE,
+    style.PINK,
+)  # of the mean square error
 # Numbers of drawn and observed scenes: along what, what, and of what axes.
 SCENE_NUMBERS = {
-    "contrast of layers": ("layer below the surface", "contrast of labelled layers [dB]", ("linear", "linear")),
-    "structure function, slabs": ("lag [range lines]", "structure function of slabs [bins²]", ("log", "log")),
-    "structure function, layers": ("lag [range lines]", "structure function of layers [bins²]", ("log", "log")),
-    "autocorrelation, range_line": ("lag [range lines]", "autocorrelation along track", ("log", "linear")),
-    "autocorrelation, range_bin": ("lag [range bins]", "autocorrelation down range", ("log", "linear")),
+    "contrast of layers": (
+        "layer below the surface",
+        "contrast of labelled layers [dB]",
+        ("linear", "linear"),
+    ),
+    "structure function, slabs": (
+        "lag [range lines]",
+        "structure function of slabs [bins²]",
+        ("log", "log"),
+    ),
+    "structure function, layers": (
+        "lag [range lines]",
+        "structure function of layers [bins²]",
+        ("log", "log"),
+    ),
+    "autocorrelation, range_line": (
+        "lag [range lines]",
+        "autocorrelation along track",
+        ("log", "linear"),
+    ),
+    "autocorrelation, range_bin": (
+        "lag [range bins]",
+        "autocorrelation down range",
+        ("log", "linear"),
+    ),
 }
 
 
@@ -25,7 +51,9 @@ def similarity_boxplots(images):
     for ax, metric in zip(axes.flat, ("ssim", "psnr", "rmse"), strict=True):
         values = [images.loc[images["method"] == method, metric] for method in methods]
         labels, fliers = [name_of(method) for method in methods], {"marker": ".", "markersize": 4}
-        boxes = ax.boxplot([v[np.isfinite(v)] for v in values], tick_labels=labels, widths=0.5, flierprops=fliers)
+        boxes = ax.boxplot(
+            [v[np.isfinite(v)] for v in values], tick_labels=labels, widths=0.5, flierprops=fliers
+        )
         for box, median, method in zip(boxes["boxes"], boxes["medians"], methods, strict=True):
             box.set_color(COLOURS[method])
             median.set(color=COLOURS[method], linewidth=2)
@@ -39,7 +67,9 @@ def ssim_depth(ssim_depth):
     ax = axes[0, 0]
     for method, rows in ssim_depth.groupby("method"):
         ax.plot(rows["range_bin"], rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
-        ax.plot(rows["range_bin"], rows["ssim_smooth"], color=COLOURS[method], label=name_of(method))
+        ax.plot(
+            rows["range_bin"], rows["ssim_smooth"], color=COLOURS[method], label=name_of(method)
+        )
     ax.axvline(SURFACE_ROW, color="0.5", linestyle=":", linewidth=1)
     ax.annotate("snow surface", (SURFACE_ROW, 0.98), xycoords=("data", "axes fraction"), fontsize=7, va="top",
                 xytext=(4, 0), textcoords="offset points")  # fmt: skip
@@ -51,7 +81,9 @@ def ssim_depth(ssim_depth):
 def sample(observed, cgan, phy, images):
     """Observed scene, its layers, and both renders of them, for scenes at the quartiles of cGAN's SSIM."""
     ranked = images[images["method"] == "cgan"].sort_values(["ssim", "scene"])["scene"].to_list()
-    names = [ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, N_SCENES_SHOWN + 2)[1:-1]]
+    names = [
+        ranked[round(rank)] for rank in np.linspace(0, len(ranked) - 1, N_SCENES_SHOWN + 2)[1:-1]
+    ]
     figure, axes = new_figure(len(names), 4, width=8, height=2.6 * len(names))
     for column, scenes, title in ((0, observed, "observed"), (2, cgan, "cGAN"), (3, phy, "PHY")):
         chosen = {scene.name: scene for scene in scenes if scene.name in names}
@@ -72,11 +104,20 @@ def render_positions(render_positions):
         for k, (method, rows) in enumerate(chosen.groupby("method")):
             groups = rows.groupby("shape_class")["mean_abs_error_bins"]
             error = 2 * groups.std() / np.sqrt(groups.count())
-            style = {"fmt": "o-", "color": COLOURS[method], "markersize": 4, "label": name_of(method)}
+            style = {
+                "fmt": "o-",
+                "color": COLOURS[method],
+                "markersize": 4,
+                "label": name_of(method),
+            }
             ax.errorbar(groups.mean().index + 0.08 * (k - 1), groups.mean(), error, **style)
         edges = chosen.drop_duplicates("shape_class").sort_values("shape_class")
         labels = [
-            f"below {high:.2g}" if low == 0 else f"above {low:.2g}" if np.isinf(high) else f"{low:.2g} to {high:.2g}"
+            f"below {high:.2g}"
+            if low == 0
+            else f"above {low:.2g}"
+            if np.isinf(high)
+            else f"{low:.2g} to {high:.2g}"
             for low, high in zip(edges["shape_low"], edges["shape_high"], strict=True)
         ]
         ax.set_xticks(range(len(labels)), labels, fontsize=7)
@@ -97,9 +138,13 @@ def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
     axes[0, 0].legend(fontsize=6, loc="upper left")
     # Mean square error taken apart, stacked; what is in common is left out.
     ax = axes[1, 0]
-    wide = similarity_parts.pivot_table(index="method", columns="part", values="mean_square", sort=False)
+    wide = similarity_parts.pivot_table(
+        index="method", columns="part", values="mean_square", sort=False
+    )
     methods, left = [name_of(method) for method in wide.index], np.zeros(len(wide))
-    for name, colour in zip([name for name in wide.columns if name != "speckle in common"], PART_COLOURS, strict=True):
+    for name, colour in zip(
+        [name for name in wide.columns if name != "speckle in common"], PART_COLOURS, strict=True
+    ):
         ax.barh(methods, wide[name], left=left, color=colour, label=name, height=0.5)
         left = left + wide[name].to_numpy()
     ax.set_ylim(-0.5, len(wide) + 1.5)  # room for the legend
@@ -107,7 +152,9 @@ def similarity_bounds(similarity_bounds, similarity_parts, air_texture):
     ax.legend(fontsize=6, loc="upper right")
     # Held-out train scenes, rendered from picked layers and from all there are.
     for method, group in bounds[bounds["scenes"] != "test"].groupby("method"):
-        axes[1, 1].plot(group["layers"], group["psnr"], "o-", color=COLOURS[method], label=name_of(method))
+        axes[1, 1].plot(
+            group["layers"], group["psnr"], "o-", color=COLOURS[method], label=name_of(method)
+        )
     axes[1, 1].set(ylabel=name_of("psnr"), xlabel="layers rendered")
     axes[1, 1].margins(x=0.3)
     for row in air.itertuples():
@@ -126,7 +173,9 @@ def plot_cases(ax, rows, metric):
         values = rows[rows["method"] == method].set_index("case")[metric].reindex(cases)
         ax.plot(values, range(len(cases)), "o", color=COLOURS[method], label=name_of(method))
     for dashes, bound in zip(("-", ":"), rows[rows["method"] == "bound"].itertuples(), strict=True):
-        ax.axvline(getattr(bound, metric), color="0.4", linestyle=dashes, linewidth=1, label=bound.case)
+        ax.axvline(
+            getattr(bound, metric), color="0.4", linestyle=dashes, linewidth=1, label=bound.case
+        )
     ax.set_yticks(range(len(cases)), cases)
     ax.set_ylim(len(cases) - 0.5, -2)  # room for a legend
     ax.set_xlabel(name_of(metric))
@@ -145,9 +194,15 @@ def worth(two_sample, drawn_scenes):
     axes[0, 0].set(xlabel="first range bin of the patch", ylabel="share of right decisions")
     axes[0, 0].set(ylim=(0.4, 1.4), yticks=np.arange(4, 11, 2) / 10)
     axes[0, 0].legend(fontsize=6, loc="upper left")
-    for ax, (quantity, (at, label, scales)) in zip(axes.flat[1:], SCENE_NUMBERS.items(), strict=True):
-        for name, rows in drawn_scenes[drawn_scenes["quantity"] == quantity].groupby("scenes", sort=False):
-            ax.fill_between(rows["at"], rows["low"], rows["high"], color=COLOURS[name], alpha=0.2, linewidth=0)
+    for ax, (quantity, (at, label, scales)) in zip(
+        axes.flat[1:], SCENE_NUMBERS.items(), strict=True
+    ):
+        for name, rows in drawn_scenes[drawn_scenes["quantity"] == quantity].groupby(
+            "scenes", sort=False
+        ):
+            ax.fill_between(
+                rows["at"], rows["low"], rows["high"], color=COLOURS[name], alpha=0.2, linewidth=0
+            )
             ax.plot(rows["at"], rows["mean"], ".-", color=COLOURS[name], label=name_of(name))
         ax.set(xlabel=at, ylabel=label, xscale=scales[0], yscale=scales[1])
     axes[0, 1].legend(fontsize=7)

@@ -3,7 +3,10 @@
 from lib.figures.style import BLACK, COLOURS, new_figure
 
 PANELS = {  # of each network: the data it was trained on, the score, and what it is called
-    "tracker": (("rd", "ods", "ODS, trained on RD"), ("pd", "ods", "ODS, trained on PHY's scenes alone")),
+    "tracker": (
+        ("rd", "ods", "ODS, trained on RD"),
+        ("pd", "ods", "ODS, trained on PHY's scenes alone"),
+    ),
     "cgan": (("", "distance", "cGAN: distance of patches"),),
     "guided": (("", "distance", "guided: distance of patches"),),
 }
@@ -13,12 +16,18 @@ def budgets(tracker, cgan, guided):
     """Scores on validation scenes against core-seconds of a training; a line: steps alone; the default is filled."""
     figure, axes = new_figure(2, 2, width=9, height=6.5)
     tables = {"tracker": tracker, "cgan": cgan, "guided": guided}
-    panels = ((tables[network], *panel) for network, of_network in PANELS.items() for panel in of_network)
+    panels = (
+        (tables[network], *panel) for network, of_network in PANELS.items() for panel in of_network
+    )
     for ax, (table, trained_on, score, label) in zip(axes.flat, panels, strict=True):
-        table = table.assign(change=table["change"].fillna(""), trained_on=table["trained_on"].fillna(""))
+        table = table.assign(
+            change=table["change"].fillna(""), trained_on=table["trained_on"].fillna("")
+        )
         rows = table[table["trained_on"] == trained_on]
         means = rows.groupby("change", sort=False)[["core_seconds", score, "n_steps"]].mean()
-        steps_alone = means[[not name or name.startswith("n_steps") for name in means.index]].sort_values("n_steps")
+        steps_alone = means[
+            [not name or name.startswith("n_steps") for name in means.index]
+        ].sort_values("n_steps")
         ax.plot(steps_alone["core_seconds"], steps_alone[score], color=BLACK, linewidth=0.8)
         colour = COLOURS.get(trained_on, BLACK)
         ax.plot(rows["core_seconds"], rows[score], ".", color=colour, markersize=3)

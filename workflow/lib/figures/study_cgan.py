@@ -5,7 +5,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from lib.figures.style import BLACK, COLOURS, name_of, new_figure
 
-WORTH = {"two_sample_network": "two-sample accuracy, network", "ods": "ODS of a tracker trained on it alone"}
+WORTH = {
+    "two_sample_network": "two-sample accuracy, network",
+    "ods": "ODS of a tracker trained on it alone",
+}
 SHAPES = {"height": "height [range bins]", "layers": "layers below the surface"}
 SHAPES |= {"slope": "slope [range bins per line]", "spacing": "least spacing [range bins]"}
 N_CLASSES = 6
@@ -16,7 +19,13 @@ def speed_accuracy_renderers(renderers):
     figure, axes = new_figure(1, 2, width=8)
     for ax, (column, label) in zip(axes[0], WORTH.items(), strict=True):
         for name, rows in renderers.groupby("renderer", sort=False):
-            ax.plot(1e9 * rows["seconds_per_pixel"], rows[column], "o", color=COLOURS[name], label=name_of(name))
+            ax.plot(
+                1e9 * rows["seconds_per_pixel"],
+                rows[column],
+                "o",
+                color=COLOURS[name],
+                label=name_of(name),
+            )
         ax.set(xscale="log", xlabel="nanoseconds per pixel", ylabel=label)
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
         ax.xaxis.set_major_formatter("{x:g}")
@@ -33,12 +42,23 @@ def atlas_positions(positions):
     for ax, (column, label) in zip(axes[0], SHAPES.items(), strict=True):
         known = drawn[np.isfinite(drawn[column]) & np.isfinite(drawn["error_bins"])]
         edges = np.unique(np.quantile(known[column], np.linspace(0, 1, N_CLASSES + 1)))
-        place = np.clip(np.searchsorted(edges, known[column], side="right") - 1, 0, max(edges.size - 2, 0))
+        place = np.clip(
+            np.searchsorted(edges, known[column], side="right") - 1, 0, max(edges.size - 2, 0)
+        )
         for name, rows in known.groupby("renderer", sort=False):
             means = rows.groupby(place[known["renderer"] == name])[[column, "error_bins"]].median()
-            ax.plot(means[column], means["error_bins"], "o-", color=COLOURS[name], label=name_of(name))
+            ax.plot(
+                means[column], means["error_bins"], "o-", color=COLOURS[name], label=name_of(name)
+            )
         beyond = known[known["outside"] & (known["renderer"] == "cgan")]
-        ax.plot(beyond[column], beyond["error_bins"], "x", markersize=3, color=COLOURS["cgan"], alpha=0.5)
+        ax.plot(
+            beyond[column],
+            beyond["error_bins"],
+            "x",
+            markersize=3,
+            color=COLOURS["cgan"],
+            alpha=0.5,
+        )
         ax.set(xlabel=label)
     axes[0, 0].set(ylabel="position error [range bins]")
     axes[0, 0].legend()
@@ -55,7 +75,11 @@ def atlas_cgan(atlas):
         at = weights.index(weight), rates.index(rate)
         healthy = runs["outcome"] == "healthy"
         share[at] = healthy.mean()
-        kinds = {fault.split(":")[0] for outcome in runs.loc[~healthy, "outcome"] for fault in outcome.split("; ")}
+        kinds = {
+            fault.split(":")[0]
+            for outcome in runs.loc[~healthy, "outcome"]
+            for fault in outcome.split("; ")
+        }
         text = "\n".join([f"{healthy.sum()} of {len(runs)}", *sorted(kinds)])
         ax.text(at[1], at[0], text, ha="center", va="center", fontsize=5.5)
     ax.imshow(share, vmin=0, vmax=1, cmap="PuOr", alpha=0.6, origin="lower", aspect="auto")

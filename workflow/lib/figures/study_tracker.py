@@ -41,7 +41,9 @@ def tracker_worth(worth):
 def worth_label(row):
     """Names of both training sets, and of their settings where these are not the default."""
     runs = (row.training_set, row.setting), (row.base_training_set, row.base)
-    return " less ".join(NAMES[s] + ("" if how == "default" else f", {name_of(how)}") for s, how in runs)
+    return " less ".join(
+        NAMES[s] + ("" if how == "default" else f", {name_of(how)}") for s, how in runs
+    )
 
 
 def plot_intervals(ax, rows, labels):
@@ -60,8 +62,20 @@ def atlas_tracker(atlas):
         rows = atlas[atlas["panel"] == panel]
         ok, failed = rows[rows["status"] == "ok"], rows[rows["status"] != "ok"]
         for _, of_replica in ok.groupby("replica"):
-            ax.plot(of_replica["value"], of_replica["result"], "o-", color=BLACK, markersize=3, linewidth=0.8)
+            ax.plot(
+                of_replica["value"],
+                of_replica["result"],
+                "o-",
+                color=BLACK,
+                markersize=3,
+                linewidth=0.8,
+            )
         if len(failed):  # an empty line that is not clipped would upset the layout
             ax.plot(failed["value"], np.zeros(len(failed)), "x", color=RED, clip_on=False)
-        ax.set(xlabel=xlabel, ylabel=ylabel, xscale=xscale, ylim=(0, 1.08 * ok["result"].max() if len(ok) else 1))
+        ax.set(
+            xlabel=xlabel,
+            ylabel=ylabel,
+            xscale=xscale,
+            ylim=(0, 1.08 * ok["result"].max() if len(ok) else 1),
+        )
     return figure

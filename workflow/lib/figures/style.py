@@ -8,14 +8,24 @@ from matplotlib import pyplot as plt
 
 from snowsim.io.files import written_whole
 
-# Okabe & Ito (2008), distinct for colour-blind readers too; a wine, and the grey of what serves as a foil.
+# Okabe & Ito (2008), distinct for colour-blind readers too; a wine, and the grey of what serves as
+# a foil.
 BLACK, BLUE, RED, GREEN, ORANGE = "#000000", "#0072B2", "#D55E00", "#009E73", "#E69F00"
-PINK, SKY, YELLOW, WINE, GREY, WHITE, LAND = "#CC79A7", "#56B4E9", "#F0E442", "#882255", "#999999", "#FFFFFF", "#EDF2F5"
+PINK, SKY, YELLOW, WINE, GREY, WHITE, LAND = (
+    "#CC79A7",
+    "#56B4E9",
+    "#F0E442",
+    "#882255",
+    "#999999",
+    "#FFFFFF",
+    "#EDF2F5",
+)
 SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 ZONE_COLOURS = (BLUE, GREEN, ORANGE, RED)
 TRAINING_SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
 METHODS = ("cgan", "phy")
-# Sources, training sets, estimators and label models; then ways to compute waveforms, speckle and scenes.
+# Sources, training sets, estimators and label models; then ways to compute waveforms, speckle and
+# scenes.
 COLOURS = {
     **dict.fromkeys(("observed", "rd", "tabulated"), BLACK),
     **dict.fromkeys(("looks", "as printed", "convolved", "sampled", "transfer matrix"), BLACK),
@@ -26,7 +36,9 @@ COLOURS = {
     **dict.fromkeys(("rd_pd_gd", "matern"), GREEN),
     **dict.fromkeys(("exact", "gamma", "closed form", "PHY exact", "single scattering"), GREEN),
     **dict.fromkeys(("render", "gamma, moving", "nearest", "PHY, as printed"), SKY),
-    **dict.fromkeys(("white", "looks, moving", "closed form in support", "wrapped", "nature run"), GREY),
+    **dict.fromkeys(
+        ("white", "looks, moving", "closed form in support", "wrapped", "nature run"), GREY
+    ),
     **dict.fromkeys(("cube", "naive", "naive closed form", "cGAN", "SMRT"), PINK),
     **dict.fromkeys(("recursive float64", "recursive64"), WINE),
     **dict.fromkeys(("quantile, correlated", "cut"), ORANGE),
@@ -34,7 +46,14 @@ COLOURS = {
     **{"phy_constant": SKY, "guided": GREEN},
 }
 # As figures write them; other names stand with spaces for underscores.
-NAMES = {"cgan": "cGAN", "phy": "PHY", "rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD", "psnr": "PSNR [dB]"}
+NAMES = {
+    "cgan": "cGAN",
+    "phy": "PHY",
+    "rd_gd": "RD+GD",
+    "rd_pd": "RD+PD",
+    "rd_pd_gd": "RD+PD+GD",
+    "psnr": "PSNR [dB]",
+}
 NAMES |= {name: name.upper() for name in ("rd", "gd", "pd", "rmse", "ssim", "ods", "ois", "ap")}
 NAMES |= {"phy_constant": "PHY, constant", "l1": "L1 U-Net"}
 NAMES |= {"ar1": "AR(1)", "matern": "Matérn", "width_bins": "1/e width", "noise_power": "noise"}
@@ -89,14 +108,20 @@ def plot_echogram(ax, image, title=""):
 def plot_layers(ax, scene, title):
     """Layers of a scene as lines on the frame of its image."""
     ax.plot(scene.layer_bins.T, color=BLACK, linewidth=0.6)
-    ax.set(xlim=(-0.5, scene.n_range_lines - 0.5), ylim=(scene.n_range_bins - 0.5, -0.5), xlabel="range line")
+    ax.set(
+        xlim=(-0.5, scene.n_range_lines - 0.5),
+        ylim=(scene.n_range_bins - 0.5, -0.5),
+        xlabel="range line",
+    )
     ax.set_title(title, fontsize=8)
 
 
 def evenly_spaced(numbers, n_chosen):
     """Indices of numbers at evenly spaced ranks, in that order; all if there are fewer."""
     order = np.argsort(np.asarray(numbers), kind="stable")
-    return order[np.unique(np.rint(np.linspace(0, order.size - 1, min(n_chosen, order.size))).astype(int))]
+    return order[
+        np.unique(np.rint(np.linspace(0, order.size - 1, min(n_chosen, order.size))).astype(int))
+    ]
 
 
 def plot_picks(ax, layer_bins):

@@ -2,7 +2,16 @@
 
 import numpy as np
 
-from lib.figures.style import COLOURS, NAMES, RED, RUNNING_STEPS, TRAINING_SETS, name_columns, name_of, new_figure
+from lib.figures.style import (
+    COLOURS,
+    NAMES,
+    RED,
+    RUNNING_STEPS,
+    TRAINING_SETS,
+    name_columns,
+    name_of,
+    new_figure,
+)
 
 PICK_ERRORS = {
     "mean_absolute_error_bins": "mean absolute error [range bins]",
@@ -17,7 +26,12 @@ def precision_recall(precision_recall):
     """Precision against recall of the fused output, a line a training set, mean over replicas."""
     figure, axes = new_figure(width=4, height=3.5)
     for training_set, rows in precision_recall.groupby("training_set", sort=False):
-        axes[0, 0].plot(rows["recall"], rows["precision"], color=COLOURS[training_set], label=NAMES[training_set])
+        axes[0, 0].plot(
+            rows["recall"],
+            rows["precision"],
+            color=COLOURS[training_set],
+            label=NAMES[training_set],
+        )
     axes[0, 0].set(xlabel="recall", ylabel="precision", xlim=(0, 1), ylim=(0, 1))
     axes[0, 0].legend(loc="lower left")
     return figure
@@ -42,7 +56,13 @@ def tracker_losses(losses):
     figure, axes = new_figure()
     for training_set, table in zip(TRAINING_SETS, losses, strict=True):
         smooth = table["total"].rolling(RUNNING_STEPS, min_periods=1).mean()
-        axes[0, 0].plot(table["step"], smooth, linewidth=1, color=COLOURS[training_set], label=NAMES[training_set])
+        axes[0, 0].plot(
+            table["step"],
+            smooth,
+            linewidth=1,
+            color=COLOURS[training_set],
+            label=NAMES[training_set],
+        )
     axes[0, 0].set(xlabel="step", ylabel="loss")
     axes[0, 0].legend()
     return figure
@@ -54,13 +74,17 @@ def picks(picks, picks_by_depth):
     for ax, (column, label) in zip(axes.flat, PICK_ERRORS.items(), strict=False):
         for x, (training_set, rows) in enumerate(picks.groupby("training_set", sort=False)):
             ax.bar(x, rows[column].mean(), color=COLOURS[training_set], alpha=0.35, width=0.6)
-            ax.plot(np.full(len(rows), x), rows[column], "o", color=COLOURS[training_set], markersize=4)
+            ax.plot(
+                np.full(len(rows), x), rows[column], "o", color=COLOURS[training_set], markersize=4
+            )
         name_columns(ax, picks["training_set"].unique())
         ax.set_ylabel(label)
     ax = axes[1, 2]
     for training_set, rows in picks_by_depth.groupby("training_set", sort=False):
         mean = rows.groupby("depth_from_bins")["share_found"].mean()
-        ax.step(mean.index, mean, where="post", color=COLOURS[training_set], label=NAMES[training_set])
+        ax.step(
+            mean.index, mean, where="post", color=COLOURS[training_set], label=NAMES[training_set]
+        )
     ax.set(xlabel="depth below the surface [range bins]", ylabel="share of layer pixels picked")
     ax.legend(fontsize=7)
     return figure
@@ -70,13 +94,17 @@ def table3_zones(table3_zones):
     """Difference of the fused edge scores to RD by accumulation zone, with 95 % intervals."""
     figure, axes = new_figure(1, 2, width=9, height=3)
     for ax, metric in zip(axes.flat, ("ods", "ap"), strict=True):
-        rows = table3_zones[(table3_zones["metric"] == metric) & (table3_zones["training_set"] != "rd")]
+        rows = table3_zones[
+            (table3_zones["metric"] == metric) & (table3_zones["training_set"] != "rd")
+        ]
         zones, sets = (list(dict.fromkeys(rows[column])) for column in ("zone", "training_set"))
         for shift, training_set in zip(np.linspace(-0.2, 0.2, len(sets)), sets, strict=True):
             of_set = rows[rows["training_set"] == training_set].set_index("zone").loc[zones]
             x, colour = np.arange(len(zones)) + shift, COLOURS[training_set]
             ax.vlines(x, of_set["difference_low"], of_set["difference_high"], color=colour)
-            ax.plot(x, of_set["difference"], "o", color=colour, markersize=4, label=NAMES[training_set])
+            ax.plot(
+                x, of_set["difference"], "o", color=colour, markersize=4, label=NAMES[training_set]
+            )
         ax.axhline(0, color="0.5", linewidth=0.8)
         sizes = rows.drop_duplicates("zone").set_index("zone")["n_images"]
         ax.set_xticks(range(len(zones)), [f"{zone}\n{sizes[zone]} scenes" for zone in zones])
@@ -87,17 +115,25 @@ def table3_zones(table3_zones):
 
 def side_outputs(samples):
     """The image with its layers, then every output on it, a row a scene and a training set."""
-    sheet = [(scene, name) for scene in samples["scene"].values for name in samples["training_set"].values]
+    sheet = [
+        (scene, name)
+        for scene in samples["scene"].values
+        for name in samples["training_set"].values
+    ]
     figure, axes = new_figure(len(sheet), 7, width=9, height=1.2 * len(sheet))
     for row, (scene, training_set) in zip(axes, sheet, strict=True):
         here = samples.sel(scene=scene)
-        row[0].imshow(here["image"], cmap="gray", vmin=0, vmax=255, aspect="auto", interpolation="nearest")
+        row[0].imshow(
+            here["image"], cmap="gray", vmin=0, vmax=255, aspect="auto", interpolation="nearest"
+        )
         rows, lines = np.nonzero(here["mask"].values)
         row[0].plot(lines, rows, ",", color=RED)
         row[0].set_ylabel(f"{NAMES[training_set]}\n{scene}", fontsize=7)
         for ax, output in zip(row[1:], samples["output"].values, strict=True):
             probability = here["probability"].sel(training_set=training_set, output=output)
-            ax.imshow(probability, cmap="gray_r", vmin=0, vmax=255, aspect="auto", interpolation="nearest")
+            ax.imshow(
+                probability, cmap="gray_r", vmin=0, vmax=255, aspect="auto", interpolation="nearest"
+            )
             ax.set_title(name_of(output), fontsize=7)
         for ax in row:
             ax.set(xticks=[], yticks=[])

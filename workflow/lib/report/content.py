@@ -22,7 +22,20 @@ GIBIBYTE_MB = 1024
 BUILT = "true by construction"
 
 
-def page_content(gallery, images, tables, figures, captions, paper, config, note, studies, printed, stages, benchmarks):
+def page_content(
+    gallery,
+    images,
+    tables,
+    figures,
+    captions,
+    paper,
+    config,
+    note,
+    studies,
+    printed,
+    stages,
+    benchmarks,
+):
     """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are.
 
     `printed` are the tables of the run as printed, by path, all or none.
@@ -49,7 +62,10 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
         "picks": errors_of_picks(by_name["picks"]),
         "two_sample": distinguished(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
-        "n_replicas": {of: int(intervals.set_index("output").loc[of, "n_replicas"].max()) for of in ("fuse", "side_1")},
+        "n_replicas": {
+            of: int(intervals.set_index("output").loc[of, "n_replicas"].max())
+            for of in ("fuse", "side_1")
+        },
         "enough_trainings": ENOUGH_TRAININGS,
         "claims": claims,
         "figures": figures,
@@ -72,17 +88,24 @@ def page_content(gallery, images, tables, figures, captions, paper, config, note
 def with_study(intervals, study_tables):
     """Table III's intervals, the fused output's means and differences to RD from the study, if it has more trainings.
 
-    `study_tables` are paths of what studies left; the interval of a mean stays that of the default run.
+    `study_tables` are paths of what studies left; the interval of a mean stays that of the default
+    run.
     """
     path = next((path for path in study_tables if Path(path).match("tracker/worth.csv")), None)
     if path is None:
         return intervals
-    worth = read_table(path).query("setting == 'default' and base == 'default' and base_training_set == 'rd'")
+    worth = read_table(path).query(
+        "setting == 'default' and base == 'default' and base_training_set == 'rd'"
+    )
     if worth.empty or worth["n_replicas"].max() <= intervals["n_replicas"].max():
         return intervals
     keys = ["output", "training_set", "metric"]
-    renamed = worth.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(output="fuse")
-    of_base = renamed.drop_duplicates("metric").assign(training_set="rd", mean=lambda rows: rows["base_mean"])
+    renamed = worth.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(
+        output="fuse"
+    )
+    of_base = renamed.drop_duplicates("metric").assign(
+        training_set="rd", mean=lambda rows: rows["base_mean"]
+    )
     columns = ["mean", "difference", "difference_low", "difference_high", "n_replicas"]
     updated = intervals.set_index(keys)
     updated.update(renamed.set_index(keys)[columns])
@@ -113,13 +136,18 @@ def paper_figures(caption):
     """Numbers of the paper's figures that a caption names ("paper, Fig. 8", "Figs 6 and 7", "Figs 10-12"), sorted."""
     numbers = set()
     for first, last, *others in PAPER_FIGURES.findall(caption.replace("Fig.", "Fig")):
-        numbers |= set(range(int(first), int(last or first) + 1)) | {int(number) for number in others if number}
+        numbers |= set(range(int(first), int(last or first) + 1)) | {
+            int(number) for number in others if number
+        }
     return sorted(numbers)
 
 
 def counterparts(figures, paper_numbers):
     """Figures whose captions name a figure of the paper, lists by its number."""
-    return {number: [f for f in figures if number in paper_figures(f["caption"])] for number in paper_numbers}
+    return {
+        number: [f for f in figures if number in paper_figures(f["caption"])]
+        for number in paper_numbers
+    }
 
 
 def described_tables(paths):
@@ -143,7 +171,9 @@ def compare_table2(table2, paper, printed=None):
     def of(table, metric, method):
         if table is None:
             return []
-        return table.set_index(["metric", "statistic"]).loc[metric, method].loc[["min", "mean", "max"]]
+        return (
+            table.set_index(["metric", "statistic"]).loc[metric, method].loc[["min", "mean", "max"]]
+        )
 
     def text(values, digits):
         return " / ".join(f"{value:.{digits}f}" for value in values)
@@ -190,7 +220,10 @@ def errors_of_picks(picks):
         f"Layers missed, of {means['n_layers'].iloc[0]:.0f}": ("n_missed_layers", "{:.0f}"),
         "False layers": ("n_false_layers", "{:.0f}"),
     }
-    return [(name, [text.format(value) for value in means[column]]) for name, (column, text) in shown.items()]
+    return [
+        (name, [text.format(value) for value in means[column]])
+        for name, (column, text) in shown.items()
+    ]
 
 
 def distinguished(two_sample):
@@ -198,20 +231,36 @@ def distinguished(two_sample):
     whole = two_sample[two_sample["first_row"] < 0]
     rows = []
     for name, of_name in whole.groupby("scenes", sort=False):
-        texts = {row.classifier: f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]" for row in of_name.itertuples()}
-        rows.append({"scenes": "the other half of the observed" if name == "observed" else NAMES[name], **texts})
+        texts = {
+            row.classifier: f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]"
+            for row in of_name.itertuples()
+        }
+        rows.append(
+            {
+                "scenes": "the other half of the observed" if name == "observed" else NAMES[name],
+                **texts,
+            }
+        )
     return rows
 
 
 def stage_costs(jobs, stages):
     """Cost of every stage, and under `rules` of every rule in it, in the order of `stages` (rule -> stage).
 
-    `jobs`, a row a job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]; of an older run's rules left out.
+    `jobs`, a row a job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]; of an older
+    run's rules left out.
     """
-    jobs = jobs.assign(**{name: pd.to_numeric(jobs[name], errors="coerce") for name in ("s", "cpu_time", "max_rss")})
+    jobs = jobs.assign(
+        **{
+            name: pd.to_numeric(jobs[name], errors="coerce")
+            for name in ("s", "cpu_time", "max_rss")
+        }
+    )
     costs = []
     for stage in dict.fromkeys(stages.values()):
-        rules = [rule for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()]
+        rules = [
+            rule for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()
+        ]
         if rules:
             parts = [{"rule": rule, **_cost(jobs[jobs["rule"] == rule])} for rule in rules]
             costs.append({"stage": stage, **_cost(jobs[jobs["rule"].isin(rules)]), "rules": parts})
@@ -238,16 +287,26 @@ def count_outcomes(claims):
 def summary_tiles(table2, intervals, claims, costs):
     """Names, values and notes of the summary: similarity, tracker, what augmentation gains, claims, time."""
     means = table2.set_index(["metric", "statistic"]).xs("mean", level="statistic")
-    fuse = intervals[(intervals["output"] == "fuse") & (intervals["metric"] == "ods")].set_index("training_set")
+    fuse = intervals[(intervals["output"] == "fuse") & (intervals["metric"] == "ods")].set_index(
+        "training_set"
+    )
     best = fuse["mean"].drop(index="rd").idxmax()
     rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_outcomes(claims)
 
     def methods(metric, digits, unit=""):
-        return ", ".join(f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS)
+        return ", ".join(
+            f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS
+        )
 
     tiles = {
-        "SSIM with observed scenes": (methods("ssim", 2), f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes"),
-        "Tracker on RD alone, fused ODS": (f"{rd['mean']:.3f}", f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}"),
+        "SSIM with observed scenes": (
+            methods("ssim", 2),
+            f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes",
+        ),
+        "Tracker on RD alone, fused ODS": (
+            f"{rd['mean']:.3f}",
+            f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
+        ),
         "Best augmented set, fused ODS": (
             f"{NAMES[best]} {signed3(gain['difference'])}",
             f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}], "

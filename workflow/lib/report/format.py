@@ -63,8 +63,14 @@ def config_lines(config, prefix=""):
     lines = []
     for key, value in config.items():
         name = f"{prefix}{key}"
-        lines += config_lines(value, f"{name}.") if isinstance(value, dict) and value else [(name, str(value))]
+        lines += (
+            config_lines(value, f"{name}.")
+            if isinstance(value, dict) and value
+            else [(name, str(value))]
+        )
     return lines
 
 
-FILTERS = {filter.__name__: filter for filter in (groupby_stage, stage_name, duration, size, cell, signed3)}
+FILTERS = {
+    filter.__name__: filter for filter in (groupby_stage, stage_name, duration, size, cell, signed3)
+}

@@ -12,7 +12,10 @@ METRICS = ("ssim", "psnr", "rmse")
 def gallery_of(scenes, images, n_scenes):
     """Test scenes spread over their number of layers, as plain values; `images` is the table of similarity."""
     scores = images.set_index(["scene", "method"])[list(METRICS)].to_dict("index")
-    rounded = {key: {metric: round(float(score), 3) for metric, score in of.items()} for key, of in scores.items()}
+    rounded = {
+        key: {metric: round(float(score), 3) for metric, score in of.items()}
+        for key, of in scores.items()
+    }
     chosen = evenly_spaced([scene.layer_bins.shape[0] for scene in scenes["observed"]], n_scenes)
     return [
         {

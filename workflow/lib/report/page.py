@@ -18,7 +18,12 @@ MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
 
 def write_page(path, folder, template, context, filters):
     """Write a page from a Jinja2 template of a folder, whole or not at all; an undefined name is an error."""
-    options = {"autoescape": True, "undefined": jinja2.StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    options = {
+        "autoescape": True,
+        "undefined": jinja2.StrictUndefined,
+        "trim_blocks": True,
+        "lstrip_blocks": True,
+    }
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder), **options)
     environment.filters |= filters
     page = environment.get_template(template).render(context)
@@ -29,7 +34,10 @@ def write_page(path, folder, template, context, filters):
 def write_json(path, value):
     """Write plain values as JSON, whole or not at all, with the same bytes for the same value."""
     with written_whole(path) as aside:
-        aside.write_text(json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False), encoding="utf-8")
+        aside.write_text(
+            json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False),
+            encoding="utf-8",
+        )
 
 
 def read_benchmarks(folder):
