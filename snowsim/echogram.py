@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.constants import EARTH_RADIUS_M
+from snowsim.echoes import Echoes
 
 SURFACE_ROW = 50  # where the published benchmark keeps the snow surface
 ROWS_BELOW_LAST_LAYER = 100
@@ -30,13 +31,15 @@ class Scene:
         Scaled by `to_uint8`; `noise_floor_db` and `maximum_db` are the powers of its 0 (plus 10 dB)
         and 255.
     complete_layer_bins : ndarray, (layer, range_line), or None
-        Every layer there is, where `layer_bins` holds only what a picker found; may have more rows.
-    peak_power : ndarray, (layer, range_line), or None
-        Linear power of each row of `complete_layer_bins`, where it was drawn with the layers.
+        Every layer there is, in order, where `layer_bins` holds only what a picker found; may have
+        more rows.
+    echoes : snowsim.echoes.Echoes, or None
+        What PHY renders, where it was drawn with the layers.
     zone : int
         Accumulation zone, -1 where unknown.
     notes : dict
-        Further numbers kept with the scene (a plan's bound and cost, counts of the label rule).
+        What was counted on the way (a plan's bound and cost, counts of the label rule); nothing is
+        computed from them.
     """
 
     name: str
@@ -44,7 +47,7 @@ class Scene:
     layer_bins: np.ndarray
     image: np.ndarray | None = None
     complete_layer_bins: np.ndarray | None = None
-    peak_power: np.ndarray | None = None
+    echoes: Echoes | None = None
     noise_floor_db: float = np.nan
     maximum_db: float = np.nan
     zone: int = -1
@@ -73,6 +76,16 @@ def scene_height(layer_bins):
         msg = "a scene needs at least one annotated pixel, got none"
         raise ValueError(msg)
     return max(MINIMUM_ROWS, int(np.ceil(np.nanmax(layer_bins))) + ROWS_BELOW_LAST_LAYER)
+
+
+def zone_of(first_thickness_bins, zone_edge_bins):
+    """Accumulation zone of mean thicknesses of the first slab, 0 the shallowest; -1 for NaN.
+
+    Thicknesses beyond the outer edges lie in the outer zones.
+    """
+    thickness = np.asarray(first_thickness_bins, dtype=float)
+    zone = np.searchsorted(np.asarray(zone_edge_bins)[1:-1], thickness, side="right")
+    return np.where(np.isnan(thickness), -1, zone)
 
 
 def layer_mask(layer_bins, n_range_bins):

@@ -5,6 +5,7 @@ The only module that joins several stages; `import snowsim` loads it when one of
 
 import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,8 @@ from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
-from snowsim.labels import draw_scene, prepare
-from snowsim.phy import plan, render_plan, render_scene
+from snowsim.labels import Dress, LabelModel, draw_scene, dress, prepare
+from snowsim.phy import render, render_scene
 from snowsim.phy.parameters import checked_height
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
@@ -26,8 +27,12 @@ __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
 EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
-START, SPEED_M_S = np.datetime64("2000-01-01", "ns"), 130.0  # of a flight due north from here
-LATITUDE, LONGITUDE, METRES_PER_DEGREE = 75.0, -45.0, 111_195.0
+# Of a flight due north.
+START = np.datetime64("2000-01-01", "ns")
+SPEED_M_S = 130.0
+LATITUDE = 75.0
+LONGITUDE = -45.0
+METRES_PER_DEGREE = 111_195.0
 CODES = {"quality": 1, "type": 2}  # good; automatic
 
 
@@ -82,42 +87,71 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     layer_bins = np.broadcast_to(SURFACE_ROW + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
     surface_power = parameters["peak_power"][0].mean() * height[0]
-    parameters["peak_power"] = np.broadcast_to(parameters["peak_power"], shape)
-    parameters["noise_power"] = surface_power * 10 ** (-radar.surface_to_noise_db / 10)
-    parameters |= {"n_looks": radar.n_looks, "speckle_correlation": radar.speckle_correlation()}
-    options = {"tolerance_db": tolerance_db, "normalise": "none", "align": "gaussian"}
-    power = render_plan(plan(layer_bins, parameters, scene_height(layer_bins), **options), rng=rng)
-
-    first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - SURFACE_ROW * radar.bin_s
-    distance_m = np.arange(n_range_lines) * radar.line_spacing_m
-    content = {
-        "Data": power,
-        "twtt": first_s + np.arange(power.shape[0]) * radar.bin_s,
-        "slow_time": START + np.rint(1e9 * distance_m / SPEED_M_S).astype("timedelta64[ns]"),
-        "Latitude": LATITUDE + distance_m / METRES_PER_DEGREE,
-        "Longitude": np.full(n_range_lines, LONGITUDE),
-        "Elevation": np.full(n_range_lines, float(radar.height_m)),
-        "Surface": first_s + layer_bins[0] * radar.bin_s,
+    parameters |= {
+        "peak_power": np.broadcast_to(parameters["peak_power"], shape),
+        "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
+        "n_looks": radar.n_looks,
+        "speckle_correlation": radar.speckle_correlation(),
     }
+    power = render(
+        layer_bins,
+        parameters,
+        scene_height(layer_bins),
+        tolerance_db=tolerance_db,
+        rng=rng,
+        normalise="none",
+        align="gaussian",
+    )
+    first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - SURFACE_ROW * radar.bin_s
     attributes = vars(radar) | {
         "synthetic": "simulated from a snowpack and a radar, not observed data"
     }
+    content = _track(n_range_lines, radar)
+    content["Data"] = power
+    content["twtt"] = first_s + np.arange(power.shape[0]) * radar.bin_s
+    content["Surface"] = first_s + layer_bins[0] * radar.bin_s
     echogram = echogram_dataset("simulate", content, attributes)
     on = ("layer", "slow_time")
-    bins = {"twtt": layer_bins, "peak_twtt": layer_bins + lag_bins[:, None]}
-    variables = {
-        name: (on, first_s + rows * radar.bin_s, {"units": "s"}) for name, rows in bins.items()
+    peak_bins = layer_bins + lag_bins[:, None]
+    layers = {
+        "twtt": (on, first_s + layer_bins * radar.bin_s, {"units": "s"}),
+        "peak_twtt": (on, first_s + peak_bins * radar.bin_s, {"units": "s"}),
     }
-    variables |= {name: (on, np.full(shape, code, np.int8)) for name, code in CODES.items()}
-    return echogram, xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, attributes)
+    for name, code in CODES.items():
+        layers[name] = (on, np.full(shape, code, np.int8))
+    return echogram, xr.Dataset(layers, {"slow_time": echogram["slow_time"]}, attributes)
+
+
+def _track(n_range_lines, radar):
+    """Times and positions of a flight due north, as variables of an echogram."""
+    distance_m = np.arange(n_range_lines) * radar.line_spacing_m
+    elapsed_ns = np.rint(1e9 * distance_m / SPEED_M_S)
+    return {
+        "slow_time": START + elapsed_ns.astype("timedelta64[ns]"),
+        "Latitude": LATITUDE + distance_m / METRES_PER_DEGREE,
+        "Longitude": np.full(n_range_lines, LONGITUDE),
+        "Elevation": np.full(n_range_lines, float(radar.height_m)),
+    }
+
+
+@dataclass(frozen=True)
+class _Recipe:
+    """How each scene of `Scenes` is made."""
+
+    model: LabelModel
+    statistics: xr.Dataset
+    dress: Dress
+    seed: int
+    n_range_bins: int | None
+    options: dict  # of `snowsim.phy.render_scene`
 
 
 class Scenes(Sequence):
     """Scenes, drawn and rendered when requested: image and mask, uint8 (range_bin, range_line), 1 on a layer."""
 
-    def __init__(self, n, model, statistics, seed, n_range_bins, options):
-        self._indices, self._model, self._statistics, self._seed = range(n), model, statistics, seed
-        self._n_range_bins, self._options = n_range_bins, options
+    def __init__(self, n, recipe):
+        self._indices = range(n)
+        self._recipe = recipe
 
     def __len__(self):
         return len(self._indices)
@@ -128,13 +162,17 @@ class Scenes(Sequence):
 
     def scene(self, index):
         """`snowsim.echogram.Scene` of the same, with its layers and notes."""
+        recipe = self._recipe
         number = self._indices[index]
-        rng = random_stream(self._seed, "scenes", number)
-        scene = draw_scene(
-            self._model, self._model.n_range_lines, name=f"drawn_{number:06d}", rng=rng
-        )
-        scene = dataclasses.replace(scene, n_range_bins=self._n_range_bins or scene.n_range_bins)
-        return render_scene(scene, self._statistics, rng=rng, **self._options)
+        rng = random_stream(recipe.seed, "scenes", number)
+        name = f"drawn_{number:06d}"
+        scene = draw_scene(recipe.model, recipe.model.n_range_lines, name=name, rng=rng)
+        if scene.echoes is None:
+            echoes = dress(scene.layer_bins, recipe.statistics, recipe.dress, rng=rng)
+            scene = dataclasses.replace(scene, echoes=echoes)
+        if recipe.n_range_bins is not None:
+            scene = dataclasses.replace(scene, n_range_bins=recipe.n_range_bins)
+        return render_scene(scene, rng=rng, **recipe.options)
 
     def write(self, folder, format="pairs", *, indices=None):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
@@ -149,9 +187,16 @@ class Scenes(Sequence):
 
 
 def scenes(
-    n, *, statistics="reference", renderer="phy", rng, n_range_lines=256, n_range_bins=None, radiometry="measured",
+    n,
+    *,
+    statistics="reference",
+    renderer="phy",
+    rng,
+    n_range_lines=256,
+    n_range_bins=None,
+    radiometry="measured",
     **phy,
-):  # fmt: skip
+):
     """Training scenes, as a sequence that `torch.utils.data.DataLoader` accepts.
 
     Parameters
@@ -170,7 +215,8 @@ def scenes(
     radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
-        Of `snowsim.phy.render_scene`; by default ``n_looks=16, tolerance_db=0.05``.
+        Of `snowsim.labels.Dress` and `snowsim.phy.render_scene`; by default ``n_looks=16,
+        tolerance_db=0.05``.
 
     Returns
     -------
@@ -193,9 +239,9 @@ def scenes(
         raise ValueError(msg)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
-    n_range_bins = None if n_range_bins is None else checked_height(n_range_bins)
-    model = prepare(statistics, n_range_lines, radiometry=radiometry)
+    if n_range_bins is not None:
+        n_range_bins = checked_height(n_range_bins)
+    choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
+    model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
     seed = int(np.random.default_rng(rng).integers(2**63))
-    return Scenes(
-        n, model, statistics, seed, n_range_bins, {"n_looks": 16, "tolerance_db": 0.05} | phy
-    )
+    return Scenes(n, _Recipe(model, statistics, choices, seed, n_range_bins, options))

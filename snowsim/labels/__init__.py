@@ -1,7 +1,17 @@
-"""Synthetic layer geometries drawn from flight statistics."""
+"""Synthetic layer geometries drawn from flight statistics, and the echoes that they are dressed with."""
 
 from snowsim.labels.draw import draw, draw_scene
+from snowsim.labels.dress import Dress, dress, redress
 from snowsim.labels.prepare import LabelModel, prepare
 from snowsim.labels.process import Nonstationary
 
-__all__ = ["LabelModel", "Nonstationary", "draw", "draw_scene", "prepare"]
+__all__ = [
+    "Dress",
+    "LabelModel",
+    "Nonstationary",
+    "draw",
+    "draw_scene",
+    "dress",
+    "prepare",
+    "redress",
+]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from snowsim.echogram import Scene, scene_height
+from snowsim.echogram import Scene, scene_height, zone_of
 from snowsim.labels.prepare import LabelModel, prepare
 from snowsim.labels.process import draw_nonstationary, draw_series
 from snowsim.labels.radiometry import add_radiometry
@@ -53,11 +53,15 @@ def draw(statistics, n_range_lines, *, rng):
     >>> bool((np.diff(layer_bins, axis=0) >= 1).all())  # layers never share a pixel
     True
     """
-    return draw_scene(statistics, n_range_lines, name="", rng=rng).layer_bins
+    model = statistics
+    if not isinstance(statistics, LabelModel):
+        # Layers alone need no powers.
+        model = prepare(statistics, n_range_lines, radiometry="constant")
+    return draw_scene(model, n_range_lines, name="", rng=rng).layer_bins
 
 
 def draw_scene(statistics, n_range_lines, *, name, rng):
-    """Layers of one scene with its zone and what the rules did to it; parameters as `draw`.
+    """Layers of one scene with its zone, its echoes and what the rules did to it; parameters as `draw`.
 
     Returns
     -------
@@ -68,66 +72,80 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         `thickness_{mean,variance}_{drawn,kept}`; with trends and folds what `draw_nonstationary`
         notes.
     """
-    model = statistics if isinstance(statistics, LabelModel) else prepare(statistics, n_range_lines)
+    model = statistics
+    if not isinstance(statistics, LabelModel):
+        model = prepare(statistics, n_range_lines)
     if model.n_range_lines != n_range_lines:
         msg = f"label model was prepared for {model.n_range_lines} range lines, got {n_range_lines}"
         raise ValueError(msg)
-    # Random numbers are drawn in the order of the first release, so that its scenes can be
-    # reproduced.
-    n_layers = None if model.n_layers is None else int(rng.integers(*model.n_layers, endpoint=True))
-    edges = model.zone_edge_bins
-    if model.first_quantile_bins is None:
-        first = rng.uniform(edges[0], edges[-1])
-    else:
-        first = np.interp(
-            rng.uniform(),
-            np.linspace(0, 1, model.first_quantile_bins.size),
-            model.first_quantile_bins,
-        )
-    zone = int(np.searchsorted(edges[1:-1], first, side="right"))
-    n_layers = model.draw_n_layers(zone, rng=rng) if n_layers is None else n_layers
+    # Before slab 0, as in the first version: scenes with as many layers as printed stay the same.
+    n_layers = None
+    if model.n_layers is not None:
+        n_layers = int(rng.integers(*model.n_layers, endpoint=True))
+    first_bins = _draw_first_slab(model, rng=rng)
+    zone = int(zone_of(first_bins, model.zone_edge_bins))
+    if n_layers is None:
+        n_layers = model.draw_n_layers(zone, rng=rng)
     n_slabs = max(n_layers, 1)  # a scene without layers drops its only slab at the end
-    slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
-    anomaly = model.factor("relative", model.relative_correlation, n_slabs) @ rng.standard_normal(
-        n_slabs
-    )
-    factor = model.relative_mean[zone, slab] + model.relative_deviation[zone, slab] * anomaly
-    factor[0] = 1
-    mean = _mirrored(first * factor)
-    variances = model.variances(zone)[slab]
-    series = draw_series(
-        variances, model.band_factors(n_slabs, variances.shape[1]), n_range_lines, rng=rng
-    )
-    drawn = mean[:, None] + series
+    mean = first_bins * _draw_relative_means(model, zone, n_slabs, rng=rng)
+    drawn = _mirrored(mean)[:, None] + _draw_undulations(model, zone, n_slabs, rng=rng)
     # Drawn last: without trends and folds, scenes do not change by a byte.
-    extra = model.nonstationary
-    drawn, moved = draw_nonstationary(drawn, extra, rng=rng) if extra.applies(zone) else (drawn, {})
+    moved = {}
+    if model.nonstationary.applies(zone):
+        drawn, moved = draw_nonstationary(drawn, model.nonstationary, rng=rng)
     drawn = drawn[:n_layers]
     thickness = _mirrored(drawn)
-    layer_bins = np.cumsum(np.concatenate([model.draw_surface(rng=rng), thickness]), axis=0)
+    surface = model.draw_surface(rng=rng)
+    layer_bins = np.cumsum(np.concatenate([surface, thickness]), axis=0)
     notes = {
-        **{
-            "n_layers": n_layers,
-            "n_slabs_beyond": max(n_layers - model.n_slabs, 0),
-            "n_samples": drawn.size,
-        },
+        "n_layers": n_layers,
+        "n_slabs_beyond": max(n_layers - model.n_slabs, 0),
+        "n_samples": drawn.size,
         "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
-        "n_means_touched": int((first * factor[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
-        "first_thickness_bins": float(first),
+        "n_means_touched": int((mean[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
+        "first_thickness_bins": float(first_bins),
         "thickness_mean_drawn": float(drawn.mean()) if n_layers else 0.0,
         "thickness_variance_drawn": float(drawn.var()) if n_layers else 0.0,
         "thickness_mean_kept": float(thickness.mean()) if n_layers else 0.0,
         "thickness_variance_kept": float(thickness.var()) if n_layers else 0.0,
-        **moved,
     }
     scene = Scene(
         name=name,
         n_range_bins=scene_height(layer_bins),
         layer_bins=layer_bins,
         zone=zone,
-        notes=notes,
+        notes=notes | moved,
     )
-    return scene if model.radiometry is None else add_radiometry(scene, model.radiometry, rng=rng)
+    if model.radiometry is None:
+        return scene
+    return add_radiometry(scene, model.radiometry, rng=rng)
+
+
+def _draw_first_slab(model, *, rng):
+    """Mean thickness of slab 0 [bins]."""
+    quantiles = model.first_quantile_bins
+    if quantiles is None:
+        return rng.uniform(model.zone_edge_bins[0], model.zone_edge_bins[-1])
+    probability = np.linspace(0, 1, quantiles.size)
+    return np.interp(rng.uniform(), probability, quantiles)
+
+
+def _draw_relative_means(model, zone, n_slabs, *, rng):
+    """Mean thickness of each slab relative to slab 0, (slab,)."""
+    slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
+    mixing = model.factor("relative", model.relative_correlation, n_slabs)
+    anomaly = mixing @ rng.standard_normal(n_slabs)
+    relative = model.relative_mean[zone, slab] + model.relative_deviation[zone, slab] * anomaly
+    relative[0] = 1
+    return relative
+
+
+def _draw_undulations(model, zone, n_slabs, *, rng):
+    """Thickness of each slab about its mean [bins], (slab, range_line)."""
+    slab = np.minimum(np.arange(n_slabs), model.n_slabs - 1)
+    variances = model.variances(zone)[slab]
+    mixing = model.band_factors(n_slabs, variances.shape[1])
+    return draw_series(variances, mixing, model.n_range_lines, rng=rng)
 
 
 def _mirrored(thickness):

@@ -4,85 +4,84 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
+from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
-from snowsim.phy.parameters import row_waveforms
+from snowsim.labels.dress import Dress, with_background
+from snowsim.labels.given import values_by_layer, values_of
 from snowsim.phy.power import mean_power
 
 NEPERS = np.log(10) / 10  # per dB
-WINDOW_LINES = (
-    80  # over which the rise of a layer is averaged: four averaged lines, as for the deepest picks
-)
+# Over which the rise of a layer is averaged: four averaged lines, as for the deepest picks.
+WINDOW_LINES = 80
 STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
 TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
 
-
 SPREADS = (
-    *(
-        "noise_spread_db",
-        "surface_to_noise_spread_db",
-        "common_spread_db",
-        "layer_spread_db",
-        "decay_spread",
-    ),
-    *("background_spread_db", "further_spacing_bins", "further_rise_db", "end_contrast_db"),
+    "noise_spread_db",
+    "surface_to_noise_spread_db",
+    "common_spread_db",
+    "layer_spread_db",
+    "decay_spread",
+    "background_spread_db",
+    "further_spacing_bins",
+    "further_rise_db",
+    "end_contrast_db",
 )
 FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
+BY_LAYER = ("peak_power", "variance_bins2", "decay_rate")
 # What a label model needs of the flight's statistics beside thickness.
-NEEDED = (
-    *SPREADS,
-    *FADING,
-    "background_power",
-    "noise_power",
-    "peak_power",
-    "variance_bins2",
-    "decay_rate",
-)
+NEEDED = (*SPREADS, *FADING, *BY_LAYER, "background_power", "noise_power")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RadiometryModel:
     """What `add_radiometry` draws from, of `snowsim.statistics`; see there for the names."""
 
+    statistics: xr.Dataset
+    dress: Dress
     peak_power: np.ndarray  # (layer,)
-    variance_bins2: np.ndarray
-    decay_rate: np.ndarray
+    decay_rate: np.ndarray  # (layer,)
     noise_power: float
     fading: np.ndarray  # (surface or buried; spread [dB], length [lines], exponent)
     background_power: np.ndarray  # (fall,)
     fall: np.ndarray  # [bins]
     spread: dict  # by name, see `SPREADS`
+    texture: tuple | None
+    line_gain_spread_db: float
     missing: str  # names of quantities for which the flight was too short
 
 
-def radiometry_model(statistics):
-    """`RadiometryModel` of flight statistics; ValueError that names what they lack."""
+def radiometry_model(statistics, choices):
+    """`RadiometryModel` of flight statistics and a `Dress`; ValueError that names what they lack."""
     spread = {name: values_of(statistics, name, ()).item() for name in SPREADS}
-    fading = np.array([values_of(statistics, name, ("interface",)) for name in FADING]).T
-    peak_power, variance, decay = (
-        _without_gaps(statistics, name) for name in ("peak_power", "variance_bins2", "decay_rate")
-    )
+    fading = [values_of(statistics, name, ("interface",)) for name in FADING]
+    texture = None
+    line_gain_spread_db = 0.0
+    # Statistics of images hold neither.
+    if "texture_variance" in statistics:
+        names = ("variance", "length_bins", "length_lines")
+        texture = tuple(float(statistics[f"texture_{name}"]) for name in names)
+        line_gain_spread_db = float(statistics["line_gain_spread_db"])
     return RadiometryModel(
-        *(peak_power, variance, decay, values_of(statistics, "noise_power", ()).item(), fading),
+        statistics=statistics,
+        dress=choices,
+        peak_power=values_by_layer(statistics, "peak_power"),
+        decay_rate=values_by_layer(statistics, "decay_rate"),
+        noise_power=values_of(statistics, "noise_power", ()).item(),
+        fading=np.array(fading).T,
         background_power=values_of(statistics, "background_power", ("fall",)),
         fall=values_of(statistics, "fall", ("fall",)),
         spread=spread,
+        texture=texture,
+        line_gain_spread_db=line_gain_spread_db,
         missing=statistics.attrs.get("radiometry_missing", ""),
     )
 
 
-def _without_gaps(statistics, name):
-    """Values by layer; the last of `paper` has no decay rate and takes the one above."""
-    values = statistics[name].values.astype(float)
-    held = np.flatnonzero(np.isfinite(values) & (values > 0))
-    if held.size == 0 or held[0] != 0:
-        msg = f"flight statistics: {name} must be positive and finite at layer 0, got {values[:1]}"
-        raise ValueError(msg)
-    return values[held[np.searchsorted(held, np.arange(values.size), side="right") - 1]]
-
-
 def add_radiometry(scene, model, *, rng):
-    """The scene with `peak_power`, every layer drawn in `complete_layer_bins`, and labels only where they show.
+    """The scene with its `echoes`, labels only where they show, and all layers in `complete_layer_bins`.
 
     Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried
     layers together; each layer; and its fading along track, a Gaussian process of autocorrelation
@@ -90,78 +89,103 @@ def add_radiometry(scene, model, *, rng):
     surface for each of its e-folding depths, and echoes at random distances below the last label,
     which rise out of it as in the flight. Layers are labelled down to the deepest that shows, see
     `_labelled`; weaker ones between are labelled too, as a reader who follows the years would.
-    `notes` hold `noise_power`, `decay_factor`, `waveform_row` (the layer of the statistics a row
-    takes its waveform from, or -1 - k for e-folding depth k of the background), and counts.
     """
-    spread, n_layers, n_lines = model.spread, *scene.layer_bins.shape
-    level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
+    drawn = _draw_layers(scene.layer_bins, model, rng=rng)
+    strength = _draw_strength(model, rng=rng)
+    echoes = _draw_further(drawn, strength, model, rng=rng)
+    echoes = with_background(echoes, strength * model.background_power, model.fall)
+    layer_bins, rise_db = _labelled(scene, echoes, model.spread["end_contrast_db"])
+    kind = echoes.kind.copy()
+    labelled = np.isfinite(layer_bins).any(axis=1)
+    at_layers = np.flatnonzero(kind != Kind.BACKGROUND)[: labelled.size]
+    kind[at_layers[labelled]] = Kind.LAYER
+    # Rounded as files hold layers: a scene is the same before and after it was written.
+    rounded = {name: _to_float32(getattr(echoes, name)) for name in ("bins", "power")}
+    echoes = dataclasses.replace(echoes, kind=kind, **rounded)
+    notes = {
+        "radiometry_missing": model.missing,
+        "n_pixels_unlabelled": int(np.isnan(layer_bins).sum()),
+        "median_rise_db": float(np.median(rise_db)),
+    }
+    return dataclasses.replace(
+        scene,
+        layer_bins=_to_float32(layer_bins),
+        complete_layer_bins=echoes.layer_bins(),
+        echoes=echoes,
+        notes=scene.notes | notes,
+    )
+
+
+def _draw_layers(layer_bins, model, *, rng):
+    """Echoes of the layers of a scene, (layer, range_line), with the scene's noise and decay; none labelled yet."""
+    spread = model.spread
+    n_layers, n_lines = layer_bins.shape
     noise_db = spread["noise_spread_db"]
     surface_db = np.sqrt(max(spread["surface_to_noise_spread_db"] ** 2 - noise_db**2, 0.0))
     common_db = spread["common_spread_db"] * rng.standard_normal()
     block_db = common_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
     block_db[0] = surface_db * rng.standard_normal()
-    variance = np.full(
-        (n_layers, 1), spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
-    )
-    variance[0] = surface_db**2
-    faded, fading_variance = _faded(model, n_layers, n_lines, rng=rng)
-    labelled = model.peak_power[level, None] * _about_mean(
-        block_db + faded, variance + fading_variance
-    )
-    noise_power = model.noise_power * _about_mean(noise_db * rng.standard_normal(), noise_db**2)
+    buried_variance = spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
+    block_variance = np.full((n_layers, 1), buried_variance)
+    block_variance[0] = surface_db**2
+    faded_db, fading_variance = _draw_fading(model, n_layers, n_lines, rng=rng)
+    factor = _about_mean(block_db + faded_db, block_variance + fading_variance)
+    noise_factor = _about_mean(noise_db * rng.standard_normal(), noise_db**2)
     decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
-
-    background_db = spread["background_spread_db"]
-    strength = _about_mean(background_db * rng.standard_normal(), background_db**2)
-    falls = np.flatnonzero(model.background_power > 0)
-    below = _distances(spread["further_spacing_bins"], rng=rng)
-    further = scene.layer_bins[-1] + below[:, None]
-    depth = below + (scene.layer_bins[-1] - scene.layer_bins[0]).mean()
-    behind = strength * (model.background_power * np.exp(-depth[:, None] / model.fall)).sum(axis=1)
-    rise = 10 ** (spread["further_rise_db"] / 10) - 1
-    faded, fading_variance = _faded(model, below.size + 1, n_lines, rng=rng)
-    echoes = rise * (behind + noise_power)[:, None] * _about_mean(faded, fading_variance)[1:]
-    just_below = scene.layer_bins[:1] + (1 + np.arange(falls.size)[:, None]) / (falls.size + 1)
-
-    rows = np.concatenate([scene.layer_bins[:1], just_below, scene.layer_bins[1:], further])
-    power = [
-        labelled[:1],
-        np.tile(strength * model.background_power[falls, None], n_lines),
-        labelled[1:],
-        echoes,
-    ]
-    waveform_row = np.concatenate(
-        [[0], -1 - falls, level[1:], np.full(below.size, level[-1] if n_layers > 1 else 0)]
+    # Layers deeper than the flight shows look like its deepest.
+    level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
+    variance = model.dress.variance_bins2(model.statistics, int(level[-1]) + 1, rng=rng)
+    return Echoes(
+        bins=layer_bins,
+        power=model.peak_power[level, None] * factor,
+        variance_bins2=variance[level],
+        decay_rate=model.decay_rate[level] * decay_factor,
+        kind=np.full(n_layers, Kind.BELOW, dtype=np.int8),
+        noise_power=float(model.noise_power * noise_factor),
+        texture=model.texture,
+        line_gain_spread_db=model.line_gain_spread_db,
+        decay_factor=decay_factor,
+        **model.dress.radar(model.statistics),
     )
-    dressed = dataclasses.replace(
-        scene,
-        complete_layer_bins=rows,
-        peak_power=np.concatenate(power),
-        notes=scene.notes
-        | {
-            "noise_power": float(noise_power),
-            "decay_factor": decay_factor,
-            "waveform_row": [int(row) for row in waveform_row],
-            "background_falls": [float(fall) for fall in model.fall],
-            "radiometry_missing": model.missing,
-        },
+
+
+def _draw_strength(model, *, rng):
+    """Background of a scene relative to the flight's mean."""
+    spread_db = model.spread["background_spread_db"]
+    return _about_mean(spread_db * rng.standard_normal(), spread_db**2)
+
+
+def _draw_further(layers, strength, model, *, rng):
+    """The echoes with further ones below the last layer, which have its waveform, down to the end of the image."""
+    surface = layers.bins[0]
+    deepest = layers.bins[-1]
+    below = _draw_distances(model.spread["further_spacing_bins"], rng=rng)
+    depth = below + (deepest - surface).mean()
+    fallen = model.background_power * np.exp(-depth[:, None] / model.fall)
+    behind = strength * fallen.sum(axis=1)
+    rise = 10 ** (model.spread["further_rise_db"] / 10) - 1
+    # The first row of fading is the surface's, which is none of them.
+    faded_db, fading_variance = _draw_fading(model, below.size + 1, deepest.size, rng=rng)
+    factor = _about_mean(faded_db, fading_variance)[1:]
+    power = rise * (behind + layers.noise_power)[:, None] * factor
+    return dataclasses.replace(
+        layers,
+        bins=np.concatenate([layers.bins, deepest + below[:, None]]),
+        power=np.concatenate([layers.power, power]),
+        variance_bins2=_last_repeated(layers.variance_bins2, below.size),
+        decay_rate=_last_repeated(layers.decay_rate, below.size),
+        kind=_last_repeated(layers.kind, below.size),
     )
-    layer_bins, rise_db = _labelled(dressed, model)
-    notes = {
-        "n_pixels_unlabelled": int(np.isnan(layer_bins).sum()),
-        "median_rise_db": float(np.median(rise_db)),
-    }
-    return dataclasses.replace(dressed, layer_bins=layer_bins, notes=dressed.notes | notes)
 
 
-def labelled_or_not(scene):
-    """All layers of a drawn scene, labelled or not, (layer, range_line), without background."""
-    if scene.peak_power is None:
-        return scene.layer_bins
-    n_background = sum(row < 0 for row in scene.notes["waveform_row"])
-    return np.delete(scene.complete_layer_bins, 1 + np.arange(n_background), axis=0)[
-        : len(scene.layer_bins)
-    ]
+def _last_repeated(values, n):
+    """Values with the last one `n` times more."""
+    return np.concatenate([values, np.repeat(values[-1:], n)])
+
+
+def _to_float32(values):
+    """Values, float64, as float32 holds them."""
+    return values.astype(np.float32).astype(float)
 
 
 def _about_mean(deviation_db, variance_db2):
@@ -169,75 +193,74 @@ def _about_mean(deviation_db, variance_db2):
     return np.exp(NEPERS * deviation_db - NEPERS**2 * variance_db2 / 2)
 
 
-def _distances(spacing, *, rng):
-    """Distances below the last label of echoes `spacing` bins apart on average, down to the end of the image."""
-    distances = np.cumsum(
-        1 + rng.exponential(max(spacing - 1, 0.1), int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8)
-    )
+def _draw_distances(spacing, *, rng):
+    """Distances below the last layer of echoes `spacing` bins apart on average, down to the end of the image."""
+    enough = int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8
+    distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), enough))
     return distances[distances < ROWS_BELOW_LAST_LAYER]
 
 
-def _faded(model, n_layers, n_lines, *, rng):
+def _draw_fading(model, n_layers, n_lines, *, rng):
     """Fading [dB] of the surface and the layers below it, (layer, range_line), about their means, and its variance."""
-    n_long = 2 * max(n_lines, int(4 * model.fading[:, 1].max()))
+    spread_db, length_lines, _ = model.fading.T
+    n_long = 2 * max(n_lines, int(4 * length_lines.max()))
     lag = np.minimum(np.arange(n_long), n_long - np.arange(n_long))
     shapes = [np.exp(-((lag / length) ** exponent)) for _, length, exponent in model.fading]
     # The kernel is wrapped around a long circle: negative parts of its spectrum are negligible.
     density = np.maximum(np.fft.fft(shapes).real, 0)
-    kind = np.minimum(np.arange(n_layers), 1)
+    interface = np.minimum(np.arange(n_layers), 1)
     white = np.fft.fft(rng.standard_normal((n_layers, n_long)))
-    series = (
-        np.fft.ifft(white * np.sqrt(density[kind])).real[:, :n_lines] * model.fading[kind, 0, None]
-    )
+    unit = np.fft.ifft(white * np.sqrt(density[interface])).real[:, :n_lines]
+    series = unit * spread_db[interface, None]
     lines = np.arange(n_lines)
-    pairs = np.where(lines > 0, 2, 1) * (n_lines - lines) / n_lines**2
-    kept = np.array([1 - (pairs * shape[:n_lines]).sum() for shape in shapes])
-    return series - series.mean(axis=1, keepdims=True), (model.fading[kind, 0] ** 2 * kept[kind])[
-        :, None
-    ]
+    n_pairs = np.where(lines > 0, 2, 1) * (n_lines - lines)
+    share_of_pairs = n_pairs / n_lines**2
+    kept = np.array([1 - (share_of_pairs * shape[:n_lines]).sum() for shape in shapes])
+    variance = spread_db[interface] ** 2 * kept[interface]
+    return series - series.mean(axis=1, keepdims=True), variance[:, None]
 
 
-def _labelled(scene, model):
+def _labelled(scene, echoes, end_contrast_db):
     """Layers, NaN below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
 
     A layer shows if in half or more of its lines its mean power, averaged along it over
     `WINDOW_LINES`, rises over the minimum between it and the layer above by `end_contrast_db`.
     """
-    noise_power = scene.notes["noise_power"]
-    shapes = row_waveforms(scene.notes, model.variance_bins2, model.decay_rate)
-    power = mean_power(
-        *(scene.complete_layer_bins, scene.peak_power, *shapes, scene.n_range_bins),
-        tolerance_db=TOLERANCE_DB,
-        noise_power=noise_power,
-    )
-    power += noise_power
     layer_bins = scene.layer_bins.copy()
+    n_layers, n_lines = layer_bins.shape
+    if n_layers == 1:
+        return layer_bins, np.zeros((1, n_lines))
+    power = mean_power(
+        echoes.bins,
+        echoes.power,
+        echoes.variance_bins2,
+        echoes.decay_rate,
+        scene.n_range_bins,
+        tolerance_db=TOLERANCE_DB,
+        noise_power=echoes.noise_power,
+    )
+    power += echoes.noise_power
+    rise_db = _rise_db(power, layer_bins)
+    n_rising = (rise_db >= end_contrast_db).sum(axis=1)
+    shows = np.flatnonzero(2 * n_rising >= n_lines)
+    deepest = 1 + shows[-1] if shows.size else 0
+    layer_bins[deepest + 1 :] = np.nan
+    return layer_bins, rise_db
+
+
+def _rise_db(power, layer_bins):
+    """Rise of averaged power at each buried layer over the valley above it [dB], (slab, range_line)."""
     n_lines = layer_bins.shape[1]
-    step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
-    rows = (
-        layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]
-    )  # (slab, step, line)
-    whole = np.clip(np.floor(rows).astype(int), 0, scene.n_range_bins - 2)
-    share = rows - whole
     lines = np.arange(n_lines)
-    sampled = (1 - share) * power[whole, lines] + share * power[whole + 1, lines]
-    edges = np.linspace(0, n_lines, max(n_lines // WINDOW_LINES, 1) + 1).astype(int)
+    step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
+    thickness = np.diff(layer_bins, axis=0)
+    rows = layer_bins[:-1, None] + step[:, None] * thickness[:, None]  # (slab, step, line)
+    above = np.clip(np.floor(rows).astype(int), 0, power.shape[0] - 2)
+    share = rows - above
+    sampled = (1 - share) * power[above, lines] + share * power[above + 1, lines]
+    n_windows = max(n_lines // WINDOW_LINES, 1)
+    edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
     profile = np.add.reduceat(sampled, edges[:-1], axis=2) / np.diff(edges)
-    rise = 10 * np.log10(profile[:, -1] / profile.min(axis=1))
+    rise_db = 10 * np.log10(profile[:, -1] / profile.min(axis=1))
     centres = (edges[:-1] + edges[1:] - 1) / 2
-    rise = np.array([np.interp(lines, centres, row) for row in rise]).reshape(-1, n_lines)
-    shows = np.flatnonzero(2 * (rise >= model.spread["end_contrast_db"]).sum(axis=1) >= n_lines)
-    layer_bins[2 + shows[-1] if shows.size else 1 :] = np.nan
-    return layer_bins, rise if rise.size else np.zeros((1, n_lines))
-
-
-def values_of(statistics, name, dims):
-    """A variable or coordinate of the statistics as float array on `dims`, finite."""
-    if name not in statistics:
-        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
-        raise ValueError(msg)
-    values = statistics[name].transpose(*dims).values.astype(float)
-    if values.size == 0 or not np.isfinite(values).all():
-        msg = f"flight statistics: {name} must be finite and not empty, got shape {values.shape} with NaN or infinity"
-        raise ValueError(msg)
-    return values
+    return np.array([np.interp(lines, centres, row) for row in rise_db])

@@ -1,10 +1,17 @@
 """PHY, the physics-driven renderer: layers to echograms, exact where it must be and cheap where it may be."""
 
-from snowsim.phy.parameters import draw_parameters, scene_parameters
 from snowsim.phy.plan import Plan, plan
 from snowsim.phy.power import mean_power
 from snowsim.phy.render import mean_field, render, render_plan, render_scene
 from snowsim.phy.speckle import draw_speckle
 
-__all__ = ["Plan", "draw_parameters", "draw_speckle", "mean_field", "mean_power", "plan", "render"]
-__all__ += ["render_plan", "render_scene", "scene_parameters"]
+__all__ = [
+    "Plan",
+    "draw_speckle",
+    "mean_field",
+    "mean_power",
+    "plan",
+    "render",
+    "render_plan",
+    "render_scene",
+]

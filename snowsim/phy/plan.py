@@ -16,16 +16,21 @@ from snowsim.phy.speckle import check_method, checked_looks
 from snowsim.phy.tables import Supports, allowed_error, find_supports
 from snowsim.phy.texture import checked_texture
 
-PARAMETERS = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
-OPTIONAL = {"speckle_correlation", "texture", "textured_layers", "line_gain_spread_db"}
+NEEDED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
+OPTIONAL = ("speckle_correlation", "texture", "textured_layers", "line_gain_spread_db")
 
-# Nanoseconds measured on one core beside 8.6 for one float32 normal: their ratios carry over to
-# other machines.
+# Nanoseconds measured on one core beside those for one float32 normal, COST_NORMAL: their ratios
+# carry over to other machines.
 COST_NORMAL = 8.6
-COST_SCENE, COST_NODE, COST_CLOSED_FORM = 3e5, 100.0, 45.0
-COST_TABLE_TERM, COST_EXPONENTIAL_TERM, COST_PIXEL = 0.8, 0.3, 1.0
+COST_SCENE = 3e5
+COST_NODE = 100.0
+COST_CLOSED_FORM = 45.0
+COST_TABLE_TERM = 0.8
+COST_EXPONENTIAL_TERM = 0.3
+COST_PIXEL = 1.0
 COST_SPECKLE = {"gamma": 16.0, "cube": 9.5, "quantile": 2.0, "correlated": 6.0}
-COST_LOOK, COST_TEXTURE = 18.0, 6.0
+COST_LOOK = 18.0
+COST_TEXTURE = 6.0
 MOST_NODES = 1_000_000  # of tables, 48 bytes each; beyond, the closed form is used
 
 
@@ -75,11 +80,12 @@ class Plan:
 
     def notes(self):
         """Numbers to keep with the scene, JSON-able."""
+        speckle = self.speckle
+        if self.correlation is not None:
+            speckle += ", correlated"
         return {
             "plan_method": self.method,
-            "plan_speckle": self.speckle
-            if self.correlation is None
-            else f"{self.speckle}, correlated",
+            "plan_speckle": speckle,
             "plan_correlation_error": self.correlation_error,
             "plan_tolerance_db": self.tolerance_db,
             "plan_bound_db": self.bound_db,
@@ -108,38 +114,50 @@ def plan(
     with one. Where `parameters` hold a `speckle_correlation`, `quantile` replaces `gamma`: only it
     draws correlated range bins.
     """
-    if set(parameters) - OPTIONAL != set(PARAMETERS):
+    given = dict.fromkeys(OPTIONAL) | dict(parameters)
+    if given.keys() != {*NEEDED, *OPTIONAL}:
         got = ", ".join(map(str, parameters)) or "none"
-        msg = f"parameters: expected {', '.join(PARAMETERS)}, got {got}"
+        msg = f"parameters: expected {', '.join(NEEDED)}, got {got}"
         raise ValueError(msg)
-    shapes = (parameters[name] for name in PARAMETERS[:3])
-    waveforms = checked_waveforms(layer_bins, *shapes, n_range_bins, normalise, align)
-    noise_power = checked_power("noise_power", parameters["noise_power"])
-    n_looks = checked_looks(parameters["n_looks"])
-    correlation = parameters.get("speckle_correlation")
+    waveforms = checked_waveforms(
+        layer_bins,
+        given["peak_power"],
+        given["variance_bins2"],
+        given["decay_rate"],
+        n_range_bins,
+        normalise,
+        align,
+    )
+    noise_power = checked_power("noise_power", given["noise_power"])
+    n_looks = checked_looks(given["n_looks"])
+    correlation = given["speckle_correlation"]
     if speckle is None:
         speckle = "gamma" if tolerance_db is None else "quantile"
     if correlation is not None and speckle == "gamma":
         speckle = "quantile"
     check_method(speckle, n_looks, correlation)
-    gain_db = checked_power("line_gain_spread_db", parameters.get("line_gain_spread_db", 0.0))
-    texture = checked_texture(parameters.get("texture"))
-    layers = np.asarray(
-        parameters.get("textured_layers", np.ones(waveforms.amplitude.size)), dtype=bool
-    )
-    if layers.shape != waveforms.amplitude.shape:
-        msg = f"textured_layers: expected one for each of {waveforms.amplitude.size} layers, got shape {layers.shape}"
-        raise ValueError(msg)
+    gain_db = checked_power("line_gain_spread_db", given["line_gain_spread_db"] or 0.0)
     planned = plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
+    planned = replace(planned, line_gain_spread_db=gain_db)
+    texture = checked_texture(given["texture"])
+    textured = _checked_textured(given["textured_layers"], waveforms)
     if texture is None:
-        return replace(planned, line_gain_spread_db=gain_db)
+        return planned
     cost = planned.cost_normals + COST_TEXTURE / COST_NORMAL
-    with_texture = {
-        "texture": texture,
-        "textured_layers": np.flatnonzero(layers),
-        "cost_normals": cost,
-    }
-    return replace(planned, line_gain_spread_db=gain_db, **with_texture)
+    return replace(planned, texture=texture, textured_layers=textured, cost_normals=cost)
+
+
+def _checked_textured(textured_layers, waveforms):
+    """Indices of layers whose tails have texture, by default all."""
+    n_layers = waveforms.amplitude.size
+    if textured_layers is None:
+        return np.arange(n_layers)
+    textured = np.asarray(textured_layers, dtype=bool)
+    if textured.shape != (n_layers,):
+        msg = f"textured_layers: expected one for each of {n_layers} layers, "
+        msg += f"got shape {textured.shape}"
+        raise ValueError(msg)
+    return np.flatnonzero(textured)
 
 
 def plan_power(
@@ -148,39 +166,40 @@ def plan_power(
     """Plan for waveforms that are checked already. Without noise nothing can be left out."""
     tolerance_db = checked_tolerance(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
+    supports = None
+    bound_db = EXACT_BOUND_DB
     n_terms = _n_terms_full(waveforms)
-    supports, bound_db, cost = None, EXACT_BOUND_DB, COST_CLOSED_FORM * n_terms
+    cost = COST_CLOSED_FORM * n_terms
+    found = None
     if tolerance_db is not None and noise_power > 0:
         found = find_supports(waveforms, noise_power, allowed_error(tolerance_db))
-        if found is not None:
-            n_table, n_exponential = found.n_rows(waveforms.centre_bins, waveforms.n_range_bins)
-            cost_found = (
-                COST_NODE * found.n_nodes()
-                + COST_TABLE_TERM * n_table
-                + COST_EXPONENTIAL_TERM * n_exponential
-            )
-            if cost_found < cost and found.n_nodes() <= MOST_NODES:
-                supports, bound_db, cost = found, float(-10 * np.log10(1 - found.error)), cost_found
-                n_terms = n_table + n_exponential
+    if found is not None:
+        n_table, n_exponential = found.n_rows(waveforms.centre_bins, waveforms.n_range_bins)
+        n_nodes = found.n_nodes()
+        cost_found = COST_NODE * n_nodes + COST_TABLE_TERM * n_table
+        cost_found += COST_EXPONENTIAL_TERM * n_exponential
+        if cost_found < cost and n_nodes <= MOST_NODES:
+            supports = found
+            bound_db = float(-10 * np.log10(1 - found.error))
+            n_terms = n_table + n_exponential
+            cost = cost_found
     cost += COST_SCENE + n_pixels * COST_PIXEL
+    correlation_error = 0.0
     if correlation is not None:
         cost += n_pixels * COST_SPECKLE["correlated"]
+        _, correlation_error = correlating_taps(correlation, n_looks)
     elif np.isfinite(n_looks):
         cost += n_pixels * COST_SPECKLE.get(speckle, COST_LOOK * n_looks)
-    cost_normals = float(cost / (max(n_pixels, 1) * COST_NORMAL))
-    correlation_error = 0.0 if correlation is None else correlating_taps(correlation, n_looks)[1]
     return Plan(
-        *(
-            waveforms,
-            noise_power,
-            n_looks,
-            tolerance_db,
-            speckle,
-            supports,
-            bound_db,
-            n_terms,
-            cost_normals,
-        ),
+        waveforms=waveforms,
+        noise_power=noise_power,
+        n_looks=n_looks,
+        tolerance_db=tolerance_db,
+        speckle=speckle,
+        supports=supports,
+        bound_db=bound_db,
+        n_terms=n_terms,
+        cost_normals=float(cost / (max(n_pixels, 1) * COST_NORMAL)),
         correlation=correlation,
         correlation_error=correlation_error,
     )

@@ -3,7 +3,6 @@
 import dataclasses
 
 from snowsim.echogram import to_uint8
-from snowsim.phy.parameters import scene_parameters
 from snowsim.phy.plan import plan
 from snowsim.phy.power import planned_power, tail_power
 from snowsim.phy.speckle import draw_speckle
@@ -101,20 +100,33 @@ def render_plan(scene_plan, *, rng, mean=None):
 
 
 def render_scene(
-    scene, statistics, *, rng, tolerance_db, speckle=None, normalise="peak", align="peak", **drawn
+    scene, *, rng, tolerance_db, echoes=None, speckle=None, normalise="peak", align="peak"
 ):
-    """The scene with its image and its plan's notes; `drawn` are options of `scene_parameters`, others of `render`."""
-    layer_bins, parameters = scene_parameters(scene, statistics, **drawn, rng=rng)
-    options = {
-        "tolerance_db": tolerance_db,
-        "speckle": speckle,
-        "normalise": normalise,
-        "align": align,
-    }
-    planned = plan(layer_bins, parameters, scene.n_range_bins, **options)
-    image, *scale = to_uint8(render_plan(planned, rng=rng))
-    shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
-    notes = scene.notes | planned.notes()
+    """The scene with its image and its plan's notes, without echoes and complete layers.
+
+    Rendered are the scene's own `echoes` unless others are given; further options are those of
+    `render`. ValueError where there are none.
+    """
+    echoes = echoes or scene.echoes
+    if echoes is None:
+        msg = f"scene {scene.name}: expected echoes, got none: snowsim.labels.dress makes them"
+        raise ValueError(msg)
+    planned = plan(
+        echoes.bins,
+        echoes.parameters(),
+        scene.n_range_bins,
+        tolerance_db=tolerance_db,
+        speckle=speckle,
+        normalise=normalise,
+        align=align,
+    )
+    image, noise_floor_db, maximum_db = to_uint8(render_plan(planned, rng=rng))
     return dataclasses.replace(
-        scene, **shown, complete_layer_bins=None, peak_power=None, notes=notes
+        scene,
+        image=image,
+        noise_floor_db=noise_floor_db,
+        maximum_db=maximum_db,
+        complete_layer_bins=None,
+        echoes=None,
+        notes=scene.notes | planned.notes(),
     )

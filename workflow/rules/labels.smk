@@ -27,26 +27,13 @@ rule fit_statistics:
         "../scripts/fit_statistics.py"
 
 
-# What labels are drawn from: the flight statistics as they are, or a model with other zones or spectra.
-LABEL_STATISTICS = (
-    "results/statistics.nc"
-    if (config["labels"]["n_zones"], config["labels"]["psd"]) == (4, "tabulated")
-    else "results/label_model.nc"
-)
-
-
-# What is set for every label set, by whoever draws it.
-HOW_DRAWN = {
-    name: config["labels"][name]
-    for name in ("correlation", "first_slab", "surface", "radiometry")
-}
-N_LAYERS_RANGE = [config["labels"][f"n_layers_{end}"] for end in ("min", "max")]
+N_LAYERS_RANGE = [config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]]
 LABEL_FILES = expand("results/labels/{shard}.nc", shard=shards("labels"))
 
 
 rule draw_labels:
     input:
-        statistics=LABEL_STATISTICS,
+        statistics="results/statistics.nc",
         code=imported_by("draw_labels.py"),
     output:
         labels="results/labels/{shard}.nc",
@@ -60,8 +47,17 @@ rule draw_labels:
         n_range_lines=config["labels"]["n_range_lines"],
         n_layers=config["labels"]["n_layers"],
         n_layers_range=N_LAYERS_RANGE,
-        drawn=HOW_DRAWN,
+        first_slab=config["labels"]["first_slab"],
+        surface=config["labels"]["surface"],
+        correlation=config["labels"]["correlation"],
+        radiometry=config["labels"]["radiometry"],
         nonstationary=config["labels"]["nonstationary"],
+        choices={
+            "width": config["phy"]["width"],
+            "width_bounds": config["phy"]["width_bounds"],
+            "n_looks": config["phy"]["n_looks"],
+            "speckle_correlation": config["phy"]["speckle_correlation"],
+        },
     message:
         "label sets, shard {wildcards.shard}"
     script:
@@ -70,7 +66,7 @@ rule draw_labels:
 
 rule summarise_labels:
     input:
-        statistics=LABEL_STATISTICS,
+        statistics="results/statistics.nc",
         summaries=SUMMARIES,
         labels=LABEL_FILES,
         code=imported_by("summarise_labels.py"),

@@ -15,6 +15,7 @@ rule render_phy:
     params:
         seed=config["seed"],
         phy=config["phy"],
+        by_other_statistics=False,
     message:
         "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:

@@ -39,6 +39,7 @@ use rule render_phy as render_study_phy with:
         "results/benchmarks/render_study_phy/{setting}/{shard}.tsv"
     params:
         phy=lambda w: tracker_runs.phy_of(ABLATION[w.setting], config["phy"]),
+        by_other_statistics=True,
     message:
         "PHY renders of {wildcards.setting}, shard {wildcards.shard}"
 

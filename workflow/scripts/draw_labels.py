@@ -4,20 +4,41 @@ from job import progress, run
 
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import write_scenes
-from snowsim.labels import Nonstationary, draw_scene, prepare
+from snowsim.labels import Dress, Nonstationary, draw_scene, prepare
 from snowsim.seeding import random_stream
 
 
 def draw_shard(
-    statistics, labels, *, span, n_range_lines, n_layers, n_layers_range, drawn, nonstationary, seed
+    statistics,
+    labels,
+    *,
+    span,
+    n_range_lines,
+    n_layers,
+    n_layers_range,
+    first_slab,
+    surface,
+    correlation,
+    radiometry,
+    nonstationary,
+    choices,
+    seed,
 ):
     flight = read_dataset(statistics)
-    nonstationary = Nonstationary(
-        **nonstationary | {"zones": nonstationary["zones"] and tuple(nonstationary["zones"])}
+    zones = nonstationary["zones"]
+    folds = nonstationary | {"zones": zones and tuple(zones)}
+    model = prepare(
+        flight,
+        n_range_lines,
+        n_layers=tuple(n_layers_range) if n_layers == "uniform" else n_layers,
+        first_slab=first_slab,
+        surface=surface,
+        correlation=correlation,
+        radiometry=radiometry,
+        nonstationary=Nonstationary(**folds),
+        dress=Dress(**choices),
     )
-    n_layers = tuple(n_layers_range) if n_layers == "uniform" else n_layers
-    model = prepare(flight, n_range_lines, n_layers=n_layers, **drawn, nonstationary=nonstationary)
-    names = [f"label_{scene:06d}" for scene in range(*span)]
+    names = [f"label_{number:06d}" for number in range(*span)]
     scenes = (
         # By scene, never by shard: how scenes are divided must not change them.
         draw_scene(model, n_range_lines, name=name, rng=random_stream(seed, "draw_labels", name))
