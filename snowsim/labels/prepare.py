@@ -191,7 +191,9 @@ def prepare(
     if n_range_lines < 2:
         msg = f"a scene needs at least 2 range lines, got {n_range_lines}"
         raise ValueError(msg)
-    if n_layers != "measured" and (isinstance(n_layers, str) or not 1 <= n_layers[0] <= n_layers[1]):
+    if n_layers != "measured" and (
+        isinstance(n_layers, str) or not 1 <= n_layers[0] <= n_layers[1]
+    ):
         msg = f"n_layers must be measured or two counts in order, from 1, got {n_layers}"
         raise ValueError(msg)
     check_choice("correlation", correlation, ("measured", "none"))
@@ -225,7 +227,9 @@ def _counts_of_layers(statistics):
     """How many layers blocks of the flight have, as arguments of `LabelModel`."""
     by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
     if not by_layers[:, 1:].any():
-        msg = "flight statistics: n_blocks_by_layers must hold a block with a layer below the surface"
+        msg = (
+            "flight statistics: n_blocks_by_layers must hold a block with a layer below the surface"
+        )
         raise ValueError(msg)
     n_blocks = statistics.attrs.get("n_blocks", 1)
     n_without = statistics.attrs.get("n_blocks_without_layers", 0)

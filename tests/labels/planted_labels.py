@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from snowsim.labels import prepare
+
 N_LINES = 256
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
@@ -55,3 +57,14 @@ def planted(n_slabs=20, scale=40.0):
             "band_edge_wavenumber": ("band_edge", np.array([1, 3, 9, 27, 129]) / N_LINES),
         },
     )
+
+
+def paper_model(statistics, n_range_lines=N_LINES, **choices):
+    """Label model by the paper's choices where others are not named."""
+    paper = {
+        "n_layers": (5, 40),
+        "first_slab": "uniform",
+        "surface": "flat",
+        "radiometry": "constant",
+    }
+    return prepare(statistics, n_range_lines, **paper | choices)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_labels import N_LINES, planted
+from planted_labels import N_LINES, paper_model, planted
 
 from lib.diagnostics.label_summary import summarise_labels
 from snowsim.echogram import check_layer_bins, scene_height
-from snowsim.labels import draw, draw_scene, prepare
+from snowsim.labels import draw, draw_scene
 from snowsim.labels.process import correlation_factor, draw_series, leakage_matrix, line_variances
 
 
@@ -22,7 +22,7 @@ def block_density(series):
 def drawn():
     rng = np.random.default_rng(20120429)
     statistics = planted()
-    model = prepare(statistics, N_LINES)
+    model = paper_model(statistics, N_LINES)
     return statistics, [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(1500)]
 
 
@@ -41,8 +41,8 @@ def test_layers_start_at_row_50_never_cross_and_number_6_to_41_rows(drawn):
 
 def test_draw_and_draw_scene_are_one_and_the_same_seed_gives_the_same_bytes():
     statistics = planted()
-    one = draw(statistics, N_LINES, rng=np.random.default_rng(1))
-    model = prepare(statistics, N_LINES)
+    one = draw(paper_model(statistics), N_LINES, rng=np.random.default_rng(1))
+    model = paper_model(statistics)
     draw(model, N_LINES, rng=np.random.default_rng(2))  # what is kept from it changes nothing
     other = draw_scene(model, N_LINES, name="", rng=np.random.default_rng(1)).layer_bins
     assert one.tobytes() == other.tobytes()
@@ -89,7 +89,7 @@ def test_fewer_than_a_hundredth_of_thin_slabs_is_touched_and_all_are_counted(dra
     rule = summarise_labels(scenes, statistics)["rule"]
     assert rule["n_touched"].sum() < 0.01 * rule["n_samples"].sum()
     rough = planted(scale=4e4)
-    scene = draw_scene(rough, N_LINES, name="rough", rng=np.random.default_rng(3))
+    scene = draw_scene(paper_model(rough), N_LINES, name="rough", rng=np.random.default_rng(3))
     thickness = np.diff(scene.layer_bins, axis=0)
     assert 0 < scene.notes["n_touched"] < scene.notes["n_samples"]
     assert thickness.min() >= 1 - 1e-9
@@ -100,7 +100,7 @@ def test_slabs_below_the_flight_take_its_last_and_are_counted():
     statistics = planted(n_slabs=3)
     statistics["relative_thickness_variance"] = 0 * statistics["relative_thickness_variance"]
     statistics["thickness_psd"] = 0 * statistics["thickness_psd"]
-    scene = draw_scene(statistics, 64, name="deep", rng=np.random.default_rng(4))
+    scene = draw_scene(paper_model(statistics, 64), 64, name="deep", rng=np.random.default_rng(4))
     thickness = np.diff(scene.layer_bins, axis=0)
     assert scene.notes["n_slabs_beyond"] == scene.notes["n_layers"] - 3
     assert_allclose(thickness[2:] / thickness[0], 0.96, rtol=1e-9)
@@ -132,7 +132,7 @@ def test_expected_leakage_is_what_a_cut_cosine_shows():
 @pytest.mark.parametrize("n_range_lines", [2, 64, 300, 1024])
 def test_a_scene_has_the_width_asked_for_and_its_share_of_the_variance(n_range_lines):
     rng = np.random.default_rng(5)
-    model = prepare(planted(), n_range_lines, n_layers=(5, 5))
+    model = paper_model(planted(), n_range_lines, n_layers=(5, 5))
     variance = []
     for _ in range(200):
         thickness = np.diff(draw(model, n_range_lines, rng=rng), axis=0)
@@ -155,7 +155,7 @@ def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
 
 def test_without_measured_correlation_slabs_undulate_apart():
     rng = np.random.default_rng(6)
-    model = prepare(planted(), N_LINES, n_layers=(5, 5), correlation="none")
+    model = paper_model(planted(), N_LINES, n_layers=(5, 5), correlation="none")
     slabs = np.concatenate(
         [np.diff(draw(model, N_LINES, rng=rng), axis=0) for _ in range(300)], axis=1
     )
@@ -171,14 +171,16 @@ def test_bad_statistics_are_refused():
     broken = statistics.copy(deep=True)
     broken["thickness_psd"].values[0, 0, 3] = np.nan
     with pytest.raises(ValueError, match="thickness_psd must be finite"):
-        draw(broken, N_LINES, rng=np.random.default_rng(0))
+        paper_model(broken)
+    with pytest.raises(ValueError, match="need n_blocks_by_layers"):
+        draw(statistics, N_LINES, rng=np.random.default_rng(0))
     with pytest.raises(ValueError, match="need zone_edge_bins"):
-        draw(statistics.drop_vars("zone_edge_bins"), N_LINES, rng=np.random.default_rng(0))
+        paper_model(statistics.drop_vars("zone_edge_bins"))
     with pytest.raises(ValueError, match="prepared for 256 range lines, got 128"):
-        draw(prepare(statistics, N_LINES), 128, rng=np.random.default_rng(0))
+        draw(paper_model(statistics), 128, rng=np.random.default_rng(0))
     with pytest.raises(ValueError, match="at least 2 range lines, got 1"):
         draw(statistics, 1, rng=np.random.default_rng(0))
     with pytest.raises(ValueError, match="correlation must be one of"):
-        prepare(statistics, N_LINES, correlation="some")
+        paper_model(statistics, correlation="some")
     with pytest.raises(ValueError, match="n_layers must be"):
-        prepare(statistics, N_LINES, n_layers=(6, 5))
+        paper_model(statistics, n_layers=(6, 5))

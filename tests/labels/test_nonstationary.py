@@ -3,9 +3,9 @@ import hashlib
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_labels import N_LINES, planted
+from planted_labels import N_LINES, paper_model, planted
 
-from snowsim.labels import Nonstationary, draw_scene, prepare
+from snowsim.labels import Nonstationary, draw_scene
 
 
 def smooth(n_slabs=12):
@@ -17,7 +17,7 @@ def smooth(n_slabs=12):
 
 
 def scenes(statistics, nonstationary, n=200, seed=7):
-    model = prepare(statistics, N_LINES, n_layers=(5, 12), nonstationary=nonstationary)
+    model = paper_model(statistics, N_LINES, n_layers=(5, 12), nonstationary=nonstationary)
     rng = np.random.default_rng(seed)
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
 

@@ -1,4 +1,4 @@
-"""Label models with other zones and spectra: AIC and BIC, parameters saved, and the one in use."""
+"""Label models with other zones and spectra: AIC and BIC, parameters saved, beside the one that labels use."""
 
 from functools import partial
 
@@ -6,23 +6,32 @@ import pandas as pd
 from job import logger, run
 
 from lib.diagnostics.label_models import choose, compare_models, tabulate_models, tabulate_spectra
+from lib.diagnostics.spectra import with_spectra
 from lib.machine import device_name, time_rounds
-from snowsim.io.files import read_dataset, write_dataset, write_table
+from snowsim.io.files import read_dataset, write_table
 from snowsim.labels import draw_scene, prepare
-from snowsim.labels.models import label_model
-from snowsim.labels.radiometry import NEEDED
 from snowsim.seeding import random_stream
 from snowsim.statistics import merge, summary_from_dataset
 from snowsim.statistics.zones import zone_models
 
-PAPER = (4, "tabulated")
-TIMED_SCENES, TIMED_ROUNDS = 30, 5
+N_ZONES = 4
+TIMED_SCENES = 30
+TIMED_ROUNDS = 5
 
 
 def compare_label_models(
-    summaries, statistics,
-    model, selection, scenes, spectra, seconds, *, seed, n_zones, psd, zone_counts, n_range_lines, n_scenes,
-):  # fmt: skip
+    summaries,
+    statistics,
+    selection,
+    scenes,
+    spectra,
+    seconds,
+    *,
+    seed,
+    zone_counts,
+    n_range_lines,
+    n_scenes,
+):
     flight = read_dataset(statistics)
     summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
     tapered = flight.attrs["estimator"] != "paper"
@@ -33,34 +42,28 @@ def compare_label_models(
     }
     found = tabulate_models(list(by_count.values()))
     chosen = {
-        "paper": PAPER,
+        "paper": (N_ZONES, "tabulated"),
         "aic": choose(found, "aic", "aic"),
         "bic": choose(found, "bic", "bic"),
-    }
-    chosen |= {
-        "bic, 4 zones": choose(found, PAPER[0], "bic"),
-        "in use": choose(found, n_zones, psd),
+        "bic, 4 zones": choose(found, N_ZONES, "bic"),
     }
     logger.info("chosen: %s", chosen)
-    datasets = {
-        name: label_model(by_count[zones], spectrum) for name, (zones, spectrum) in chosen.items()
-    }
-    models = {
-        name: (*chosen[name], prepare(dataset, n_range_lines)) for name, dataset in datasets.items()
-    }
+    prepared = {}
+    for name, (n_zones, psd) in chosen.items():
+        dataset = with_spectra(by_count[n_zones], psd)
+        prepared[name] = prepare(dataset, n_range_lines, radiometry="constant")
     stream = partial(random_stream, seed, "compare_label_models")
 
-    def draw_scenes(prepared):
+    def draw_scenes(model):
         rng = stream()
         for scene in range(TIMED_SCENES):
-            draw_scene(prepared, n_range_lines, name=f"{scene}", rng=rng)
+            draw_scene(model, n_range_lines, name=f"{scene}", rng=rng)
 
-    works = {name: partial(draw_scenes, prepared) for name, (_, _, prepared) in models.items()}
+    works = {name: partial(draw_scenes, model) for name, model in prepared.items()}
     runs = pd.DataFrame(time_rounds(works, TIMED_ROUNDS), columns=["model", "repeat", "seconds"])
-    drawn = datasets["in use"].assign({name: flight[name] for name in NEEDED if name in flight})
-    write_dataset(model, drawn.assign_attrs(synthetic=flight.attrs["synthetic"]))
+    compared = {name: (*chosen[name], model) for name, model in prepared.items()}
     write_table(selection, found)
-    write_table(scenes, compare_models(models, found, n_scenes, stream))
+    write_table(scenes, compare_models(compared, found, n_scenes, stream))
     write_table(spectra, tabulate_spectra(flight["thickness_psd"].values[:, 0]))
     write_table(seconds, runs.assign(n_scenes=TIMED_SCENES, device=device_name()))
 

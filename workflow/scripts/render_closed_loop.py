@@ -4,6 +4,7 @@ from functools import partial
 
 from job import progress, run
 
+from lib.conventions import Convention
 from lib.diagnostics.closed_loop import summarise_renders
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet
@@ -13,15 +14,12 @@ from snowsim.statistics import summary_to_dataset
 
 def render_closed_loop(layers, statistics, summary, *, convention, seed, phy, first, stride):
     stream = partial(random_stream, seed, "closed_loop")
+    given = read_dataset(statistics)
     with SceneSet(layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), first)
-        renders = summarise_renders(
-            scenes, read_dataset(statistics), convention, phy, stride, stream
-        )
-    write_dataset(
-        summary,
-        summary_to_dataset(renders).assign_attrs(synthetic="renders by PHY, not observed data"),
-    )
+        renders = summarise_renders(scenes, given, Convention(**convention), phy, stride, stream)
+    sums = summary_to_dataset(renders)
+    write_dataset(summary, sums.assign_attrs(synthetic="renders by PHY, not observed data"))
 
 
 run(render_closed_loop)

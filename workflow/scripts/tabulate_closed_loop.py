@@ -2,26 +2,36 @@
 
 from job import run
 
+from lib.conventions import Convention
 from lib.diagnostics.closed_loop import convention_table, recover, summarise_loop
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table
 from snowsim.statistics import merge, summary_from_dataset
 
 
 def tabulate_closed_loop(
-    summaries, statistics, tried_tables, tried_statistics, recovered, errors, table, summary, conventions,
-    *, tried, varies,
-):  # fmt: skip
+    summaries,
+    statistics,
+    tried_tables,
+    tried_statistics,
+    recovered,
+    errors,
+    table,
+    summary,
+    conventions,
+    *,
+    tried,
+    varies,
+):
     merged = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
     found, compared = recover(merged, read_dataset(statistics), varies=varies)
     write_dataset(recovered, found)
-    for path in (errors, table):
-        write_table(path, compared)
+    write_table(errors, compared)
+    write_table(table, compared)
     write_table(summary, summarise_loop(read_table(table)))
     n_scenes = [int(read_dataset(path).attrs["n_frames"]) for path in tried_statistics]
-    write_table(
-        conventions,
-        convention_table(zip(tried, map(read_table, tried_tables), n_scenes, strict=True)),
-    )
+    named = [Convention(**choices) for choices in tried]
+    rows = zip(named, map(read_table, tried_tables), n_scenes, strict=True)
+    write_table(conventions, convention_table(rows))
 
 
 run(tabulate_closed_loop)

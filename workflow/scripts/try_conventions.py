@@ -5,6 +5,7 @@ from itertools import islice
 
 from job import progress, run
 
+from lib.conventions import Convention
 from lib.diagnostics.closed_loop import recover, summarise_renders
 from snowsim.io.files import read_dataset, write_dataset, write_table
 from snowsim.io.scenes import SceneSet
@@ -15,16 +16,16 @@ def try_conventions(
     layers, statistics, recovered, tables, *, conventions, seed, phy, n_scenes, stride, varies
 ):
     stream = partial(random_stream, seed, "closed_loop")
-    for convention, path_to_given, *paths in zip(
-        conventions, statistics, recovered, tables, strict=True
-    ):
+    files = zip(conventions, statistics, recovered, tables, strict=True)
+    for choices, path_to_given, path_to_recovered, path_to_table in files:
+        convention = Convention(**choices)
         given = read_dataset(path_to_given)
         with SceneSet(layers) as drawn:
-            scenes = enumerate(progress(islice(drawn, n_scenes), convention, total=n_scenes))
-            renders = summarise_renders(scenes, given, convention, phy, stride, stream)
+            first = progress(islice(drawn, n_scenes), convention.name, total=n_scenes)
+            renders = summarise_renders(enumerate(first), given, convention, phy, stride, stream)
         found, table = recover(renders, given, varies=varies)
-        write_dataset(paths[0], found)
-        write_table(paths[1], table)
+        write_dataset(path_to_recovered, found)
+        write_table(path_to_table, table)
 
 
 run(try_conventions)

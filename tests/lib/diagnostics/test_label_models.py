@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from planted_labels import N_LINES, WAVENUMBER, density_of, planted
+from planted_labels import WAVENUMBER, density_of, paper_model, planted
 
 from lib.diagnostics import label_models
 from lib.diagnostics.label_models import (
@@ -14,8 +14,7 @@ from lib.diagnostics.label_models import (
     tabulate_models,
     whittle_log_likelihood,
 )
-from snowsim.labels import prepare
-from snowsim.labels.models import SPECTRA, label_model
+from lib.diagnostics.spectra import SPECTRA, with_spectra
 
 
 def zone_model(name, n_zones, n_blocks, rng):
@@ -103,7 +102,7 @@ def test_what_a_model_costs_stands_beside_the_first():
     selection = pd.DataFrame(
         {"n_zones": 4, "psd": list(n_parameters), "n_parameters": list(n_parameters.values())}
     )
-    models = {psd: (4, psd, prepare(label_model(statistics, psd), N_LINES)) for psd in n_parameters}
+    models = {psd: (4, psd, paper_model(with_spectra(statistics, psd))) for psd in n_parameters}
     table = compare_models(
         models, selection.assign(aic=0.0, bic=0.0), 60, lambda: np.random.default_rng(3)
     ).set_index("model")

@@ -1,14 +1,14 @@
 """The closed loop: label sets rendered by PHY, and their statistics beside those they were rendered from."""
 
-from collections import namedtuple
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pandas as pd
 
 from snowsim.constants import EARTH_RADIUS_M
 from snowsim.frames.blocks import placeholder_frame
-from snowsim.phy import plan, render_plan, scene_parameters
+from snowsim.labels import Dress, redress
+from snowsim.phy import plan, render_plan
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.summaries import BY_GROUP
@@ -20,15 +20,22 @@ SURE = 2.0  # standard errors by which a difference counts as one
 NARROW_BINS2 = 1.0
 
 
-# How a quantity is compared: its dimensions, the unit of its error, and the largest error asked
-# for.
-Bound = namedtuple("Bound", "dims unit largest")
+@dataclass(frozen=True)
+class Bound:
+    """How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for."""
+
+    dims: tuple
+    unit: str
+    largest: float
+
+
 BOUNDS = {
     "peak_power": Bound(("layer",), "relative", 0.03),
     "decay_rate": Bound(("layer",), "relative", 0.05),
     "noise_power": Bound((), "relative", 0.01),
     "variance_bins2": Bound(("layer",), "relative", 0.20),
-    **dict.fromkeys(("width_bins", "offset_bins"), Bound(("layer",), "bins", 1.0)),
+    "width_bins": Bound(("layer",), "bins", 1.0),
+    "offset_bins": Bound(("layer",), "bins", 1.0),
     "thickness_mean_bins": Bound(("zone", "slab"), "relative", 0.03),
     "thickness_variance_bins2": Bound(("zone", "slab"), "relative", 0.10),
     "relative_thickness_mean": Bound(("zone", "slab"), "relative", 0.03),
@@ -37,25 +44,34 @@ BOUNDS = {
     "thickness_trend_variance_bins2": Bound(("zone", "slab"), "relative", 0.15),
     "surface_fraction": Bound((), "relative", 0.05),
     "surface_trend_variance_bins2": Bound((), "relative", 0.15),
-    **dict.fromkeys(("noise_spread_db", "surface_to_noise_spread_db"), Bound((), "relative", 0.15)),
-    **dict.fromkeys(("common_spread_db", "layer_spread_db"), Bound((), "relative", 0.15)),
-    **dict.fromkeys(
-        ("fading_spread_db", "fading_length_lines"), Bound(("interface",), "relative", 0.15)
-    ),
-    **dict.fromkeys(("line_gain_spread_db", "texture_variance"), Bound((), "relative", 0.15)),
-    **dict.fromkeys(("texture_length_bins", "texture_length_lines"), Bound((), "relative", 0.15)),
+    "noise_spread_db": Bound((), "relative", 0.15),
+    "surface_to_noise_spread_db": Bound((), "relative", 0.15),
+    "common_spread_db": Bound((), "relative", 0.15),
+    "layer_spread_db": Bound((), "relative", 0.15),
+    "fading_spread_db": Bound(("interface",), "relative", 0.15),
+    "fading_length_lines": Bound(("interface",), "relative", 0.15),
+    "line_gain_spread_db": Bound((), "relative", 0.15),
+    "texture_variance": Bound((), "relative", 0.15),
+    "texture_length_bins": Bound((), "relative", 0.15),
+    "texture_length_lines": Bound((), "relative", 0.15),
 }
 # What renders of label sets with one radiometry for all do not show.
-VARIES = [
-    name
-    for name in BOUNDS
-    if name.endswith(("_spread_db", "_length_lines")) or name.startswith("texture_")
-]
-COLUMNS = (
-    *("quantity", "layer", "zone", "slab", "band", "interface"),
-    *("given", "given_standard_error", "recovered", "recovered_standard_error"),
-    *("error", "error_standard_error", "unit", "bound", "within", "reason"),
+VARIES = (
+    "noise_spread_db",
+    "surface_to_noise_spread_db",
+    "common_spread_db",
+    "layer_spread_db",
+    "fading_spread_db",
+    "fading_length_lines",
+    "line_gain_spread_db",
+    "texture_variance",
+    "texture_length_bins",
+    "texture_length_lines",
 )
+WHERE = ("layer", "zone", "slab", "band", "interface")
+NUMBERS = ("given", "given_standard_error", "recovered", "recovered_standard_error")
+COMPARISON = ("error", "error_standard_error", "unit", "bound", "within", "reason")
+COLUMNS = ("quantity", *WHERE, *NUMBERS, *COMPARISON)
 
 
 def compare(given, recovered, *, varies=True):
@@ -73,20 +89,18 @@ def compare(given, recovered, *, varies=True):
             raise ValueError(msg)
     rows = []
     for quantity, bound in BOUNDS.items():
-        absent = (
-            quantity not in given or quantity not in recovered
-        )  # trends, by `paper` and version 0.1
+        # Estimates by `paper` have no trends.
+        absent = quantity not in given or quantity not in recovered
         if absent or (quantity in VARIES and not varies):
             continue
-        values = [_values(dataset, quantity, bound.dims) for dataset in (given, recovered)]
-        shape = tuple(np.minimum(values[0][0].shape, values[1][0].shape))
+        arrays = [*_values(given, quantity, bound.dims), *_values(recovered, quantity, bound.dims)]
+        shape = tuple(np.minimum(arrays[0].shape, arrays[2].shape))
         measured = _measured(recovered, quantity, shape)
         for at in np.ndindex(shape):
-            numbers = [float(array[at]) for pair in values for array in pair]
+            numbers = [float(array[at]) for array in arrays]
             if measured[at] and np.isfinite(numbers).all() and numbers[0] != 0:
-                rows.append(
-                    _row(quantity, bound, dict(zip(bound.dims, at, strict=True)), numbers, given)
-                )
+                where = dict(zip(bound.dims, at, strict=True))
+                rows.append(_row(quantity, bound, where, numbers, given))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -98,7 +112,8 @@ def largest_errors(table):
     """
     magnitude = table["error"].abs()
     resolved = _is_resolved(table)
-    errors, shares = {}, []
+    errors = {}
+    shares = []
     for quantity, bound in BOUNDS.items():
         of = table["quantity"] == quantity
         errors[f"{quantity}_bound"] = bound.largest
@@ -118,23 +133,21 @@ def summarise_loop(table):
         part = table[table["quantity"] == quantity]
         reasons = part.loc[~part["within"], "reason"].value_counts()
         resolved = _is_resolved(part)
+        listed = [f"{reason}: {n}" for reason, n in sorted(reasons.items())]
         row = {
             "quantity": quantity,
             "unit": BOUNDS[quantity].unit,
             "bound": BOUNDS[quantity].largest,
-        }
-        row |= {
             "n": len(part),
             "n_within": int(part["within"].sum()),
             "n_resolved": int(resolved.sum()),
+            "n_resolved_within": int(part.loc[resolved, "within"].sum()),
+            "median": errors[f"{quantity}_median"],
+            "median_standard_error": part["error_standard_error"].median(),
+            "largest": errors[f"{quantity}_largest"],
+            "reasons": "; ".join(listed),
         }
-        row["n_resolved_within"] = int(part.loc[resolved, "within"].sum())
-        row["median"] = errors[f"{quantity}_median"]
-        row["median_standard_error"] = part["error_standard_error"].median()
-        row["largest"] = errors[f"{quantity}_largest"]
-        rows.append(
-            row | {"reasons": "; ".join(f"{reason}: {n}" for reason, n in sorted(reasons.items()))}
-        )
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -148,18 +161,16 @@ def _values(statistics, quantity, dims):
     names = (quantity, f"{quantity}_standard_error")
     if "band" not in dims:
         return [statistics[name].transpose(*dims).values.astype(float) for name in names]
-    density, error = (
-        statistics[name].transpose("zone", "slab", "wavenumber").values for name in names
-    )
-    bands = _bands(statistics)
-    # Periodograms of different wavenumbers are independent, all but for leakage.
-    errors = [
-        np.sqrt((error[..., band] ** 2).sum(axis=-1)) / error[..., band].shape[-1] for band in bands
-    ]
-    return [
-        np.stack([density[..., band].mean(axis=-1) for band in bands], axis=-1),
-        np.stack(errors, axis=-1),
-    ]
+    dims = ("zone", "slab", "wavenumber")
+    density, error = (statistics[name].transpose(*dims).values for name in names)
+    means = []
+    errors = []
+    for band in _bands(statistics):
+        means.append(density[..., band].mean(axis=-1))
+        # Periodograms of different wavenumbers are independent, all but for leakage.
+        n = error[..., band].shape[-1]
+        errors.append(np.sqrt((error[..., band] ** 2).sum(axis=-1)) / n)
+    return [np.stack(means, axis=-1), np.stack(errors, axis=-1)]
 
 
 def _bands(statistics):
@@ -175,12 +186,9 @@ def _measured(recovered, quantity, shape):
         return measured
     if len(shape) == 1:
         return measured & (recovered["substituted"].values[: shape[0]] == 0)
-    source = (
-        "psd_source"
-        if quantity in ("thickness_psd", "thickness_trend_variance_bins2")
-        else "source"
-    )
-    own = recovered[source].transpose("zone", "slab").values[: shape[0], : shape[1]] == OWN_ZONE
+    of_spectrum = quantity in ("thickness_psd", "thickness_trend_variance_bins2")
+    source = recovered["psd_source" if of_spectrum else "source"]
+    own = source.transpose("zone", "slab").values[: shape[0], : shape[1]] == OWN_ZONE
     measured &= own.reshape(own.shape + (1,) * (len(shape) - 2))
     if quantity.startswith("relative_"):
         measured[:, 0] = False
@@ -188,30 +196,31 @@ def _measured(recovered, quantity, shape):
 
 
 def _row(quantity, bound, where, numbers, given):
+    """One row of `compare`; `numbers` are given and recovered values, each with its standard error."""
     value, _, found, found_error = numbers
     if bound.unit == "relative":
-        error, sampling = found / value - 1, found_error / abs(value)
+        error = found / value - 1
+        sampling = found_error / abs(value)
     elif bound.unit == "bins":
-        error, sampling = found - value, found_error
+        error = found - value
+        sampling = found_error
     else:
         # A density that came back as zero is as far off as one can be.
-        error = 10 * np.log10(max(found, 1e-30) / value)
-        sampling = 10 / np.log(10) * found_error / max(found, 1e-30)
-    within = abs(error) <= bound.largest
-    return {
-        "quantity": quantity,
-        **{dim: where.get(dim, -1) for dim in COLUMNS[1:6]},
-        **dict(zip(COLUMNS[6:10], numbers, strict=True)),
-        **{
-            "error": error,
-            "error_standard_error": sampling,
-            "unit": bound.unit,
-            "bound": bound.largest,
-        },
+        held = max(found, 1e-30)
+        error = 10 * np.log10(held / value)
+        sampling = 10 / np.log(10) * found_error / held
+    excess = abs(error) - bound.largest
+    within = excess <= 0
+    row = {"quantity": quantity}
+    row |= {dim: where.get(dim, -1) for dim in WHERE}
+    row |= dict(zip(NUMBERS, numbers, strict=True))
+    return row | {
+        "error": error,
+        "error_standard_error": sampling,
+        "unit": bound.unit,
+        "bound": bound.largest,
         "within": within,
-        "reason": ""
-        if within
-        else _reason(quantity, where, found, abs(error) - bound.largest, sampling, given),
+        "reason": "" if within else _reason(quantity, where, found, excess, sampling, given),
     }
 
 
@@ -231,38 +240,42 @@ def _reason(quantity, where, found, excess, sampling, given):
     if quantity == "offset_bins":
         return "set by align"
     if "layer" in where:
-        if given["peak_power"].values[where["layer"]] < float(given["noise_power"]):
+        layer = where["layer"]
+        if given["peak_power"].values[layer] < float(given["noise_power"]):
             return "below the noise"
-        if (
-            quantity == "variance_bins2"
-            and given["variance_bins2"].values[where["layer"]] < NARROW_BINS2
-        ):
+        narrow = given["variance_bins2"].values[layer] < NARROW_BINS2
+        if quantity == "variance_bins2" and narrow:
             return "narrower than a bin"
     return "bias"
 
 
 def _drawn_evenly(quantity, where, given):
     """Mean or variance of thickness where slab 0 is uniform over its zone and deeper slabs are it times a Gaussian."""
-    low, high = given["zone_edge_bins"].values[where["zone"] : where["zone"] + 2]
-    mean, variance = (high + low) / 2, (high - low) ** 2 / 12
-    names = ("relative_thickness_mean", "relative_thickness_variance")
-    at = where["zone"], where["slab"]
-    factor, spread = (given[name].transpose("zone", "slab").values[at] for name in names)
+    zone = where["zone"]
+    low, high = given["zone_edge_bins"].values[zone : zone + 2]
+    mean = (high + low) / 2
+    variance = (high - low) ** 2 / 12
+    factor = _by_slab(given, "relative_thickness_mean", where)
     if quantity == "thickness_mean_bins":
         return mean * factor
+    spread = _by_slab(given, "relative_thickness_variance", where)
     return variance * factor**2 + (mean**2 + variance) * spread
+
+
+def _by_slab(given, name, where):
+    """Value of a zone's slab."""
+    return given[name].transpose("zone", "slab", ...).values[where["zone"], where["slab"]]
 
 
 def _falls_steeply(given, where):
     """Whether a band of a given spectrum lies below the lowest band's continued as k^-2."""
-    density = (
-        given["thickness_psd"]
-        .transpose("zone", "slab", "wavenumber")
-        .values[where["zone"], where["slab"]]
-    )
-    lowest, band = (_bands(given)[i] for i in (0, where["band"]))
+    density = _by_slab(given, "thickness_psd", where)
+    bands = _bands(given)
+    lowest = bands[0]
+    band = bands[where["band"]]
     square = np.maximum(np.arange(density.size), 1.0) ** 2
-    return density[band].mean() < (density * square)[lowest].mean() * (1 / square[band]).mean()
+    continued = (density * square)[lowest].mean() * (1 / square[band]).mean()
+    return density[band].mean() < continued
 
 
 def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
@@ -287,47 +300,41 @@ def thinned(summary, stride):
 def summarise_renders(scenes, given, convention, phy, stride, stream):
     """Sums over renders of (number, scene) by statistics `given`; `stream` gives the random generator of a scene.
 
-    A convention is named ``<estimator>_<normalise>_<align>_<width>``; the rest of the settings is
-    that of `phy`.
+    A `Convention` replaces that of the settings `phy`, whose further ones stay.
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
-    _, normalise, align, width = convention.split("_")
-    options = {
-        "tolerance_db": phy["tolerance_db"],
+    # As many looks as the flight: 20 lines average as many here as there.
+    choices, options = Dress.split(phy | {"width": convention.width, "n_looks": None})
+    options |= {
+        "normalise": convention.normalise,
+        "align": convention.align,
         "speckle": "gamma",
-        "normalise": normalise,
-        "align": align,
     }
-    drawn = {"width": width, "speckle_correlation": phy["speckle_correlation"]}
     summaries = []
     for number, scene in scenes:
         # By scene, never by part; where no width is drawn, the same speckle for every convention.
         rng = stream(scene.name)
-        # As many looks as the flight: 20 lines average as many here as there.
-        layer_bins, parameters = scene_parameters(scene, given, **drawn, rng=rng)
-        power = render_plan(plan(layer_bins, parameters, scene.n_range_bins, **options), rng=rng)
-        frame = as_frame(power, scene.layer_bins, number, **geometry)
+        echoes = redress(scene, given, choices, rng=rng)
+        planned = plan(echoes.bins, echoes.parameters(), scene.n_range_bins, **options)
+        frame = as_frame(render_plan(planned, rng=rng), scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), stride))
     return merge(summaries)
 
 
 def recover(summary, given, *, varies):
     """Statistics of renders, zone by zone as the flight's, and their table of `compare` beside those `given`."""
-    recovered = estimate(
-        summary, estimator=given.attrs["estimator"], zone_edge_bins=given["zone_edge_bins"].values
-    )
+    edges = given["zone_edge_bins"].values
+    recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
     table = compare(given, recovered, varies=varies)
     return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), table
 
 
 def convention_table(tried):
-    """A row a convention, of (its name, table of `recover`, number of scenes); the least `score` comes closest."""
-    rows = []
-    for convention, errors, n_scenes in tried:
-        names = dict(
-            zip(("estimator", "normalise", "align", "width"), convention.split("_"), strict=True)
-        )
-        rows.append(names | {"n_scenes": n_scenes} | largest_errors(errors))
+    """A row a convention, of (`Convention`, table of `recover`, number of scenes); the least `score` comes closest."""
+    rows = [
+        asdict(convention) | {"n_scenes": n_scenes} | largest_errors(errors)
+        for convention, errors, n_scenes in tried
+    ]
     table = pd.DataFrame(rows)
     table.insert(5, "closest", table["score"] == table["score"].min())
     return table

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.labels.draw import draw_scene
-from snowsim.labels.models import FAINTEST, MODELS, SPECTRA, TABULATED, densities_of, fit_spectrum
+from lib.diagnostics.spectra import FAINTEST, MODELS, SPECTRA, TABULATED, densities_of, fit_spectrum
 from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
 
 CRITERIA = ("aic", "bic")

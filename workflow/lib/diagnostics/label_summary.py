@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 
-from snowsim.labels.radiometry import labelled_or_not
 from snowsim.statistics.blocks import BLOCK_LINES, fourier, thickness_blocks
 from snowsim.statistics.zones import place_blocks
 
@@ -40,7 +39,7 @@ def summarise_labels(scenes, statistics, summary=()):
             msg = f"scene {scene.name}: expected {n_lines} range lines as in a block, got {scene.n_range_lines}"
             raise ValueError(msg)
         counts.append(scene.notes["n_layers"])
-        layers = labelled_or_not(scene)[: n_slabs + 1]
+        layers = _drawn_layers(scene)[: n_slabs + 1]
         thickness = np.diff(layers, axis=0)
         held, zone = len(thickness), scene.zone
         if held == 0:
@@ -90,6 +89,13 @@ def summarise_labels(scenes, statistics, summary=()):
         .sum()
         .reset_index(),
     }
+
+
+def _drawn_layers(scene):
+    """All layers of a drawn scene, labelled or not."""
+    if scene.complete_layer_bins is None:
+        return scene.layer_bins
+    return scene.complete_layer_bins[: len(scene.layer_bins)]
 
 
 def mean_square_differences(series):

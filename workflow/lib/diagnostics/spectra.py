@@ -1,4 +1,4 @@
-"""The label model in use: thickness spectra as tabulated, or a law of few parameters fitted to them."""
+"""Laws of few parameters fitted to tabulated spectra of thickness."""
 
 from dataclasses import dataclass
 
@@ -89,16 +89,10 @@ def fit_spectrum(name, psd):
     return scale * unit, np.array([scale, *shape])
 
 
-def label_model(zone_model, psd):
-    """One of the flight's `zone_models` with spectra of one of `MODELS`, to draw labels from.
-
-    The tabulated spectra stay in `thickness_psd_tabulated`.
-    """
+def with_spectra(zone_model, psd):
+    """One of the flight's `zone_models` with spectra of one of `MODELS`, to draw labels from."""
     density = zone_model["thickness_psd"].transpose("zone", "slab", "wavenumber")
-    return zone_model.assign(
-        thickness_psd=(density.dims, densities_of(density.values, psd)),
-        thickness_psd_tabulated=density,
-    ).assign_attrs(n_zones=zone_model.sizes["zone"], psd=psd)
+    return zone_model.assign(thickness_psd=(density.dims, densities_of(density.values, psd)))
 
 
 def densities_of(tabulated, psd):

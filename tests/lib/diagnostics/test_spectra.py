@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, PARAMETERS, WAVENUMBER, density_of, planted
 
 from lib.diagnostics.label_models import whittle_log_likelihood
-from snowsim.labels.models import MODELS, SPECTRA, fit_spectrum, label_model
+from lib.diagnostics.spectra import MODELS, SPECTRA, fit_spectrum, with_spectra
 from snowsim.statistics.blocks import periodogram
 
 
@@ -53,9 +53,8 @@ def test_an_unknown_law_is_refused():
 
 def test_a_label_model_keeps_the_variance_and_the_tabulated_spectrum():
     statistics = planted(n_slabs=6)
-    models = {psd: label_model(statistics, psd) for psd in MODELS}
-    for model in models.values():
-        assert_array_equal(model["thickness_psd_tabulated"], statistics["thickness_psd"])
+    models = {psd: with_spectra(statistics, psd) for psd in MODELS}
+    assert_array_equal(models["tabulated"]["thickness_psd"], statistics["thickness_psd"])
     # The planted spectrum is a Matern of exponent 1 with corner at 0.01.
     power = {psd: models[psd]["thickness_psd"].sum("wavenumber") for psd in ("matern", "tabulated")}
     assert_allclose(power["matern"], power["tabulated"], rtol=0.01)

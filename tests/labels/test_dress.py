@@ -1,0 +1,129 @@
+"""Layers dressed with the powers of a flight: what they take from its statistics, and what is refused."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echoes import Kind
+from snowsim.labels import Dress, dress
+from snowsim.phy import mean_power
+
+
+@pytest.fixture
+def statistics():
+    return xr.Dataset(
+        {
+            "peak_power": ("layer", [1.0, 0.3, 0.2]),
+            "decay_rate": ("layer", [0.09, 0.07, np.nan]),
+            "variance_bins2": ("layer", [11.0, 12.0, 13.0]),
+            "width_bound_bins": ("bound", [10.0, 15.0]),
+            "noise_power": 1e-3,
+        },
+        attrs={"n_looks": 100.0},
+    )
+
+
+def flat(n_layers, n_lines=4):
+    """Layers 20 bins apart."""
+    return np.repeat(50.0 + 20 * np.arange(n_layers)[:, None], n_lines, axis=1)
+
+
+def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_valid_one(
+    statistics,
+):
+    echoes = dress(flat(5), statistics)
+    assert_array_equal(echoes.power, np.repeat([[1], [0.3], [0.2], [0.2], [0.2]], 4, axis=1))
+    assert_array_equal(echoes.decay_rate, [0.09, 0.07, 0.07, 0.07, 0.07])
+    assert_array_equal(echoes.variance_bins2, [11, 12, 13, 13, 13])
+    assert_array_equal(echoes.kind, [Kind.LAYER] * 5)
+    assert echoes.noise_power == 1e-3
+    assert echoes.n_looks == 100
+    # A shallow scene takes the uppermost layers; looks may be given.
+    echoes = dress(flat(2), statistics, Dress(n_looks=16))
+    assert_array_equal(echoes.power[:, 0], [1, 0.3])
+    assert echoes.n_looks == 16
+
+
+def test_speckle_is_correlated_as_measured_unless_none_is_asked_for_or_known(statistics):
+    assert dress(flat(2), statistics).speckle_correlation is None
+    statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
+    assert_array_equal(dress(flat(2), statistics).speckle_correlation, [1, 0.1])
+    independent = dress(flat(2), statistics, Dress(speckle_correlation="none"))
+    assert independent.speckle_correlation is None
+
+
+def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics):
+    layer_bins = np.array([[50.0] * 8, [50.5] * 4 + [np.nan] * 4, [90.0] * 8])
+    without = dress(layer_bins, statistics)  # statistics of images hold no background
+    statistics["background_power"] = ("fall", [0.01, 0.0, 0.002])
+    statistics["fall"] = ("fall", [30.0, 100.0, 1000.0])
+    echoes = dress(layer_bins, statistics)
+    assert echoes.bins.shape == (5, 8)
+    assert (np.diff(echoes.bins[:4, :4], axis=0) > 0).all()
+    assert_array_equal(np.flatnonzero(echoes.kind == Kind.BACKGROUND), [1, 2])
+    assert_array_equal(echoes.layer_bins(), layer_bins)
+    added = power_of(echoes) - power_of(without)
+    # From 90 bins below the surface on the exponentials alone. Each has its power at its peak, up
+    # to 5 bins below the row's Gaussian of 11 bins^2: up to exp(5 / 30) more than the law.
+    depth = np.arange(140, 300) - 50.0
+    law = 0.01 * np.exp(-depth / 30) + 0.002 * np.exp(-depth / 1000)
+    assert_allclose(added[140:], np.tile(law[:, None], 8), rtol=0.25)
+    printed = dress(layer_bins, statistics, Dress(background="none"))
+    assert_array_equal(printed.bins, layer_bins)
+
+
+def power_of(echoes):
+    shape = echoes.variance_bins2, echoes.decay_rate
+    return mean_power(echoes.bins, echoes.power, *shape, 300)
+
+
+@pytest.mark.parametrize("width_bounds", [None, [10, 15]])
+def test_paper_width_is_uniform_between_the_flight_s_or_given_bounds(statistics, width_bounds, rng):
+    if width_bounds is not None:
+        statistics["width_bound_bins"] = "bound", [1.0, 2.0]
+    choices = Dress(width="paper", width_bounds=width_bounds)
+    variance = choices.variance_bins2(statistics, 100_000, rng=rng)
+    assert 10 <= variance.min() < variance.max() <= 15
+    # Standard errors of mean and deviation of U(10, 15), 1.44 / sqrt(n): allow four.
+    tolerance = 4 * 1.44 / np.sqrt(variance.size)
+    assert_allclose(variance.mean(), 12.5, atol=tolerance)
+    assert_allclose(variance.std(), 5 / np.sqrt(12), atol=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("peak_power", ("layer", [np.nan, 1, 1]), "peak_power .* at layer 0, got"),
+        ("decay_rate", ("layer", [-0.1, 1, 1]), "decay_rate .* at layer 0, got"),
+        ("noise_power", 0.0, "noise_power must be positive, got 0"),
+        ("noise_power", np.nan, "noise_power must be finite"),
+    ],
+)
+def test_bad_statistics_are_refused(statistics, name, value, message):
+    statistics[name] = value
+    with pytest.raises(ValueError, match=message):
+        dress(flat(3), statistics)
+
+
+@pytest.mark.parametrize(
+    ("choices", "message"),
+    [
+        ({"width": "narrow"}, "width must be one of paper, fitted, got 'narrow'"),
+        ({"speckle_correlation": "some"}, "speckle_correlation must be one of measured, none"),
+        ({"background": "some"}, "background must be one of measured, none, got 'some'"),
+    ],
+)
+def test_unknown_choices_are_refused(choices, message):
+    with pytest.raises(ValueError, match=message):
+        Dress(**choices)
+
+
+def test_bounds_that_do_not_increase_and_scenes_without_layers_are_refused(statistics, rng):
+    with pytest.raises(ValueError, match=r"width_bounds must .* got 3, 2"):
+        dress(flat(3), statistics, Dress(width="paper", width_bounds=[3, 2]), rng=rng)
+    statistics["width_bound_bins"] = ("bound", [15.0, 10.0])
+    with pytest.raises(ValueError, match=r"width_bound_bins must .* got 15, 10"):
+        dress(flat(3), statistics, Dress(width="paper"), rng=rng)
+    with pytest.raises(ValueError, match="at least one layer, got 0"):
+        dress(flat(0), statistics)
