@@ -1,4 +1,4 @@
-"""Seconds of one core for a training set of 1500 scenes, and for an echogram of each radar: ``make benchmarks``."""
+"""Seconds of one core for 1500 scenes, and for an echogram of each radar: ``make benchmarks``."""
 
 import sys
 import time
@@ -21,9 +21,8 @@ def seconds(work, *given, **options):
 say(f"first scene, with what is compiled once: {seconds(list, snowsim.scenes(1, rng=0)):.1f} s\n")
 for radiometry in ("constant", "measured"):
     scenes = snowsim.scenes(N_SCENES, rng=1, radiometry=radiometry)
-    say(
-        f"{N_SCENES} scenes, radiometry {radiometry}: {seconds(list, (image.size for image, _ in scenes)):.1f} s\n"
-    )
+    taken = seconds(list, (image.size for image, _ in scenes))
+    say(f"{N_SCENES} scenes, radiometry {radiometry}: {taken:.1f} s\n")
 climate, rng = snowsim.Climate(accumulation_m=0.3), np.random.default_rng(1)
 for name in PRESETS:
     took = seconds(snowsim.simulate, climate, name, n_range_lines=N_LINES, rng=rng)

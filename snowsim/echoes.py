@@ -16,7 +16,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """Echoes of one scene from the surface down, each a term of eq. (1), and how the radar sees them.
+    """Echoes of a scene from the surface down, each a term of eq. (1), and how radar sees them.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ def check_choice(name, value, choices):
 
 
 def scene_height(layer_bins):
-    """Height in range bins of a scene with these layers: max(300, deepest + 100), as in the published benchmark."""
+    """Height of a scene in range bins, max(300, deepest + 100), as in the published benchmark."""
     if not np.isfinite(layer_bins).any():
         msg = "a scene needs at least one annotated pixel, got none"
         raise ValueError(msg)
@@ -89,7 +89,7 @@ def zone_of(first_thickness_bins, zone_edge_bins):
 
 
 def layer_mask(layer_bins, n_range_bins):
-    """One pixel per layer and range line at the rounded bin, ndarray of bool (`n_range_bins`, range_line).
+    """One pixel per layer and range line at the rounded bin, bool (range_bin, range_line).
 
     `layer_bins`: (layer, range_line), fractional; no pixel where it is NaN or outside the window.
     """
@@ -102,7 +102,7 @@ def layer_mask(layer_bins, n_range_bins):
 
 
 def crossing_layers(layer_bins):
-    """Where a layer does not lie strictly below the deepest one above it, bool (layer, range_line)."""
+    """Where a layer does not lie below the deepest one above it, bool (layer, range_line)."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     filled = np.where(np.isnan(layer_bins), -np.inf, layer_bins)
     deepest_above = np.maximum.accumulate(filled, axis=0)
@@ -112,19 +112,21 @@ def crossing_layers(layer_bins):
 
 
 def check_layer_bins(layer_bins, where="layer_bins"):
-    """Raise ValueError, naming `where`, unless layers are (layer, range_line), not infinite and never cross."""
+    """Raise ValueError, naming `where`, unless layers (layer, range_line) never cross."""
     layer_bins = np.asarray(layer_bins, dtype=float)
     if layer_bins.ndim != 2:
         msg = f"{where}: expected dimensions (layer, range_line), got shape {layer_bins.shape}"
         raise ValueError(msg)
     if np.isinf(layer_bins).any():
         layer, line = np.argwhere(np.isinf(layer_bins))[0]
-        msg = f"{where}: layers must be finite or NaN, got {layer_bins[layer, line]} at layer {layer}, line {line}"
+        msg = f"{where}: layers must be finite or NaN, "
+        msg += f"got {layer_bins[layer, line]} at layer {layer}, line {line}"
         raise ValueError(msg)
     crossing = crossing_layers(layer_bins)
     if crossing.any():
         layer, line = np.argwhere(crossing)[0]
-        msg = f"{where}: layers must increase strictly with depth, layer {layer} does not at range_line {line}"
+        msg = f"{where}: layers must increase strictly with depth, "
+        msg += f"layer {layer} does not at range_line {line}"
         raise ValueError(msg)
 
 
@@ -153,7 +155,8 @@ def to_uint8(power):
     bad = ~((power > 0) & np.isfinite(power))
     if bad.any():
         row, line = np.argwhere(bad)[0]
-        msg = f"power must be positive and finite, got {power[row, line]} at range_bin {row}, range_line {line}"
+        msg = "power must be positive and finite, "
+        msg += f"got {power[row, line]} at range_bin {row}, range_line {line}"
         raise ValueError(msg)
     power_db = 10 * np.log10(power)
     noise_floor_db = float(power_db.mean(axis=1, dtype=np.float64).min())
@@ -167,7 +170,7 @@ def to_uint8(power):
 
 
 def from_uint8(image, noise_floor_db, maximum_db):
-    """Power in dB that an 8-bit image stands for, float64 of the image's shape; the inverse of `to_uint8`."""
+    """Power in dB that an 8-bit image stands for, float64; the inverse of `to_uint8`."""
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     return bottom_db + np.asarray(image, dtype=float) * ((maximum_db - bottom_db) / 255)
 
@@ -209,19 +212,20 @@ def check_echogram(echogram, where="echogram"):
     bad = np.isinf(data) | (data < 0)
     if bad.any():
         at = tuple(int(i) for i in np.argwhere(bad)[0])
-        msg = f"{where}: Data: expected linear power, finite or NaN and not negative, got {data[at]} at {at}"
+        msg = f"{where}: Data: expected linear power, finite or NaN and not negative, "
+        msg += f"got {data[at]} at {at}"
         raise ValueError(msg)
 
 
 def check_layers(layers, where="layers"):
-    """Raise ValueError, naming `where`, unless the dataset holds `twtt`, `quality` and `type` on (layer, slow_time)."""
+    """Raise ValueError, naming `where`, unless `twtt`, `quality`, `type` are on (layer, slow_time)."""
     _require(layers, {name: {"layer", "slow_time"} for name in ("twtt", "quality", "type")}, where)
     _check_slow_time(layers, where)
     check_layer_bins(layers["twtt"].transpose("layer", "slow_time").values, f"{where}: twtt")
 
 
 def layer_bins_of(layers, echogram):
-    """Layers of a dataset in fractional range bins of an echogram, (layer, range_line), NaN where absent."""
+    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent."""
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     if twtt.shape[1] != echogram.sizes["slow_time"]:
         msg = (
@@ -244,10 +248,12 @@ def along_track_m(echogram):
 def _require(dataset, variables, where):
     for name, dims in variables.items():
         if name not in dataset:
-            msg = f"{where}: expected variable {name}, found {', '.join(map(str, dataset.variables)) or 'none'}"
+            found = ", ".join(map(str, dataset.variables)) or "none"
+            msg = f"{where}: expected variable {name}, found {found}"
             raise ValueError(msg)
         if set(dataset[name].dims) != dims:
-            msg = f"{where}: {name}: expected dimensions {sorted(dims)}, got {list(dataset[name].dims)}"
+            msg = f"{where}: {name}: expected dimensions {sorted(dims)}, "
+            msg += f"got {list(dataset[name].dims)}"
             raise ValueError(msg)
 
 

@@ -64,14 +64,16 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 
     Notes
     -----
-    Powers, widths and tails: `snowsim.physical.physical_parameters`; PHY renders them. Against a coherent solver,
-    contrasts of 30-250 kg m-3 three range cells apart or more, delays are within 0.1 bin and mean powers within 0.5
+    Powers, widths and tails: `snowsim.physical.physical_parameters`; PHY renders them. Against a
+    coherent solver, contrasts of 30-250 kg m-3 three range cells apart or more, delays are within
+    0.1 bin and mean powers within 0.5
     dB; figure *convolution_accuracy* of the report shows where not.
 
     Examples
     --------
     >>> snow = Snowpack(depth_m=[0, 1.0, 2.5], density_kg_m3=[340, 400, 350])
-    >>> echogram, layers = simulate(snow, "ku-12-18", n_range_lines=64, rng=np.random.default_rng(1))
+    >>> rng = np.random.default_rng(1)
+    >>> echogram, layers = simulate(snow, "ku-12-18", n_range_lines=64, rng=rng)
     >>> (1e9 * np.diff(layers["twtt"][:, 0])).round(2)  # 2 n h / c [ns]
     array([ 8.59, 13.39])
     """
@@ -147,7 +149,7 @@ class _Recipe:
 
 
 class Scenes(Sequence):
-    """Scenes, drawn and rendered when requested: image and mask, uint8 (range_bin, range_line), 1 on a layer."""
+    """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line)."""
 
     def __init__(self, n, recipe):
         self._indices = range(n)

@@ -1,4 +1,4 @@
-"""Scene sets on disk: ragged NetCDF files, written whole or not at all, read lazily scene by scene."""
+"""Scene sets on disk: ragged NetCDF files, written whole or not at all, read scene by scene."""
 
 import json
 from dataclasses import dataclass
@@ -242,7 +242,7 @@ class SceneSet:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a scene lies: its file, index in it, rows by ragged dimension; and its name, notes and numbers."""
+    """Where a scene lies, by file, index and rows in ragged arrays; its name, notes and numbers."""
 
     file: netCDF4.Dataset
     index: int

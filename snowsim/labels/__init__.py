@@ -1,4 +1,4 @@
-"""Synthetic layer geometries drawn from flight statistics, and the echoes that they are dressed with."""
+"""Synthetic layer geometries drawn from flight statistics, and the echoes of their layers."""
 
 from snowsim.labels.draw import draw, draw_scene
 from snowsim.labels.dress import Dress, dress, redress

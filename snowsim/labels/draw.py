@@ -1,4 +1,4 @@
-"""Layers of one scene: their number, mean thicknesses, correlated undulations, accumulated from the surface down."""
+"""Layers of one scene: number, mean thicknesses and undulations, summed from the surface down."""
 
 import numpy as np
 
@@ -32,11 +32,13 @@ def draw(statistics, n_range_lines, *, rng):
 
     Notes
     -----
-    Yari et al. (2021), section V-B: mean thickness of slab 0, which fixes the zone; mean of deeper slabs = slab 0 x a
-    factor from the zone's Gaussian; thickness = mean + Gaussian process of that slab's spectrum in that zone. The paper
-    draws slab 0 ~ U(range seen) and the number of layers ~ U{5..40}, below a flat surface; here all three are as in the
-    flight, see `prepare`, and so is the trend within a block if its variance is known. Slabs deeper than the flight
-    shows take values of its last. Thickness below `MINIMUM_THICKNESS_BINS`, and a mean below it, is mirrored there.
+    Yari et al. (2021), section V-B: mean thickness of slab 0, which fixes the zone; mean of deeper
+    slabs = slab 0 x a factor from the zone's Gaussian; thickness = mean + Gaussian process of that
+    slab's spectrum in that zone. The paper draws slab 0 ~ U(range seen) and the number of layers ~
+    U{5..40}, below a flat surface; here all three are as in the flight, see `prepare`, and so is
+    the trend within a block if its variance is known. Slabs deeper than the flight shows take
+    values of its last. Thickness below `MINIMUM_THICKNESS_BINS`, and a mean below it, is mirrored
+    there.
 
     Examples
     --------
@@ -44,7 +46,8 @@ def draw(statistics, n_range_lines, *, rng):
 
     >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
     >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
+    >>> climate = draw_climate(settings, rng=np.random.default_rng(1))
+    >>> common = {"climate": climate, "settings": settings}
     >>> frames = (draw_frame(i, 2, 512, **common, rng=np.random.default_rng(i)) for i in range(2))
     >>> from snowsim.statistics import fit
     >>> layer_bins = draw(fit(frames, estimator="paper"), 256, rng=np.random.default_rng(0))
@@ -61,7 +64,7 @@ def draw(statistics, n_range_lines, *, rng):
 
 
 def draw_scene(statistics, n_range_lines, *, name, rng):
-    """Layers of one scene with its zone, its echoes and what the rules did to it; parameters as `draw`.
+    """Layers of one scene with its zone, its echoes and what the rules did to it.
 
     Returns
     -------

@@ -133,7 +133,7 @@ def dress(layer_bins, statistics, choices=None, *, rng=None):
 
 
 def with_background(layers, background_power, fall_bins, gap=1.0):
-    """The echoes with a row for each e-folding depth that has power, within `gap` below the surface."""
+    """The echoes with a row within `gap` below the surface for each e-folding depth with power."""
     held = background_power > 0
     power = background_power[held]
     place = 1 + np.arange(power.size)[:, None]

@@ -1,4 +1,4 @@
-"""Flight statistics made ready to draw label sets: what a scene takes from them, computed once and kept."""
+"""Flight statistics made ready to draw label sets: computed once, kept for all scenes."""
 
 from dataclasses import dataclass, field
 
@@ -59,7 +59,7 @@ class LabelModel:
         return self.relative_mean.shape[1]
 
     def variances(self, zone):
-        """Variance at the wavenumbers of the series a scene is cut from, (slab, long wavenumber)."""
+        """Variance of the series a scene is cut from, (slab, long wavenumber)."""
         if ("variances", zone) not in self._kept:
             trend = None if self.trend_variance is None else self.trend_variance[zone]
             self._kept["variances", zone] = self._long_variances(self.psd[zone], trend)
@@ -80,7 +80,7 @@ class LabelModel:
         return lengthened(variances, 2 * even)
 
     def draw_n_layers(self, zone, *, rng):
-        """Number of layers below the surface: zero as often as in the flight, otherwise as in the zone's blocks.
+        """Number of layers below the surface, as in the blocks of the zone; zero as in the flight.
 
         Numbers between those seen are interpolated in the logarithm between mid-quantiles (Parzen
         2004, Statist. Sci. 19, 652); a zone without layers uses all zones.
@@ -96,7 +96,7 @@ class LabelModel:
         return int(np.rint(np.exp(log_number)))
 
     def draw_surface(self, *, rng):
-        """Row of the surface, (1, range_line): flat, or a slow error and what levelling in whole bins leaves."""
+        """Row of the surface, (1, range_line): flat, or as levelling in whole bins leaves it."""
         row = np.full((1, self.n_range_lines), float(SURFACE_ROW))
         if self.surface is None:
             return row
@@ -110,7 +110,7 @@ class LabelModel:
         return row
 
     def _surface_variances(self):
-        """Variances of the slow error and of the movement that levelling follows, each (1, long wavenumber)."""
+        """Variances of slow error and of movement to level, each (1, long wavenumber)."""
         if "surface" not in self._kept:
             trend_variance = self.surface["surface_trend_variance_bins2"][None]
             slow = self._long_variances(self.surface["surface_psd"][None], trend_variance)
@@ -125,7 +125,7 @@ class LabelModel:
         return self._kept[name, n]
 
     def band_factors(self, n, n_wavenumbers):
-        """Factors of the correlation of undulations, one (slice of long wavenumbers, factor) per band."""
+        """Factors of the correlation of undulations by band, (long wavenumbers, factor)."""
         if ("bands", n) not in self._kept:
             edges = np.ceil(self.band_edge_wavenumber * 2 * n_wavenumbers - 1e-9).astype(int) - 1
             edges[0] = 0  # the first band reaches down to the lowest wavenumber
@@ -245,7 +245,7 @@ def _surface(statistics):
 
 
 def _correlations(statistics, correlation):
-    """Correlations between slabs as arguments of `LabelModel`; none: only through slab 0, as in the paper."""
+    """Correlations between slabs as arguments of `LabelModel`; the paper has none."""
     trend = {}
     # Plain spectra have no trend.
     if "thickness_trend_variance_bins2" in statistics:

@@ -1,4 +1,4 @@
-"""Thickness along track: Gaussian series whose blocks have a given mean periodogram; trends and folds."""
+"""Thickness along track: Gaussian series of a given mean periodogram, trends and folds."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,7 @@ SETTLED = 20  # rounds; each leaves a third of the error of the one before
 
 @lru_cache(maxsize=4)
 def leakage_matrix(n_lines, n_long):
-    """Expected periodogram of `n_lines` cut from a series of `n_long`, per unit variance at each of its wavenumbers.
+    """Expected periodogram of `n_lines` cut from a series of `n_long`, per unit variance.
 
     (wavenumber, long wavenumber): one-sided density at ``k / n_lines``, k = 1 ... n_lines / 2, from
     ``j / n_long``, j = 1 ... n_long / 2. A cosine of random phase has ``E|X_k|^2 = (|D(f_j -
@@ -26,8 +26,9 @@ def leakage_matrix(n_lines, n_long):
     matrix = np.zeros((wavenumber.size, long_wavenumber.size))
     for sign in (-1, 1):
         half_turn = np.pi * (long_wavenumber + sign * wavenumber[:, None])
-        at_pole = np.abs(np.sin(half_turn)) < 1e-12
-        kernel = np.sin(n_lines * half_turn) / np.where(at_pole, 1, np.sin(half_turn))
+        sine = np.sin(half_turn)
+        at_pole = np.abs(sine) < 1e-12
+        kernel = np.sin(n_lines * half_turn) / np.where(at_pole, 1, sine)
         matrix += np.where(at_pole, n_lines, kernel) ** 2 / 2
     matrix *= 2 / n_lines
     if n_lines % 2 == 0:
@@ -36,7 +37,7 @@ def leakage_matrix(n_lines, n_long):
 
 
 def line_variances(psd, n_long):
-    """Variance at each wavenumber of a long series whose cut blocks have the mean periodogram `psd`.
+    """Variances of a long series whose cut blocks have the mean periodogram `psd`.
 
     `psd (..., wavenumber)` is one-sided, of blocks about their mean, from wavenumber 0 to 1/2; the
     variances (..., long wavenumber) go from ``1 / n_long`` to 1/2, `n_long` being at least twice
@@ -59,7 +60,7 @@ def line_variances(psd, n_long):
 
 
 def plain_variances(psd, trend_variance, n_long):
-    """The same for spectra (..., wavenumber) that do not leak, taken about a trend of given variance (...).
+    """The same for spectra (..., wavenumber) without leakage, about trends of a variance (...).
 
     Density is interpolated in the logarithm between wavenumbers. The trend is the part of slower
     waves within a block: one wave of half a cycle per block represents them all. With its variance,
@@ -69,28 +70,36 @@ def plain_variances(psd, trend_variance, n_long):
     """
     n_lines = 2 * (psd.shape[-1] - 1)
     at = np.arange(2, n_long // 2 + 1) * (n_lines / n_long) - 1
-    line = np.arange(n_lines) - (n_lines - 1) / 2
-    turn = np.exp(2j * np.pi * np.outer(np.arange(1, n_long // 2 + 1) / n_long, line))
-    rise = np.abs(turn @ line / (line @ line) * (n_lines - 1)) ** 2
+    rise = _rise_of_waves(n_lines, n_long)
     slowest = np.zeros(psd.shape[:-1])
     for _ in range(SETTLED):
         density = np.maximum(psd[..., 1:], np.finfo(float).tiny)
-        shown = np.minimum(slowest[..., None] * n_lines * HALF_CYCLE_SHOWS, 0.9 * density[..., :2])
-        density[..., :2] -= shown
+        leaked = slowest[..., None] * n_lines * HALF_CYCLE_SHOWS
+        density[..., :2] -= np.minimum(leaked, 0.9 * density[..., :2])
         faster = np.exp(_interpolated(np.log(density), at)) / n_long
         slowest = np.maximum(trend_variance - faster @ rise[1:], 0) / rise[0]
     return np.concatenate([slowest[..., None], faster], axis=-1)
 
 
+def _rise_of_waves(n_lines, n_long):
+    """Mean square rise over a block of least-squares lines through waves of unit variance, (long wavenumber,)."""
+    line = np.arange(n_lines) - (n_lines - 1) / 2
+    wavenumber = np.arange(1, n_long // 2 + 1) / n_long
+    turn = np.exp(2j * np.pi * np.outer(wavenumber, line))
+    return np.abs(turn @ line / (line @ line) * (n_lines - 1)) ** 2
+
+
 def lengthened(variances, n_long):
-    """Variances of a longer series: the same density on more wavenumbers, held constant below the lowest."""
+    """Variances of a longer series: the same density, held constant below its lowest wavenumber."""
     n_old = 2 * variances.shape[-1]
-    old, new = np.arange(1, n_old // 2 + 1) / n_old, np.arange(1, n_long // 2 + 1) / n_long
-    return np.array([np.interp(new, old, row) for row in variances]) * (n_old / n_long)
+    old = np.arange(1, n_old // 2 + 1) / n_old
+    new = np.arange(1, n_long // 2 + 1) / n_long
+    density = np.array([np.interp(new, old, row) for row in variances])
+    return density * (n_old / n_long)
 
 
 def draw_series(variances, mixing, n_lines, *, rng):
-    """Gaussian series of `n_lines` about their means, (row, range_line), correlated by band of wavenumber.
+    """Gaussian series about their means, (row, range_line), correlated by band of wavenumber.
 
     `variances (row, long wavenumber)` are those of `line_variances`; `mixing` holds for each band a
     slice of long wavenumbers and a factor C (row, row) of the correlation matrix C C^T there.
@@ -104,22 +113,20 @@ def draw_series(variances, mixing, n_lines, *, rng):
     # irfft halves all but the last; there one real normal must carry the variance.
     spectrum *= np.sqrt(variances) * (n_long / 2)
     spectrum[:, -1] = spectrum[:, -1].real * 2
-    series = np.fft.irfft(np.concatenate([np.zeros((n_rows, 1)), spectrum], axis=1), n_long)[
-        :, :n_lines
-    ]
+    with_mean = np.concatenate([np.zeros((n_rows, 1)), spectrum], axis=1)
+    series = np.fft.irfft(with_mean, n_long)[:, :n_lines]
     return series - series.mean(axis=1, keepdims=True)
 
 
 def correlation_factor(correlation_by_separation, n_rows):
-    """Factor C of the correlation matrix of rows, C C^T, from correlation by separation; the last value continues.
+    """Factor C of the correlation matrix C C^T of rows, whose correlation by separation is given.
 
-    Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the
+    The last value continues. Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the
     diagonal back to one.
     """
     separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
-    matrix = correlation_by_separation[
-        np.minimum(separation, len(correlation_by_separation) - 1)
-    ].astype(float)
+    furthest = len(correlation_by_separation) - 1
+    matrix = correlation_by_separation[np.minimum(separation, furthest)].astype(float)
     np.fill_diagonal(matrix, 1.0)
     values, vectors = np.linalg.eigh(matrix)
     factor = vectors * np.sqrt(np.maximum(values, 0))
@@ -127,7 +134,7 @@ def correlation_factor(correlation_by_separation, n_rows):
 
 
 def _interpolated(values, at):
-    """Linear interpolation along the last axis at fractional indices, held constant beyond the ends."""
+    """Linear interpolation along the last axis at fractional indices, constant beyond the ends."""
     at = np.clip(at, 0, values.shape[-1] - 1)
     low = np.minimum(at.astype(int), values.shape[-1] - 2)
     return values[..., low] + (at - low) * (values[..., low + 1] - values[..., low])
@@ -135,13 +142,14 @@ def _interpolated(values, at):
 
 @dataclass(frozen=True)
 class Nonstationary:
-    """Trends and folds of layers in percolation and ablation zones, which the paper leaves to future work; zeros: none.
+    """Trends and folds of layers, which the paper leaves to future work; zeros: none.
 
     ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no
     picks resolve.
     """
 
-    trend_sd: float = 0.0  # of the change of mean thickness from the first line of a scene to its last, over the mean
+    # Of the change of mean thickness from the first line of a scene to its last, over the mean.
+    trend_sd: float = 0.0
     fold_sd_bins: float = 0.0  # of the amplitude of the deepest layer's fold
     fold_length_lines: float = 64.0  # wavelength of folds
     zones: tuple | None = None  # whose scenes have them; None: all
@@ -162,7 +170,7 @@ class Nonstationary:
 
 
 def draw_nonstationary(thickness, nonstationary, *, rng):
-    """Thickness (slab, range_line) [bins] with a trend and folds, and notes; what is off takes no number from `rng`.
+    """Thickness (slab, range_line) [bins] with a trend and folds, and notes.
 
     The trend is a gradient of accumulation, one for all slabs: thickness times ``1 + g (x / (N - 1)
     - 1/2)``, g ~ N(0, trend_sd^2), noted as `trend`; it leaves the mean of the scene as it was. A

@@ -1,4 +1,4 @@
-"""Radiometry of one scene: powers that vary along track, noise, decay, unlabelled echoes, and layers to label."""
+"""Radiometry of one scene: powers along track, noise, decay, and which layers to label."""
 
 import dataclasses
 from dataclasses import dataclass
@@ -54,7 +54,7 @@ class RadiometryModel:
 
 
 def radiometry_model(statistics, choices):
-    """`RadiometryModel` of flight statistics and a `Dress`; ValueError that names what they lack."""
+    """`RadiometryModel` of flight statistics, ValueError that names what they lack."""
     spread = {name: values_of(statistics, name, ()).item() for name in SPREADS}
     fading = [values_of(statistics, name, ("interface",)) for name in FADING]
     texture = None
@@ -81,7 +81,7 @@ def radiometry_model(statistics, choices):
 
 
 def add_radiometry(scene, model, *, rng):
-    """The scene with its `echoes`, labels only where they show, and all layers in `complete_layer_bins`.
+    """The scene with its `echoes`, labelled as far down as layers show.
 
     Power varies in dB about the flight's mean, which each layer keeps: surface and noise; buried
     layers together; each layer; and its fading along track, a Gaussian process of autocorrelation
@@ -117,7 +117,7 @@ def add_radiometry(scene, model, *, rng):
 
 
 def _draw_layers(layer_bins, model, *, rng):
-    """Echoes of the layers of a scene, (layer, range_line), with the scene's noise and decay; none labelled yet."""
+    """Echoes of layers (layer, range_line) with noise and decay of their scene; none labelled."""
     spread = model.spread
     n_layers, n_lines = layer_bins.shape
     noise_db = spread["noise_spread_db"]
@@ -156,7 +156,7 @@ def _draw_strength(model, *, rng):
 
 
 def _draw_further(layers, strength, model, *, rng):
-    """The echoes with further ones below the last layer, which have its waveform, down to the end of the image."""
+    """The echoes with further ones below, of the last layer's waveform."""
     surface = layers.bins[0]
     deepest = layers.bins[-1]
     below = _draw_distances(model.spread["further_spacing_bins"], rng=rng)
@@ -194,14 +194,14 @@ def _about_mean(deviation_db, variance_db2):
 
 
 def _draw_distances(spacing, *, rng):
-    """Distances below the last layer of echoes `spacing` bins apart on average, down to the end of the image."""
+    """Distances below the last layer of further echoes, `spacing` bins apart on average."""
     enough = int(4 * ROWS_BELOW_LAST_LAYER / spacing) + 8
     distances = np.cumsum(1 + rng.exponential(max(spacing - 1, 0.1), enough))
     return distances[distances < ROWS_BELOW_LAST_LAYER]
 
 
 def _draw_fading(model, n_layers, n_lines, *, rng):
-    """Fading [dB] of the surface and the layers below it, (layer, range_line), about their means, and its variance."""
+    """Fading [dB] of layers about their means, (layer, range_line), and its variance."""
     spread_db, length_lines, _ = model.fading.T
     n_long = 2 * max(n_lines, int(4 * length_lines.max()))
     lag = np.minimum(np.arange(n_long), n_long - np.arange(n_long))
@@ -221,7 +221,7 @@ def _draw_fading(model, n_layers, n_lines, *, rng):
 
 
 def _labelled(scene, echoes, end_contrast_db):
-    """Layers, NaN below the deepest that shows, and the rise of the buried ones [dB], (layer, range_line).
+    """Layers, NaN below the deepest that shows, and the rise of buried ones [dB].
 
     A layer shows if in half or more of its lines its mean power, averaged along it over
     `WINDOW_LINES`, rises over the minimum between it and the layer above by `end_contrast_db`.
@@ -249,7 +249,7 @@ def _labelled(scene, echoes, end_contrast_db):
 
 
 def _rise_db(power, layer_bins):
-    """Rise of averaged power at each buried layer over the valley above it [dB], (slab, range_line)."""
+    """Rise of averaged power at buried layers over the valley above [dB], (slab, range_line)."""
     n_lines = layer_bins.shape[1]
     lines = np.arange(n_lines)
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN

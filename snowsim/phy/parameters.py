@@ -101,7 +101,7 @@ def checked_power(name, value):
 
 
 def checked_tolerance(tolerance_db):
-    """A tolerance [dB] as float, or None; ValueError unless it is finite and the closed form can keep it."""
+    """A tolerance [dB] as float, or None; ValueError unless the closed form can keep it."""
     if tolerance_db is None:
         return None
     tolerance_db = float(tolerance_db)
@@ -135,7 +135,7 @@ def _per_layer(name, value, n_layers):
 
 
 def _largest_and_share(peak_power, layer_bins):
-    """Largest power of each layer, (layer,), and the share of it on each range line; absent layers count as zero."""
+    """Largest power of each layer, (layer,), and shares by range line; zero where absent."""
     power = np.asarray(peak_power, dtype=float)
     if power.shape != layer_bins.shape:
         msg = f"peak_power: expected (layer,) or the shape of the layers, {layer_bins.shape}, "

@@ -1,4 +1,4 @@
-"""Plan of a scene: from a tolerance in dB, which parts of eq. (1) are computed, how accurately and at what cost."""
+"""Plan of a scene: from a tolerance in dB, which parts of eq. (1) to compute, and their cost."""
 
 from dataclasses import dataclass, replace
 

@@ -62,8 +62,8 @@ def render(
     Examples
     --------
     >>> import numpy as np
-    >>> parameters = {"peak_power": [1.0, 0.1], "variance_bins2": [2.0, 2.0], "decay_rate": [0.3, 0.1]}
-    >>> parameters |= {"noise_power": 1e-3, "n_looks": 16}
+    >>> parameters = {"peak_power": [1.0, 0.1], "noise_power": 1e-3, "n_looks": 16}
+    >>> parameters |= {"variance_bins2": [2.0, 2.0], "decay_rate": [0.3, 0.1]}
     >>> layer_bins = np.array([[50.0] * 64, [70.0] * 64])
     >>> power = render(layer_bins, parameters, 120, tolerance_db=0.05, rng=np.random.default_rng(1))
     >>> power.shape
@@ -78,7 +78,7 @@ def render(
 
 
 def mean_field(scene_plan, *, rng):
-    """Mean power of a planned scene with its texture and gain, before any look, (range_bin, range_line)."""
+    """Mean power of a planned scene with texture and gain, (range_bin, range_line)."""
     power = planned_power(scene_plan, added_power=scene_plan.noise_power)
     if scene_plan.texture is not None:
         texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
@@ -93,7 +93,7 @@ def mean_field(scene_plan, *, rng):
 
 
 def render_plan(scene_plan, *, rng, mean=None):
-    """Power of a planned scene after M looks about its mean field, drawn unless given, (range_bin, range_line)."""
+    """Power of a planned scene after M looks about its `mean` field, (range_bin, range_line)."""
     power = mean_field(scene_plan, rng=rng) if mean is None else mean
     options = {"method": scene_plan.speckle, "correlation": scene_plan.correlation}
     return draw_speckle(power, scene_plan.n_looks, **options, rng=rng)

@@ -10,7 +10,7 @@ from snowsim.labels.process import correlation_factor, draw_series, leakage_matr
 
 
 def block_density(series):
-    """One-sided periodogram by its definition, (wavenumber,), the Nyquist wavenumber not doubled."""
+    """One-sided periodogram by its definition, (wavenumber,), Nyquist not doubled."""
     n = series.shape[-1]
     turns = np.exp(-2j * np.pi * np.outer(np.arange(n // 2 + 1), np.arange(n)) / n)
     density = 2 * np.abs((series - series.mean(axis=-1, keepdims=True)) @ turns.T) ** 2 / n

@@ -1,4 +1,4 @@
-"""Layers dressed with the powers of a flight: what they take from its statistics, and what is refused."""
+"""Layers dressed with the powers of a flight: what they take from its statistics."""
 
 import numpy as np
 import pytest

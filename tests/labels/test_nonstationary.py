@@ -9,7 +9,7 @@ from snowsim.labels import Nonstationary, draw_scene
 
 
 def smooth(n_slabs=12):
-    """Statistics without undulations and without spread of means: what bends a layer is then trend and fold alone."""
+    """Statistics without undulations and spread of means: trend and fold alone bend layers."""
     statistics = planted(n_slabs)
     for name in ("thickness_psd", "relative_thickness_variance"):
         statistics[name] = 0 * statistics[name]

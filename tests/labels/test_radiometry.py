@@ -1,4 +1,4 @@
-"""Scenes drawn with radiometry: what they keep, who is labelled, and what comes back from their renders."""
+"""Scenes drawn with radiometry: what they keep, who is labelled, what renders show."""
 
 import dataclasses
 
@@ -48,7 +48,7 @@ def statistics(**changes):
 
 
 def model_of(flight, **choices):
-    """Label model with three to eight layers, a uniform slab 0 and a flat surface, as the planted spectra allow."""
+    """Label model of three to eight layers, with a uniform slab 0 and a flat surface."""
     options = {"n_layers": (3, 8), "first_slab": "uniform", "surface": "flat"}
     return prepare(flight, N_LINES, **options | choices)
 

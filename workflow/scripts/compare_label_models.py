@@ -1,4 +1,4 @@
-"""Label models with other zones and spectra: AIC and BIC, parameters saved, beside the one that labels use."""
+"""Label models with other zones and spectra beside the one that labels use: AIC and BIC."""
 
 from functools import partial
 

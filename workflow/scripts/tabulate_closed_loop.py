@@ -1,4 +1,4 @@
-"""The closed loop of the convention PHY uses, value by value and in short, and all conventions side by side."""
+"""The closed loop of the convention PHY uses, and all conventions side by side."""
 
 from job import run
 

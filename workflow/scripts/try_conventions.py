@@ -1,4 +1,4 @@
-"""Conventions of PHY through the closed loop: renders of the first label sets, and their statistics."""
+"""Conventions of PHY through the closed loop: statistics of renders of the first label sets."""
 
 from functools import partial
 from itertools import islice

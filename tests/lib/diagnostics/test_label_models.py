@@ -1,4 +1,4 @@
-"""Label models compared: the planted law and number of zones are found, what is saved is counted."""
+"""Label models compared: the planted law and number of zones are found."""
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from lib.diagnostics.spectra import SPECTRA, with_spectra
 
 
 def zone_model(name, n_zones, n_blocks, rng):
-    """A flight of 3 slabs with spectra of one law, level and scale by true zone of 2, divided into some zones."""
+    """A flight of 3 slabs and 2 true zones with spectra of one law, divided into some zones."""
     unit = density_of(name)[1:-1]
     blocks = (
         rng.exponential(unit, (2, n_blocks, 3, unit.size)) * np.array([1.0, 9])[:, None, None, None]

@@ -1,4 +1,4 @@
-"""The closed loop: label sets rendered by PHY, and their statistics beside those they were rendered from."""
+"""The closed loop: statistics of PHY's renders of label sets beside those that went in."""
 
 from dataclasses import asdict, dataclass, replace
 
@@ -22,7 +22,7 @@ NARROW_BINS2 = 1.0
 
 @dataclass(frozen=True)
 class Bound:
-    """How a quantity is compared: its dimensions, the unit of its error, and the largest error asked for."""
+    """How a quantity is compared: dimensions, unit of the error, and the largest error allowed."""
 
     dims: tuple
     unit: str
@@ -75,7 +75,7 @@ COLUMNS = ("quantity", *WHERE, *NUMBERS, *COMPARISON)
 
 
 def compare(given, recovered, *, varies=True):
-    """What comes back of the statistics that went into renders, a row a value that was measured, with `COLUMNS`.
+    """Statistics re-estimated from renders beside those given, a row for each measured value.
 
     `layer`, `zone`, `slab`, `band` of wavenumber and `interface` (surface or buried) are -1 where a
     quantity has none; `error` is recovered against given, in `unit`, its standard error that of
@@ -85,7 +85,8 @@ def compare(given, recovered, *, varies=True):
     for name in ("zone_edge_bins", "band_edge_wavenumber"):
         ours, theirs = given[name].values, recovered[name].values
         if ours.shape != theirs.shape or not np.allclose(ours, theirs, rtol=1e-9):
-            msg = f"statistics to compare must share {name}, got {ours.tolist()} and {theirs.tolist()}"
+            msg = f"statistics to compare must share {name}, "
+            msg += f"got {ours.tolist()} and {theirs.tolist()}"
             raise ValueError(msg)
     rows = []
     for quantity, bound in BOUNDS.items():
@@ -105,7 +106,7 @@ def compare(given, recovered, *, varies=True):
 
 
 def largest_errors(table):
-    """Bound, median and largest magnitude of every quantity's error, the latter over what sampling resolves.
+    """Bound, median and, where sampling resolves it, largest error of every quantity.
 
     `score`: mean over powers, decay rates, noise, widths and, where estimated, offsets of the
     median over its bound.
@@ -126,7 +127,7 @@ def largest_errors(table):
 
 
 def summarise_loop(table):
-    """A table of `compare` in short, a row a quantity: how many of all and of resolved values are within, errors."""
+    """A table of `compare` in short, a row a quantity: how many values are within, and errors."""
     errors = largest_errors(table)
     rows = []
     for quantity in table["quantity"].unique():
@@ -180,7 +181,7 @@ def _bands(statistics):
 
 
 def _measured(recovered, quantity, shape):
-    """Where a recovered value is a measurement of its own: not substituted, not pooled, not slab 0 over itself."""
+    """Where a recovered value is measured: not substituted, not pooled, not slab 0 over itself."""
     measured = np.ones(shape, dtype=bool)
     if "layer" not in BOUNDS[quantity].dims and "slab" not in BOUNDS[quantity].dims:
         return measured
@@ -196,7 +197,7 @@ def _measured(recovered, quantity, shape):
 
 
 def _row(quantity, bound, where, numbers, given):
-    """One row of `compare`; `numbers` are given and recovered values, each with its standard error."""
+    """A row of `compare` of given and recovered `numbers`, each with its standard error."""
     value, _, found, found_error = numbers
     if bound.unit == "relative":
         error = found / value - 1
@@ -250,7 +251,7 @@ def _reason(quantity, where, found, excess, sampling, given):
 
 
 def _drawn_evenly(quantity, where, given):
-    """Mean or variance of thickness where slab 0 is uniform over its zone and deeper slabs are it times a Gaussian."""
+    """Mean or variance of thickness where slab 0 is uniform over its zone."""
     zone = where["zone"]
     low, high = given["zone_edge_bins"].values[zone : zone + 2]
     mean = (high + low) / 2
@@ -279,13 +280,13 @@ def _falls_steeply(given, where):
 
 
 def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
-    """One rendered scene, linear power and layers, as a frame that `summarise` reads; frames sort by `index`."""
+    """A rendered scene, linear power and layers, as a frame for `summarise`, sorted by `index`."""
     latitude = 70 + np.degrees(line_spacing_m / EARTH_RADIUS_M) * np.arange(power.shape[1])
     return placeholder_frame(power, layer_bins, latitude, bin_s=bin_size_s, minute=index)
 
 
 def thinned(summary, stride):
-    """A summary with one in `stride` of its averaged range lines, at least one; picks and their power stay whole.
+    """A summary with one in `stride` of its averaged range lines; picks and their power stay whole.
 
     The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and
     its share of the power on its picks, where it happens to be strong or faint: with 2 of 12 a
@@ -298,9 +299,10 @@ def thinned(summary, stride):
 
 
 def summarise_renders(scenes, given, convention, phy, stride, stream):
-    """Sums over renders of (number, scene) by statistics `given`; `stream` gives the random generator of a scene.
+    """Sums over renders of (number, scene) by statistics `given`.
 
-    A `Convention` replaces that of the settings `phy`, whose further ones stay.
+    A `Convention` replaces that of the settings `phy`, whose further ones stay; `stream` gives the
+    random generator of a scene by its name.
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     # As many looks as the flight: 20 lines average as many here as there.
@@ -322,7 +324,7 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
 
 
 def recover(summary, given, *, varies):
-    """Statistics of renders, zone by zone as the flight's, and their table of `compare` beside those `given`."""
+    """Statistics of renders by the zones of those `given`, and their table of `compare`."""
     edges = given["zone_edge_bins"].values
     recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
     table = compare(given, recovered, varies=varies)
@@ -330,7 +332,7 @@ def recover(summary, given, *, varies):
 
 
 def convention_table(tried):
-    """A row a convention, of (`Convention`, table of `recover`, number of scenes); the least `score` comes closest."""
+    """A row for each (`Convention`, table of `recover`, number of scenes)."""
     rows = [
         asdict(convention) | {"n_scenes": n_scenes} | largest_errors(errors)
         for convention, errors, n_scenes in tried

@@ -1,17 +1,17 @@
-"""Label models side by side: how well they explain the flight, the best by a criterion, what fewer parameters cost."""
+"""Label models side by side: how well they explain the flight, what fewer parameters cost."""
 
 import numpy as np
 import pandas as pd
 
-from snowsim.labels.draw import draw_scene
 from lib.diagnostics.spectra import FAINTEST, MODELS, SPECTRA, TABULATED, densities_of, fit_spectrum
+from snowsim.labels.draw import draw_scene
 from snowsim.statistics.zones import ALL_ZONES, OWN_ZONE
 
 CRITERIA = ("aic", "bic")
 
 
 def tabulate_models(zone_models):
-    """A row a number of zones and a kind of spectrum: how well they explain a flight, with how many parameters.
+    """A row for each number of zones and kind of spectrum: likelihood and parameters.
 
     Means are Gaussian, periodograms exponential about their density (Whittle), cells independent;
     slabs undulate together, so the flight tells less than is counted: both AIC and BIC lean to more
@@ -90,7 +90,7 @@ def whittle_log_likelihood(periodogram, density, n):
 
 
 def choose(table, n_zones, psd):
-    """Number of zones and kind of spectrum asked for, or, where one is "aic" or "bic", the best by it in the table."""
+    """Number of zones and kind of spectrum asked for; "aic" or "bic": the best by it."""
     asked = {value for value in (n_zones, psd) if value in CRITERIA}
     if len(asked) > 1:
         msg = f"zones and spectra are chosen by one criterion, got {n_zones} and {psd}"
@@ -107,7 +107,7 @@ def choose(table, n_zones, psd):
 
 
 def tabulate_spectra(psd):
-    """Spectra of one slab (zone, wavenumber) beside each law fitted to them [bins^2 per cycle per line]."""
+    """Spectra of a slab (zone, wavenumber) beside laws fitted [bins^2 per cycle per line]."""
     parts = []
     for zone, tabulated in enumerate(psd):
         wavenumber = np.arange(tabulated.size) / (2 * (tabulated.size - 1))
@@ -119,7 +119,7 @@ def tabulate_spectra(psd):
 
 
 def scene_statistics(model, n_scenes, *, rng):
-    """Mean and deviation of slab means in scenes drawn from a label model, and of thickness about them, by band too.
+    """Mean and deviation of slab means in drawn scenes, and of thickness about them by band.
 
     `touched_share` is that of samples under the rule for thin slabs.
     """
@@ -150,7 +150,7 @@ def scene_statistics(model, n_scenes, *, rng):
 
 
 def compare_models(models, selection, n_scenes, stream):
-    """Label models side by side, a row each, by what chose it: (number of zones, kind of spectrum, `LabelModel`).
+    """Label models (number of zones, kind of spectrum, `LabelModel`) by name, a row each.
 
     Shares saved and changes are relative to the first; `stream` gives the same random generator for
     every model.

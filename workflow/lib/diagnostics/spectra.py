@@ -7,7 +7,8 @@ from scipy.optimize import minimize
 
 from snowsim.echogram import check_choice
 
-FAINTEST = 1e-8  # of the largest density: below it lie rounding and leakage, not undulations that a scene shows
+# Of the largest density: below lie rounding and leakage, not undulations that a scene shows.
+FAINTEST = 1e-8
 LONGEST_PERIOD = (
     1e5  # [lines] of the corner of a Matern spectrum: longer than a block it has no effect
 )
@@ -32,7 +33,7 @@ def _matern(wavenumber, shape):
 
 @dataclass(frozen=True)
 class Spectrum:
-    """A law of spectra: density over scale by wavenumber and shape, with start and bounds of the search."""
+    """A law of spectra, density over scale by wavenumber and shape; start and bounds of search."""
 
     shape: object
     start: tuple = ()
@@ -55,7 +56,7 @@ MODELS = (TABULATED, *SPECTRA)
 
 
 def fit_spectrum(name, psd):
-    """The density of a law most likely behind a mean periodogram, (wavenumber,), and its scale and shape.
+    """Density of a law most likely behind a mean periodogram, (wavenumber,); its scale and shape.
 
     ``white``: a. ``power_law``: a k^-b. ``ar1``: a / |1 - r exp(2 pi i k)|^2. ``matern``: a (k0^2 +
     k^2)^-b. `psd` is one-sided from wavenumber 0 to 1/2, as `snowsim.statistics` gives it; the
