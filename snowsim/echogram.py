@@ -218,7 +218,10 @@ def check_echogram(echogram, where="echogram"):
 
 
 def check_layers(layers, where="layers"):
-    """Raise ValueError, naming `where`, unless `twtt`, `quality`, `type` are on (layer, slow_time)."""
+    """Raise ValueError, naming `where`, unless layers are as Open Polar Radar has them.
+
+    `twtt`, `quality` and `type` on (layer, slow_time), layers that do not cross.
+    """
     _require(layers, {name: {"layer", "slow_time"} for name in ("twtt", "quality", "type")}, where)
     _check_slow_time(layers, where)
     check_layer_bins(layers["twtt"].transpose("layer", "slow_time").values, f"{where}: twtt")

@@ -82,7 +82,7 @@ def plain_variances(psd, trend_variance, n_long):
 
 
 def _rise_of_waves(n_lines, n_long):
-    """Mean square rise over a block of least-squares lines through waves of unit variance, (long wavenumber,)."""
+    """Mean square rise over a block of lines fitted to waves of unit variance, (long wavenumber,)."""
     line = np.arange(n_lines) - (n_lines - 1) / 2
     wavenumber = np.arange(1, n_long // 2 + 1) / n_long
     turn = np.exp(2j * np.pi * np.outer(wavenumber, line))
@@ -121,8 +121,8 @@ def draw_series(variances, mixing, n_lines, *, rng):
 def correlation_factor(correlation_by_separation, n_rows):
     """Factor C of the correlation matrix C C^T of rows, whose correlation by separation is given.
 
-    The last value continues. Measured correlations need not form a valid matrix: negative eigenvalues are set to zero, the
-    diagonal back to one.
+    The last value continues. Measured correlations need not form a valid matrix: negative
+    eigenvalues are set to zero, the diagonal back to one.
     """
     separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
     furthest = len(correlation_by_separation) - 1

@@ -21,7 +21,7 @@ module printed:
             **{
                 f"results/{name}": f"results/as_printed/{name}"
                 for name in (
-                    *("statistics.nc", "label_model.nc", "labels/", "phy/", "cgan/"),
+                    *("statistics.nc", "labels/", "phy/", "cgan/"),
                     *("similarity", "tracker/", "tables/", "benchmarks/"),
                 )
             },

@@ -210,7 +210,6 @@ rule study_renderers:
         validation=benchmark_files("validation"),
         labels=LABEL_FILES,
         statistics="results/statistics.nc",
-        label_model=LABEL_STATISTICS,
         cgan="results/cgan/generator.safetensors",
         guided="results/studies/cgan/guided/generator.safetensors",
         l1="results/studies/cgan/l1/generator.safetensors",
