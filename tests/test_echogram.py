@@ -31,12 +31,12 @@ def test_eight_bit_scaling_puts_floor_minus_ten_at_0_and_maximum_at_255():
     power = np.full((4, 8), 1e-3)
     power[1] = 1e-2
     power[2, 0] = 1.0
-    power[3, :4], power[3, 4:] = (
-        1e-5,
-        1e-1,
-    )  # mean -30 dB, as the first row; -50 dB lies below the scale
+    # Mean -30 dB, as the first row; -50 dB lies below the scale.
+    power[3, :4] = 1e-5
+    power[3, 4:] = 1e-1
     image, noise_floor_db, maximum_db = eg.to_uint8(power)
-    assert_allclose([noise_floor_db, maximum_db], [-30, 0], atol=1e-12)
+    assert_allclose(noise_floor_db, -30, atol=1e-12)
+    assert_allclose(maximum_db, 0, atol=1e-12)
     assert image[2, 0] == 255
     assert image[3, 0] == 0
     # 255 * 10 / 40 = 63.75 and 255 * 20 / 40 = 127.5 (a tie, rounded to even)
@@ -55,7 +55,10 @@ def test_eight_bit_image_gives_power_back_within_half_a_step(rng):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        *[(value, "range_bin 1, range_line 2") for value in (0, -1, np.nan, np.inf)],
+        (0, "range_bin 1, range_line 2"),
+        (-1, "range_bin 1, range_line 2"),
+        (np.nan, "range_bin 1, range_line 2"),
+        (np.inf, "range_bin 1, range_line 2"),
         (1, "without contrast"),
     ],
 )

@@ -108,9 +108,8 @@ def test_slabs_below_the_flight_take_its_last_and_are_counted():
 
 def test_series_have_the_mean_block_spectrum_asked_for_and_do_not_end_where_they_began(rng):
     psd = planted()["thickness_psd"].values[0, 0]
-    series = draw_series(
-        np.repeat(line_variances(psd[None], 2 * N_LINES), 4000, axis=0), [], N_LINES, rng=rng
-    )
+    variances = line_variances(psd[None], 2 * N_LINES)
+    series = draw_series(np.repeat(variances, 4000, axis=0), [], N_LINES, rng=rng)
     # 4000 periodograms: 1.6 % each; 128 of them, so four and a half of those.
     assert_allclose(block_density(series).mean(axis=0)[1:], psd[1:], rtol=0.072)
     assert_allclose(series.mean(axis=1), 0, atol=1e-12)
@@ -146,9 +145,9 @@ def test_a_scene_has_the_width_asked_for_and_its_share_of_the_variance(n_range_l
 def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
     valid = 0.8 ** np.arange(6)
     factor = correlation_factor(valid, 6)
-    assert_allclose(
-        factor @ factor.T, valid[np.abs(np.subtract.outer(np.arange(6), np.arange(6)))], atol=1e-12
-    )
+    row = np.arange(6)
+    separation = np.abs(np.subtract.outer(row, row))
+    assert_allclose(factor @ factor.T, valid[separation], atol=1e-12)
     repaired = correlation_factor(np.array([1, -0.9]), 5)
     assert_allclose(np.diag(repaired @ repaired.T), 1, rtol=1e-12)
 
@@ -156,14 +155,13 @@ def test_factor_gives_back_a_valid_correlation_and_repairs_an_invalid_one():
 def test_without_measured_correlation_slabs_undulate_apart():
     rng = np.random.default_rng(6)
     model = paper_model(planted(), N_LINES, n_layers=(5, 5), correlation="none")
-    slabs = np.concatenate(
-        [np.diff(draw(model, N_LINES, rng=rng), axis=0) for _ in range(300)], axis=1
-    )
-    slabs = (
-        slabs.reshape(5, 300, N_LINES) - slabs.reshape(5, 300, N_LINES).mean(axis=2, keepdims=True)
-    ).reshape(5, -1)
+    scenes = []
+    for _ in range(300):
+        thickness = np.diff(draw(model, N_LINES, rng=rng), axis=0)
+        scenes.append(thickness - thickness.mean(axis=1, keepdims=True))
+    correlation = np.corrcoef(np.concatenate(scenes, axis=1))
     # 300 scenes with some three independent undulations each: to 1 / 30; allow four.
-    assert np.abs(np.corrcoef(slabs)[np.triu_indices(5, 1)]).max() < 0.13
+    assert np.abs(correlation[np.triu_indices(5, 1)]).max() < 0.13
 
 
 def test_bad_statistics_are_refused():
