@@ -97,7 +97,7 @@ def collapse(tmp_path, monkeypatch):
     """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""
 
     def train_on(first_step, on_collapse, every_steps=10):
-        def planted(losses, adversarial):
+        def planted(losses):
             return {"mask_response": 0.0 if losses[-1]["step"] >= first_step else 1.0}
 
         monkeypatch.setattr(cgan_training, "WINDOW_STEPS", 20)
