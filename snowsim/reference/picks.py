@@ -7,9 +7,8 @@ from snowsim.echogram import crossing_layers
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
 REACH_BINS = 4  # how far from a layer the picker looks for its peak
-LAST_TRUSTED_BINS = (
-    3.0  # a pick further off follows something else; the person who checks removes it
-)
+# A pick further off follows something else; the person who checks removes it.
+LAST_TRUSTED_BINS = 3.0
 AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
 
 
@@ -48,6 +47,12 @@ def n_visible_layers(rise, visible_db):
     """
     seen = np.flatnonzero(rise[1:] >= visible_db)  # NaN compares false
     return 2 + int(seen[-1]) if seen.size else 1
+
+
+def visible_layers(mean_power, layer_bins, visible_db):
+    """Complete layers (layer, range_line) down to where they fade, see `n_visible_layers`."""
+    rise = rise_db(mean_power, layer_bins, 1)[:, 0]
+    return layer_bins[: n_visible_layers(rise, visible_db)]
 
 
 def pick_visible(rise, layer_bins, gap_db):
