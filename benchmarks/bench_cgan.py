@@ -1,4 +1,4 @@
-"""Cost of training the conditional GAN: against a plain PyTorch loop of the same networks, and at the paper's scale.
+"""Cost of training the conditional GAN: against a plain PyTorch loop, and at the paper's scale.
 
 ``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager,
 float32, contiguous layout, Adam as it comes) on the same scenes, trains both for as many steps from
@@ -51,7 +51,7 @@ def draw_scene(number, n_range_bins, n_range_lines=256, n_layers=8):
 
 
 def plain_steps(settings, scenes):
-    """The same training as anyone would write it down: draws, losses and schedule as in the package."""
+    """The same training as anyone would write it: draws, losses and schedule as in the package."""
     start = Training(settings, seed=SEED)
     networks = generator, discriminator = start.generator, start.discriminator
     adams = []

@@ -1,4 +1,4 @@
-"""Seconds of the reference flight, whether they grow in proportion, and what the paper's size would take.
+"""Seconds of the reference flight, whether they grow in proportion, and those of the paper's size.
 
 One process and one thread, CPU seconds, so that other work on the machine counts little: python
 benchmarks/bench_reference.py. Frames and scenes are independent, so N cores take an Nth of the

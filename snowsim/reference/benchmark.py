@@ -1,4 +1,4 @@
-"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's, picked or complete."""
+"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's."""
 
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER, SURFACE_ROW, Scene, scene_height, to_uint8
 from snowsim.reference.echo import draw_stretch
@@ -17,8 +17,8 @@ SPARE_KM = 1.0
 def scene_position(index, split, length_km):
     """Track and start [km] of a scene on a line of `length_km`.
 
-    It is disjoint from every other and from the sample flight. Each split (`train`, `validation`, `test`) flies tracks of its own, parallel to the flight's, of
-    160 places each.
+    It is disjoint from every other and from the sample flight. Each split (`train`, `validation`,
+    `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
     """
     if split not in SPLITS or index < 0:
         msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, "

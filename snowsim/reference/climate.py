@@ -68,11 +68,11 @@ class Climate:
         return float(firn.fade_least_m + (firn.fade_depth_m - firn.fade_least_m) * factor)
 
     def draw_accumulation(self, track, position_km, n_years, *, rng):
-        """Water equivalent of the slabs between autumn horizons, youngest first, (slab, range_line) [m w.e.].
+        """Water equivalent of the slabs between autumn horizons, (slab, range_line) [m w.e.].
 
-        Positive because every factor is an exponential. Undulations differ between tracks, years do
-        not. `position_km` (range_line,) is evenly spaced along the line; the first of `n_years`
-        slabs is the open year.
+        Youngest first; positive because every factor is an exponential. Undulations differ between
+        tracks, years do not. `position_km` (range_line,) is evenly spaced along the line; the first
+        of `n_years` slabs is the open year.
         """
         if n_years > N_YEARS:
             msg = f"n_years must be at most {N_YEARS}, got {n_years}"
@@ -102,7 +102,10 @@ class Climate:
 
 
 def draw_climate(settings, *, rng):
-    """`Climate` of a flight and its benchmark; `rng` is always ``random_stream(seed, "climate")``: all share it."""
+    """`Climate` of a flight and its benchmark, which share it.
+
+    `rng` is always ``random_stream(seed, "climate")``.
+    """
     anomaly = rng.standard_normal((2, N_YEARS))
     horizon_strength = rng.standard_normal(N_YEARS)
     n_crusts = np.minimum(rng.poisson(settings.firn.crusts_per_year, N_YEARS), MOST_CRUSTS)

@@ -1,4 +1,4 @@
-"""The firn under a stretch of range lines: where its interfaces lie in fast time and how strong they are."""
+"""The firn under a stretch of range lines: where interfaces lie in fast time and how strong."""
 
 from dataclasses import dataclass
 
@@ -80,12 +80,12 @@ class Years:
 
 
 def draw_column(climate, track, position_km, n_bins_below, *, rng):
-    """`Column` of a stretch of a track, with every horizon that lies above `n_bins_below` in some range line.
+    """`Column` of a stretch of a track.
 
-    Snow is dry, the pulse goes straight down, and the density profile that gives depth is the
-    steady one of the stretch's middle (Sorge's law): years with more snow are thicker, not denser.
-    `position_km` (range_line,) is evenly spaced along the line; `n_bins_below` counts range bins
-    from the surface.
+    It has every horizon that lies above `n_bins_below` in some range line. Snow is dry, the pulse
+    goes straight down, and the density profile that gives depth is the steady one of the stretch's
+    middle (Sorge's law): years with more snow are thicker, not denser. `position_km` (range_line,)
+    is evenly spaced along the line; `n_bins_below` counts range bins from the surface.
     """
     firn = climate.settings.firn
     radar = climate.settings.radar

@@ -1,4 +1,4 @@
-"""From a column of firn to the mean power of its scatterers, line by line, as the radar will receive it."""
+"""From a column of firn to the mean power of its scatterers, as the radar will receive it."""
 
 from dataclasses import dataclass, replace
 
@@ -145,9 +145,9 @@ def _received(power, margin, radar, *, rng):
 
 
 def _scatterers(column, at_surface, lead, n_sub, radar):
-    """Reflected power of all interfaces, `lead` above their sub-bins, float32 (range_line, sub_bin).
+    """Reflected power of all interfaces, float32 (range_line, sub_bin).
 
-    One between two sub-bins is split linearly.
+    They lie `lead` sub-bins above where they are seen. One between two sub-bins is split linearly.
     """
     kinds = (column.horizons, column.crusts, column.lenses)
     bins = np.concatenate([kind.bins for kind in kinds])
@@ -191,7 +191,10 @@ def _layering(at_surface, depth_m, mean_density, firn, radar, *, rng):
 
 
 def _spread(power, waveform, *, centred=False):
-    """Convolution of every range line with a waveform that begins, or is centred, at zero delay; cut at both ends."""
+    """Convolution of every range line with a waveform, cut at both ends.
+
+    The waveform begins, or is centred, at zero delay.
+    """
     n_sub = power.shape[1]
     length = fft.next_fast_len(n_sub + waveform.size - 1, real=True)
     spectrum = fft.rfft(power, length, axis=1)
@@ -204,7 +207,7 @@ def _spread(power, waveform, *, centred=False):
 
 
 def _add_surface(power, first, waveform, strength):
-    """Add the surface's waveform, its first sample at fractional sub-bins `first`, (range_line,)."""
+    """Add the surface's waveform, its first sample at sub-bins `first`, (range_line,)."""
     whole = np.floor(first).astype(np.int64)
     share = (first - whole)[:, None]
     shape = np.pad(waveform, 1)
@@ -217,7 +220,7 @@ def _add_surface(power, first, waveform, strength):
 
 
 def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
-    """Fine layering of density about its trend, as in near-surface density logs, (profile, sample) [kg m-3].
+    """Fine layering of density about its trend, as in logs, (profile, sample) [kg m-3].
 
     Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length
     `length_m`, samples `spacing_m` apart. float32: its rounding is 1e-7 of a field known to a few

@@ -1,4 +1,4 @@
-"""Frames of the synthetic reference flight and its one complex segment, as Open Polar Radar datasets."""
+"""Frames of the synthetic reference flight and its segment, as Open Polar Radar datasets."""
 
 import numpy as np
 import xarray as xr
@@ -24,11 +24,11 @@ AUTOMATIC = 2  # type in CReSIS layer files
 def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`.
 
-    `rng` is its own. Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its equal parts. Layers
-    lie where the mean echo of their horizon peaks, NaN where it hardly rises over the snow above or
-    the range line is missing; layers too deep to be seen are left out. Attributes say that they are
-    synthetic, their looks and position. ValueError if there is no such frame, or the frames do not
-    fit on the line.
+    `rng` is its own. Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its
+    equal parts. Layers lie where the mean echo of their horizon peaks, NaN where it hardly rises
+    over the snow above or the range line is missing; layers too deep to be seen are left out.
+    Attributes say that they are synthetic, their looks and position. ValueError if there is no such
+    frame, or the frames do not fit on the line.
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3

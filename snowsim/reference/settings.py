@@ -1,4 +1,4 @@
-"""All settings of the synthetic reference flight, from one section of a configuration, every value checked early."""
+"""All settings of the synthetic reference flight, from one section of a configuration."""
 
 import math
 from dataclasses import dataclass, field, fields
@@ -12,12 +12,12 @@ DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & La
 
 
 def limited(default, low=None, high=None):
-    """A setting with its default, and the limits that it lies in; without any, it is positive and finite."""
+    """A setting with its default and its limits; without any it is positive and finite."""
     return field(default=default, metadata={"limits": (low, high)})
 
 
 def check_limits(settings):
-    """Raise ValueError unless every limited setting of a group is a number within its limits; NaN is not."""
+    """ValueError unless every limited setting of a group is a number within its limits."""
     for each in fields(settings):
         if "limits" not in each.metadata:
             continue
@@ -195,10 +195,10 @@ GROUPS = {group.name: group.default_factory for group in fields(Settings)}
 
 
 def checked_settings(reference):
-    """Settings from the `reference` section of a configuration: dicts `climate`, `firn`, `radar`, `picks`.
+    """Settings from the `reference` section of a configuration.
 
-    Missing keys keep their defaults. ValueError, naming the key, if one is unknown or a value out
-    of range.
+    That has dicts `climate`, `firn`, `radar`, `picks`. Missing keys keep their defaults.
+    ValueError, naming the key, if one is unknown or a value out of range.
     """
     _refuse_unknown(reference, GROUPS, "reference")
     made = {}
@@ -213,7 +213,7 @@ def checked_settings(reference):
 
 
 def check_window(settings):
-    """Raise ValueError unless the window holds the first year's horizon where it is deepest, and room below it."""
+    """ValueError unless the window holds the first year's horizon at its deepest, and room."""
     climate, radar = settings.climate, settings.radar
     wettest = place_at(line_length_km(), climate.accumulation_factor)
     water_m = climate.open_year * wettest.accumulation_m

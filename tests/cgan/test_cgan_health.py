@@ -1,4 +1,4 @@
-"""The detectors of a collapsed training catch every failure that was planted, and pass what is healthy."""
+"""The detectors of a collapsed training catch every planted failure, and pass what is healthy."""
 
 from dataclasses import replace
 
@@ -131,7 +131,7 @@ def test_weights_that_are_not_finite_are_named():
 
 
 def trained_faults(settings, seed, *, freeze_discriminator=False):
-    """Train on toy scenes and examine half way, while the rate is still whole, and at the end: faults and numbers."""
+    """Train on toy scenes and examine half way and at the end: faults, numbers."""
     training, steps = begun(settings, seed, n_scenes=24)
     unseen = toy_scenes(28)[24:]
     if freeze_discriminator:

@@ -1,4 +1,4 @@
-"""Rendering depends on the generator, the layers and the scene's own random stream, and on nothing else."""
+"""Rendering depends on the generator, the layers and the scene's random stream, on nothing else."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""A training through its script survives kill -9; a collapse is stated, with the weights kept or without."""
+"""A training through its script survives kill -9; a collapse is stated."""
 
 from dataclasses import replace
 
@@ -63,7 +63,7 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(wh
     check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
-def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(
+def test_the_weights_are_those_of_the_best_validation_and_samples_hold_each_scene_at_every_one(
     whole,
 ):
     scores = read_table(whole / "validation.csv")
@@ -94,7 +94,7 @@ def test_the_last_weights_are_kept_where_that_is_asked(tmp_path):
 
 @pytest.fixture
 def collapse(tmp_path, monkeypatch):
-    """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""
+    """Train with a fault planted in all validations from a step on; what the weights' file says."""
 
     def train_on(first_step, on_collapse, every_steps=10):
         def planted(losses):

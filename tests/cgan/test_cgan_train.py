@@ -75,7 +75,7 @@ def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(b
 
 
 def test_without_layers_a_trained_image_repeats_no_pattern_of_its_stages(learnt):
-    """The checkerboard of transposed convolutions: power at periods of 2, 4 and 8 pixels is that about them."""
+    """No checkerboard of transposed convolutions: power at periods of 2, 4, 8 as about them."""
     training, _ = learnt
     image = render(
         training.generator, toy_scene(5, 384, 192), training.settings, rng=np.random.default_rng(1)

@@ -9,7 +9,7 @@ from snowsim.reference.line import line_coordinates, line_length_km, place_at, t
 from snowsim.reference.settings import Settings, check_window
 
 
-def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances_on_it():
+def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances():
     assert_allclose(line_length_km(), 1200, rtol=0.02)
     latitude, longitude = line_coordinates(np.linspace(0, line_length_km(), 50))
     assert (np.diff(latitude[:40]) > 0).all()

@@ -6,6 +6,8 @@ from snowsim.echogram import check_layer_bins
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
 from snowsim.reference.settings import PickSettings
 
+SETTINGS = PickSettings(picker_db=1.6)
+
 
 def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     """Mean power of layers with exponential tails over noise of 1, and where they are."""
@@ -22,9 +24,10 @@ def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     return power, layer_bins
 
 
-def speckled_picks(power, layer_bins, rng, settings=PickSettings(picker_db=1.6)):  # noqa: B008, frozen
+def speckled_picks(power, layer_bins, rng, settings=SETTINGS):
     """Picks of an echogram of 16 looks."""
-    return pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
+    speckled = power * rng.gamma(16, 1 / 16, power.shape)
+    return pick_peaks(speckled, layer_bins, settings)
 
 
 def test_rise_is_that_of_a_layer_over_the_tail_above():

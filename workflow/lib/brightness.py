@@ -7,11 +7,11 @@ from snowsim.phy import scene_parameters
 
 
 def expected_brightness(scene, statistics):
-    """Brightness of a scene's layers, (layer, range_line), NaN where absent, as `snowsim.cgan.render` takes it.
+    """Brightness of a scene's layers, (layer, range_line), NaN where absent.
 
-    Of the mean power ``noise + sum_j p_j exp(-a_j (x - x_j))`` in a layer's bin x, from all layers
-    and backgrounds j down to it: peak powers and decay rates of eq. (1), the scene's own where it
-    has them, else the flight's.
+    As `snowsim.cgan.render` takes it: of the mean power ``noise + sum_j p_j exp(-a_j (x - x_j))``
+    in a layer's bin x, from all layers and backgrounds j down to it: peak powers and decay rates of
+    eq. (1), the scene's own where it has them, else the flight's.
     """
     rows, flight = scene_parameters(scene, statistics, rng=None)
     powers = np.broadcast_to(np.reshape(flight["peak_power"], (len(rows), -1)), rows.shape)

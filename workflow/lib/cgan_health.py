@@ -54,9 +54,9 @@ def measure_losses(losses):
 def measure_renders(generator, scenes, settings, *, seed):
     """What the renders of the first `N_SCENES` observed scenes depend on, and their patterns.
 
-    A dict of `mask_response`: root mean square difference between renders of different masks by the same
-    dropout, as a share of that between the observed images; `draw_spread`: the same between two
-    draws for one mask [grey levels]; `error_share`: root mean square error as a share of the
+    A dict of `mask_response`: root mean square difference between renders of different masks by the
+    same dropout, as a share of that between the observed images; `draw_spread`: the same between
+    two draws for one mask [grey levels]; `error_share`: root mean square error as a share of the
     observed images' standard deviation; `checkerboard` and `checkerboard_observed` [grey levels].
     NaN if a render is not finite; ValueError for fewer than two scenes. Scenes are cut to the
     smallest of them; `settings` as for `render`.
@@ -95,9 +95,9 @@ def measure_renders(generator, scenes, settings, *, seed):
 def checkerboard(image):
     """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels].
 
-    Transposed convolutions leave such. The strongest of the periods: standard deviation of the median over all cells of a grid of that
-    period, each less its mean and what is the same along a row, which might be snow. Layers and
-    edges, bright in few, move no median.
+    Transposed convolutions leave such. The strongest of the periods: standard deviation of the
+    median over all cells of a grid of that period, each less its mean and what is the same along a
+    row, which might be snow. Layers and edges, bright in few, move no median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []

@@ -1,4 +1,4 @@
-"""Every renderer of label sets: cost a pixel, what its renders are worth, where their layers lie."""
+"""Every renderer of label sets: cost a pixel, what renders are worth, where their layers lie."""
 
 import dataclasses
 from functools import partial
