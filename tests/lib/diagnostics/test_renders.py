@@ -117,7 +117,7 @@ def test_a_planted_shift_is_the_position_error_of_a_scene_and_its_geometry_stand
 def test_the_layers_of_phys_render_are_as_bright_as_expected():
     flight, phy = read_dataset(REFERENCE), {"tolerance_db": 0.05, "n_looks": 16}
     model = prepare(flight, 64, radiometry="measured")
-    labels = draw_scene(model, 64, name="guided", rng=np.random.default_rng(1))
+    labels = draw_scene(model, 64, name="bright", rng=np.random.default_rng(1))
     expected = render_scene(labels, flight, **phy, rng=random_stream(7, "render_phy", labels.name))
     error = expected_brightness(labels, flight) - observed_brightness(
         expected.image, labels.layer_bins
