@@ -20,10 +20,14 @@ SETTINGS = Settings(**PIX2PIX, **SIZE, learning_rate=1e-3, n_steps=240)
 
 def image_of(mask, rng):
     """A healthy image: layers with tails, speckle that changes from draw to draw."""
-    level = 60.0 + 120 * np.apply_along_axis(
-        lambda c: np.convolve(c, np.exp(-np.arange(20) / 5))[: c.size], 0, mask
-    )
-    return np.minimum(level, 220) + 6 * rng.standard_normal(mask.shape)
+    tail = np.exp(-np.arange(20) / 5)
+
+    def with_tails(column):
+        return np.convolve(column, tail)[: column.size]
+
+    level = 60.0 + 120 * np.apply_along_axis(with_tails, 0, mask)
+    speckle = 6 * rng.standard_normal(mask.shape)
+    return np.minimum(level, 220) + speckle
 
 
 def measured(make, monkeypatch):
