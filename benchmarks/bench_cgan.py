@@ -1,4 +1,4 @@
-"""Cost of training the conditional GAN: against a plain PyTorch loop of the same networks, and at the paper's scale.
+"""Cost of training the conditional GAN: against a plain PyTorch loop, and at the paper's scale.
 
 ``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager,
 float32, contiguous layout, Adam as it comes) on the same scenes, trains both for as many steps from
@@ -43,15 +43,15 @@ def draw_scene(number, n_range_bins, n_range_lines=256, n_layers=8):
     layer_bins = 50 + np.arange(n_layers)[:, None] * rng.uniform(15, 25) + wave
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None]
     strength = rng.uniform(0.3, 1, (n_layers, 1, 1))
-    level = 60 + 150 * (strength * np.exp(-np.where(below < 0, 4 * below**2, below / 12))).max(
-        axis=0
-    )
-    image = np.minimum(np.rint(level * rng.gamma(16, 1 / 16, level.shape)), 255)
+    fall = np.where(below < 0, 4 * below**2, below / 12)
+    level = 60 + 150 * (strength * np.exp(-fall)).max(axis=0)
+    speckled = level * rng.gamma(16, 1 / 16, level.shape)
+    image = np.minimum(np.rint(speckled), 255)
     return Scene(f"scene {number}", n_range_bins, layer_bins, image.astype(np.uint8))
 
 
 def plain_steps(settings, scenes):
-    """The same training as anyone would write it down: draws, losses and schedule as in the package."""
+    """The same training as anyone would write it: draws, losses and schedule as in the package."""
     start = Training(settings, seed=SEED)
     networks = generator, discriminator = start.generator, start.discriminator
     adams = []
@@ -112,28 +112,30 @@ def compare(settings):
             {k: round(float(v), 4) for k, v in means.items()},
             N_TRAINED,
         )
-    endless = {
-        name: loop(
-            dataclasses.replace(settings, n_steps=10**9, precision=precision_of(name, settings)),
-            scenes,
+    works = {}
+    for name, loop in loops.items():
+        endless = dataclasses.replace(
+            settings, n_steps=10**9, precision=precision_of(name, settings)
         )
-        for name, loop in loops.items()
-    }
-    works = {
-        name: lambda steps=steps: [next(steps) for _ in scenes] for name, steps in endless.items()
-    }
+        steps = loop(endless, scenes)
+        works[name] = lambda steps=steps: [next(steps) for _ in scenes]
     # Processor time: other work on the machine does not count.
     runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
-    cost = {
-        name: np.median([s for run, _, s in runs if run == name]) / len(scenes) for name in works
-    }
-    ratios = [
-        plain / package
-        for (_, _, package), (_, _, plain) in zip(runs[0::2], runs[1::2], strict=True)
-    ]  # fmt: skip
-    log.info("width %d: package %.1f ms a step, plain %.1f ms; plain / package %.2f (quartiles %.2f to %.2f)",
-             settings.width, 1e3 * cost["package"], 1e3 * cost["plain"], np.median(ratios),
-             *np.percentile(ratios, [25, 75]))  # fmt: skip
+    seconds = {name: [] for name in works}
+    for name, _, spent in runs:
+        seconds[name].append(spent)
+    cost = {name: np.median(spent) / len(scenes) for name, spent in seconds.items()}
+    ratios = np.array(seconds["plain"]) / np.array(seconds["package"])
+    low, high = np.percentile(ratios, [25, 75])
+    log.info(
+        "width %d: package %.1f ms a step, plain %.1f ms; plain / package %.2f (%.2f to %.2f)",
+        settings.width,
+        1e3 * cost["package"],
+        1e3 * cost["plain"],
+        np.median(ratios),
+        low,
+        high,
+    )
     return float(np.median(ratios))
 
 
@@ -163,8 +165,16 @@ def project_paper(seconds):
         n_steps += 1
     per_step = (clock() - start) / n_steps
     hours = per_step * settings.n_steps / 3600
-    log.info("width %d, %s, %s: %d steps, %.3f s a step; %d steps would take %.1f h",
-             settings.width, settings.precision, device, n_steps, per_step, settings.n_steps, hours)  # fmt: skip
+    log.info(
+        "width %d, %s, %s: %d steps, %.3f s a step; %d steps would take %.1f h",
+        settings.width,
+        settings.precision,
+        device,
+        n_steps,
+        per_step,
+        settings.n_steps,
+        hours,
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Seconds of the reference flight, whether they grow in proportion, and what the paper's size would take.
+"""Seconds of the reference flight, whether they grow in proportion, and those of the paper's size.
 
 One process and one thread, CPU seconds, so that other work on the machine counts little: python
 benchmarks/bench_reference.py. Frames and scenes are independent, so N cores take an Nth of the
@@ -74,11 +74,11 @@ def main():
     for name in ("config.yaml", "paper.yaml"):
         n_frames, lines, n_scenes = merged(name)
         flight_s = n_frames * per_frame * lines / n_lines
-        total = flight_s + n_scenes * mean_scene
-        say(
-            f"{name}: {n_frames * lines} lines {flight_s:.0f} CPU s, {n_scenes} scenes {n_scenes * mean_scene:.0f} "
-            f"CPU s; {total / 60:.1f} CPU min, {total / 120:.1f} min on two cores\n"
-        )
+        scenes_s = n_scenes * mean_scene
+        minutes = (flight_s + scenes_s) / 60
+        say(f"{name}: {n_frames * lines} lines {flight_s:.0f} CPU s, ")
+        say(f"{n_scenes} scenes {scenes_s:.0f} CPU s; ")
+        say(f"{minutes:.1f} CPU min, {minutes / 2:.1f} min on two cores\n")
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ def renderers(results):
 def budgets(results):
     """Scores of every network by what its training costs, means of trainings."""
     rows = []
-    for network in ("tracker", "cgan", "guided"):
+    for network in ("tracker", "cgan"):
         table = read(results, network, "studies/budgets").fillna(
             {"change": "default", "trained_on": ""}
         )

@@ -13,10 +13,9 @@ from snowsim.io.models import read_model, write_model
 CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
 PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
-GUIDED, L1 = replace(CGAN, method="guided"), replace(CGAN, adversarial="none")
+L1 = replace(CGAN, adversarial="none")
 NAMES = {
     "cgan": CGAN,
-    "guided": GUIDED,
     "l1": L1,
     "tracker": TRACKER,
     "published tracker": PUBLISHED,
@@ -59,7 +58,6 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
 @pytest.mark.parametrize(
     ("settings", "change"),
     [
-        (CGAN, {"adversarial": "lsgan"}),
         (CGAN, {"precision": "float32"}),
         (CGAN, {"batch_size": 2}),
         (TRACKER, {"batch_size": 2}),

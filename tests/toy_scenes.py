@@ -1,13 +1,12 @@
-"""Scenes for network tests: bright curved layers with decaying tails and speckle, made here from nothing else."""
+"""Scenes for network tests: bright curved layers with decaying tails and speckle."""
 
 import numpy as np
 
-from snowsim.cgan import guide_of
 from snowsim.echogram import Scene
 
 
 def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
-    """One scene, the same for the same number: wavy layers 3 rows wide over a dim, speckled ground."""
+    """One scene, the same for the same number: wavy layers over a dim, speckled ground."""
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
     wave = rng.uniform(2, 5) * np.sin(
@@ -26,15 +25,3 @@ def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
 def toy_scenes(n):
     """As many scenes."""
     return [toy_scene(number) for number in range(n)]
-
-
-def toy_guides(n):
-    """As many guides: plain tails below the layers, and speckle."""
-    guides = []
-    for scene in toy_scenes(n):
-        below = np.arange(scene.n_range_bins)[:, None] - scene.layer_bins[:, None, :]
-        mean = 1 + 50 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
-        guides.append(
-            guide_of(scene, mean, mean * np.random.default_rng(7).gamma(16, 1 / 16, mean.shape))
-        )
-    return guides

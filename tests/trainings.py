@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import torch
-from toy_scenes import toy_guides, toy_scenes
+from toy_scenes import toy_scenes
 
 from snowsim import cgan, tracker
 from snowsim.io.files import read_table
@@ -34,7 +34,7 @@ def begun(settings, seed=1, n_scenes=3):
     scenes = toy_scenes(n_scenes)
     if isinstance(settings, cgan.Settings):
         training = cgan.Training(settings, seed=seed)
-        return training, cgan.train_steps(training, scenes, toy_guides(n_scenes))
+        return training, cgan.train_steps(training, scenes)
     training = tracker.Training(settings, seed=seed)
     return training, tracker.train_steps(training, tracker.TrainingSet(scenes, seed=seed))
 

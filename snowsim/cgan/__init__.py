@@ -1,6 +1,5 @@
 """The conditional GAN, pix2pix: layer masks to echograms."""
 
-from snowsim.cgan.guided import guide_of
 from snowsim.cgan.render import render, trained_generator, validate
 from snowsim.cgan.settings import Settings
 from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
@@ -8,10 +7,10 @@ from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
 __all__ = [
     "Settings",
     "Training",
-    "guide_of",
     "least_bytes",
     "networks_of",
     "render",
     "train_steps",
+    "trained_generator",
+    "validate",
 ]
-__all__ += ["trained_generator", "validate"]

@@ -1,9 +1,8 @@
-"""Layer masks to 8-bit echograms with a trained generator, and how near they come to scenes it was not trained on."""
+"""Layer masks to 8-bit echograms with a trained generator, and how near these are to observed."""
 
 import numpy as np
 import torch
 
-from snowsim.cgan.guided import corrected
 from snowsim.cgan.inputs import conditions, place_map
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
@@ -13,9 +12,10 @@ from snowsim.training import arithmetic, load_weights
 
 
 def render(generator, scene, settings, *, brightness=None, rng):
-    """Echogram of the layers of a `Scene`, the whole at once: uint8, (range_bin, range_line), of any size.
+    """Echogram of the layers of a `Scene`, uint8, (range_bin, range_line), of any size.
 
-    It does not depend on which others are rendered, in what order or by how many processes.
+    The whole is rendered at once. It does not depend on which others are rendered, in what order or
+    by how many processes.
 
     Parameters
     ----------
@@ -32,12 +32,11 @@ def render(generator, scene, settings, *, brightness=None, rng):
     """
     mask = scene.mask()
     if not mask.any():
-        msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel in {mask.shape}"
+        msg = f"scene {scene.name}: mask without layers, "
+        msg += f"expected at least one annotated pixel in {mask.shape}"
         raise ValueError(msg)
     places = place_map(scene, scene.layer_bins, scene.n_range_bins, brightness)[None]
     inputs = conditions(settings.method, mask[None], places)
-    if settings.method == "guided":
-        inputs = torch.cat([inputs, torch.from_numpy(scene.mean)[None, None]], dim=1)
     generator.eval()
     device = next(generator.parameters()).device
     noise = generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
@@ -47,28 +46,25 @@ def render(generator, scene, settings, *, brightness=None, rng):
     if not torch.isfinite(image).all():
         msg = "generator renders values that are not finite: its training diverged"
         raise FloatingPointError(msg)
-    return (
-        corrected(scene, image)[0]
-        if settings.method == "guided"
-        else from_signed((image + grain).clamp(-1, 1))[0]
-    )
+    grainy = (image + grain).clamp(-1, 1)
+    return from_signed(grainy)[0]
 
 
 def trained_generator(weights, settings, *, device="cpu"):
-    """Generator for `render`, of weights (dict of arrays) and the `Settings` they were trained with."""
+    """Generator for `render`, of weights (dict of arrays) and the `Settings` of their training."""
     generator, _ = networks_of(settings)
     load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()
 
 
 def validate(generator, scenes, settings, *, seed):
-    """Render observed scenes and compare: means of `rmse`, `psnr`, `ssim` as a dict, and the renders as a list."""
-    streams = (random_stream(seed, "cgan", "validation", scene.name) for scene in scenes)
-    images = [
-        render(generator, scene, settings, rng=rng)
-        for scene, rng in zip(scenes, streams, strict=True)
-    ]
-    scores = [similarity(image, scene.image) for image, scene in zip(images, scenes, strict=True)]
-    return {
-        name: float(np.mean([score[name] for score in scores])) for name in ("rmse", "psnr", "ssim")
-    }, images
+    """Render observed scenes and compare: means of `similarity` by name, and the renders."""
+    images = []
+    scores = []
+    for scene in scenes:
+        rng = random_stream(seed, "cgan", "validation", scene.name)
+        image = render(generator, scene, settings, rng=rng)
+        images.append(image)
+        scores.append(similarity(image, scene.image))
+    means = {name: float(np.mean([score[name] for score in scores])) for name in scores[0]}
+    return means, images

@@ -5,8 +5,12 @@ from dataclasses import dataclass
 from snowsim.cgan.inputs import METHODS
 from snowsim.echogram import check_choice
 
-CHOICES = {"method": METHODS, "statistics": ("scene", "pixel")}
-CHOICES |= {"adversarial": ("bce", "lsgan", "none"), "precision": ("float32", "bfloat16")}
+CHOICES = {
+    "method": METHODS,
+    "statistics": ("scene", "pixel"),
+    "adversarial": ("bce", "none"),
+    "precision": ("float32", "bfloat16"),
+}
 
 
 @dataclass(frozen=True)
@@ -17,7 +21,7 @@ class Settings:
     ----------
     method : str
         `pix2pix`, as published; `depth`: both networks know the depth, and noise is more than
-        dropout; `guided`: the generator corrects PHY's renders.
+        dropout.
     width : int
         Channels of the outermost stage of both networks; 64 as published.
     depth, n_strided : int
@@ -35,7 +39,7 @@ class Settings:
     l1_weight : float
         Of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
     adversarial : str
-        `bce`, as published, `lsgan`, or `none`: without a discriminator, on the L1 term alone.
+        `bce`, as published, or `none`: without a discriminator, on the L1 term alone.
     dropout : float
         Share of dropped values in the noisy stages of the generator.
     precision : str
@@ -61,14 +65,16 @@ class Settings:
 
     def __post_init__(self):
         for name in ("n_steps", "batch_size", "n_range_bins", "n_range_lines"):
-            if getattr(self, name) is not None and getattr(self, name) < 1:
-                msg = f"{name} must be at least 1, got {getattr(self, name)}"
+            value = getattr(self, name)
+            if value is not None and value < 1:
+                msg = f"{name} must be at least 1, got {value}"
                 raise ValueError(msg)
         if not 0 <= self.dropout < 1:
             msg = f"dropout must lie in [0, 1), got {self.dropout}"
             raise ValueError(msg)
         if self.l1_weight < 0 or not self.learning_rate > 0:
-            msg = f"expected l1_weight >= 0 and learning_rate > 0, got {self.l1_weight} and {self.learning_rate}"
+            msg = "expected l1_weight >= 0 and learning_rate > 0, "
+            msg += f"got {self.l1_weight} and {self.learning_rate}"
             raise ValueError(msg)
         for name, choices in CHOICES.items():
             check_choice(name, getattr(self, name), choices)

@@ -1,4 +1,4 @@
-"""The synthetic reference flight: firn physics and a radar, no code of the renderers that are scored on it."""
+"""The synthetic reference flight: firn physics and a radar, no code of what is scored on it."""
 
 from snowsim.reference.settings import Settings, checked_settings
 
@@ -13,7 +13,7 @@ __all__ = [
 
 
 def __getattr__(name):
-    """Functions that draw, imported when first used: every start of the workflow only checks settings."""
+    """Functions that draw, imported at first use: starts of the workflow only check settings."""
     if name == "draw_climate":
         from snowsim.reference.climate import draw_climate as found
     elif name == "draw_complex_segment":

@@ -1,32 +1,28 @@
-"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's, picked or complete."""
-
-import numpy as np
+"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's."""
 
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER, SURFACE_ROW, Scene, scene_height, to_uint8
-from snowsim.reference.column import draw_column
-from snowsim.reference.echo import draw_echo
+from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import line_length_km
-from snowsim.reference.picks import n_visible_layers, pick_peaks, rise_db
-from snowsim.reference.radar import draw_surface_row
+from snowsim.reference.picks import pick_peaks, visible_layers
 
 SPLITS = ("train", "validation", "test")
 SLOTS = 160  # scenes of one track
-PERCOLATION_SHARE = (
-    0.12  # of a track's scenes, in the last part of the line: more than the flight has
-)
+# Of a track's scenes, in the last part of the line: more than the flight has.
+PERCOLATION_SHARE = 0.12
 PERCOLATION_START = 0.95  # of the line
 STRIDE = 61  # coprime to SLOTS, near its golden section: any number of scenes spreads over the line
 SPARE_KM = 1.0
 
 
 def scene_position(index, split, length_km):
-    """Track and start [km] of a scene on a line of `length_km`, disjoint from every other and from the sample flight.
+    """Track and start [km] of a scene on a line of `length_km`.
 
-    Each split (`train`, `validation`, `test`) flies tracks of its own, parallel to the flight's, of
-    160 places each.
+    It is disjoint from every other and from the sample flight. Each split (`train`, `validation`,
+    `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
     """
     if split not in SPLITS or index < 0:
-        msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, got {split!r} and {index}"
+        msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, "
+        msg += f"got {split!r} and {index}"
         raise ValueError(msg)
     track, place = divmod(index, SLOTS)
     slot = (place * STRIDE + SLOTS // 4) % SLOTS
@@ -34,7 +30,8 @@ def scene_position(index, split, length_km):
     if slot < n_dry:
         fraction = slot / n_dry * PERCOLATION_START
     else:
-        fraction = PERCOLATION_START + (slot - n_dry) / (SLOTS - n_dry) * (1 - PERCOLATION_START)
+        beyond = (slot - n_dry) / (SLOTS - n_dry)
+        fraction = PERCOLATION_START + beyond * (1 - PERCOLATION_START)
     return f"{split}_{track}", fraction * (length_km - SPARE_KM)
 
 
@@ -48,35 +45,38 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     unknown or a scene would not fit its place.
     """
     radar = settings.radar
+    length_km = n_range_lines * radar.line_spacing_m / 1e3
     track, start_km = scene_position(index, split, line_length_km())
-    position_km = start_km + np.arange(n_range_lines) * radar.line_spacing_m / 1e3
-    room_km = (
-        (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM) / round(SLOTS * PERCOLATION_SHARE)
-    )
-    if n_range_lines * radar.line_spacing_m / 1e3 > room_km:
-        msg = f"a scene must be shorter than {room_km:.2f} km, got {n_range_lines} lines of {radar.line_spacing_m} m"
+    percolation_km = (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM)
+    room_km = percolation_km / round(SLOTS * PERCOLATION_SHARE)
+    if length_km > room_km:
+        msg = f"a scene must be shorter than {room_km:.2f} km, "
+        msg += f"got {n_range_lines} lines of {radar.line_spacing_m} m"
         raise ValueError(msg)
-    depth_bins = radar.n_range_bins - radar.surface_bin
-    surface_row = draw_surface_row(n_range_lines, SURFACE_ROW, radar, rng=rng)
-    column = draw_column(climate, track, position_km, depth_bins, rng=rng)
-    n_rows = SURFACE_ROW + depth_bins
-    echo = draw_echo(column, surface_row, n_rows, settings.firn, radar, rng=rng)
-    truth = column.layer_bins(surface_row)
-    n_visible = n_visible_layers(rise_db(echo.mean(), truth, 1)[:, 0], settings.picks.visible_db)
-    truth = truth[:n_visible]
+    n_rows = SURFACE_ROW + radar.n_range_bins - radar.surface_bin
+    stretch = draw_stretch(
+        climate, settings, track, start_km, n_range_lines, SURFACE_ROW, n_rows, rng=rng
+    )
+    truth = visible_layers(stretch.echo.mean(), stretch.layer_bins(), settings.picks.visible_db)
     truth = truth[truth.max(axis=1) < n_rows - ROWS_BELOW_LAST_LAYER - 1]
     height = scene_height(truth)
-    power = echo.cropped(height).draw(n_looks, rng=rng)
-    image, *scale = to_uint8(power)
-    shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
-    picked = pick_peaks(power, truth, settings.picks) if split == "train" else truth
-    notes = {
-        "track": track,
-        "start_km": start_km,
-        "accumulation_m": column.place.accumulation_m,
-        "n_looks": n_looks,
-    }
-    notes |= {"percolation": column.percolation, "fade_depth_m": column.fade_depth_m}
+    power = stretch.echo.cropped(height).draw(n_looks, rng=rng)
+    image, noise_floor_db, maximum_db = to_uint8(power)
+    column = stretch.column
     return Scene(
-        f"{split}_{index:04d}", height, picked, complete_layer_bins=truth, **shown, notes=notes
+        f"{split}_{index:04d}",
+        height,
+        pick_peaks(power, truth, settings.picks) if split == "train" else truth,
+        image=image,
+        complete_layer_bins=truth,
+        noise_floor_db=noise_floor_db,
+        maximum_db=maximum_db,
+        notes={
+            "track": track,
+            "start_km": start_km,
+            "accumulation_m": column.place.accumulation_m,
+            "n_looks": n_looks,
+            "percolation": column.percolation,
+            "fade_depth_m": column.fade_depth_m,
+        },
     )

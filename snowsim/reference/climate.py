@@ -57,76 +57,55 @@ class Climate:
     def percolation(self, place):
         """Degree of percolation, 0 (dry) to 1."""
         firn = self.settings.firn
-        return float(
-            1
-            / (
-                1
-                + np.exp(
-                    (place.elevation_m - firn.percolation_elevation_m) / firn.percolation_width_m
-                )
-            )
-        )
+        above_m = place.elevation_m - firn.percolation_elevation_m
+        return float(1 / (1 + np.exp(above_m / firn.percolation_width_m)))
 
     def fade_depth_m(self, track, place):
         """Depth over which density steps fall to 1/e at a place of a track."""
         firn = self.settings.firn
         waves = track_waves(self.track_seed, track, "fade", *FADE_WAVELENGTHS_KM)
-        above_least_m = (firn.fade_depth_m - firn.fade_least_m) * np.exp(
-            firn.fade_sd * waves(place.position_km)
-        )
-        return float(firn.fade_least_m + above_least_m)
+        factor = np.exp(firn.fade_sd * waves(place.position_km))
+        return float(firn.fade_least_m + (firn.fade_depth_m - firn.fade_least_m) * factor)
 
     def draw_accumulation(self, track, position_km, n_years, *, rng):
-        """Water equivalent of the slabs between autumn horizons, youngest first, (slab, range_line) [m w.e.].
+        """Water equivalent of the slabs between autumn horizons, (slab, range_line) [m w.e.].
 
-        Positive because every factor is an exponential. Undulations differ between tracks, years do
-        not. `position_km` (range_line,) is evenly spaced along the line; the first of `n_years`
-        slabs is the open year.
+        Youngest first; positive because every factor is an exponential. Undulations differ between
+        tracks, years do not. `position_km` (range_line,) is evenly spaced along the line; the first
+        of `n_years` slabs is the open year.
         """
         if n_years > N_YEARS:
             msg = f"n_years must be at most {N_YEARS}, got {n_years}"
             raise ValueError(msg)
         settings = self.settings.climate
-        mean_m = settings.accumulation_factor * accumulation_m(position_km)
-        undulation = track_waves(
-            self.track_seed,
-            track,
-            "undulation",
-            settings.undulation_min_km,
-            settings.undulation_max_km,
-        )(position_km)
+        wavelengths_km = (settings.undulation_min_km, settings.undulation_max_km)
+        waves = track_waves(self.track_seed, track, "undulation", *wavelengths_km)
         turn = np.pi / 2 * position_km / line_length_km()
-        anomaly = np.outer(self.anomaly[0, :n_years], np.cos(turn)) + np.outer(
-            self.anomaly[1, :n_years], np.sin(turn)
-        )
-        spacing_m = 1e3 * (position_km[1] - position_km[0])
+        at_start, at_end = self.anomaly[:, :n_years]
+        anomaly = np.outer(at_start, np.cos(turn)) + np.outer(at_end, np.sin(turn))
         n_lines = position_km.size
-        drift = draw_along_track(n_years, n_lines, settings.drift_length_m / spacing_m, rng=rng)
-        relief = draw_along_track(
-            n_years + 1, n_lines, settings.relief_length_m / spacing_m, rng=rng
-        )
-        variance = (
-            settings.undulation_sd**2
-            + settings.anomaly_sd**2
-            + settings.drift_sd**2
-            + 2 * settings.relief_sd**2
-        )
-        log_factor = (
-            settings.undulation_sd * undulation
-            + settings.anomaly_sd * anomaly
-            + settings.drift_sd * drift
-            # A hollow of an old surface is filled by the snow above: relief does not add up with
-            # depth.
-            + settings.relief_sd * np.diff(relief, axis=0)
-            - variance / 2
-        )
-        water_m = mean_m * np.exp(log_factor)
+        spacing_m = 1e3 * (position_km[1] - position_km[0])
+        drift_lines = settings.drift_length_m / spacing_m
+        drift = draw_along_track(n_years, n_lines, drift_lines, rng=rng)
+        relief_lines = settings.relief_length_m / spacing_m
+        relief = draw_along_track(n_years + 1, n_lines, relief_lines, rng=rng)
+        # A hollow of an old surface is filled by the snow above: relief does not add up with depth.
+        filled = np.diff(relief, axis=0)
+        variance = settings.undulation_sd**2 + settings.anomaly_sd**2
+        variance = variance + settings.drift_sd**2 + 2 * settings.relief_sd**2
+        log_factor = settings.undulation_sd * waves(position_km) + settings.anomaly_sd * anomaly
+        log_factor = log_factor + settings.drift_sd * drift + settings.relief_sd * filled
+        mean_m = settings.accumulation_factor * accumulation_m(position_km)
+        water_m = mean_m * np.exp(log_factor - variance / 2)
         water_m[0] *= settings.open_year
         return water_m
 
 
 def draw_climate(settings, *, rng):
-    """`Climate` of a flight and its benchmark; `rng` is always ``random_stream(seed, "climate")``: all share it."""
+    """`Climate` of a flight and its benchmark, which share it.
+
+    `rng` is always ``random_stream(seed, "climate")``.
+    """
     anomaly = rng.standard_normal((2, N_YEARS))
     horizon_strength = rng.standard_normal(N_YEARS)
     n_crusts = np.minimum(rng.poisson(settings.firn.crusts_per_year, N_YEARS), MOST_CRUSTS)
@@ -150,14 +129,18 @@ def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
     Gaussian correlation ``exp(-(lag / correlation_lines)^2)``; white where the length is below half
     a range line.
     """
-    width = (
-        correlation_lines / 2
-    )  # smoothing white noise by a Gaussian of this s.d. gives that correlation
+    width = correlation_lines / 2  # white noise smoothed by a Gaussian of this s.d. correlates so
     margin = int(np.ceil(4 * width))
     noise = rng.standard_normal((n_series, n_lines + 2 * margin))
-    impulse = np.zeros(2 * margin + 1)
-    impulse[margin] = 1
-    taps = gaussian_filter1d(impulse, width, mode="constant")
     if n_series == 0:  # which oaconvolve does not return in its shape
         return noise[:, :n_lines]
-    return oaconvolve(noise, taps[None] / np.sqrt((taps**2).sum()), mode="valid", axes=1)
+    taps = gaussian_taps(width, margin)
+    unit = taps / np.sqrt((taps**2).sum())
+    return oaconvolve(noise, unit[None], mode="valid", axes=1)
+
+
+def gaussian_taps(sd, reach):
+    """Weights of a Gaussian mean, (2 reach + 1,), centred."""
+    impulse = np.zeros(2 * reach + 1)
+    impulse[reach] = 1
+    return gaussian_filter1d(impulse, sd, mode="constant")

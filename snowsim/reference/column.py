@@ -1,4 +1,4 @@
-"""The firn under a stretch of range lines: where its interfaces lie in fast time and how strong they are."""
+"""The firn under a stretch of range lines: where interfaces lie in fast time and how strong."""
 
 from dataclasses import dataclass
 
@@ -16,15 +16,17 @@ from snowsim.reference.firn import (
 from snowsim.reference.line import Place, place_at
 
 BROKEN_SHARE = 0.15  # what is left of a horizon's step where percolation broke it
-MERGED_SD = (
-    0.6  # additional spread of the horizons' strength in full percolation: whole years melt away
-)
+# Additional spread of the horizons' strength in full percolation: whole years melt away.
+MERGED_SD = 0.6
 PERCOLATION_FADE = 0.6  # depth of fading in full percolation, relative to dry firn
 
 
 @dataclass(frozen=True)
 class Interfaces:
-    """Interfaces of one kind, (interface, range_line): bins below the surface, power reflected at nadir (0: none)."""
+    """Interfaces of one kind, (interface, range_line).
+
+    `bins` below the surface; `power` reflected at nadir, 0 for none.
+    """
 
     bins: np.ndarray
     power: np.ndarray
@@ -50,46 +52,58 @@ class Column:
     table_density_kg_m3: np.ndarray
 
     def layer_bins(self, surface_row):
-        """Surface and horizons as rows of a record whose surface lies at these rows, (layer, range_line)."""
-        return surface_row + np.vstack([np.zeros_like(surface_row), self.horizons.bins])
+        """Rows of surface and horizons, (layer, range_line), where the surface lies at these."""
+        surface = np.zeros_like(surface_row)
+        return surface_row + np.vstack([surface, self.horizons.bins])
+
+
+@dataclass(frozen=True)
+class Years:
+    """Where years end, (year, range_line): `bins` and `depth_m` below the surface, density there.
+
+    Density steps fall to 1/e over `fade_depth_m`.
+    """
+
+    bins: np.ndarray
+    depth_m: np.ndarray
+    density_kg_m3: np.ndarray
+    fade_depth_m: float
+
+    def inside(self, year, age):
+        """Bins and depth [m] below the surface at these shares, (piece, 1), of these years."""
+        found = []
+        for ends in (self.bins, self.depth_m):
+            # The youngest year begins at the surface.
+            begins = np.vstack([np.zeros_like(ends[:1]), ends[:-1]])
+            found.append((1 - age) * begins[year] + age * ends[year])
+        return found
 
 
 def draw_column(climate, track, position_km, n_bins_below, *, rng):
-    """`Column` of a stretch of a track, with every horizon that lies above `n_bins_below` in some range line.
+    """`Column` of a stretch of a track.
 
-    Snow is dry, the pulse goes straight down, and the density profile that gives depth is the
-    steady one of the stretch's middle (Sorge's law): years with more snow are thicker, not denser.
-    `position_km` (range_line,) is evenly spaced along the line; `n_bins_below` counts range bins
-    from the surface.
+    It has every horizon that lies above `n_bins_below` in some range line. Snow is dry, the pulse
+    goes straight down, and the density profile that gives depth is the steady one of the stretch's
+    middle (Sorge's law): years with more snow are thicker, not denser. `position_km` (range_line,)
+    is evenly spaced along the line; `n_bins_below` counts range bins from the surface.
     """
-    firn, radar = climate.settings.firn, climate.settings.radar
+    firn = climate.settings.firn
+    radar = climate.settings.radar
     place = place_at(float(np.mean(position_km)), climate.settings.climate.accumulation_factor)
     percolation = climate.percolation(place)
-    fade_depth_m = climate.fade_depth_m(track, place) * (1 - percolation * (1 - PERCOLATION_FADE))
-
-    n_years = _n_years(
-        n_bins_below * radar.bin_size_s, place.accumulation_m, climate.settings.climate
-    )
+    record_s = n_bins_below * radar.bin_size_s
+    n_years = _n_years(record_s, place.accumulation_m, climate.settings.climate)
     water_m = np.cumsum(climate.draw_accumulation(track, position_km, n_years, rng=rng), axis=0)
     profile = (place.accumulation_m, place.temperature_k, firn.surface_density_kg_m3)
     depth_m = depth_herron_langway80(water_m, *profile)
-    density = density_herron_langway80(water_m, *profile)
-    bins = travel_time_s(depth_m, water_m) / radar.bin_size_s
-
-    n_lines = position_km.size
-    local_lines = firn.local_length_m / radar.line_spacing_m
-    strength = (firn.horizon_year_sd + MERGED_SD * percolation) * climate.horizon_strength[
-        :n_years, None
-    ]
-    strength = strength + firn.horizon_local_sd * draw_along_track(
-        n_years, n_lines, local_lines, rng=rng
+    years = Years(
+        travel_time_s(depth_m, water_m) / radar.bin_size_s,
+        depth_m,
+        density_herron_langway80(water_m, *profile),
+        climate.fade_depth_m(track, place) * (1 - percolation * (1 - PERCOLATION_FADE)),
     )
-    jump = firn.horizon_jump_kg_m3 * np.exp(strength - depth_m / fade_depth_m)
-    jump *= _draw_gaps(
-        n_years, n_lines, local_lines / 2, percolation * firn.percolation_gap_share, rng=rng
-    )
-
-    seen = bins.min(axis=1) < n_bins_below
+    horizon_power = _draw_horizons(climate, years, percolation, rng=rng)
+    seen = years.bins.min(axis=1) < n_bins_below
     if seen.all():
         msg = f"{n_years} years do not reach range bin {n_bins_below} at {place.position_km:.1f} km"
         raise ValueError(msg)
@@ -98,74 +112,86 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
     return Column(
         place=place,
         percolation=percolation,
-        fade_depth_m=fade_depth_m,
-        horizons=Interfaces(bins[seen], reflectivity(jump, density)[seen]),
-        crusts=_draw_crusts(climate, bins, depth_m, density, fade_depth_m, local_lines, rng=rng),
-        lenses=_draw_lenses(climate, bins, depth_m, density, fade_depth_m, percolation, rng=rng),
+        fade_depth_m=years.fade_depth_m,
+        horizons=Interfaces(years.bins[seen], horizon_power[seen]),
+        crusts=_draw_crusts(climate, years, rng=rng),
+        lenses=_draw_lenses(climate.settings, years, percolation, rng=rng),
         table_bins=travel_time_s(node_depth_m, node_water_m) / radar.bin_size_s,
         table_depth_m=node_depth_m,
         table_density_kg_m3=density_herron_langway80(node_water_m, *profile),
     )
 
 
+def _draw_horizons(climate, years, percolation, *, rng):
+    """Power that autumn horizons reflect, (year, range_line)."""
+    firn = climate.settings.firn
+    n_years, n_lines = years.bins.shape
+    local_lines = _local_lines(climate.settings)
+    year_sd = firn.horizon_year_sd + MERGED_SD * percolation
+    of_year = year_sd * climate.horizon_strength[:n_years, None]
+    local = firn.horizon_local_sd * draw_along_track(n_years, n_lines, local_lines, rng=rng)
+    strength = of_year + local
+    jump = firn.horizon_jump_kg_m3 * np.exp(strength - years.depth_m / years.fade_depth_m)
+    gap_share = percolation * firn.percolation_gap_share
+    jump *= _draw_gaps(n_years, n_lines, local_lines / 2, gap_share, rng=rng)
+    return reflectivity(jump, years.density_kg_m3)
+
+
+def _local_lines(settings):
+    return settings.firn.local_length_m / settings.radar.line_spacing_m
+
+
 def _n_years(travel_time_below_s, accumulation_m, settings):
     """Number of years certain to reach a travel time: least accumulation, densest firn."""
-    # c t / 2 = z + 0.845 w, and w <= 0.7 z in the upper tens of metres: the mass cannot exceed
-    # this.
+    # c t / 2 = z + 0.845 w, and w <= 0.7 z in the upper tens of metres: no more mass than this.
     optical_m = travel_time_below_s / travel_time_s(1.0, 0.0)
     water_m = optical_m / (1 / 0.7 + KOVACS_M3_KG * WATER_DENSITY_KG_M3)
     spread = np.hypot(settings.undulation_sd, settings.anomaly_sd / 3)
-    return min(N_YEARS, int(np.ceil(water_m / accumulation_m * np.exp(3 * spread) * 1.2)) + 4)
+    most_years = water_m / accumulation_m * np.exp(3 * spread) * 1.2
+    return min(N_YEARS, int(np.ceil(most_years)) + 4)
 
 
 def _draw_gaps(n_series, n_lines, correlation_lines, share, *, rng):
-    """Factor of a horizon's step: 1, or `BROKEN_SHARE` over a `share` of its range lines, (series, range_line)."""
+    """Factor of a horizon's step, (series, range_line): `BROKEN_SHARE` over a `share`, else 1."""
     field = draw_along_track(n_series, n_lines, correlation_lines, rng=rng)
     if share == 0:
         return np.ones_like(field)
-    threshold = np.quantile(field, share)
+    above = field - np.quantile(field, share)
     # Smoothed over a quarter of the field's spread: a break has no sharp edge.
-    return BROKEN_SHARE + (1 - BROKEN_SHARE) / (1 + np.exp(-(field - threshold) / 0.25))
+    return BROKEN_SHARE + (1 - BROKEN_SHARE) / (1 + np.exp(-above / 0.25))
 
 
-def _draw_crusts(climate, bins, depth_m, density, fade_depth_m, local_lines, *, rng):
+def _draw_crusts(climate, years, *, rng):
     """Crusts inside the years, which follow the horizons around them."""
     firn = climate.settings.firn
-    year, crust = np.nonzero(np.isfinite(climate.crust_age[: len(bins)]))
+    n_years, n_lines = years.bins.shape
+    year, crust = np.nonzero(np.isfinite(climate.crust_age[:n_years]))
     age = climate.crust_age[year, crust][:, None]
-    # The year above the youngest horizon begins at the surface.
-    top = [np.vstack([np.zeros_like(field[:1]), field[:-1]])[year] for field in (bins, depth_m)]
-    bins_there, depth_there_m = (
-        (1 - age) * t + age * f[year] for t, f in zip(top, (bins, depth_m), strict=True)
-    )
+    bins, depth_m = years.inside(year, age)
+    pattern = draw_along_track(year.size, n_lines, _local_lines(climate.settings), rng=rng)
     # Crusts are patchier than horizons: twice the local spread.
-    local = (
-        2 * firn.horizon_local_sd * draw_along_track(year.size, bins.shape[1], local_lines, rng=rng)
-    )
+    local = 2 * firn.horizon_local_sd * pattern
     strength = firn.crust_sd * climate.crust_strength[year, crust][:, None] + local
-    jump = firn.crust_jump_kg_m3 * np.exp(strength - depth_there_m / fade_depth_m)
-    return Interfaces(bins_there, reflectivity(jump, density[year]))
+    jump = firn.crust_jump_kg_m3 * np.exp(strength - depth_m / years.fade_depth_m)
+    return Interfaces(bins, reflectivity(jump, years.density_kg_m3[year]))
 
 
-def _draw_lenses(climate, bins, depth_m, density, fade_depth_m, percolation, *, rng):
+def _draw_lenses(settings, years, percolation, *, rng):
     """Ice lenses: short bright pieces between the horizons, none in dry firn."""
-    firn, radar = climate.settings.firn, climate.settings.radar
-    n_lines = bins.shape[1]
-    length_km = n_lines * radar.line_spacing_m / 1e3
-    n_lenses = int(rng.poisson(percolation * firn.lenses_per_km_m * length_km * depth_m[-1].mean()))
-    year = rng.integers(1, len(bins), n_lenses)
+    firn = settings.firn
+    spacing_m = settings.radar.line_spacing_m
+    n_years, n_lines = years.bins.shape
+    length_km = n_lines * spacing_m / 1e3
+    per_m = percolation * firn.lenses_per_km_m * length_km
+    n_lenses = int(rng.poisson(per_m * years.depth_m[-1].mean()))
+    year = rng.integers(1, n_years, n_lenses)
     age = rng.uniform(0, 1, (n_lenses, 1))
     centre = rng.uniform(0, n_lines, (n_lenses, 1))
-    length_lines = (
-        firn.lens_length_m / radar.line_spacing_m * np.exp(0.6 * rng.standard_normal((n_lenses, 1)))
-    )
+    spread = np.exp(0.6 * rng.standard_normal((n_lenses, 1)))
+    length_lines = firn.lens_length_m / spacing_m * spread
     across = 2 * (np.arange(n_lines) - centre) / length_lines
-    depth_there_m = (1 - age) * depth_m[year - 1] + age * depth_m[year]
     # Thin towards the rim: a lens ends without an edge.
-    jump = (
-        firn.lens_jump_kg_m3
-        * np.sqrt(np.maximum(1 - across**2, 0))
-        * np.exp(-depth_there_m / fade_depth_m)
-    )
-    power = reflectivity(jump, density[year])
-    return Interfaces((1 - age) * bins[year - 1] + age * bins[year], power)
+    thickness = np.sqrt(np.maximum(1 - across**2, 0))
+    bins, depth_m = years.inside(year, age)
+    jump = firn.lens_jump_kg_m3 * thickness * np.exp(-depth_m / years.fade_depth_m)
+    return Interfaces(bins, reflectivity(jump, years.density_kg_m3[year]))

@@ -1,5 +1,7 @@
 """Densification, permittivity and travel time of dry firn."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from snowsim.constants import (
@@ -14,7 +16,7 @@ CRITICAL_DENSITY_KG_M3 = 550.0  # between the two stages of Herron & Langway (19
 
 
 def rates_herron_langway80(temperature_k):
-    """Rate constants of the two stages of densification, k0 [per m w.e.] and k1 [per m w.e.^1/2 yr^1/2].
+    """Rate constants of both stages of densification, k0 [per m w.e.], k1 [per m w.e.^1/2 yr^1/2].
 
     ``k0 = 11 exp(-10160 / RT)``, ``k1 = 575 exp(-21400 / RT)``, Mg m-3: Herron & Langway (1980), J.
     Glaciol. 25, 373.
@@ -27,59 +29,67 @@ def rates_herron_langway80(temperature_k):
 
 
 def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Steady-state density [kg m-3] under a mass of snow, `water_m` [m w.e.]: accumulation times age.
+    """Steady-state density [kg m-3] under a mass of snow, `water_m` [m w.e.].
 
-    ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1 A^1/2 (rho_ice - rho)`` above, A
-    the mean accumulation [m w.e. / yr]: Herron & Langway (1980), J. Glaciol. 25, 373-385. With
-    water = A age both integrate to an exponential approach to ice. ValueError unless A > 0, masses
-    >= 0 and the surface is below the critical density.
+    That is accumulation times age. ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1
+    A^1/2 (rho_ice - rho)`` above, A the mean accumulation [m w.e. / yr]: Herron & Langway (1980),
+    J. Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice.
+    ValueError unless A > 0, masses >= 0 and the surface is below the critical density.
     """
     water_m = np.asarray(water_m, dtype=float)
-    k0, k1, ratio, critical_water_m = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
+    stages = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
     if (water_m < 0).any():
         msg = f"water_m must not be negative, got {water_m.min():g}"
         raise ValueError(msg)
-    first = ICE_DENSITY_KG_M3 - (ICE_DENSITY_KG_M3 - surface_density_kg_m3) * np.exp(-k0 * water_m)
-    beyond_m = np.maximum(water_m - critical_water_m, 0)
-    second = ICE_DENSITY_KG_M3 - (ICE_DENSITY_KG_M3 - CRITICAL_DENSITY_KG_M3) * np.exp(
-        -k1 * ratio * beyond_m
-    )
-    return np.where(water_m < critical_water_m, first, second)
+    ice = ICE_DENSITY_KG_M3
+    first = ice - (ice - surface_density_kg_m3) * np.exp(-stages.k0 * water_m)
+    beyond_m = np.maximum(water_m - stages.critical_water_m, 0)
+    second = ice - (ice - CRITICAL_DENSITY_KG_M3) * np.exp(-stages.k1 * stages.ratio * beyond_m)
+    return np.where(water_m < stages.critical_water_m, first, second)
 
 
 def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Depth [m] below a given mass of snow, the closed depth-age relation; arguments as for the density.
+    """Depth [m] below a mass of snow, the closed depth-age relation; arguments as for the density.
 
     Herron & Langway (1980), eqs for stage 1 and 2: ``ln(rho / (rho_ice - rho))`` grows linearly
     with depth, at ``rho_ice k0`` above the critical density and ``rho_ice k1 / A^1/2`` below,
     densities in Mg m-3.
     """
+    stages = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
     density = density_herron_langway80(
         water_m, accumulation_m, temperature_k, surface_density_kg_m3
     )
-    k0, k1, ratio, critical_water_m = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
     ice = ICE_DENSITY_KG_M3 / WATER_DENSITY_KG_M3
-    critical_depth_m = (_logit(CRITICAL_DENSITY_KG_M3) - _logit(surface_density_kg_m3)) / (ice * k0)
-    first = (_logit(density) - _logit(surface_density_kg_m3)) / (ice * k0)
-    second = critical_depth_m + (_logit(density) - _logit(CRITICAL_DENSITY_KG_M3)) / (
-        ice * k1 * ratio
-    )
-    return np.where(np.asarray(water_m) < critical_water_m, first, second)
+    at_surface = _logit(surface_density_kg_m3)
+    critical = _logit(CRITICAL_DENSITY_KG_M3)
+    critical_depth_m = (critical - at_surface) / (ice * stages.k0)
+    first = (_logit(density) - at_surface) / (ice * stages.k0)
+    second = critical_depth_m + (_logit(density) - critical) / (ice * stages.k1 * stages.ratio)
+    return np.where(np.asarray(water_m) < stages.critical_water_m, first, second)
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Of densification: rate constants, A^-1/2, and the mass above the critical density."""
+
+    k0: float
+    k1: float
+    ratio: float
+    critical_water_m: float
 
 
 def _stages(accumulation_m, temperature_k, surface_density_kg_m3):
-    """Rate constants, A^-1/2, and the mass above the critical density."""
     if not accumulation_m > 0:
         msg = f"accumulation_m must be positive, got {accumulation_m:g}"
         raise ValueError(msg)
     if not 0 < surface_density_kg_m3 < CRITICAL_DENSITY_KG_M3:
-        msg = f"surface_density_kg_m3 must lie in (0, {CRITICAL_DENSITY_KG_M3:g}), got {surface_density_kg_m3:g}"
+        msg = f"surface_density_kg_m3 must lie in (0, {CRITICAL_DENSITY_KG_M3:g}), "
+        msg += f"got {surface_density_kg_m3:g}"
         raise ValueError(msg)
     k0, k1 = rates_herron_langway80(temperature_k)
-    span = (ICE_DENSITY_KG_M3 - surface_density_kg_m3) / (
-        ICE_DENSITY_KG_M3 - CRITICAL_DENSITY_KG_M3
-    )
-    return k0, k1, accumulation_m**-0.5, np.log(span) / k0
+    ice = ICE_DENSITY_KG_M3
+    span = (ice - surface_density_kg_m3) / (ice - CRITICAL_DENSITY_KG_M3)
+    return Stages(k0, k1, accumulation_m**-0.5, np.log(span) / k0)
 
 
 def _logit(density_kg_m3):
@@ -87,25 +97,26 @@ def _logit(density_kg_m3):
 
 
 def refractive_index_kovacs95(density_kg_m3):
-    """Refractive index of dry snow, of the shape of the densities [kg m-3]; ValueError outside [0, 917].
+    """Refractive index of dry snow, of the shape of the densities [kg m-3].
 
-    ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in g cm-3: Kovacs, Gow & Morey
-    (1995), Cold Reg. Sci. Technol. 23, 245-256.
+    ValueError outside [0, 917]. ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in
+    g cm-3: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol. 23, 245-256.
     """
     density_kg_m3 = np.asarray(density_kg_m3, dtype=float)
     outside = (density_kg_m3 < 0) | (density_kg_m3 > ICE_DENSITY_KG_M3)
     if outside.any():
-        msg = f"density_kg_m3 must lie in [0, {ICE_DENSITY_KG_M3:g}], got {density_kg_m3[outside][0]:g}"
+        msg = f"density_kg_m3 must lie in [0, {ICE_DENSITY_KG_M3:g}], "
+        msg += f"got {density_kg_m3[outside][0]:g}"
         raise ValueError(msg)
     return 1 + KOVACS_M3_KG * density_kg_m3
 
 
 def travel_time_s(depth_m, water_m):
-    """Two-way travel time straight down from the snow surface to a depth [m] with a mass above it [m w.e.] [s].
+    """Two-way travel time [s] straight down from the snow surface to a depth [m].
 
-    ``(2 / c) integral n dz`` with the n of Kovacs et al. (1995), linear in density, is ``(2 / c)
-    (depth + 0.845 water)`` for any profile: no step size, and fine layering of zero mean changes
-    nothing.
+    The mass above that is `water_m` [m w.e.]. ``(2 / c) integral n dz`` with the n of Kovacs et al.
+    (1995), linear in density, is ``(2 / c) (depth + 0.845 water)`` for any profile: no step size,
+    and fine layering of zero mean changes nothing.
     """
     optical_m = np.asarray(depth_m) + KOVACS_M3_KG * WATER_DENSITY_KG_M3 * np.asarray(water_m)
     return 2 * optical_m / SPEED_OF_LIGHT_M_S

@@ -23,7 +23,7 @@ SECONDS_PER_KM = 1 / 0.12  # at 120 m/s
 
 @dataclass(frozen=True)
 class Place:
-    """Climate at one point: ice surface, long-term mean accumulation [m w.e. / yr], annual mean temperature."""
+    """Climate at one point: ice surface, mean accumulation [m w.e. / yr], mean temperature."""
 
     position_km: float
     latitude: float
@@ -34,16 +34,24 @@ class Place:
 
 
 def place_at(position_km, accumulation_factor=1.0):
-    """`Place` at a position along the line; ValueError outside it. `accumulation_factor` as in `ClimateSettings`."""
+    """`Place` at a position along the line; ValueError outside it.
+
+    `accumulation_factor` as in `ClimateSettings`.
+    """
     length_km = line_length_km()
     if not 0 <= position_km <= length_km:
         msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
         raise ValueError(msg)
-    latitude, longitude = (float(x) for x in line_coordinates(position_km))
+    latitude, longitude = map(float, line_coordinates(position_km))
     elevation_m = float(_profile(ELEVATION_M, position_km / length_km))
-    mean_m = float(accumulation_factor * accumulation_m(position_km))
-    temperature_k = temperature_fausto09(elevation_m, latitude, longitude)
-    return Place(float(position_km), latitude, longitude, elevation_m, mean_m, temperature_k)
+    return Place(
+        position_km=float(position_km),
+        latitude=latitude,
+        longitude=longitude,
+        elevation_m=elevation_m,
+        accumulation_m=float(accumulation_factor * accumulation_m(position_km)),
+        temperature_k=temperature_fausto09(elevation_m, latitude, longitude),
+    )
 
 
 def accumulation_m(position_km):
@@ -52,15 +60,14 @@ def accumulation_m(position_km):
 
 
 def _profile(values, fraction):
-    from scipy.interpolate import (
-        PchipInterpolator,
-    )  # slow to import, and the plan of a run needs no profile
+    # Slow to import, and the plan of a run needs no profile.
+    from scipy.interpolate import PchipInterpolator
 
     return PchipInterpolator(PROFILE_FRACTION, values)(fraction)
 
 
 def temperature_fausto09(elevation_m, latitude, longitude):
-    """Annual mean near-surface air temperature over Greenland [K], from metres, degrees north and east.
+    """Annual mean air temperature over Greenland [K], from metres, degrees north and east.
 
     ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
     As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
@@ -70,26 +77,28 @@ def temperature_fausto09(elevation_m, latitude, longitude):
 
 def line_length_km():
     """Length of the great circle from `LINE_START` to `LINE_END` on a sphere."""
-    start, end = (_unit_vector(*point) for point in (LINE_START, LINE_END))
-    return float(EARTH_RADIUS_KM * np.arctan2(np.linalg.norm(np.cross(start, end)), start @ end))
+    start = _unit_vector(*LINE_START)
+    end = _unit_vector(*LINE_END)
+    sine = np.linalg.norm(np.cross(start, end))
+    return float(EARTH_RADIUS_KM * np.arctan2(sine, start @ end))
 
 
 def line_coordinates(position_km):
     """Latitude and longitude [degrees] at positions along the line [km], of their shape."""
-    start, end = (_unit_vector(*point) for point in (LINE_START, LINE_END))
+    start = _unit_vector(*LINE_START)
+    end = _unit_vector(*LINE_END)
     angle = line_length_km() / EARTH_RADIUS_KM
     along = np.asarray(position_km, dtype=float) / EARTH_RADIUS_KM
-    weights = np.sin(angle - along) / np.sin(angle), np.sin(along) / np.sin(angle)
-    x, y, z = (weights[0] * a + weights[1] * b for a, b in zip(start, end, strict=True))
-    return np.degrees(np.arctan2(z, np.hypot(x, y))), np.degrees(np.arctan2(y, x))
+    of_start = np.sin(angle - along) / np.sin(angle)
+    of_end = np.sin(along) / np.sin(angle)
+    x, y, z = (of_start * a + of_end * b for a, b in zip(start, end, strict=True))
+    latitude = np.arctan2(z, np.hypot(x, y))
+    return np.degrees(latitude), np.degrees(np.arctan2(y, x))
 
 
-def _unit_vector(latitude, longitude):
-    latitude, longitude = np.radians(latitude), np.radians(longitude)
-    return np.array(
-        [
-            np.cos(latitude) * np.cos(longitude),
-            np.cos(latitude) * np.sin(longitude),
-            np.sin(latitude),
-        ]
-    )
+def _unit_vector(latitude_deg, longitude_deg):
+    latitude = np.radians(latitude_deg)
+    longitude = np.radians(longitude_deg)
+    x = np.cos(latitude) * np.cos(longitude)
+    y = np.cos(latitude) * np.sin(longitude)
+    return np.array([x, y, np.sin(latitude)])

@@ -7,9 +7,8 @@ from snowsim.echogram import crossing_layers
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
 REACH_BINS = 4  # how far from a layer the picker looks for its peak
-LAST_TRUSTED_BINS = (
-    3.0  # a pick further off follows something else; the person who checks removes it
-)
+# A pick further off follows something else; the person who checks removes it.
+LAST_TRUSTED_BINS = 3.0
 AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
 
 
@@ -23,16 +22,17 @@ def rise_db(mean_power, layer_bins, n_windows):
     """
     n_bins, n_lines = mean_power.shape
     edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
-    step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
-    between = (
-        layer_bins[:-1, None] + step[:, None] * np.diff(layer_bins, axis=0)[:, None]
-    )  # (slab, step, line)
+    step = np.arange(1, STEPS_BETWEEN + 1)[:, None] / STEPS_BETWEEN
+    slab_bins = np.diff(layer_bins, axis=0)[:, None]
+    between = layer_bins[:-1, None] + step * slab_bins  # (slab, step, range_line)
     whole = np.floor(between).astype(int)
     inside = (whole >= 0) & (whole < n_bins - 1)
     whole = np.clip(whole, 0, n_bins - 2)  # read anywhere, then discarded
     share = between - whole
     lines = np.arange(n_lines)
-    sampled = (1 - share) * mean_power[whole, lines] + share * mean_power[whole + 1, lines]
+    above = mean_power[whole, lines]
+    below = mean_power[whole + 1, lines]
+    sampled = (1 - share) * above + share * below
     sampled[~inside] = np.nan
     profile = np.add.reduceat(sampled, edges[:-1], axis=2) / np.diff(edges)
     rise = np.full((len(layer_bins), n_windows), np.inf)
@@ -50,9 +50,16 @@ def n_visible_layers(rise, visible_db):
     return 2 + int(seen[-1]) if seen.size else 1
 
 
+def visible_layers(mean_power, layer_bins, visible_db):
+    """Complete layers (layer, range_line) down to where they fade, see `n_visible_layers`."""
+    rise = rise_db(mean_power, layer_bins, 1)[:, 0]
+    return layer_bins[: n_visible_layers(rise, visible_db)]
+
+
 def pick_visible(rise, layer_bins, gap_db):
-    """Layers with NaN where their own rise, interpolated between the windows' centres, is less than `gap_db`."""
-    n_windows, n_lines = rise.shape[1], layer_bins.shape[1]
+    """Layers, NaN where their own rise, straight between windows' centres, is below `gap_db`."""
+    n_windows = rise.shape[1]
+    n_lines = layer_bins.shape[1]
     centres = (np.arange(n_windows) + 0.5) * n_lines / n_windows - 0.5
     picked = layer_bins.copy()
     for layer in range(1, len(layer_bins)):
@@ -62,7 +69,7 @@ def pick_visible(rise, layer_bins, gap_db):
 
 
 def pick_peaks(power, layer_bins, settings):
-    """Layers as a semi-automatic picker finds them on an echogram, (layer, range_line), whole bins, NaN where lost.
+    """Layers as a semi-automatic picker finds them, (layer, range_line): whole bins, NaN if lost.
 
     A person marks a layer where it is clearest; from there the picker follows its peak to both
     sides, line by line, at most one bin per line, on an image averaged along track. It loses a
@@ -72,25 +79,22 @@ def pick_peaks(power, layer_bins, settings):
     layers. `power` is linear; the complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
-    smooth_db = uniform_filter1d(
-        10 * np.log10(power), settings.picker_lines, axis=1, mode="nearest"
-    )
+    power_db = 10 * np.log10(power)
+    smooth_db = uniform_filter1d(power_db, settings.picker_lines, axis=1, mode="nearest")
     near = np.rint(layer_bins).astype(int)
-    # Half of the thinner slab beside it: beyond lies another layer.
-    gaps = np.diff(layer_bins, axis=0).mean(axis=1)
-    reach = np.minimum(np.append(gaps, np.inf), np.insert(gaps, 0, np.inf)) / 2
     offsets = np.arange(-2 * REACH_BINS, 2 * REACH_BINS + 1)
     rows = near[:, None, :] + offsets[:, None]
     outside = (rows < 0) | (rows >= n_bins)
     strip = smooth_db[np.clip(rows, 0, n_bins - 1), np.arange(n_lines)]  # (layer, offset, line)
     strip[outside] = -np.inf
-    searched = np.abs(offsets) <= np.maximum(1, np.minimum(REACH_BINS, np.floor(reach)))[:, None]
+    # Half of the thinner slab beside it: beyond lies another layer.
+    slab_bins = np.diff(layer_bins, axis=0).mean(axis=1)
+    reach = np.minimum(np.append(slab_bins, np.inf), np.insert(slab_bins, 0, np.inf)) / 2
+    searched_bins = np.clip(np.floor(reach), 1, REACH_BINS)
+    searched = np.abs(offsets) <= searched_bins[:, None]
     followed = _follow(np.where(searched[:, :, None], strip, -np.inf), near)
     rise = _rise_of_peak(strip, followed, reach)
-
-    found = np.zeros(layer_bins.shape, dtype=bool)
-    for layer in range(len(layer_bins)):
-        found[layer] = _kept(rise[layer], settings)
+    found = np.array([_kept(of_layer, settings) for of_layer in rise])
     picked = near + offsets[followed].astype(float)
     found &= np.abs(picked - layer_bins) <= LAST_TRUSTED_BINS
     picked[~found] = np.nan
@@ -99,56 +103,53 @@ def pick_peaks(power, layer_bins, settings):
 
 
 def _follow(strip, near):
-    """Index of the followed peak, (layer, range_line), from the clearest line of each layer to both sides."""
+    """Index of the followed peak, (layer, range_line), from each layer's clearest line sideways."""
     n_layers, n_offsets, n_lines = strip.shape
     layers = np.arange(n_layers)
     usable = np.where(np.isfinite(strip), strip, np.nan)
     clearness = np.nanmax(usable, axis=1) - np.nanmean(usable, axis=1)
+    seed = clearness.argmax(axis=1)
     followed = np.zeros((n_layers, n_lines), dtype=int)
-    for seed_side in (1, -1):
+    for side in (1, -1):
         # One sweep for all layers: a layer sits on its seed's peak until the sweep has passed the
         # seed.
-        seed = clearness.argmax(axis=1)
         at = strip[layers, :, seed].argmax(axis=1)
-        order = range(n_lines) if seed_side == 1 else range(n_lines - 1, -1, -1)
-        previous = None
-        for line in order:
-            active = (line - seed) * seed_side >= 0
-            if previous is not None:
-                # The strip moves with the rounded layer: the same row is another offset on the next
-                # line.
-                moved = at + near[:, previous] - near[:, line]
-                candidates = np.clip(moved[:, None] + np.array([0, -1, 1]), 0, n_offsets - 1)
-                best = strip[layers[:, None], candidates, line].argmax(axis=1)
-                stepped = candidates[layers, best]
-                at = np.where(active & (line != seed), stepped, at)
-            followed[active, line] = at[active]
-            previous = line
+        for line in range(n_lines)[::side]:
+            # The strip moves with the rounded layer: the same row is another offset on the next
+            # line. No layer is past its seed on the first.
+            before = np.clip(line - side, 0, n_lines - 1)
+            moved = at + near[:, before] - near[:, line]
+            candidates = np.clip(moved[:, None] + [0, -1, 1], 0, n_offsets - 1)
+            best = strip[layers[:, None], candidates, line].argmax(axis=1)
+            is_past = (line - seed) * side > 0
+            at = np.where(is_past, candidates[layers, best], at)
+            is_reached = (line - seed) * side >= 0
+            followed[is_reached, line] = at[is_reached]
     return followed
 
 
 def _rise_of_peak(strip, followed, reach):
-    """Peak over the mean of the lowest values above and below it in the strip [dB], (layer, range_line)."""
-    n_layers, n_offsets, n_lines = strip.shape
-    index = np.arange(n_offsets)[None, :, None]
+    """Peak over the mean of the lowest values above and below it [dB], (layer, range_line)."""
+    index = np.arange(strip.shape[1])[None, :, None]
     distance = index - followed[:, None, :]
-    width = np.minimum(2 * REACH_BINS, np.maximum(2, np.ceil(reach)))[:, None, None]
+    width = np.clip(np.ceil(reach), 2, 2 * REACH_BINS)[:, None, None]
     peak = np.take_along_axis(strip, followed[:, None, :], axis=1)[:, 0]
     known = np.where(np.isfinite(strip), strip, np.inf)
-    above = np.where((distance < 0) & (distance >= -width), known, np.inf).min(axis=1)
-    below = np.where((distance > 0) & (distance <= width), known, np.inf).min(axis=1)
-    valley = np.where(
-        np.isfinite(above) & np.isfinite(below), (above + below) / 2, np.minimum(above, below)
-    )
+    is_above = (distance < 0) & (distance >= -width)
+    is_below = (distance > 0) & (distance <= width)
+    above = np.where(is_above, known, np.inf).min(axis=1)
+    below = np.where(is_below, known, np.inf).min(axis=1)
+    has_both = np.isfinite(above) & np.isfinite(below)
+    valley = np.where(has_both, (above + below) / 2, np.minimum(above, below))
     return np.where(np.isfinite(valley), peak - valley, 0.0)
 
 
 def _kept(rise, settings):
-    """Where one layer is found: hysteresis on its smoothed rise, short pieces dropped, bool (range_line,)."""
+    """Where a layer is found, bool (range_line,): hysteresis on smoothed rise, no short pieces."""
     smooth = uniform_filter1d(rise, settings.picker_lines, mode="nearest")
     weak = smooth > settings.picker_db
     clear = smooth > settings.picker_db + AGAIN_DB
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], weak, [0]])))
+    edges = np.flatnonzero(np.diff(np.pad(weak.astype(int), 1)))
     kept = np.zeros(rise.size, dtype=bool)
     for start, end in edges.reshape(-1, 2):
         if clear[start:end].any() and end - start >= settings.shortest_run:

@@ -9,7 +9,8 @@ from scipy.signal import lfilter, upfirdn
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 
-RESPONSE_WIDTH = 4  # half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB
+# Half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB.
+RESPONSE_WIDTH = 4
 PEDESTAL_FALLS = 6  # sidelobes are computed over this many 1/e delays, to 26 dB below their level
 TAIL_END = 1e-4  # the off-nadir tail is cut where it falls below this share of its peak
 SATURATION_NOISE = 10.0  # an overloaded receiver's noise, relative to a sound one's
@@ -17,12 +18,12 @@ SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
 
 
 def hann_response(delay_s, bandwidth_hz):
-    """Amplitude of an FMCW radar's response to a point, its beat signal weighted by a Hann window, 1 at zero delay.
+    """Amplitude of an FMCW radar's response to a point, 1 at zero delay.
 
-    Fourier transform of the Hann window over the sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) /
-    2`` with ``x = B delay`` and sinc(x) = sin(pi x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83.
-    Nulls at x = +-2 and an equivalent width of 1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there
-    and back, half of that in range.
+    Its beat signal is weighted by a Hann window. Fourier transform of the Hann window over the
+    sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B delay`` and sinc(x) = sin(pi
+    x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an equivalent width of
+    1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there and back, half of that in range.
     """
     x = np.asarray(delay_s, dtype=float) * bandwidth_hz
     return np.sinc(x) + 0.5 * (np.sinc(x - 1) + np.sinc(x + 1))
@@ -36,12 +37,13 @@ def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
     share that follows the cosine.
     """
     angle_rad = np.asarray(angle_rad, dtype=float)
-    facets = np.exp(-(np.tan(angle_rad) ** 2) / (2 * rms_slope**2)) / np.cos(angle_rad) ** 4
-    return (1 - diffuse_share) * facets + diffuse_share * np.cos(angle_rad)
+    cosine = np.cos(angle_rad)
+    facets = np.exp(-(np.tan(angle_rad) ** 2) / (2 * rms_slope**2)) / cosine**4
+    return (1 - diffuse_share) * facets + diffuse_share * cosine
 
 
 def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
-    """Power from the annulus illuminated at a delay [s] after the nadir point, relative to zero delay.
+    """Power from the annulus seen at a delay [s] after the nadir point, relative to zero delay.
 
     Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay
     ``2 pi R dR/dt``, spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane
@@ -53,12 +55,10 @@ def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
     """
     range_m = height_m + SPEED_OF_LIGHT_M_S * np.asarray(delay_s, dtype=float) / 2
     angle = np.arccos(height_m / range_m)
-    two_way_gain = np.exp(-4 * np.log(2) * (angle / np.radians(beamwidth_deg)) ** 2) ** 2
-    return (
-        two_way_gain
-        * backscatter_geometric_optics(angle, rms_slope, diffuse_share)
-        * (height_m / range_m) ** 3
-    )
+    off_axis = angle / np.radians(beamwidth_deg)
+    two_way_gain = np.exp(-4 * np.log(2) * off_axis**2) ** 2
+    backscatter = backscatter_geometric_optics(angle, rms_slope, diffuse_share)
+    return two_way_gain * backscatter * (height_m / range_m) ** 3
 
 
 @dataclass(frozen=True)
@@ -78,35 +78,31 @@ class Waveform:
 @lru_cache(maxsize=32)
 def range_response(radar):
     """Range response on the sub-bin grid, float32 (tap,), centred; its squares sum to 1."""
-    step_s = radar.bin_size_s / radar.n_sub_bins
     reached_hz = radar.bandwidth_hz / radar.response_widening
-    half = int(np.ceil(RESPONSE_WIDTH / reached_hz / step_s))
-    taps = hann_response(np.arange(-half, half + 1) * step_s, reached_hz)
+    half = int(np.ceil(RESPONSE_WIDTH / reached_hz / radar.sub_bin_s))
+    taps = hann_response(np.arange(-half, half + 1) * radar.sub_bin_s, reached_hz)
     return (taps / np.sqrt((taps**2).sum())).astype(np.float32)
 
 
 @lru_cache(maxsize=256)
 def interface_waveform(radar, rms_slope, roughness_m):
-    """`Waveform` of an interface: annuli of the off-nadir tail, spread by the roughness within the footprint.
+    """`Waveform` of an interface: annuli of the off-nadir tail, spread by its roughness.
 
     `roughness_m` is the standard deviation of height; the refractive index of snow is taken as 1.3.
     """
-    step_s = radar.bin_size_s / radar.n_sub_bins
     finer = 8
     n_samples = radar.n_range_bins * radar.n_sub_bins  # the diffuse share reaches beyond any window
-    delay_s = (np.arange(n_samples * finer) + 0.5) * step_s / finer
+    delay_s = (np.arange(n_samples * finer) + 0.5) * radar.sub_bin_s / finer
     tail = annulus_power(
         delay_s, radar.height_m, rms_slope, radar.diffuse_share, radar.beamwidth_deg
     )
     tail = tail.reshape(-1, finer).mean(axis=1)
-    tail = tail[: int(np.argmax(tail < TAIL_END * tail[0])) or n_samples]
-    spread = roughness_m * 1.3 * 2 / SPEED_OF_LIGHT_M_S / step_s
-    margin = int(np.ceil(4 * spread)) + 1
-    power = (
-        gaussian_filter1d(np.pad(tail, margin), spread, mode="constant")
-        if spread > 0
-        else np.pad(tail, margin)
-    )
+    is_faint = tail < TAIL_END * tail[0]
+    tail = tail[: int(np.argmax(is_faint)) or n_samples]
+    spread = roughness_m * 1.3 * 2 / SPEED_OF_LIGHT_M_S / radar.sub_bin_s
+    power = np.pad(tail, int(np.ceil(4 * spread)) + 1)
+    if spread > 0:
+        power = gaussian_filter1d(power, spread, mode="constant")
     power /= power.sum()
     received = np.convolve(power, range_response(radar).astype(float) ** 2, mode="same")
     top = int(np.argmax(received))
@@ -116,10 +112,10 @@ def interface_waveform(radar, rms_slope, roughness_m):
 
 
 def received_mean(sub_bin_power, radar, margin):
-    """Mean detected power at range bins, (range_line, range_bin), of the variance of scatterers (range_line, sub_bin).
+    """Mean detected power at range bins, (range_line, range_bin).
 
-    `margin` sub-bins, at least half the length of `range_response`, come before bin 0 and after the
-    last.
+    `sub_bin_power` is the variance of scatterers (range_line, sub_bin). `margin` sub-bins, at least
+    half the length of `range_response`, come before bin 0 and after the last.
     """
     return _filtered(sub_bin_power, range_response(radar) ** 2, radar.n_sub_bins, margin)
 
@@ -134,22 +130,20 @@ def draw_look(amplitude, radar, margin, *, rng):
     """
     parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
     parts *= amplitude
-    real, imaginary = (
-        _filtered(part, range_response(radar), radar.n_sub_bins, margin) for part in parts
-    )
+    response = range_response(radar)
+    real, imaginary = (_filtered(part, response, radar.n_sub_bins, margin) for part in parts)
     return real + np.complex64(1j) * imaginary
 
 
 def draw_detected(sub_bin_power, radar, margin, n_looks, *, rng):
-    """Power of `n_looks` looks averaged, float32 (range_line, range_bin); arguments as for `draw_look`."""
+    """Power of `n_looks` looks averaged, float32 (range_line, range_bin); see `draw_look`."""
     amplitude = np.sqrt(sub_bin_power / 2)
     total = np.float32(0)
     response = range_response(radar)
-    for _ in range(n_looks):
-        for _ in range(2):
-            part = rng.standard_normal(amplitude.shape, dtype=np.float32)
-            part *= amplitude
-            total = total + _filtered(part, response, radar.n_sub_bins, margin) ** 2
+    for _ in range(2 * n_looks):  # real and imaginary parts
+        part = rng.standard_normal(amplitude.shape, dtype=np.float32)
+        part *= amplitude
+        total = total + _filtered(part, response, radar.n_sub_bins, margin) ** 2
     return total / np.float32(n_looks)
 
 
@@ -159,26 +153,26 @@ def _filtered(field, taps, n_sub_bins, margin):
     early = -2 * half % n_sub_bins  # so that the first value kept is a multiple of n_sub_bins
     n_bins = (field.shape[1] - 2 * margin) // n_sub_bins
     first = margin - half - early
-    inside = field[:, first : margin + half + (n_bins - 1) * n_sub_bins + 1]
+    last = margin + half + (n_bins - 1) * n_sub_bins
+    inside = field[:, first : last + 1]
     start = (2 * half + early) // n_sub_bins
     return upfirdn(taps, inside, down=n_sub_bins, axis=1)[:, start : start + n_bins]
 
 
 def sidelobes(radar):
-    """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred; to be added to the scatterers.
+    """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred.
 
-    Deconvolution leaves a pedestal on both sides of every echo that falls exponentially with delay;
-    within the main lobe, 2 / B to either side, there is none. `sidelobe_db` is its level at zero
-    delay relative to the echo's peak.
+    To be added to the scatterers. Deconvolution leaves a pedestal on both sides of every echo that
+    falls exponentially with delay; within the main lobe, 2 / B to either side, there is none.
+    `sidelobe_db` is its level at zero delay relative to the echo's peak.
     """
-    step_s = radar.bin_size_s / radar.n_sub_bins
-    half = int(np.ceil(PEDESTAL_FALLS * radar.sidelobe_fall_s / step_s))
-    delay_s = np.abs(np.arange(-half, half + 1)) * step_s
+    half = int(np.ceil(PEDESTAL_FALLS * radar.sidelobe_fall_s / radar.sub_bin_s))
+    delay_s = np.abs(np.arange(-half, half + 1)) * radar.sub_bin_s
     level = 10 ** (radar.sidelobe_db / 10) * np.exp(-delay_s / radar.sidelobe_fall_s)
     level[delay_s < 2 / radar.bandwidth_hz] = 0
     # The range response that follows has a peak of 1 / its equivalent width, a Hann window's being
     # 1.5 / B.
-    return (level * step_s * radar.bandwidth_hz / 1.5).astype(np.float32)
+    return (level * radar.sub_bin_s * radar.bandwidth_hz / 1.5).astype(np.float32)
 
 
 def draw_coherent_noise(n_sub_bins, radar, *, rng):
@@ -188,16 +182,16 @@ def draw_coherent_noise(n_sub_bins, radar, *, rng):
     `band_spacing_s` on average, of exponentially distributed power about `band_noise_db` and
     Gaussian shape.
     """
-    step_s = radar.bin_size_s / radar.n_sub_bins
-    n_bands = rng.poisson(n_sub_bins * step_s / radar.band_spacing_s)
-    centre = rng.uniform(0, n_sub_bins, n_bands)
+    n_bands = rng.poisson(n_sub_bins * radar.sub_bin_s / radar.band_spacing_s)
+    centre = rng.uniform(0, n_sub_bins, n_bands)[:, None]
     strength = 10 ** (radar.band_noise_db / 10) * rng.exponential(1, n_bands)
-    away = (np.arange(n_sub_bins) - centre[:, None]) * step_s / radar.band_width_s
-    return (strength[:, None] * np.exp(-(away**2) / 2)).sum(axis=0).astype(np.float32)
+    away = (np.arange(n_sub_bins) - centre) * radar.sub_bin_s / radar.band_width_s
+    bands = strength[:, None] * np.exp(-(away**2) / 2)
+    return bands.sum(axis=0).astype(np.float32)
 
 
 def quantised(power, step_db):
-    """Power in whole steps of decibels, as a product stores it; a step of 0 changes nothing. Zero power stays zero."""
+    """Power in whole steps of decibels, as a product stores it; 0: as it is. No power stays so."""
     if step_db == 0:
         return power
     with np.errstate(divide="ignore"):
@@ -218,11 +212,11 @@ def draw_roll_gain(n_lines, radar, *, rng):
 
 
 def draw_receiver_gain(n_lines, radar, *, rng):
-    """Receiver gain, (range_line,), linear power: brightness jumps, each until the next, and gain from line to line."""
-    jumps_db = np.where(
-        rng.random(n_lines) < radar.jump_rate, radar.jump_sd_db * rng.standard_normal(n_lines), 0
-    )
-    return 10 ** ((np.cumsum(jumps_db) + radar.line_gain_sd_db * rng.standard_normal(n_lines)) / 10)
+    """Receiver gain, (range_line,), linear power: jumps, each until the next, and line by line."""
+    is_jump = rng.random(n_lines) < radar.jump_rate
+    jumps_db = np.where(is_jump, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
+    of_line_db = radar.line_gain_sd_db * rng.standard_normal(n_lines)
+    return 10 ** ((np.cumsum(jumps_db) + of_line_db) / 10)
 
 
 def draw_surface_row(n_lines, surface_bin, radar, *, rng):
@@ -235,12 +229,11 @@ def draw_surface_row(n_lines, surface_bin, radar, *, rng):
     persistence = np.exp(-radar.line_spacing_m / 200)
     movement = rng.standard_normal(n_lines)
     movement[1:] *= np.sqrt(1 - persistence**2)
-    movement = (
-        gaussian_filter1d(lfilter([1], [1, -persistence], movement), 5) * radar.jitter_m / bin_m
-    )
-    width, margin = 20, 100
-    error = gaussian_filter1d(rng.standard_normal(n_lines + 2 * margin), width)[
-        margin : margin + n_lines
-    ]
+    movement = lfilter([1], [1, -persistence], movement)
+    movement = gaussian_filter1d(movement, 5) * radar.jitter_m / bin_m
+    width = 20
+    margin = 5 * width
+    error = gaussian_filter1d(rng.standard_normal(n_lines + 2 * margin), width)
+    error = error[margin : margin + n_lines]
     error *= np.sqrt(2 * width * np.sqrt(np.pi))  # unit variance
     return surface_bin + movement - np.rint(movement) + radar.tracking_sd_bins * error

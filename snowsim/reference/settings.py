@@ -1,4 +1,4 @@
-"""All settings of the synthetic reference flight, from one section of a configuration, every value checked early."""
+"""All settings of the synthetic reference flight, from one section of a configuration."""
 
 import math
 from dataclasses import dataclass, field, fields
@@ -12,22 +12,27 @@ DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & La
 
 
 def limited(default, low=None, high=None):
-    """A setting with its default, and the limits that it lies in; without any, it is positive and finite."""
+    """A setting with its default and its limits; without any it is positive and finite."""
     return field(default=default, metadata={"limits": (low, high)})
 
 
 def check_limits(settings):
-    """Raise ValueError unless every limited setting of a group is a number within its limits; NaN is not."""
+    """ValueError unless every limited setting of a group is a number within its limits."""
     for each in fields(settings):
         if "limits" not in each.metadata:
             continue
-        (low, high), value = each.metadata["limits"], getattr(settings, each.name)
-        rule = "be positive and finite" if low is None else f"lie in [{low:g}, {high:g}]"
+        value = getattr(settings, each.name)
+        low, high = each.metadata["limits"]
         if isinstance(value, bool) or not isinstance(value, int | float):
-            value, rule = repr(value), "be a number"
-        elif 0 < value < math.inf if low is None else low <= value <= high:
+            problem = f"be a number, got {value!r}"
+        elif low is None and not 0 < value < math.inf:
+            problem = f"be positive and finite, got {value}"
+        elif low is not None and not low <= value <= high:
+            problem = f"lie in [{low:g}, {high:g}], got {value}"
+        else:
             continue
-        msg = f"{GROUP_NAMES[type(settings)]}.{each.name} must {rule}, got {value}"
+        group = next(name for name, group in GROUPS.items() if group is type(settings))
+        msg = f"{group}.{each.name} must {problem}"
         raise ValueError(msg)
 
 
@@ -51,7 +56,8 @@ class ClimateSettings:
     def __post_init__(self):
         check_limits(self)
         if self.undulation_max_km <= self.undulation_min_km:
-            msg = f"climate.undulation_max_km must exceed undulation_min_km, got {self.undulation_max_km:g}"
+            msg = "climate.undulation_max_km must exceed undulation_min_km, "
+            msg += f"got {self.undulation_max_km:g}"
             raise ValueError(msg)
 
 
@@ -84,14 +90,16 @@ class FirnSettings:
 
     def __post_init__(self):
         check_limits(self)
-        if not self.fade_least_m < self.fade_depth_m < float("inf"):
-            msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, got {self.fade_depth_m}"
+        if not self.fade_least_m < self.fade_depth_m < math.inf:
+            msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, "
+            msg += f"got {self.fade_depth_m}"
             raise ValueError(msg)
+        most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
         for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
-            if self.surface_density_kg_m3 + getattr(self, name) > ICE_DENSITY_KG_M3:
-                most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
-                msg = f"firn.{name} must be at most {most:g}: snow of the surface's density plus the step is no denser "
-                msg += f"than ice, got {getattr(self, name):g}"
+            jump = getattr(self, name)
+            if jump > most:
+                msg = f"firn.{name} must be at most {most:g}: snow of the surface's density plus "
+                msg += f"the step is no denser than ice, got {jump:g}"
                 raise ValueError(msg)
 
 
@@ -134,24 +142,27 @@ class RadarSettings:
     saturated_rate: float = limited(0.0002, 0, 1)
     missing_rate: float = limited(0.0002, 0, 1)
 
+    @property
+    def sub_bin_s(self):
+        """Spacing of the grid on which echoes are drawn [s]."""
+        return self.bin_size_s / self.n_sub_bins
+
     def __post_init__(self):
         check_limits(self)
-        for name, least in (
-            ("n_range_bins", 200),
-            ("surface_bin", 10),
-            ("n_sub_bins", 1),
-            ("n_looks", 1),
-        ):
+        least_of = {"n_range_bins": 200, "surface_bin": 10, "n_sub_bins": 1, "n_looks": 1}
+        for name, least in least_of.items():
             value = getattr(self, name)
             if not isinstance(value, int) or value < least:
                 msg = f"radar.{name} must be an integer of at least {least}, got {value!r}"
                 raise ValueError(msg)
         if self.surface_bin > self.n_range_bins - 100:
-            msg = f"radar.surface_bin must leave 100 of {self.n_range_bins} rows below it, got {self.surface_bin}"
+            msg = f"radar.surface_bin must leave 100 of {self.n_range_bins} rows below it, "
+            msg += f"got {self.surface_bin}"
             raise ValueError(msg)
         # A sample every 1 / bandwidth is the coarsest that holds the response of the sweep.
-        if self.bin_size_s / self.n_sub_bins > 1 / self.bandwidth_hz:
-            msg = f"radar.n_sub_bins must be at least {self.bin_size_s * self.bandwidth_hz:.2f} to sample "
+        if self.sub_bin_s > 1 / self.bandwidth_hz:
+            least = self.bin_size_s * self.bandwidth_hz
+            msg = f"radar.n_sub_bins must be at least {least:.2f} to sample "
             msg += f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
             raise ValueError(msg)
 
@@ -180,20 +191,14 @@ class Settings:
     picks: PickSettings = field(default_factory=PickSettings)
 
 
-GROUPS = {
-    "climate": ClimateSettings,
-    "firn": FirnSettings,
-    "radar": RadarSettings,
-    "picks": PickSettings,
-}
-GROUP_NAMES = {group: name for name, group in GROUPS.items()}
+GROUPS = {group.name: group.default_factory for group in fields(Settings)}
 
 
 def checked_settings(reference):
-    """Settings from the `reference` section of a configuration: dicts `climate`, `firn`, `radar`, `picks`.
+    """Settings from the `reference` section of a configuration.
 
-    Missing keys keep their defaults. ValueError, naming the key, if one is unknown or a value out
-    of range.
+    That has dicts `climate`, `firn`, `radar`, `picks`. Missing keys keep their defaults.
+    ValueError, naming the key, if one is unknown or a value out of range.
     """
     _refuse_unknown(reference, GROUPS, "reference")
     made = {}
@@ -208,7 +213,7 @@ def checked_settings(reference):
 
 
 def check_window(settings):
-    """Raise ValueError unless the window holds the first year's horizon where it is deepest, and room below it."""
+    """ValueError unless the window holds the first year's horizon at its deepest, and room."""
     climate, radar = settings.climate, settings.radar
     wettest = place_at(line_length_km(), climate.accumulation_factor)
     water_m = climate.open_year * wettest.accumulation_m
@@ -219,8 +224,9 @@ def check_window(settings):
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
     if radar.n_range_bins < least:
-        msg = f"radar.n_range_bins must be at least {least}, the surface's row {radar.surface_bin}, a first year of up "
-        msg += f"to {bins:.0f} bins and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
+        msg = f"radar.n_range_bins must be at least {least}, "
+        msg += f"the surface's row {radar.surface_bin}, a first year of up to {bins:.0f} bins "
+        msg += f"and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
         raise ValueError(msg)
 
 

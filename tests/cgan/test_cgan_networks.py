@@ -26,10 +26,9 @@ def test_doubling_within_a_convolution_is_doubling_before_it(shape):
     torch.testing.assert_close(network(x), expected, rtol=1e-12, atol=1e-12)
     weight = torch.randn_like(expected)
     of = [x, network.weight, network.bias]
-    pairs = zip(
-        *(torch.autograd.grad((y * weight).sum(), of) for y in (network(x), expected)), strict=True
-    )
-    for got, wanted in pairs:
+    gradients = torch.autograd.grad((network(x) * weight).sum(), of)
+    of_expected = torch.autograd.grad((expected * weight).sum(), of)
+    for got, wanted in zip(gradients, of_expected, strict=True):
         torch.testing.assert_close(got, wanted, rtol=1e-10, atol=1e-10)
 
 

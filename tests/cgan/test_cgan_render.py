@@ -1,18 +1,17 @@
-"""Rendering depends on the generator, the layers and the scene's own random stream, and on nothing else."""
+"""Rendering depends on the generator, the layers and the scene's random stream, on nothing else."""
 
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import torch
 from numpy.testing import assert_array_equal
-from toy_scenes import toy_guides, toy_scene, toy_scenes
+from toy_scenes import toy_scene, toy_scenes
 
 from lib.patch_distance import describe_patches, kernel_distance
 from lib.scope import outside, scope_of
 from snowsim.cgan import Settings, Training, render, trained_generator
-from snowsim.echogram import Scene, to_uint8
+from snowsim.echogram import Scene
 from snowsim.seeding import random_stream
 
 SIZE = {
@@ -84,18 +83,6 @@ def test_a_layer_deeper_than_any_is_drawn_as_those_above_it(generator):
 def test_scenes_without_layers_in_their_window_are_refused(generator, rng):
     with pytest.raises(ValueError, match="scene level: mask without layers"):
         render(generator, level(20, row=30.0), SETTINGS, rng=rng)
-
-
-def test_a_guided_render_without_correction_is_phys_to_the_byte_and_with_one_is_not():
-    settings = replace(SETTINGS, method="guided")
-    generator = untrained(settings)
-    guide = toy_guides(1)[0]
-    assert_array_equal(guide.image, to_uint8(guide.power)[0])
-    assert (render(generator, guide, settings, rng=np.random.default_rng(1)) != guide.image).any()
-    torch.nn.init.zeros_(generator.last.weight)
-    assert_array_equal(
-        render(generator, guide, settings, rng=np.random.default_rng(1)), guide.image
-    )
 
 
 def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():

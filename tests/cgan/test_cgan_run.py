@@ -1,4 +1,4 @@
-"""A training through its script survives kill -9; a collapse is stated, with the weights kept or without."""
+"""A training through its script survives kill -9; a collapse is stated."""
 
 from dataclasses import replace
 
@@ -63,7 +63,7 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(wh
     check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
 
 
-def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_each_scene_at_every_one(
+def test_the_weights_are_those_of_the_best_validation_and_samples_hold_each_scene_at_every_one(
     whole,
 ):
     scores = read_table(whole / "validation.csv")
@@ -76,28 +76,29 @@ def test_the_weights_are_those_of_the_best_validation_and_sample_sheets_hold_eac
     with SceneSet(whole / "samples.nc") as samples:
         sheets = [(sample.name, sample.notes["step"]) for sample in samples]
         observed = {scene.name: scene for scene in toy_scenes(6)}
-        assert all(
-            (s.image == observed[s.name].image).all() == (s.notes["step"] is None) for s in samples
-        )
+        for sample in samples:
+            is_observed = (sample.image == observed[sample.name].image).all()
+            assert is_observed == (sample.notes["step"] is None)
     names = sorted({name for name, _ in sheets})
     assert len(names) == 2
-    assert sorted(sheets, key=str) == sorted(
-        [(name, step) for name in names for step in (None, 50, 100, 150, 200, 240)], key=str
-    )
+    steps = (None, 50, 100, 150, 200, 240)
+    expected = [(name, step) for name in names for step in steps]
+    assert sorted(sheets, key=str) == sorted(expected, key=str)
 
 
 def test_the_last_weights_are_kept_where_that_is_asked(tmp_path):
     validation = {**VALIDATION, "by": "last", "every_steps": 20}
     train(**arguments(tmp_path, settings=SHORT, validation=validation, on_collapse="go_on"))
-    assert read_model(tmp_path / "generator.safetensors")[1]["step"] == SHORT["n_steps"]
+    _, metadata = read_model(tmp_path / "generator.safetensors")
+    assert metadata["step"] == SHORT["n_steps"]
 
 
 @pytest.fixture
 def collapse(tmp_path, monkeypatch):
-    """Train with a fault planted in every validation from a step on; what the file of the weights says of them."""
+    """Train with a fault planted in all validations from a step on; what the weights' file says."""
 
     def train_on(first_step, on_collapse, every_steps=10):
-        def planted(losses, adversarial):
+        def planted(losses):
             return {"mask_response": 0.0 if losses[-1]["step"] >= first_step else 1.0}
 
         monkeypatch.setattr(cgan_training, "WINDOW_STEPS", 20)

@@ -75,25 +75,28 @@ def test_scenes_of_mixed_sizes_train_whole_and_in_batches_of_their_common_part(b
 
 
 def test_without_layers_a_trained_image_repeats_no_pattern_of_its_stages(learnt):
-    """The checkerboard of transposed convolutions: power at periods of 2, 4 and 8 pixels is that about them."""
+    """No checkerboard of transposed convolutions: power at periods of 2, 4, 8 as about them."""
     training, _ = learnt
-    image = render(
-        training.generator, toy_scene(5, 384, 192), training.settings, rng=np.random.default_rng(1)
-    )
+    rng = np.random.default_rng(1)
+    image = render(training.generator, toy_scene(5, 384, 192), training.settings, rng=rng)
     ground = image[-256:].astype(float)
-    power = np.abs(np.fft.fft2(ground - ground.mean(axis=1, keepdims=True))) ** 2
+    level = ground.mean(axis=1, keepdims=True)
+    power = np.abs(np.fft.fft2(ground - level)) ** 2
     ratios = []
     for row, column in product(range(0, 256, 32), range(24, 97, 24)):
         about = np.roll(power, (3 - row, 3 - column), axis=(0, 1))[:7, :7]
-        ratios.append(about[3, 3] / np.delete(about.ravel(), 24).mean())
+        others = np.delete(about.ravel(), 24)
+        ratios.append(about[3, 3] / others.mean())
     # One of white noise is exponential about 1: the mean of 32 scatters by 0.18; transposed
     # convolutions had 296.
     assert np.mean(ratios) < 2
 
 
 def test_grain_is_measured_beside_layers(rng):
-    weights, layer = np.array([0.2, 0.6, 0.3]), 5 * np.sin(np.arange(400) / 3)[:, None]
-    image = convolve1d(rng.standard_normal((400, 300)), weights, axis=0) + layer
+    weights = np.array([0.2, 0.6, 0.3])
+    layer = 5 * np.sin(np.arange(400) / 3)[:, None]
+    grain = convolve1d(rng.standard_normal((400, 300)), weights, axis=0)
+    image = grain + layer
     expected = np.correlate(weights, weights, mode="full")[2:]
     # Half the square difference of 300 lines of 400 bins, about 1.5 of them independent: known to
     # 0.003; allow four.

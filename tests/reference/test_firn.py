@@ -55,12 +55,11 @@ def test_travel_time_equals_integral_of_refractive_index():
 
 
 def test_travel_time_knows_nothing_of_layering_of_zero_mean():
-    wavy, _ = quad(
-        lambda z: firn.refractive_index_kovacs95(350 + 50 * np.sin(2 * np.pi * z / 0.02)),
-        0,
-        0.1,
-        limit=200,
-    )
+    def index(depth_m):
+        density = 350 + 50 * np.sin(2 * np.pi * depth_m / 0.02)
+        return firn.refractive_index_kovacs95(density)
+
+    wavy, _ = quad(index, 0, 0.1, limit=200)
     assert_allclose(firn.travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
 
 
@@ -70,7 +69,8 @@ def test_permittivity_of_ice_is_that_of_kovacs_and_a_small_step_reflects_as_fres
     above, below = firn.refractive_index_kovacs95([400 - 5, 400 + 5])
     fresnel = ((below - above) / (below + above)) ** 2
     assert_allclose(firn.reflectivity(10, 400), fresnel, rtol=1e-12)
-    assert_allclose(firn.surface_reflectivity(340), ((1.2873 - 1) / (1.2873 + 1)) ** 2, rtol=1e-4)
+    of_air_on_snow = ((1.2873 - 1) / (1.2873 + 1)) ** 2
+    assert_allclose(firn.surface_reflectivity(340), of_air_on_snow, rtol=1e-4)
 
 
 def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample_on(rng):
@@ -80,7 +80,8 @@ def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample
     # four standard errors.
     assert_allclose(layering.std(), 50, rtol=4 / np.sqrt(2 * 1.7e5))
     lag = int(round(length_m / spacing_m * 2))  # 9 samples, two lengths
-    correlation = (layering[:, :-lag] * layering[:, lag:]).mean() / layering.var()
+    products = layering[:, :-lag] * layering[:, lag:]
+    correlation = products.mean() / layering.var()
     assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
     layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
     assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))

@@ -6,25 +6,26 @@ from snowsim.echogram import check_layer_bins
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
 from snowsim.reference.settings import PickSettings
 
+SETTINGS = PickSettings(picker_db=1.6)
+
 
 def planted(n_lines=200, peaks_db=(30, 20, 20, 20), slope=0.0):
     """Mean power of layers with exponential tails over noise of 1, and where they are."""
     rows = np.arange(260)[:, None]
-    layer_bins = (np.array([50.0, 85, 120, 160])[:, None] + slope * np.arange(n_lines))[
-        : len(peaks_db)
-    ]
+    first_bins = np.array([50.0, 85, 120, 160])[: len(peaks_db), None]
+    layer_bins = first_bins + slope * np.arange(n_lines)
     power = np.ones((260, n_lines))
     for layer, peak_db in zip(layer_bins, peaks_db, strict=True):
         below = rows - layer
-        power += 10 ** (peak_db / 10) * np.where(
-            below >= 0, np.exp(-np.abs(below) / 10), np.exp(-np.abs(below) / 1.5)
-        )
+        fall_bins = np.where(below >= 0, 10, 1.5)
+        power += 10 ** (peak_db / 10) * np.exp(-np.abs(below) / fall_bins)
     return power, layer_bins
 
 
-def speckled_picks(power, layer_bins, rng, settings=PickSettings(picker_db=1.6)):  # noqa: B008, frozen
+def speckled_picks(power, layer_bins, rng, settings=SETTINGS):
     """Picks of an echogram of 16 looks."""
-    return pick_peaks(power * rng.gamma(16, 1 / 16, power.shape), layer_bins, settings)
+    speckled = power * rng.gamma(16, 1 / 16, power.shape)
+    return pick_peaks(speckled, layer_bins, settings)
 
 
 def test_rise_is_that_of_a_layer_over_the_tail_above():
@@ -33,8 +34,9 @@ def test_rise_is_that_of_a_layer_over_the_tail_above():
     assert np.isinf(rise[0]).all()
     # Peak: 100, noise, and layer 2's tail after 40 bins. Valley, at the eighth of ten steps, 32
     # bins down: the same tail, noise, and the foot of layer 3 itself; layer 1 is 1 % of either.
+    peak = 101 + 100 * np.exp(-4)
     valley = 1 + 100 * (np.exp(-3.2) + np.exp(-8 / 1.5))
-    assert_allclose(rise[3], 10 * np.log10((101 + 100 * np.exp(-4)) / valley), atol=0.2)
+    assert_allclose(rise[3], 10 * np.log10(peak / valley), atol=0.2)
 
 
 def test_the_record_ends_at_the_deepest_rise_and_a_layer_without_rise_is_not_picked_there():

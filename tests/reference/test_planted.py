@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose
 from snowsim.echogram import SURFACE_ROW, layer_bins_of
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.reference import benchmark, draw_frame, draw_scene, flight
+from snowsim.reference import draw_frame, draw_scene
+from snowsim.reference import echo as echo_module
 from snowsim.seeding import random_stream
 
 SHORT_TAILS = {"surface_slope": 0.005, "horizon_slope": 0.005, "diffuse_share": 0.0}
@@ -41,13 +42,13 @@ def scene(climate, echoes):
 def echoes(monkeypatch):
     """Every `Echo` that frames and scenes draw, as they draw it."""
     kept = []
-    for module in (flight, benchmark):
-        drawn = module.draw_echo
-        monkeypatch.setattr(
-            module,
-            "draw_echo",
-            lambda *a, drawn=drawn, **k: kept.append(drawn(*a, **k)) or kept[-1],
-        )
+
+    def draw_and_keep(*given, **options):
+        kept.append(draw_echo(*given, **options))
+        return kept[-1]
+
+    draw_echo = echo_module.draw_echo
+    monkeypatch.setattr(echo_module, "draw_echo", draw_and_keep)
     return kept
 
 

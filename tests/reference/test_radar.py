@@ -14,17 +14,20 @@ def test_hann_response_has_the_published_widths_and_is_the_spectrum_of_the_weigh
     # 6 GHz: 0.200 m between nulls, 0.075 m equivalent width, of path there and back.
     null_s = 0.200 / SPEED_OF_LIGHT_M_S / 2
     assert abs(rd.hann_response(null_s, 6e9)) < 1e-3  # 0.200 m is rounded from 0.19986
-    assert (rd.hann_response(np.linspace(0, 0.999 * null_s, 100), 6e9) > 0).all()
+    before_null_s = np.linspace(0, 0.999 * null_s, 100)
+    assert (rd.hann_response(before_null_s, 6e9) > 0).all()
     delay_s = np.linspace(-50 / 6e9, 50 / 6e9, 200_001)
-    width_m = np.trapezoid(rd.hann_response(delay_s, 6e9) ** 2, delay_s) * SPEED_OF_LIGHT_M_S
+    power = rd.hann_response(delay_s, 6e9) ** 2
+    width_m = np.trapezoid(power, delay_s) * SPEED_OF_LIGHT_M_S
     assert_allclose(width_m, 0.075, rtol=2e-3)  # likewise rounded, from 0.07495
     samples = 4096
     sweep = (np.arange(samples) + 0.5) / samples  # of the bandwidth
     window = 0.5 - 0.5 * np.cos(2 * np.pi * sweep)
     for x in (0.0, 0.3, 1.0, 1.73, 2.6):
-        beat = np.sum(window * np.exp(2j * np.pi * (sweep - 0.5) * x)) / window.sum()
+        beat = np.exp(2j * np.pi * (sweep - 0.5) * x)
+        spectrum = np.sum(window * beat) / window.sum()
         # Midpoint rule of a smooth periodic integrand.
-        assert_allclose(rd.hann_response(x / 6e9, 6e9), beat.real, atol=1e-6)
+        assert_allclose(rd.hann_response(x / 6e9, 6e9), spectrum.real, atol=1e-6)
 
 
 def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spread_their_power():
@@ -36,22 +39,23 @@ def test_narrow_slopes_give_an_exponential_tail_and_rougher_interfaces_only_spre
     for slope, roughness_m in ((0.022, 0.0), (0.03, 0.02), (0.06, 0.08)):
         waveform = rd.interface_waveform(RADAR, slope, roughness_m)
         assert_allclose(waveform.power.sum(), 1, rtol=1e-5)  # float32 sum of some thousand values
-    assert (
-        rd.interface_waveform(RADAR, 0.03, 0.08).peak
-        < rd.interface_waveform(RADAR, 0.03, 0.02).peak
-    )
+    rough = rd.interface_waveform(RADAR, 0.03, 0.08)
+    smooth = rd.interface_waveform(RADAR, 0.03, 0.02)
+    assert rough.peak < smooth.peak
 
 
 def test_buried_echo_falls_to_a_third_over_the_bins_of_the_paper():
     waveform = rd.interface_waveform(RADAR, RADAR.horizon_slope, RADAR.roughness_m)
     received = np.convolve(waveform.power, rd.range_response(RADAR) ** 2, mode="same")
     top = received.argmax()
-    fall_bins = np.argmax(received[top:] < received[top] / np.e) / RADAR.n_sub_bins
+    has_fallen = received[top:] < received[top] / np.e
+    fall_bins = np.argmax(has_fallen) / RADAR.n_sub_bins
     assert 8 < fall_bins < 20
 
 
 def flat_field(n_lines, n_bins, power):
-    return np.full((n_lines, n_bins * RADAR.n_sub_bins + 2 * MARGIN), power, dtype=np.float32)
+    n_sub = n_bins * RADAR.n_sub_bins + 2 * MARGIN
+    return np.full((n_lines, n_sub), power, dtype=np.float32)
 
 
 @pytest.mark.parametrize("n_looks", [1, 5])
@@ -72,15 +76,19 @@ def test_speckle_is_correlated_in_fast_time_as_the_window_says(rng):
     f = np.linspace(-0.5, 0.5, 20_001)
     squared = (0.5 + 0.5 * np.cos(2 * np.pi * f)) ** 2
     lag = RADAR.bin_size_s * RADAR.bandwidth_hz / RADAR.response_widening
-    field = np.trapezoid(squared * np.cos(2 * np.pi * f * lag), f) / np.trapezoid(squared, f)
-    measured = np.corrcoef(power[:, :-1].ravel(), power[:, 1:].ravel())[0, 1]
+    transform = np.trapezoid(squared * np.cos(2 * np.pi * f * lag), f)
+    field = transform / np.trapezoid(squared, f)
+    bins = power[:, :-1].ravel()
+    next_bins = power[:, 1:].ravel()
+    measured = np.corrcoef(bins, next_bins)[0, 1]
     # 3e5 pairs; the exponential's fourth moment triples the error of a correlation.
     assert_allclose(measured, field**2, atol=4 * 3 / np.sqrt(3e5))
 
 
 def test_looks_range_lines_and_phases_are_independent(rng):
-    look = rd.draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
-    other = rd.draw_look(np.sqrt(flat_field(200, 300, 1) / 2), RADAR, MARGIN, rng=rng)
+    amplitude = np.sqrt(flat_field(200, 300, 1) / 2)
+    look = rd.draw_look(amplitude, RADAR, MARGIN, rng=rng)
+    other = rd.draw_look(amplitude, RADAR, MARGIN, rng=rng)
     bound = 4 / np.sqrt(look.size)
     assert_allclose(np.mean(np.abs(look) ** 2), 1, rtol=bound * 1.2)
     assert abs(np.mean(look * other.conj())) < bound
@@ -94,15 +102,14 @@ def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_l
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
     mean = rd.received_mean(field, RADAR, MARGIN)
-    detected = rd.draw_detected(np.repeat(field, 4000, axis=0), RADAR, MARGIN, 10, rng=rng).mean(
-        axis=0
-    )
-    assert_allclose(
-        detected, mean[0], rtol=5 / np.sqrt(40_000)
-    )  # the largest of 60 exponential means
+    repeated = np.repeat(field, 4000, axis=0)
+    detected = rd.draw_detected(repeated, RADAR, MARGIN, 10, rng=rng).mean(axis=0)
+    # The largest of 60 exponential means.
+    assert_allclose(detected, mean[0], rtol=5 / np.sqrt(40_000))
     field = rng.random((3, 50 * RADAR.n_sub_bins + 2 * MARGIN)).astype(np.float32)
     whole = rd.received_mean(field, RADAR, MARGIN)
-    part = rd.received_mean(field[:, : 30 * RADAR.n_sub_bins + 2 * MARGIN], RADAR, MARGIN)
+    n_sub = 30 * RADAR.n_sub_bins + 2 * MARGIN
+    part = rd.received_mean(field[:, :n_sub], RADAR, MARGIN)
     assert whole.shape == (3, 50)
     assert_allclose(part, whole[:, :30], rtol=1e-6)  # float32
     field = flat_field(1, 40, 0)
@@ -118,16 +125,14 @@ def test_gain_jumps_and_rolls_as_often_as_asked(rng):
     assert set(np.unique(gain)) == {0.5, 1.0}
     # Stationary share e / (e + l); correlation (1 - e - l) leaves n (e + l) / 2 independent lines.
     share = 0.02 / 0.12
-    assert_allclose(
-        (gain < 1).mean(), share, atol=4 * np.sqrt(share * (1 - share) / (200_000 * 0.06))
-    )
-    gain = rd.draw_receiver_gain(
-        100_000, RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0), rng=rng
-    )
-    assert_allclose(np.count_nonzero(np.diff(gain)), 1000, atol=4 * np.sqrt(1000))
-    assert (
-        rd.draw_receiver_gain(1000, RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0), rng=rng) == 1
-    ).all()
+    error = np.sqrt(share * (1 - share) / (200_000 * 0.06))
+    assert_allclose((gain < 1).mean(), share, atol=4 * error)
+    jumping = RadarSettings(jump_rate=0.01, line_gain_sd_db=0.0)
+    gain = rd.draw_receiver_gain(100_000, jumping, rng=rng)
+    n_jumps = np.count_nonzero(np.diff(gain))
+    assert_allclose(n_jumps, 1000, atol=4 * np.sqrt(1000))
+    steady = RadarSettings(jump_rate=0.0, line_gain_sd_db=0.0)
+    assert (rd.draw_receiver_gain(1000, steady, rng=rng) == 1).all()
 
 
 def test_compensation_leaves_fractions_of_a_bin(rng):

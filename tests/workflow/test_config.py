@@ -64,7 +64,7 @@ def test_every_key_of_the_default_is_required_and_no_other_is_known():
     for path, values, schema in sections(CONFIG):
         assert schema["additionalProperties"] is False, path
         # Others of its study hold what differs from cgan.training.
-        if path[:2] != ("studies", "cgan") or path[-1] in ("cgan", "atlas", "renderers"):
+        if path[:2] != ("studies", "cgan") or path[-1] in ("cgan", "atlas"):
             assert list(values) == list(schema["properties"]) == schema["required"], path
         # The comments of the default describe its keys; only a pattern is put into words in the
         # schema.

@@ -11,10 +11,8 @@ import numpy as np
 from snowsim.cgan.render import render
 from snowsim.seeding import random_stream
 
-UNDECIDED = {"bce": np.log(2), "lsgan": 0.25}  # loss of a discriminator that always says one half
-WINDOW_STEPS = (
-    200  # the loss of one step scatters by about a half: its mean over these is known to 0.04
-)
+UNDECIDED = np.log(2)  # loss of a discriminator that always says one half
+WINDOW_STEPS = 200  # the loss of one step scatters by about a half: a mean over these by 0.04
 N_SCENES = 4
 PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
 
@@ -37,69 +35,69 @@ ERROR_SHARE = 1.0
 # Speckle of 16 looks has 7 grey levels: a pattern of three shows through it. It was 1 at first, the
 # finest pattern that 8 bits hold: a healthy training reached 1.05. Scenes with flat layers hold
 # some themselves.
-CHECKERBOARD, CHECKERBOARD_OBSERVED = 3.0, 3.0
+CHECKERBOARD = 3.0
+CHECKERBOARD_OBSERVED = 3.0  # times that of the observed scenes
 
 
-def measure_losses(losses, adversarial):
-    """`discriminator_ratio`: mean loss over the last `WINDOW_STEPS` steps, relative to an undecided discriminator's.
+def measure_losses(losses):
+    """`discriminator_ratio`: discriminator loss over the last `WINDOW_STEPS` steps, by `UNDECIDED`.
 
-    `losses` of the steps so far, as `train_steps` yields them; `adversarial` as in `Settings`,
-    nothing for `none`.
+    `losses` of the steps so far, as `train_steps` yields them; nothing without a discriminator.
     """
-    if adversarial == "none":
-        return {}
     late = losses[-WINDOW_STEPS:]
+    if "discriminator_real" not in late[-1]:
+        return {}
     mean = np.mean([(step["discriminator_real"] + step["discriminator_fake"]) / 2 for step in late])
-    return {"discriminator_ratio": float(mean / UNDECIDED[adversarial])}
+    return {"discriminator_ratio": float(mean / UNDECIDED)}
 
 
 def measure_renders(generator, scenes, settings, *, seed):
-    """What the renders of the first `N_SCENES` observed scenes depend on, and the pattern they carry, a dict.
+    """What the renders of the first `N_SCENES` observed scenes depend on, and their patterns.
 
-    `mask_response`: root mean square difference between renders of different masks by the same
-    dropout, as a share of that between the observed images; `draw_spread`: the same between two
-    draws for one mask [grey levels]; `error_share`: root mean square error as a share of the
+    A dict of `mask_response`: root mean square difference between renders of different masks by the
+    same dropout, as a share of that between the observed images; `draw_spread`: the same between
+    two draws for one mask [grey levels]; `error_share`: root mean square error as a share of the
     observed images' standard deviation; `checkerboard` and `checkerboard_observed` [grey levels].
     NaN if a render is not finite; ValueError for fewer than two scenes. Scenes are cut to the
     smallest of them; `settings` as for `render`.
     """
-    scenes = [scenes[number] for number in range(min(N_SCENES, len(scenes)))]
+    scenes = scenes[:N_SCENES]
     if len(scenes) < 2:
         msg = f"health is measured on two or more scenes, got {len(scenes)}"
         raise ValueError(msg)
     height = min(scene.n_range_bins for scene in scenes)
     width = min(scene.n_range_lines for scene in scenes)
     cut = [_cut(scene, height, width) for scene in scenes]
+    observed = np.stack([scene.image for scene in cut]).astype(float)
 
     def rendered(draw):
-        try:
-            streams = (random_stream(seed, "cgan", "health", draw) for _ in cut)
-            images = [
-                render(generator, scene, settings, rng=rng)
-                for scene, rng in zip(cut, streams, strict=True)
-            ]
-            return np.stack(images).astype(float)
-        except FloatingPointError:
-            return np.full((len(scenes), height, width), np.nan)
+        images = []
+        for scene in cut:
+            rng = random_stream(seed, "cgan", "health", draw)  # the same for every scene
+            try:
+                images.append(render(generator, scene, settings, rng=rng))
+            except FloatingPointError:
+                return np.full(observed.shape, np.nan)
+        return np.stack(images).astype(float)
 
-    first, second = rendered(1), rendered(2)
-    observed = np.stack([scene.image for scene in cut]).astype(float)
+    first = rendered(1)
+    second = rendered(2)
     with np.errstate(invalid="ignore", divide="ignore"):
         return {
             "mask_response": _difference(first) / _difference(observed),
-            "draw_spread": float(np.sqrt(np.mean((first - second) ** 2))),
-            "error_share": float(np.sqrt(np.mean((first - observed) ** 2)) / observed.std()),
+            "draw_spread": _root_mean_square(first - second),
+            "error_share": float(_root_mean_square(first - observed) / observed.std()),
             "checkerboard": float(np.mean([checkerboard(image) for image in first])),
             "checkerboard_observed": float(np.mean([checkerboard(image) for image in observed])),
         }
 
 
 def checkerboard(image):
-    """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels], as transposed convolutions leave them.
+    """Strength of patterns that repeat every 2, 4 or 8 pixels [grey levels].
 
-    The strongest of the periods: standard deviation of the median over all cells of a grid of that
-    period, each less its mean and what is the same along a row, which might be snow. Layers and
-    edges, bright in few, move no median.
+    Transposed convolutions leave such. The strongest of the periods: standard deviation of the
+    median over all cells of a grid of that period, each less its mean and what is the same along a
+    row, which might be snow. Layers and edges, bright in few, move no median.
     """
     image = np.asarray(image, dtype=float)
     strengths = []
@@ -110,7 +108,8 @@ def checkerboard(image):
         cells = image[: rows * period, : columns * period].reshape(rows, period, columns, period)
         cells = cells - cells.mean(axis=(1, 3), keepdims=True)
         pattern = np.median(cells, axis=(0, 2))
-        strengths.append(float((pattern - pattern.mean(axis=1, keepdims=True)).std()))
+        uneven = pattern - pattern.mean(axis=1, keepdims=True)
+        strengths.append(float(uneven.std()))
     return max(strengths)
 
 
@@ -120,15 +119,20 @@ def faults(numbers, *, dropout):
     `numbers` of `measure_losses` and `measure_renders`, missing ones not checked. Without dropout
     draws may be equal.
     """
-    found = []
-    ratio, response = numbers.get("discriminator_ratio", 0.5), numbers.get("mask_response", 1.0)
-    spread, pattern = numbers.get("draw_spread", np.inf), numbers.get("checkerboard", 0.0)
-    limit = max(CHECKERBOARD, CHECKERBOARD_OBSERVED * numbers.get("checkerboard_observed", 0.0))
+    ratio = numbers.get("discriminator_ratio", 0.5)
+    response = numbers.get("mask_response", 1.0)
+    spread = numbers.get("draw_spread", np.inf)
+    error = numbers.get("error_share", 0.0)
+    pattern = numbers.get("checkerboard", 0.0)
+    of_observed = numbers.get("checkerboard_observed", 0.0)
+    limit = max(CHECKERBOARD, CHECKERBOARD_OBSERVED * of_observed)
     if not np.isfinite([ratio, response, pattern]).all() or np.isnan(spread):
         return ["values that are not finite"]
+    found = []
     if ratio < SATURATED:
         found.append(
-            f"discriminator saturated: its loss is {ratio:.3f} of an undecided one's, below {SATURATED}"
+            f"discriminator saturated: its loss is {ratio:.3f} of an undecided one's, "
+            f"below {SATURATED}"
         )
     if ratio > IDLE:
         found.append(
@@ -136,11 +140,12 @@ def faults(numbers, *, dropout):
         )
     if response < MASK_RESPONSE:
         found.append(
-            f"mask ignored: renders differ by {response:.3f} of what scenes do, below {MASK_RESPONSE}"
+            f"mask ignored: renders differ by {response:.3f} of what scenes do, "
+            f"below {MASK_RESPONSE}"
         )
-    if numbers.get("error_share", 0.0) > ERROR_SHARE:
+    if error > ERROR_SHARE:
         found.append(
-            f"nothing learnt: renders err by {numbers['error_share']:.2f} of the contrast, above {ERROR_SHARE}"
+            f"nothing learnt: renders err by {error:.2f} of the contrast, above {ERROR_SHARE}"
         )
     if dropout > 0 and spread < DRAW_SPREAD:
         found.append(
@@ -152,13 +157,18 @@ def faults(numbers, *, dropout):
 
 
 def _cut(scene, height, width):
-    """The upper left of a scene, or of a guide."""
-    maps = {name: getattr(scene, name, None) for name in ("image", "power", "mean", "speckle")}
-    maps = {name: values[:height, :width] for name, values in maps.items() if values is not None}
-    return replace(scene, n_range_bins=height, layer_bins=scene.layer_bins[:, :width], **maps)
+    """The upper left of a scene."""
+    image = scene.image[:height, :width]
+    layer_bins = scene.layer_bins[:, :width]
+    return replace(scene, n_range_bins=height, layer_bins=layer_bins, image=image)
+
+
+def _root_mean_square(values):
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _difference(images):
-    """Root mean square difference between images of a stack (image, row, column), over all pairs."""
+    """Root mean square difference between images (image, row, column), over all pairs."""
     # The mean square over pairs is twice the variance over images times n / (n - 1).
-    return float(np.sqrt(2 * np.mean(np.var(images, axis=0, ddof=1))))
+    variance = np.var(images, axis=0, ddof=1)
+    return float(np.sqrt(2 * np.mean(variance)))

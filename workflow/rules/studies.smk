@@ -172,36 +172,26 @@ rule study_tracker:
 CGAN_STUDY = config["studies"]["cgan"]
 
 
-wildcard_constraints:
-    renderer="guided|l1",
+# A generator without a discriminator, and every renderer of label sets beside the others.
 
 
-# The other generators, and every renderer of label sets beside the others.
-
-
-use rule train_cgan as train_renderer with:
-    input:
-        scenes=benchmark_files("train"),
-        labels=lambda w: LABEL_FILES if w.renderer == "guided" else [],
-        statistics="results/statistics.nc",
-        code=imported_by("train_cgan.py"),
+use rule train_cgan as train_l1 with:
     output:
-        generator="results/studies/cgan/{renderer}/generator.safetensors",
-        losses="results/studies/cgan/{renderer}/losses.csv",
-        scores="results/studies/cgan/{renderer}/validation.csv",
-        samples="results/studies/cgan/{renderer}/samples.nc",
+        generator="results/studies/cgan/l1/generator.safetensors",
+        losses="results/studies/cgan/l1/losses.csv",
+        scores="results/studies/cgan/l1/validation.csv",
+        samples="results/studies/cgan/l1/samples.nc",
     log:
-        "logs/train_renderer/{renderer}.log",
+        "logs/train_l1.log",
     benchmark:
-        "results/benchmarks/train_renderer/{renderer}.tsv"
+        "results/benchmarks/train_l1/all.tsv"
     params:
-        settings=lambda w: {**CGAN_SETTINGS, **CGAN_STUDY["renderers"][w.renderer]},
-        phy=config["phy"],
+        settings={**CGAN_SETTINGS, **CGAN_STUDY["l1"]},
         on_collapse="go_on",
-        checkpoint="results/checkpoints/train_renderer/{renderer}.safetensors",
-        events="logs/tensorboard/train_renderer/{renderer}",
+        checkpoint="results/checkpoints/train_l1.safetensors",
+        events="logs/tensorboard/train_l1",
     message:
-        "training of the generator {wildcards.renderer}"
+        "training of the generator without a discriminator"
 
 
 rule study_renderers:
@@ -211,7 +201,6 @@ rule study_renderers:
         labels=LABEL_FILES,
         statistics="results/statistics.nc",
         cgan="results/cgan/generator.safetensors",
-        guided="results/studies/cgan/guided/generator.safetensors",
         l1="results/studies/cgan/l1/generator.safetensors",
         code=imported_by("study_renderers.py"),
     output:
@@ -283,7 +272,6 @@ rule measure_budgets:
         train=benchmark_files("train"),
         validation=benchmark_files("validation"),
         phy=expand("results/phy/labels/{shard}.nc", shard=shards("labels")),
-        statistics="results/statistics.nc",
         code=imported_by("study_budgets.py"),
     output:
         table="results/studies/budgets/{network}.csv",
@@ -292,21 +280,16 @@ rule measure_budgets:
     benchmark:
         "results/benchmarks/measure_budgets/{network}.tsv"
     wildcard_constraints:
-        network="tracker|cgan|guided",
+        network="tracker|cgan",
     resources:
         mem_mb=3000,
     params:
         seed=config["seed"],
         network="{network}",
-        settings={
-            "tracker": TRACKER["training"],
-            "cgan": CGAN_SETTINGS,
-            "guided": {**CGAN_SETTINGS, **CGAN_STUDY["renderers"]["guided"]},
-        },
+        settings={"tracker": TRACKER["training"], "cgan": CGAN_SETTINGS},
         changes=lambda w: config["studies"]["budgets"][w.network],
         n_trainings=config["studies"]["budgets"]["n_trainings"],
         n_held=config["cgan"]["validation"]["n_scenes"],
-        phy_options=config["phy"],
     message:
         "scores of {wildcards.network} by settings that make its training cheaper or dearer"
     script:

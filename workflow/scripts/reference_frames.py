@@ -10,17 +10,16 @@ from snowsim.seeding import random_stream
 def draw_frames(echograms, layers, segment, *, frames, flight, reference, seed):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    made = {"climate": climate, "settings": settings}
     files = zip(frames, echograms, layers, strict=True)
     for frame, path_to_echogram, path_to_layers in progress(files, "frames", total=len(frames)):
         rng = random_stream(seed, "reference_frame", frame)
-        echogram, picked = draw_frame(frame, **flight, **made, rng=rng)
+        echogram, picked = draw_frame(frame, **flight, climate=climate, settings=settings, rng=rng)
         write_dataset(path_to_echogram, echogram)
         write_dataset(path_to_layers, picked)
     for path in segment:
-        write_dataset(
-            path, draw_complex_segment(**made, rng=random_stream(seed, "reference_segment"))
-        )
+        rng = random_stream(seed, "reference_segment")
+        drawn = draw_complex_segment(climate=climate, settings=settings, rng=rng)
+        write_dataset(path, drawn)
 
 
 run(draw_frames)

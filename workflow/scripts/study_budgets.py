@@ -5,27 +5,21 @@ from job import progress, run
 
 from lib.cgan_training import held_out, train_and_examine
 from lib.diagnostics.renderers import trained_alone
-from lib.guides import Guides
 from snowsim.cgan import Settings as CganSettings
-from snowsim.io.files import read_dataset, write_table
+from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings
 
 
 def study(
-    train, validation, phy, statistics, table,
-    *, seed, network, settings, changes, n_trainings, n_held, phy_options,
+    train, validation, phy, table,
+    *, seed, network, settings, changes, n_trainings, n_held,
 ):  # fmt: skip
     with SceneSet(train) as scenes, SceneSet(validation) as held, SceneSet(phy) as drawn:
         observed, validated, rendered = list(scenes), list(held), list(drawn)
     numbers = held_out(len(observed), n_held, seed=seed)
     train_scenes, held_scenes = ([observed[number] for number in part] for part in numbers)
-    guides = (
-        Guides(rendered, read_dataset(statistics), phy_options, seed=seed)
-        if network == "guided"
-        else None
-    )
 
     def scores_of(changed, number):
         """Rows of one training: what it was trained on, and its scores."""
@@ -33,12 +27,7 @@ def study(
             for name, trained_on in (("rd", observed), ("pd", rendered)):
                 yield name, trained_alone(trained_on, validated, Settings(**changed), seed=number)
         else:
-            yield (
-                "",
-                train_and_examine(
-                    CganSettings(**changed), number, train_scenes, held_scenes, guides
-                ),
-            )
+            yield "", train_and_examine(CganSettings(**changed), number, train_scenes, held_scenes)
 
     rows = []
     runs = [(changed, replica) for changed in changes for replica in range(n_trainings)]

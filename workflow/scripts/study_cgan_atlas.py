@@ -1,4 +1,4 @@
-"""Small trainings of the cGAN over seeds, learning rates and L1 weights, and what the detectors find in each."""
+"""Small trainings of the cGAN over seeds, rates and L1 weights, and what detectors find in each."""
 
 import dataclasses
 from itertools import product
@@ -14,26 +14,18 @@ from snowsim.io.scenes import SceneSet
 
 def study(train, table, *, seed, settings, n_held, n_seeds, learning_rates, l1_weights):
     with SceneSet(train) as scenes:
-        parts = (
-            [scenes[number] for number in numbers]
-            for numbers in held_out(len(scenes), n_held, seed=seed)
-        )
-        train_scenes, held_scenes = parts
+        train_numbers, held_numbers = held_out(len(scenes), n_held, seed=seed)
+        train_scenes = [scenes[number] for number in train_numbers]
+        held_scenes = [scenes[number] for number in held_numbers]
     rows = []
     runs = list(product(range(n_seeds), learning_rates, l1_weights))
     for number, learning_rate, l1_weight in progress(runs, "atlas"):
-        here = dataclasses.replace(
+        row = {"seed": seed + number, "learning_rate": learning_rate, "l1_weight": l1_weight}
+        changed = dataclasses.replace(
             Settings(**settings), learning_rate=learning_rate, l1_weight=l1_weight
         )
-        outcome = train_and_examine(here, seed + number, train_scenes, held_scenes)
-        rows.append(
-            {
-                "seed": seed + number,
-                "learning_rate": learning_rate,
-                "l1_weight": l1_weight,
-                **outcome,
-            }
-        )
+        outcome = train_and_examine(changed, row["seed"], train_scenes, held_scenes)
+        rows.append(row | outcome)
     write_table(table, pd.DataFrame(rows))
 
 

@@ -8,14 +8,13 @@ PANELS = {  # of each network: the data it was trained on, the score, and what i
         ("pd", "ods", "ODS, trained on PHY's scenes alone"),
     ),
     "cgan": (("", "distance", "cGAN: distance of patches"),),
-    "guided": (("", "distance", "guided: distance of patches"),),
 }
 
 
-def budgets(tracker, cgan, guided):
+def budgets(tracker, cgan):
     """Scores on validation scenes against core-seconds of a training; a line: steps alone; the default is filled."""
-    figure, axes = new_figure(2, 2, width=9, height=6.5)
-    tables = {"tracker": tracker, "cgan": cgan, "guided": guided}
+    figure, axes = new_figure(1, 3, width=12)
+    tables = {"tracker": tracker, "cgan": cgan}
     panels = (
         (tables[network], *panel) for network, of_network in PANELS.items() for panel in of_network
     )

@@ -43,7 +43,7 @@ COLOURS = {
     **dict.fromkeys(("recursive float64", "recursive64"), WINE),
     **dict.fromkeys(("quantile, correlated", "cut"), ORANGE),
     **dict.fromkeys(("table32", "l1"), YELLOW),
-    **{"phy_constant": SKY, "guided": GREEN},
+    "phy_constant": SKY,
 }
 # As figures write them; other names stand with spaces for underscores.
 NAMES = {
