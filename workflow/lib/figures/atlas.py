@@ -1,4 +1,4 @@
-"""Atlases of PHY and of the estimators: error against what makes it hard, and limits of valid input."""
+"""Atlases of PHY and of the estimators: where errors grow, and limits of valid input."""
 
 import numpy as np
 
@@ -94,7 +94,10 @@ def plot_borders(ax, rows):
 
 
 def plot_methods(ax, setting, rows):
-    """One sweep of PHY's atlas: error against the value swept; crosses are wrong, bars at the top refused."""
+    """One sweep of PHY's atlas: error against the value swept.
+
+    Crosses are wrong, bars at the top are refused.
+    """
     rows = rows.assign(value=rows["value"].astype(float))
     methods = list(rows["method"].unique())
     for method in sorted(methods, key=lambda name: name in PUBLIC):
@@ -146,7 +149,10 @@ def atlas_statistics(atlas_statistics):
 
 
 def plot_estimators(ax, atlas, panel, quantity):
-    """Mean error over layers of one quantity along a sweep, two claimed standard errors, and the bound in grey."""
+    """Mean error over layers of one quantity along a sweep.
+
+    With two claimed standard errors, and the bound in grey.
+    """
     scale = 1 if quantity == "width_bins" else 100
     bound = scale * atlas.query("quantity == @quantity")["bound"].iloc[0]
     limit = MOST_BOUNDS * bound
@@ -179,8 +185,9 @@ def plot_estimators(ax, atlas, panel, quantity):
 
 
 def atlas_statistics_borders(atlas_statistics):
-    """Border cases: the worst outcome of each estimator as a mark, and the rule or the refusal in words."""
+    """Border cases: the worst outcome of each estimator, and the rule or the refusal in words."""
     rows = atlas_statistics.query("panel == 'borders'")
+    by_case = rows.groupby(["value", "estimator"])
     cases = list(rows["value"].unique())
     estimators = ["deblended", "paper"]
     order = ["within", "beyond", "refused", "not finite"]
@@ -188,7 +195,7 @@ def atlas_statistics_borders(atlas_statistics):
     style = {"markersize": 6, "linestyle": "none"}
     for j, estimator in enumerate(estimators):
         for i, case in enumerate(cases):
-            held = rows.query("value == @case and estimator == @estimator")
+            held = by_case.get_group((case, estimator))
             worst = max(held["outcome"], key=order.index)
             ax.plot(j, i, markeredgewidth=1.5, **style, **OUTCOMES[worst])
             if j == 0:

@@ -1,4 +1,4 @@
-"""The closed loop and its validation: statistics of label sets and of PHY's renders beside those of the flight."""
+"""The closed loop: statistics of label sets and of PHY's renders beside those of the flight."""
 
 import numpy as np
 
@@ -66,7 +66,7 @@ def plot_conventions(ax, conventions):
 
 
 def plot_layer_errors(ax, table, quantity):
-    """Error of one quantity by layer with two standard errors; layers below the noise as open markers."""
+    """Error of one quantity by layer with two standard errors; open: layers below the noise."""
     rows = table.query("quantity == @quantity")
     scale = _bound(ax, rows, quantity)
     power = table.query("quantity == 'peak_power'").set_index("layer")["given"]
@@ -98,7 +98,7 @@ def plot_slab_errors(ax, table, quantity):
 
 
 def plot_spectrum_errors(ax, table):
-    """Error of thickness spectra by band of wavenumber: every zone and slab as a dot, their median as a bar."""
+    """Error of thickness spectra by band: every zone and slab as a dot, their median as a bar."""
     rows = table.query("quantity == 'thickness_psd'")
     scale = _bound(ax, rows, "thickness PSD", unit="dB")
     for band, part in rows.groupby("band"):
@@ -113,7 +113,10 @@ def plot_spectrum_errors(ax, table):
 
 
 def _bound(ax, rows, quantity, unit="relative"):
-    """The bound as a grey band about zero, a word where there is nothing to show; gives the factor of the unit."""
+    """The bound as a grey band about zero; gives the factor of the unit.
+
+    A word stands where there is nothing to show.
+    """
     unit = rows["unit"].iloc[0] if len(rows) else unit
     scale = 100 if unit == "relative" else 1
     if rows.empty:
@@ -156,7 +159,7 @@ def validation_thickness(validation_thickness, validation_tests):
 
 
 def plot_thickness_histogram(ax, thickness, tests, zone, slab):
-    """Thickness of one slab in one zone: lines of the flight as bars with their Gaussian, labels as a line."""
+    """Thickness of one slab in one zone: flight as bars with their Gaussian, labels as a line."""
     rows = thickness.query("zone == @zone and slab == @slab")
     middle = rows["low_bins"] + 0.5
     n_observed = rows["n_observed"]
@@ -263,7 +266,7 @@ def plot_recovered_decay(ax, loop):
 
 
 def plot_given_and_recovered(ax, rows, low, high, scale):
-    """One quantity by layer: of the flight with its interval, and of the renders; a word if there are none."""
+    """One quantity by layer: of the flight with its interval, and of the renders."""
     if rows.empty:
         _say_too_few(ax)
         return

@@ -1,4 +1,4 @@
-"""Accuracy of the convolution model: errors against contrast, layers and layering; tails; and cost."""
+"""Accuracy of the convolution model: errors by what causes them, tails, and cost."""
 
 import numpy as np
 import pandas as pd
@@ -67,7 +67,7 @@ def plot_stacks(ax, table, sweep, xlabel, scale="log"):
 
 
 def plot_tails(ax, table):
-    """Error of the best fit of eq. (1) to tails of surface and horizon, by how far they are followed."""
+    """Error of the best fit of eq. (1) to tails, by how far they are followed."""
     rows = table.query("part == 'tail' and unit == 'dB below the peak' and method == 'PHY'")
     for (reference, case), line in rows.groupby(["reference", "sweep"], sort=False):
         line = line.sort_values("value")
@@ -102,7 +102,7 @@ def plot_costs(ax, table):
 
 
 def plot_simulated(ax, table, sweep, xlabel):
-    """Largest error of power and of delay of simulated layers against the transfer matrix, by radar."""
+    """Largest errors of power and delay of simulated layers against the transfer matrix."""
     rows = table.query("part == 'simulate' and sweep == @sweep")
     for number, (radar, line) in enumerate(rows.groupby("method", sort=False)):
         colour = SERIES[number]

@@ -60,7 +60,7 @@ def plot_changes(ax, models):
 
 
 def labels(label_layers, label_moments, label_spectra, label_correlation):
-    """Layers a scene, thickness, spectra and correlation of slabs: points flight, lines synthetic."""
+    """Layers a scene, thickness, spectra and correlation: points flight, lines synthetic."""
     figure, axes = new_figure(2, 2, width=7, height=5)
     of_layers, of_thickness = axes[0]
     of_layers.bar("n_layers", "n_scenes", data=label_layers, color="0.5")
@@ -78,7 +78,7 @@ def labels(label_layers, label_moments, label_spectra, label_correlation):
 
 
 def plot_spectra(ax, spectra, slab):
-    """Power spectral density of one slab's thickness by zone: flight as points, synthetic as lines."""
+    """Power spectral density of one slab's thickness by zone: points flight, lines synthetic."""
     for zone, rows in spectra.query("slab == @slab").groupby("zone"):
         colour = _zone_colour(zone, spectra)
         ax.loglog("wavenumber", "observed", ".", data=rows, color=colour, markersize=2)

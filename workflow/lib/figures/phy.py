@@ -25,7 +25,7 @@ def speed_accuracy_waveforms(speed_accuracy_waveforms):
 
 
 def speed_accuracy_speckle(speed_accuracy_speckle):
-    """Every speckle method, and the moment-matched Gamma law where the mean moves within the looks."""
+    """Every speckle method, and the Gamma law where the mean moves within the looks."""
     runs = speed_accuracy_speckle
     figure, axes = new_figure(1, 2, width=9, height=3.4, width_ratios=(3, 2))
     of_methods, of_movement = axes[0]

@@ -207,7 +207,7 @@ def worth(two_sample, drawn_scenes):
     of_decisions, *of_numbers = axes.flat
     plot_decisions(of_decisions, two_sample)
     for ax, (quantity, labels) in zip(of_numbers, SCENE_NUMBERS.items(), strict=True):
-        of_quantity = drawn_scenes.query("quantity == @quantity")
+        of_quantity = drawn_scenes[drawn_scenes["quantity"] == quantity]
         for name, rows in of_quantity.groupby("scenes", sort=False):
             style = {"color": COLOURS[name], "alpha": 0.2, "linewidth": 0}
             ax.fill_between("at", "low", "high", data=rows, **style)

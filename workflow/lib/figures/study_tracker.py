@@ -73,7 +73,7 @@ def atlas_tracker(atlas):
     """Where the tracker fails; crosses at the lower border: diverged or refused."""
     figure, axes = new_figure(2, 2, width=8, height=5.5)
     for ax, (panel, labels) in zip(axes.flat, PANELS.items(), strict=True):
-        rows = atlas.query("panel == @panel")
+        rows = atlas[atlas["panel"] == panel]
         succeeded = rows.query("status == 'ok'")
         for _, of_replica in succeeded.groupby("replica"):
             ax.plot("value", "result", "o-", data=of_replica, color=BLACK, linewidth=0.8)

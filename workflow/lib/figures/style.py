@@ -1,4 +1,4 @@
-"""The one style of all figures, what they share, and how they are written: the same bytes for the same figure."""
+"""The one style of all figures, what they share, and how they are written."""
 
 from pathlib import Path
 
@@ -166,7 +166,7 @@ def new_panel(width=6.0, height=3.0):
 
 
 def note_source(figure, source):
-    """State what the data are in a corner of the figure, unless it says so already; gives the figure."""
+    """State what the data are in a corner, unless the figure says so already; gives the figure."""
     if not figure.texts:
         figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
         figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
@@ -213,7 +213,10 @@ def plot_picks(ax, layer_bins):
 
 
 def write_figure(path, figure):
-    """Write a figure without a date, whole or not at all; one in .svg as .png too, and first: where it lies both do."""
+    """Write a figure whole or not at all, and without a date: the same bytes for the same figure.
+
+    One in .svg is written as .png too, and first: where the .svg lies both do.
+    """
     path = Path(path)
     if path.suffix not in METADATA:
         msg = f"{path}: expected a figure name that ends in .svg or .png"
