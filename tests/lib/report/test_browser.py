@@ -186,7 +186,8 @@ def luminance(colour):
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_text_stands_out_from_its_page_in_both_schemes(open_page, scheme):
     colours = open_page(1280, color_scheme=scheme).evaluate(
-        "['color', 'backgroundColor'].map(name => getComputedStyle(document.body)[name].match(/\\d+/g).map(Number))"
+        "['color', 'backgroundColor'].map("
+        "name => getComputedStyle(document.body)[name].match(/\\d+/g).map(Number))"
     )
     low, high = sorted(map(luminance, colours))
     # WCAG 2.1, 1.4.3 and 1.4.6: 4.5 is required, 7 is enhanced.
