@@ -1,8 +1,6 @@
 """Tables of the accuracy page that studies fill."""
 
-from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share
-
-NAMES = [name for name, _ in METRICS.values()]
+from table_parts import RUNS, SETS, difference, markdown, read, share
 
 
 def renderers(results):
