@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from lib.figures.style import COLOURS, SERIES, new_figure, note_source
+from lib.figures.style import COLOURS, GUIDE, SERIES, new_figure, note_source
 
 SWEEPS = {
     "density contrast": "density contrast of 20 slabs [kg m-3]",
@@ -107,9 +107,9 @@ def plot_simulated(ax, table, sweep, xlabel):
     for number, (radar, line) in enumerate(rows.groupby("method", sort=False)):
         colour = SERIES[number]
         ax.plot(line["value"], drawn(line["error_db"]), color=colour, label=radar)
-        ax.axhline(CLAIMED_ERROR_DB, color="0.5", linestyle=":", linewidth=1)
+        ax.axhline(CLAIMED_ERROR_DB, **GUIDE)
         ax.plot(line["value"], drawn(line["delay_error_bins"]), "--", color=colour)
-        ax.axhline(CLAIMED_DELAY_BINS, color="0.5", linestyle=":", linewidth=1)
+        ax.axhline(CLAIMED_DELAY_BINS, **GUIDE)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="power [dB], dashed: delay [bins]")
     values = sorted(rows["value"].unique())
     _tick_values(ax, values[::2] if sweep == "contrast" else values)
@@ -139,7 +139,7 @@ def _tick_values(ax, values):
 
 
 def _limit(ax):
-    ax.axhline(SPECKLE_DB, color="0.5", linestyle=":", linewidth=1)
+    ax.axhline(SPECKLE_DB, **GUIDE)
     left = {"xycoords": ("axes fraction", "data"), "va": "bottom"}
     ax.annotate("speckle of 100 looks", (0.02, SPECKLE_DB), fontsize=6, color="0.4", **left)
     ax.set_ylim(LEAST_DB / 2, 20)

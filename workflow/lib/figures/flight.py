@@ -10,6 +10,7 @@ from lib.figures.style import (
     BLUE,
     GREEN,
     GREY,
+    GUIDE,
     LAND,
     PINK,
     RED,
@@ -210,7 +211,7 @@ def plot_peak_power(ax, statistics):
     ax.vlines(layer, to_db(low), to_db(power + error), color="0.6")
     ax.plot(layer, to_db(power), "o", color=BLACK)
     noise_db = to_db(float(statistics["noise_power"]))
-    ax.axhline(noise_db, color="0.5", linestyle=":", linewidth=1)
+    ax.axhline(noise_db, **GUIDE)
     ax.set(xlabel="layer", ylabel="peak power [dB]")
 
 

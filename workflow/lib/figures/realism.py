@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lib.figures.style import BLACK, BLUE, RED, new_figure
+from lib.figures.style import BLACK, BLUE, GUIDE, RED, new_figure
 
 CURVES = {
     "Greenland, autocorrelation along track": {
@@ -52,7 +52,7 @@ def plot_differences(ax, table):
     ax.hlines(y, value - low, value + high, color=colours, linewidth=0.8)
     ax.scatter(value, y, s=8, c=colours)
     for limit in (-1, 1):
-        ax.axvline(limit, color="0.5", linestyle=":", linewidth=1)
+        ax.axvline(limit, **GUIDE)
     ax.set_yticks(y, rows["quantity"], fontsize=5)
     ax.set(xlim=(-REACH - 0.3, REACH + 0.3), ylim=(-1, len(rows)))
     ax.set_xlabel("flight - real, over what is tolerated")
@@ -68,7 +68,7 @@ def plot_curve(ax, table, real, name):
     value = flight["value"]
     reach = np.maximum([value - flight["low"], flight["high"] - value], 0)
     ax.errorbar(flight["x"], value, yerr=reach, fmt="o-", color=BLACK, label="flight")
-    ax.axhline(0, color="0.5", linestyle=":", linewidth=1)
+    ax.axhline(0, **GUIDE)
     ax.legend()
 
 

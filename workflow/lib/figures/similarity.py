@@ -6,6 +6,7 @@ from lib.figures.style import (
     BLACK,
     BLUE,
     COLOURS,
+    GUIDE,
     METHODS,
     ORANGE,
     PINK,
@@ -77,7 +78,7 @@ def ssim_depth(ssim_depth):
         row = rows["range_bin"]
         ax.plot(row, rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
         ax.plot(row, rows["ssim_smooth"], **named_style(method))
-    ax.axvline(SURFACE_ROW, color="0.5", linestyle=":", linewidth=1)
+    ax.axvline(SURFACE_ROW, **GUIDE)
     at_top = {"xycoords": ("data", "axes fraction"), "va": "top"}
     beside = {"xytext": (4, 0), "textcoords": "offset points"}
     ax.annotate("snow surface", (SURFACE_ROW, 0.98), fontsize=7, **at_top, **beside)

@@ -138,6 +138,7 @@ STYLE = {
 }
 mpl.use("Agg")
 mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
+GUIDE = {"color": "0.5", "linestyle": ":", "linewidth": 1}  # how levels are marked
 DPI = 200
 RUNNING_STEPS = 50  # of means of losses
 METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
