@@ -17,7 +17,7 @@ MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
 
 
 def write_page(path, folder, template, context, filters):
-    """Write a page from a template of a folder, whole or not at all; an undefined name is an error."""
+    """Write a page from a template, whole or not at all; an undefined name is an error."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
         autoescape=True,
