@@ -1,4 +1,4 @@
-"""Sphinx builds the documentation with this: ``make docs``, or ``sphinx-build -n -W docs build/docs``.
+"""Sphinx builds the pages with this: ``make docs``, or ``sphinx-build -n -W docs build/docs``.
 
 Nothing is fetched: equations become MathML, and the configuration reference is made from the
 default configuration and its schema while its page is read.

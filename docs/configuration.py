@@ -1,4 +1,4 @@
-"""The configuration reference as Markdown: defaults and comments of config/config.yaml, what its schema accepts.
+"""The configuration reference as Markdown: defaults and comments, what the schema accepts.
 
 ``python docs/configuration.py`` prints it; the documentation takes it in when it is built.
 """
@@ -32,7 +32,7 @@ BOUNDS = {
 
 
 class Setting(NamedTuple):
-    """One key of the configuration: its path and default as written; of a section, the default is None."""
+    """One key: its path, its default as written (None of a section), accepted values, comment."""
 
     path: tuple
     default: str | None
@@ -41,27 +41,21 @@ class Setting(NamedTuple):
 
 
 def read_settings(text, schema):
-    """All settings of a YAML text in its order; keys that only the schema knows follow the list they belong to."""
+    """All settings of a YAML text in its order; keys of the schema alone follow their list."""
     return list(_settings(yaml.compose(text), schema, (), text, schema))
 
 
 def markdown(settings):
     """A table for each section, under a heading of its own."""
-    parts = [
-        _table(
-            [
-                setting
-                for setting in settings
-                if len(setting.path) == 1 and setting.default is not None
-            ]
-        )
-    ]
-    for section in (setting for setting in settings if setting.default is None):
-        held = [s for s in settings if s.path[:-1] == section.path and s.default is not None]
-        parts += [
-            f"{'#' * (len(section.path) + 1)} {'.'.join(section.path)}",
-            _plain(section.comment),
-        ]
+    keys = [setting for setting in settings if setting.default is not None]
+    parts = [_table([key for key in keys if len(key.path) == 1])]
+    for section in settings:
+        if section.default is not None:
+            continue
+        level = "#" * (len(section.path) + 1)
+        parts.append(f"{level} {'.'.join(section.path)}")
+        parts.append(_plain(section.comment))
+        held = [key for key in keys if key.path[:-1] == section.path]
         if held:
             parts.append(_table(held))
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -80,14 +74,18 @@ def resolved(part, schema):
 def accepted(part):
     """Types, choices and bounds of one key of the schema in words."""
     if "enum" in part:
-        return " or ".join(f"`{json.dumps(choice).strip(chr(34))}`" for choice in part["enum"])
+        choices = [json.dumps(choice).strip('"') for choice in part["enum"]]
+        return " or ".join(f"`{choice}`" for choice in choices)
     types = part.get("type", [])
     bounds = " and ".join(f"{word} {part[key]:g}" for key, word in BOUNDS.items() if key in part)
-    words = [
-        WORDS.get(name, name) + (f" {bounds}" if bounds and name != "null" else "")
-        for name in ([types] if isinstance(types, str) else types)
-    ]
-    return " or ".join(words) + (f", each {accepted(part['items'])}" if "items" in part else "")
+    kinds = []
+    for name in [types] if isinstance(types, str) else types:
+        kind = WORDS.get(name, name)
+        if bounds and name != "null":
+            kind += f" {bounds}"
+        kinds.append(kind)
+    words = " or ".join(kinds)
+    return f"{words}, each {accepted(part['items'])}" if "items" in part else words
 
 
 def _settings(node, part, path, text, schema):
@@ -121,13 +119,12 @@ def _comment(line, lines):
 
 
 def _table(settings):
-    rows = [
-        f"| `{s.path[-1]}` | {f'`{s.default}`' if s.default else ''} | {s.accepted} | {_plain(s.comment)} |"
-        for s in settings
-    ]
-    return "\n".join(
-        ["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|", *rows]
-    )
+    lines = ["| setting | default | accepted | unit, meaning, source |", "|---|---|---|---|"]
+    for setting in settings:
+        default = f"`{setting.default}`" if setting.default else ""
+        cells = [f"`{setting.path[-1]}`", default, setting.accepted, _plain(setting.comment)]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 def _plain(text):

@@ -1,24 +1,19 @@
 """Tables of the accuracy page that studies fill."""
 
-from table_parts import METRICS, RUNS, SETS, difference, markdown, read, share
-
-NAMES = [name for name, _ in METRICS.values()]
+from table_parts import RUNS, SETS, difference, markdown, read, share
 
 
 def renderers(results):
-    """Cost and worth of every renderer of label sets, means of trainings; positions of layers of uniform label sets."""
-    positions = (
-        read(results, "positions", "studies/cgan").groupby("renderer")["error_bins"].median()
-    )
+    """Cost and worth of every renderer, means of trainings; positions of layers of label sets."""
+    positions = read(results, "positions", "studies/cgan").groupby("renderer")["error_bins"]
+    table = read(results, "renderers", "studies/cgan")
+    means = table.groupby("renderer", sort=False).mean(numeric_only=True)
+    means["position"] = positions.median()[means.index]
     rows = []
-    for name, runs in read(results, "renderers", "studies/cgan").groupby("renderer", sort=False):
-        mean = runs.mean(numeric_only=True)
-        shares = [
-            share(mean[key]) for key in ("two_sample_network", "two_sample_texture", "ods", "ap")
-        ]
-        rows.append(
-            [name, f"{1e9 * mean['seconds_per_pixel']:.0f}", *shares, f"{positions[name]:.2f}"]
-        )
+    for name, mean in means.iterrows():
+        scores = mean[["two_sample_network", "two_sample_texture", "ods", "ap"]]
+        cost = f"{1e9 * mean['seconds_per_pixel']:.0f}"
+        rows.append([name, cost, *scores.map(share), f"{mean['position']:.2f}"])
     header = ["renderer", "ns a pixel", "network", "texture", "ODS", "AP", "position error [bins]"]
     return markdown(header, rows)
 
@@ -27,20 +22,17 @@ def budgets(results):
     """Scores of every network by what its training costs, means of trainings."""
     rows = []
     for network in ("tracker", "cgan"):
-        table = read(results, network, "studies/budgets").fillna(
-            {"change": "default", "trained_on": ""}
-        )
-        shown = {"rd": "ods", "pd": "ods", "": "distance"}
-        of_changes = table.groupby("change", sort=False)
-        for change, runs in of_changes:
-            by_set = [
-                (name, shown[name], part) for name, part in runs.groupby("trained_on", sort=False)
-            ]
-            scores = ", ".join(
-                f"{RUNS.get(name, score)} {share(part[score].mean()) if name else f'{part[score].mean():.2f}'}"
-                for name, score, part in by_set
-            )
-            rows.append([network, change, f"{runs['core_seconds'].mean():.0f}", scores])
+        table = read(results, network, "studies/budgets")
+        table = table.fillna({"change": "default", "trained_on": ""})
+        for change, runs in table.groupby("change", sort=False):
+            scores = []
+            for name, part in runs.groupby("trained_on", sort=False):
+                if name:
+                    scores.append(f"{RUNS[name]} {share(part['ods'].mean())}")
+                else:
+                    scores.append(f"distance {part['distance'].mean():.2f}")
+            seconds = runs["core_seconds"].mean()
+            rows.append([network, change, f"{seconds:.0f}", ", ".join(scores)])
     return markdown(["network", "differs from the default", "core-seconds", "score"], rows)
 
 
@@ -54,9 +46,8 @@ def cgan_atlas(results):
         healthy = f"{len(runs) - len(faulty)} of {len(runs)}"
         means = [f"{runs['ssim'].mean():.2f}", f"{runs['psnr'].mean():.1f}"]
         rows.append([f"{rate:g}", f"{weight:g}", healthy, *means, ", ".join(kinds)])
-    return markdown(
-        ["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"], rows
-    )
+    header = ["learning rate", "L1 weight", "healthy", "SSIM", "PSNR [dB]", "faults of the others"]
+    return markdown(header, rows)
 
 
 def worth(results):
@@ -64,33 +55,34 @@ def worth(results):
     table = read(results, "worth", "studies/tracker")
     rows = []
     for r in table.itertuples():
-        runs = (r.training_set, r.setting), (r.base_training_set, r.base)
-        names = [
-            RUNS[s] + ("" if how == "default" else f", {how.replace('_', ' ')}") for s, how in runs
-        ]
+        run = name_of_run(r.training_set, r.setting)
+        base = name_of_run(r.base_training_set, r.base)
         resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
         means = f"{share(r.mean)} - {share(r.base_mean)}"
-        rows.append(
-            [" less ".join(names), r.metric.upper(), means, difference(r), resampled, r.outcome]
-        )
+        row = [f"{run} less {base}", r.metric.upper(), means, difference(r), resampled, r.outcome]
+        rows.append(row)
     header = ["sets", "score", "means", "difference", "bootstrap", "outcome"]
     return counted(table, "worth", "a set", "test") + markdown(header, rows)
 
 
+def name_of_run(training_set, setting):
+    """Name of a training set, and of its setting where this is not the default."""
+    name = RUNS[training_set]
+    return name if setting == "default" else f"{name}, {setting.replace('_', ' ')}"
+
+
 def ablation(results):
-    """Fused ODS of every setting, each less the setting and set it is compared with, on the validation scenes."""
+    """Fused ODS of every setting on the validation scenes, and what it is compared with."""
     table = read(results, "ablation", "studies/tracker").query("metric == 'ods'")
     rows = []
     for r in table.itertuples():
-        rows.append([r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)])
+        row = [r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)]
         if (r.setting, r.training_set) == (r.base, r.base_training_set):
-            rows[-1] += ["", "", ""]
+            row += ["", "", ""]
         else:
-            rows[-1] += [
-                f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}",
-                difference(r),
-                r.outcome,
-            ]
+            base = f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}"
+            row += [base, difference(r), r.outcome]
+        rows.append(row)
     header = ["setting", "set", "ODS", "compared with", "difference", "outcome"]
     return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 

@@ -9,18 +9,14 @@ METRICS = {"ssim": ("SSIM", 2), "psnr": ("PSNR [dB]", 1), "rmse": ("RMSE", 1)}
 
 def markdown(header, rows):
     """A table as Markdown; the first column is text, the others are taken as they come."""
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+    lines = [f"| {' | '.join(map(str, cells))} |" for cells in (header, *rows)]
+    lines.insert(1, "|" + "---|" * len(header))
+    return "\n".join(lines)
 
 
 def read(results, name, folder="tables"):
     """A table of results/tables, or of another folder."""
     return pd.read_csv(results / folder / f"{name}.csv")
-
-
-def similarities(row):
-    """SSIM, PSNR and RMSE of a row."""
-    return [f"{getattr(row, metric):.{n}f}" for metric, (_, n) in METRICS.items()]
 
 
 def difference(row):

@@ -1,4 +1,4 @@
-"""Parts of pages that are made: the configuration reference, and README's tables from result tables."""
+"""Parts of pages that are made: the configuration reference, and README's tables."""
 
 import re
 

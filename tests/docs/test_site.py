@@ -1,4 +1,4 @@
-"""Examples in docstrings show what they claim; the pages build, say what is there, and fetch nothing."""
+"""Examples in docstrings show what they claim; the pages build and fetch nothing."""
 
 import doctest
 import importlib
@@ -11,19 +11,22 @@ import pytest
 
 from lib.imports import ROOT
 
-PUBLIC = ("snowsim.score_folders", "snowsim.simulate", "snowsim.scenes", "snowsim.statistics.fit")
-PUBLIC += (
+PUBLIC = (
+    "snowsim.score_folders",
+    "snowsim.simulate",
+    "snowsim.scenes",
+    "snowsim.statistics.fit",
     "snowsim.labels.draw",
     "snowsim.phy.mean_power",
     "snowsim.phy.render",
     "snowsim.phy.draw_speckle",
-)
-PUBLIC += (
     "snowsim.metrics.image.similarity",
     "snowsim.metrics.edges.match_counts",
     "snowsim.metrics.edges.score",
+    "snowsim.metrics.edges.suppress",
+    "snowsim.io.read_echogram",
+    "snowsim.io.read_layers",
 )
-PUBLIC += ("snowsim.metrics.edges.suppress", "snowsim.io.read_echogram", "snowsim.io.read_layers")
 
 
 @pytest.mark.parametrize("name", PUBLIC)
@@ -54,7 +57,7 @@ def site(tmp_path_factory):
 
 
 class Outside(HTMLParser):
-    """Collects what a page would fetch from elsewhere, and pictures without a text in their place."""
+    """Collects what a page would fetch from elsewhere, and pictures without a text."""
 
     def __init__(self):
         super().__init__()

@@ -1,4 +1,4 @@
-"""Rules take as inputs what their scripts import, figures what their list names; colours stand in one place."""
+"""Rules take as inputs what their scripts import, figures what their list names."""
 
 import importlib
 import inspect

@@ -7,6 +7,7 @@ from importlib import metadata
 from pathlib import Path
 
 PACKAGES = (
+    "snowsim",
     "numpy",
     "scipy",
     "numba",
@@ -21,12 +22,11 @@ PACKAGES = (
 
 def describe_machine():
     """Names and texts: processor, cores in reach, memory, system, Python."""
+    model = kernel_field("/proc/cpuinfo", "model name")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     total = kernel_field("/proc/meminfo", "MemTotal")
     return {
-        "processor": kernel_field("/proc/cpuinfo", "model name")
-        or platform.processor()
-        or platform.machine(),
+        "processor": model or platform.processor() or platform.machine(),
         "cores in reach": str(cores),
         "memory": f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown",
         "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
@@ -35,9 +35,9 @@ def describe_machine():
 
 
 def describe_versions():
-    """Version of this package and of those it leans on, by name; without those that are not installed."""
+    """Version of this package and of those it leans on, by name; only those installed."""
     versions = {}
-    for name in ("snowsim", *PACKAGES):
+    for name in PACKAGES:
         try:
             versions[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
@@ -49,7 +49,10 @@ def kernel_field(path, name):
     """A field of a "name : value" file of the kernel; empty where there is none."""
     path = Path(path)
     lines = path.read_text().splitlines() if path.is_file() else []
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith(name)), "")
+    for line in lines:
+        if line.startswith(name):
+            return line.partition(":")[2].strip()
+    return ""
 
 
 def device_name():
@@ -64,8 +67,9 @@ def time_rounds(works, n_rounds, *, n_warm_up=1, clock=time.perf_counter):
     right before: these compile, and bring back to the cache what other work drove out. Without a
     round, ValueError.
     """
-    if not (n_rounds >= 1 and n_warm_up >= 0):
-        msg = f"expected n_rounds of at least 1 and n_warm_up of at least 0, got {n_rounds} and {n_warm_up}"
+    if n_rounds < 1 or n_warm_up < 0:
+        got = f"got {n_rounds} and {n_warm_up}"
+        msg = f"expected n_rounds of at least 1 and n_warm_up of at least 0, {got}"
         raise ValueError(msg)
     runs = []
     for repeat in range(n_rounds):

@@ -1,4 +1,7 @@
-"""All figures of one stage: each is drawn by the function of its name, from what that function's arguments name."""
+"""All figures of one stage: each is drawn by the function of its name.
+
+What that function's arguments name is read, or set.
+"""
 
 from contextlib import ExitStack
 from importlib import import_module
@@ -18,23 +21,26 @@ def read(path):
 
 def plot(figures, tables, stage, source, settings, scenes, studies, **inputs):
     stage = import_module(f"lib.figures.{stage}")
-    given = {**settings, "source": source, "studies": [read_table(path) for path in studies]}
+    studies = [read_table(path) for path in studies]
+    given = {**settings, "source": source, "studies": studies}
     tables = iter(tables)
 
     def argument(name, opened):
-        """What a function calls `name`: a setting, scenes, one file's content, or that of several, one by one."""
+        """What a function calls `name`: a setting, scenes, or content of one file or of several."""
         if name in given:
             return given[name]
+        files = inputs[name]
         if name in scenes:
-            return opened.enter_context(SceneSet(inputs[name]))
-        return read(inputs[name]) if isinstance(inputs[name], str) else map(read, inputs[name])
+            return opened.enter_context(SceneSet(files))
+        return read(files) if isinstance(files, str) else map(read, files)
 
     for path in figures:
         draw = getattr(stage, Path(path).stem)
         with ExitStack() as opened:
-            drawn = draw(**{name: argument(name, opened) for name in signature(draw).parameters})
-        figure, *made = drawn if isinstance(drawn, tuple) else (drawn,)
-        for table in made:
+            arguments = {name: argument(name, opened) for name in signature(draw).parameters}
+            figure = draw(**arguments)
+        if isinstance(figure, tuple):
+            figure, table = figure
             write_table(next(tables), table)
         note_source(figure, source)
         write_figure(path, figure)

@@ -11,7 +11,7 @@ from lib.figures.style import METHODS, new_figure, write_figure
 from lib.imports import ROOT
 from lib.report.content import page_content
 from lib.report.format import FILTERS
-from lib.report.gallery import gallery_of
+from lib.report.gallery import depth_scale, gallery_of
 from lib.report.page import write_page
 from snowsim.echogram import Scene
 from snowsim.io.files import write_table
@@ -77,7 +77,7 @@ def planted_page(planted_tables, tmp_path_factory):
     images = images.assign(psnr=20.0 + images.index, rmse=20.0, ssim=0.4)
     shown = gallery_of(dict.fromkeys(("observed", *METHODS), scenes), images, 4)
     content = page_content(
-        gallery={"source": "planted", "bin_size_s": 2.886e-10, "scenes": shown},
+        gallery={"source": "planted", "scenes": shown, **depth_scale(2.886e-10, 340)},
         images=images,
         tables=sorted(map(str, planted_tables.iterdir())),
         figures=[wave],

@@ -1,4 +1,4 @@
-"""What the page is made of: captions, comparisons, costs, scenes of the gallery, embedded files, templates."""
+"""What the page is made of: captions, comparisons, costs, scenes, embedded files, templates."""
 
 import base64
 import io
@@ -8,6 +8,7 @@ import jinja2
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 from PIL import Image
 from result_tables import SETS, table2, table3_intervals, worth
 
@@ -15,7 +16,7 @@ from lib.figures.style import evenly_spaced
 from lib.report import content
 from lib.report.content import compare_table2, compare_table3, paper_figures, stage_costs, title_of
 from lib.report.format import config_lines, duration, groupby_stage, size
-from lib.report.gallery import layer_lines
+from lib.report.gallery import depth_scale, layer_lines
 from lib.report.page import figure_uri, file_uri, image_uri, read_benchmarks, write_page
 
 
@@ -134,7 +135,7 @@ def test_stages_cost_what_their_rules_cost(tmp_path):
     assert stage_costs(read_benchmarks(tmp_path / "none"), {"draw": "labels"}) == []
 
 
-def test_scenes_of_the_gallery_spread_over_the_number_of_layers_and_lines_break_where_one_is_absent():
+def test_scenes_spread_over_the_number_of_layers_and_lines_break_where_one_is_absent():
     n_layers = np.random.default_rng(5).permutation(40)
     chosen = evenly_spaced(n_layers, 5)
     assert [int(n_layers[i]) for i in chosen] == [0, 10, 20, 29, 39]
@@ -142,6 +143,13 @@ def test_scenes_of_the_gallery_spread_over_the_number_of_layers_and_lines_break_
     layer = np.array([[1.04, 2.0, np.nan, 4.0, 5.0, np.nan, np.nan, 8.0]])
     assert layer_lines(layer, step=1) == [[[0.0, 1.0, 1.0, 2.0], [3.0, 4.0, 4.0, 5.0], [7.0, 8.0]]]
     assert layer_lines(np.arange(6.0)[None], step=4) == [[[0.0, 0.0, 4.0, 4.0, 5.0, 5.0]]]
+
+
+def test_depths_of_the_gallery_are_those_of_the_configuration_s_snow():
+    scale = depth_scale(bin_size_s=2.886e-10, snow_density_kg_m3=340)
+    assert scale["air_per_bin_m"] == 299_792_458 * 2.886e-10 / 2
+    # Kovacs et al. (1995): the index is 1 + 0.845 times the density in g / cm3.
+    assert_allclose(scale["air_per_bin_m"] / scale["snow_per_bin_m"], 1 + 0.845 * 0.34, rtol=1e-14)
 
 
 def decoded(uri):

@@ -1,8 +1,16 @@
-"""PHY's charts: speed against accuracy of its parts and of whole scenes, growth, and what plans leave out."""
+"""PHY's charts: speed against accuracy, growth, and what plans leave out."""
 
 import numpy as np
 
-from lib.figures.style import BLACK, COLOURS, PLANTED, new_figure, note_source
+from lib.figures.style import (
+    BLACK,
+    COLOURS,
+    PLANTED,
+    named_style,
+    new_figure,
+    new_panel,
+    note_source,
+)
 
 FLOOR = "float32 normal"
 ROUNDING = 1e-9  # errors below are drawn as none
@@ -11,38 +19,28 @@ NEAR_DECADES = (0.45, 0.4)  # points nearer than these in error and cost share a
 
 def speed_accuracy_waveforms(speed_accuracy_waveforms):
     """Every way of computing mean power."""
-    figure, axes = new_figure(width=7, height=3.6)
-    plot_speed_accuracy(axes[0, 0], speed_accuracy_waveforms)
+    figure, ax = new_panel(width=7, height=3.6)
+    plot_speed_accuracy(ax, speed_accuracy_waveforms)
     return note_source(figure, PLANTED)
 
 
 def speed_accuracy_speckle(speed_accuracy_speckle):
-    """Every speckle method, and the moment-matched Gamma law where the mean moves within the looks."""
+    """Every speckle method, and the Gamma law where the mean moves within the looks."""
     runs = speed_accuracy_speckle
     figure, axes = new_figure(1, 2, width=9, height=3.4, width_ratios=(3, 2))
+    of_methods, of_movement = axes[0]
     xlabel = "distance of distribution functions from the sum of looks"
-    plot_speed_accuracy(axes[0, 0], runs[runs["seconds"].notna()], "distance", xlabel)
-    ax, method = axes[0, 1], "gamma, moving"
-    for n_looks, rows in runs[runs["method"] == method].groupby("n_looks"):
+    plot_speed_accuracy(of_methods, runs.dropna(subset="seconds"), "distance", xlabel)
+    method = "gamma, moving"
+    for n_looks, rows in runs.query("method == @method").groupby("n_looks"):
         rows = rows.drop_duplicates("movement_db").sort_values("movement_db")
-        style = {
-            "linestyle": "-" if n_looks == runs["n_looks"].min() else "--",
-            "color": COLOURS[method],
-        }
-        ax.plot(
-            rows["movement_db"],
-            rows["distance"],
-            "o",
-            markersize=3,
-            label=f"{n_looks:.0f} looks",
-            **style,
-        )
-    ax.set(
-        yscale="log",
-        xlabel="change of the mean within the looks [dB]",
-        ylabel="distance from the sum of looks",
-    )
-    ax.legend(fontsize=6)
+        marks = "o-" if n_looks == runs["n_looks"].min() else "o--"
+        style = {"color": COLOURS[method], "label": f"{n_looks:.0f} looks"}
+        of_movement.plot("movement_db", "distance", marks, data=rows, **style)
+    of_movement.set_yscale("log")
+    of_movement.set_xlabel("change of the mean within the looks [dB]")
+    of_movement.set_ylabel("distance from the sum of looks")
+    of_movement.legend()
     return note_source(figure, PLANTED)
 
 
@@ -53,21 +51,12 @@ def speed_accuracy_scenes(speed_accuracy_scenes):
 
 def speed_accuracy_growth(speed_accuracy_growth):
     """Time of a scene against its pixels and against its layers."""
-    runs = speed_accuracy_growth
     figure, axes = new_figure(1, 2, width=7)
-    plot_growth(
-        axes[0, 0],
-        runs[runs["setting"] == "pixels"],
-        "n_pixels",
-        "pixels of a scene of 15 layers",
-        "log",
-    )
-    plot_growth(
-        axes[0, 1],
-        runs[runs["setting"] == "layers"],
-        "n_layers",
-        "layers of a scene of 1024 x 256 pixels",
-    )
+    of_pixels, of_layers = axes[0]
+    plot_growth(of_pixels, speed_accuracy_growth.query("setting == 'pixels'"), "n_pixels")
+    of_pixels.set(xlabel="pixels of a scene of 15 layers", xscale="log", yscale="log")
+    plot_growth(of_layers, speed_accuracy_growth.query("setting == 'layers'"), "n_layers")
+    of_layers.set_xlabel("layers of a scene of 1024 x 256 pixels")
     return note_source(figure, PLANTED)
 
 
@@ -82,121 +71,117 @@ def phy_plan(plans):
     for ax, (column, label) in zip(axes[0], labels.items(), strict=True):
         values = plans[column].dropna()
         ax.hist(values, bins=30, color=COLOURS["PHY"])
-        ax.axvline(values.mean(), color=BLACK, linewidth=1, label=f"mean {values.mean():.3g}")
+        mean = values.mean()
+        ax.axvline(mean, color=BLACK, linewidth=1, label=f"mean {mean:.3g}")
         ax.set(xlabel=label, ylabel="scenes")
     tolerance_db = plans["plan_tolerance_db"].iloc[0]
-    axes[0, 2].axvline(
-        tolerance_db, color=BLACK, linestyle=":", linewidth=1, label=f"tolerance {tolerance_db:.3g}"
-    )
+    style = {"color": BLACK, "linestyle": ":", "linewidth": 1}
+    axes[0, 2].axvline(tolerance_db, label=f"tolerance {tolerance_db:.3g}", **style)
     for ax in axes[0]:
-        ax.legend(fontsize=6)
+        ax.legend()
     return figure
 
 
 def fastest(runs, by):
-    """Least nanoseconds per pixel of every group: other jobs only ever add; and the group's first other values."""
+    """Fastest run of every group, with its nanoseconds per pixel: other jobs only ever add."""
     runs = runs.assign(ns=runs["seconds"] / runs["n_pixels"] * 1e9)
-    others = {
-        name: "first" for name in runs.columns if name not in (*by, "ns", "repeat", "seconds")
-    }
-    return (
-        runs.groupby(list(by), sort=False, dropna=False).agg({"ns": "min", **others}).reset_index()
-    )
+    groups = runs.groupby(list(by), sort=False, dropna=False)
+    return runs.loc[groups["ns"].idxmin()]
 
 
 def pareto_front(error, cost):
-    """Which points no other point beats in both, bool, from arrays of equal length; a point with NaN never is."""
-    error, cost = np.asarray(error, dtype=float), np.asarray(cost, dtype=float)
+    """Which points no other point beats in both, bool, from arrays of equal length.
+
+    A point with NaN is never on the front.
+    """
+    error = np.asarray(error, dtype=float)
     front = np.zeros(error.size, dtype=bool)
     least = np.inf
     for i in np.lexsort((error, cost)):
         # By cost upwards: what errs less than all cheaper points is on the front.
         if error[i] < least:
-            front[i], least = True, error[i]
+            front[i] = True
+            least = error[i]
     return front
 
 
 def plot_speed_accuracy(
     ax, runs, column="error_db", xlabel="largest error of mean power plus noise [dB]"
 ):
-    """Fastest runs against error, Pareto front and floor; lines where no error is known: they are no approximations."""
+    """Fastest runs against error, Pareto front and floor; lines where no error is known.
+
+    What has no known error is no approximation, but another model.
+    """
     points = fastest(runs, ("setting", "method"))
-    floor = points[points["method"] == FLOOR]
-    points = points[points["method"] != FLOOR]
-    known = points[np.isfinite(points[column])]
-    inexact = known[column] > ROUNDING
-    least = known.loc[inexact, column].min()
-    shown = known.assign(x=np.where(inexact, known[column], least / 10))
+    floor = points.query("method == @FLOOR")
+    points = points.query("method != @FLOOR")
+    has_error = np.isfinite(points[column])
+    error = points.loc[has_error, column]
+    inexact = error > ROUNDING
+    least = error[inexact].min()
+    shown = points[has_error].assign(x=error.where(inexact, least / 10))
     for method, rows in shown.groupby("method", sort=False):
-        ax.plot(
-            rows["x"], rows["ns"], "o", color=COLOURS[method], markersize=4, label=method, zorder=3
-        )
+        ax.plot("x", "ns", "o", data=rows, markersize=4, zorder=3, **named_style(method))
     _annotate(ax, shown)
-    front = shown[pareto_front(known[column].where(inexact, 0), known["ns"])].sort_values("x")
-    ax.plot(
-        front["x"],
-        front["ns"],
-        drawstyle="steps-post",
-        color="0.6",
-        linewidth=1,
-        label="Pareto front",
-    )
-    for row in points[~np.isfinite(points[column])].itertuples():
-        label = f"{row.method} (another model)"
-        ax.axhline(row.ns, color=COLOURS[row.method], linestyle="--", linewidth=1, label=label)
+    front = shown[pareto_front(error.where(inexact, 0), shown["ns"])].sort_values("x")
+    style = {"drawstyle": "steps-post", "color": "0.6", "linewidth": 1}
+    ax.plot("x", "ns", data=front, label="Pareto front", **style)
+    for row in points[~has_error].itertuples():
+        style = {"color": COLOURS[row.method], "linestyle": "--", "linewidth": 1}
+        ax.axhline(row.ns, label=f"{row.method} (another model)", **style)
     if len(floor):
-        ax.axhline(
-            floor["ns"].min(),
-            color=BLACK,
-            linestyle=":",
-            linewidth=1,
-            label="one float32 normal per pixel",
-        )
+        style = {"color": BLACK, "linestyle": ":", "linewidth": 1}
+        ax.axhline(floor["ns"].min(), label="one float32 normal per pixel", **style)
     ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="ns per pixel")
     if not inexact.all():
         ax.axvspan(least / 30, least / 4, color="0.93", zorder=0)
-        ax.annotate(
-            "exact", (least / 10, 0.02), xycoords=("data", "axes fraction"), fontsize=6, ha="center"
-        )
+        foot = ("data", "axes fraction")
+        ax.annotate("exact", (least / 10, 0.02), xycoords=foot, fontsize=6, ha="center")
         ax.set_xlim(left=least / 30)
-    ax.set_xlim(right=12 * known[column].max())
-    ax.legend(fontsize=6, loc="upper left", bbox_to_anchor=(1.01, 1))
+    ax.set_xlim(right=12 * error.max())
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1))
 
 
 def _annotate(ax, shown):
-    """Settings beside their points; near points of a method share a label, those under another point hang below."""
-    places = np.log10(shown[["x", "ns"]].to_numpy(dtype=float))
-    clusters = [
-        (places[rows], ", ".join(joined_settings(shown["setting"].iloc[rows])))
-        for method in shown["method"].unique()
-        for rows in near_points(places, np.flatnonzero(shown["method"] == method))
-    ]
-    for points, text in clusters:
-        x, y = points.mean(axis=0)
-        others = [other.mean(axis=0) for other, _ in clusters if other is not points]
-        hangs = any(
-            abs(at[0] - x) < NEAR_DECADES[0] * 2 and 0 < at[1] - y < NEAR_DECADES[1]
-            for at in others
-        )
-        offset = (0, -9 if hangs else 5)
-        ax.annotate(
-            text, (10**x, 10**y), xytext=offset, textcoords="offset points", fontsize=6, ha="center"
-        )
+    """Settings beside their points; those under another point hang below.
 
-
-def near_points(places, rows):
-    """Rows of (x, y) in decades, grouped such that each lies near the one before it in x; lists of indices."""
+    Near points of a method share a label.
+    """
+    decades = np.log10(shown[["x", "ns"]].to_numpy(dtype=float))
     groups = []
-    for row in rows[np.argsort(places[rows, 0], kind="stable")]:
-        if groups and (np.abs(places[row] - places[groups[-1][-1]]) < NEAR_DECADES).all():
+    for method in shown["method"].unique():
+        groups += near_points(decades, np.flatnonzero(shown["method"] == method))
+    centres = [decades[rows].mean(axis=0) for rows in groups]
+    for rows, centre in zip(groups, centres, strict=True):
+        hangs = any(_is_just_above(other, centre) for other in centres if other is not centre)
+        text = ", ".join(joined_settings(shown["setting"].iloc[rows]))
+        place = {"xytext": (0, -9 if hangs else 5), "textcoords": "offset points"}
+        ax.annotate(text, 10**centre, fontsize=6, ha="center", **place)
+
+
+def _is_just_above(point, other):
+    right, above = point - other
+    return abs(right) < NEAR_DECADES[0] * 2 and 0 < above < NEAR_DECADES[1]
+
+
+def near_points(decades, rows):
+    """Rows of (x, y), grouped such that each lies near the one before it in x; lists of indices."""
+    groups = []
+    last = np.inf
+    for row in rows[np.argsort(decades[rows, 0], kind="stable")]:
+        if (np.abs(decades[row] - last) < NEAR_DECADES).all():
             groups[-1].append(row)
         else:
             groups.append([row])
+        last = decades[row]
     return groups
 
 
 def joined_settings(settings):
-    """Settings in their order, a unit that all share written once: ["0.1 dB", "0.5 dB"] gives ["0.1", "0.5 dB"]."""
+    """Settings in their order, a unit that all share written once.
+
+    For example, ["0.1 dB", "0.5 dB"] gives ["0.1", "0.5 dB"].
+    """
     settings = list(dict.fromkeys(settings))
     units = {setting.partition(" ")[2] for setting in settings}
     if len(units) == 1 and all(setting[:1].isdigit() for setting in settings):
@@ -204,27 +189,16 @@ def joined_settings(settings):
     return settings
 
 
-def plot_growth(ax, runs, column, xlabel, scale="linear"):
-    """Milliseconds of a scene against its pixels or its layers, fastest runs; dashed, what the plan predicts."""
+def plot_growth(ax, runs, column):
+    """Milliseconds of a scene against its size, fastest runs; dashed, what the plan predicts."""
     points = fastest(runs, (column, "method"))
+    points["ms"] = points["ns"] * points["n_pixels"] / 1e6
     for method, rows in points.groupby("method", sort=False):
-        rows, colour = rows.sort_values(column), COLOURS[method]
-        ax.plot(
-            rows[column],
-            rows["ns"] * rows["n_pixels"] / 1e6,
-            "o-",
-            color=colour,
-            markersize=3,
-            label=method,
-        )
+        rows = rows.sort_values(column)
+        colour = COLOURS[method]
+        ax.plot(column, "ms", "o-", data=rows, color=colour, label=method)
         if rows["plan_ms"].notna().any():
-            ax.plot(
-                rows[column],
-                rows["plan_ms"],
-                "--",
-                color=colour,
-                linewidth=0.8,
-                label=f"{method}, planned",
-            )
-    ax.set(xlabel=xlabel, ylabel="ms per scene", xscale=scale, yscale=scale)
-    ax.legend(fontsize=6)
+            style = {"color": colour, "linewidth": 0.8, "label": f"{method}, planned"}
+            ax.plot(column, "plan_ms", "--", data=rows, **style)
+    ax.set_ylabel("ms per scene")
+    ax.legend()

@@ -1,17 +1,26 @@
-"""How near the flight comes to real Snow Radar: all quantities, curves of autocorrelation, and crops side by side."""
+"""How near the flight comes to real Snow Radar: all quantities, curves, and crops side by side."""
 
 import numpy as np
 
-from lib.figures.style import BLACK, BLUE, RED, new_figure
+from lib.figures.style import BLACK, BLUE, GUIDE, RED, new_figure
 
 CURVES = {
-    "Greenland, autocorrelation along track": ("distance [m]", "autocorrelation, 100 m means"),
-    "snow, autocorrelation along track": (
-        "distance [range lines]",
-        "autocorrelation, homogeneous snow",
-    ),
-    "air, autocorrelation down": ("delay [ns]", "autocorrelation, air"),
-    "Greenland, shift of layers": ("distance [m]", "median shift of layers [bins]"),
+    "Greenland, autocorrelation along track": {
+        "xlabel": "distance [m]",
+        "ylabel": "autocorrelation, 100 m means",
+    },
+    "snow, autocorrelation along track": {
+        "xlabel": "distance [range lines]",
+        "ylabel": "autocorrelation, homogeneous snow",
+    },
+    "air, autocorrelation down": {
+        "xlabel": "delay [ns]",
+        "ylabel": "autocorrelation, air",
+    },
+    "Greenland, shift of layers": {
+        "xlabel": "distance [m]",
+        "ylabel": "median shift of layers [bins]",
+    },
 }
 REACH = 4  # differences are shown up to so many times what is tolerated
 
@@ -23,54 +32,50 @@ def realism(realism, real_snow_radar):
     figure.set_layout_engine("tight")
     for ax in axes[:, 0]:
         ax.remove()
-    plot_differences(figure.add_subplot(axes[0, 0].get_gridspec()[:, 0]), realism)
-    for ax, (name, (xlabel, ylabel)) in zip(axes[:, 1:].flat, CURVES.items(), strict=True):
+    left = axes[0, 0].get_gridspec()[:, 0]
+    plot_differences(figure.add_subplot(left), realism)
+    for ax, (name, labels) in zip(axes[:, 1:].flat, CURVES.items(), strict=True):
         plot_curve(ax, realism, real_snow_radar, name)
-        ax.set(xlabel=xlabel, ylabel=ylabel)
+        ax.set(**labels)
     return figure
 
 
 def plot_differences(ax, table):
     """A point a comparable quantity: flight less real, in units of the tolerated difference."""
-    rows = table[table["comparable"]].iloc[::-1]
+    rows = table.query("comparable").iloc[::-1]
     y = np.arange(len(rows))
-    value = np.clip(rows["difference"] / rows["tolerated"], -REACH, REACH)
-    reach = np.abs(rows[["low", "high"]].sub(rows["value"], axis=0)).div(rows["tolerated"], axis=0)
+    tolerated = rows["tolerated"]
+    value = np.clip(rows["difference"] / tolerated, -REACH, REACH)
+    low = np.abs(rows["low"] - rows["value"]) / tolerated
+    high = np.abs(rows["high"] - rows["value"]) / tolerated
     colours = np.where(rows["agrees"] == "yes", BLACK, RED)
-    ax.hlines(y, value - reach["low"], value + reach["high"], color=colours, linewidth=0.8)
+    ax.hlines(y, value - low, value + high, color=colours, linewidth=0.8)
     ax.scatter(value, y, s=8, c=colours)
     for limit in (-1, 1):
-        ax.axvline(limit, color="0.5", linestyle=":", linewidth=1)
+        ax.axvline(limit, **GUIDE)
     ax.set_yticks(y, rows["quantity"], fontsize=5)
-    ax.set(
-        xlim=(-REACH - 0.3, REACH + 0.3),
-        ylim=(-1, len(rows)),
-        xlabel="flight - real, over what is tolerated",
-    )
+    ax.set(xlim=(-REACH - 0.3, REACH + 0.3), ylim=(-1, len(rows)))
+    ax.set_xlabel("flight - real, over what is tolerated")
 
 
 def plot_curve(ax, table, real, name):
-    """Quantities of one name by the number in it: the flight as a line with bars, real frames as points."""
-    pattern = rf"{name} at ([\d.]+) "
-    flight, observed = (
-        rows.assign(x=rows["quantity"].str.extract(pattern)[0].astype(float)).dropna(subset="x")
-        for rows in (table, real)
-    )
+    """Quantities of one name by the number in it: the flight with bars, real frames as points."""
+    observed = numbered(real, name)
     for frame, points in observed.groupby("frame", sort=False):
-        ax.plot(
-            points["x"],
-            points["value"],
-            "o--",
-            color=BLUE,
-            markersize=3,
-            linewidth=0.7,
-            label=f"real, {frame}",
-        )
-    reach = [flight["value"] - flight["low"], flight["high"] - flight["value"]]
-    style = {"fmt": "o-", "color": BLACK, "markersize": 3, "label": "flight"}
-    ax.errorbar(flight["x"], flight["value"], yerr=np.maximum(reach, 0), **style)
-    ax.axhline(0, color="0.5", linestyle=":", linewidth=1)
-    ax.legend(fontsize=6)
+        style = {"color": BLUE, "linewidth": 0.7, "label": f"real, {frame}"}
+        ax.plot("x", "value", "o--", data=points, **style)
+    flight = numbered(table, name)
+    value = flight["value"]
+    reach = np.maximum([value - flight["low"], flight["high"] - value], 0)
+    ax.errorbar(flight["x"], value, yerr=reach, fmt="o-", color=BLACK, label="flight")
+    ax.axhline(0, **GUIDE)
+    ax.legend()
+
+
+def numbered(table, name):
+    """Quantities of one name, with the number in their names as `x`."""
+    number = table["quantity"].str.extract(rf"{name} at ([\d.]+) ", expand=False)
+    return table.assign(x=number.astype(float)).dropna(subset="x")
 
 
 def realism_crops(crops):
@@ -79,14 +84,7 @@ def realism_crops(crops):
     figure, axes = new_figure(len(names), crops.sizes["crop"], width=8, height=1.2 * len(names))
     for row, name in zip(axes, names, strict=True):
         for ax, crop in zip(row, crops[name].values, strict=True):
-            ax.imshow(
-                crop - crop.mean(),
-                cmap="gray",
-                vmin=-5,
-                vmax=5,
-                aspect="auto",
-                interpolation="none",
-            )
+            ax.imshow(crop - crop.mean(), vmin=-5, vmax=5)
             ax.set(xticks=[], yticks=[])
         row[0].set_ylabel(name.replace(", ", "\n"), fontsize=7)
     return figure

@@ -1,11 +1,13 @@
-"""The cGAN's training, and single scenes: what a picker annotates, observed scenes beside drawn ones."""
+"""The cGAN's training, and single scenes: annotated ones, and observed beside drawn ones."""
 
 from itertools import islice
 
 import numpy as np
 
-from lib.figures import style
 from lib.figures.style import (
+    BLACK,
+    COLOURS,
+    RUNNING_STEPS,
     evenly_spaced,
     name_of,
     new_figure,
@@ -22,21 +24,20 @@ RICH_LAYERS = 6  # interfaces: scenes of few layers have little to annotate
 
 
 def cgan_losses(losses, validation):
-    """Losses of every step as running means, and similarity on the held-out scenes, the best checkpoint marked."""
+    """Running means of losses, and similarity on held-out scenes, the best checkpoint marked."""
     figure, axes = new_figure(1, 3, width=9)
-    for column in (name for name in losses.columns if name != "step"):
-        smooth = losses[column].rolling(style.RUNNING_STEPS, min_periods=1).mean()
-        axes[0, 0].semilogy(losses["step"], smooth, linewidth=1, label=name_of(column))
-    axes[0, 0].set(xlabel="step", ylabel="loss")
-    axes[0, 0].legend(fontsize=7)
+    of_losses, *of_metrics = axes[0]
+    losses = losses.set_index("step")
+    for column in losses:
+        smooth = losses[column].rolling(RUNNING_STEPS, min_periods=1).mean()
+        of_losses.semilogy(smooth, linewidth=1, label=name_of(column))
+    of_losses.set(xlabel="step", ylabel="loss")
+    of_losses.legend(fontsize=7)
     best = validation.loc[validation["fitness"].idxmax()]
-    for ax, metric in zip(axes[0, 1:], ("psnr", "ssim"), strict=True):
-        ax.plot(
-            validation["step"], validation[metric], "o-", color=style.COLOURS["cgan"], markersize=3
-        )
-        ax.plot(
-            best["step"], best[metric], "o", color=style.BLACK, markersize=6, markerfacecolor="none"
-        )
+    for ax, metric in zip(of_metrics, ("psnr", "ssim"), strict=True):
+        ax.plot("step", metric, "o-", data=validation, color=COLOURS["cgan"])
+        circle = {"markersize": 6, "markerfacecolor": "none"}
+        ax.plot(best["step"], best[metric], "o", color=BLACK, **circle)
         ax.set(xlabel="step", ylabel=name_of(metric))
     return figure
 
@@ -46,11 +47,12 @@ def cgan_samples(samples):
     sheets = {}
     for sample in samples:
         sheets.setdefault(sample.name, []).append(sample)
-    steps = [sample.notes["step"] for sample in next(iter(sheets.values()))[1:]]
+    n_sheets = len(sheets)
+    first = next(iter(sheets.values()))
+    steps = [sample.notes["step"] for sample in first[1:]]
     shown = evenly_spaced(steps, N_STEPS_SHOWN)
-    figure, axes = new_figure(
-        len(sheets), 2 + len(shown), width=9, height=1.8 * len(sheets), sharey="row"
-    )
+    size = {"width": 9, "height": 1.8 * n_sheets}
+    figure, axes = new_figure(n_sheets, 2 + len(shown), sharey="row", **size)
     for row, (name, (observed, *rendered)) in zip(axes, sheets.items(), strict=True):
         plot_layers(row[0], observed, f"{name}: layers")
         plot_echogram(row[1], observed.image, "observed")
@@ -60,27 +62,28 @@ def cgan_samples(samples):
 
 
 def annotation(train, source):
-    """A train scene, its annotation, and every layer there is: of rich scenes the one in the middle by share found."""
+    """A train scene, its annotation, and every layer there is.
+
+    Of rich scenes the one in the middle by the share that is annotated.
+    """
     shares = [annotated_share(scene) for scene in train]
-    rich = [
-        i for i, scene in enumerate(train) if complete_layers(scene).shape[0] > RICH_LAYERS
-    ] or range(len(train))
-    middle = sorted(rich, key=lambda i: (shares[i], i))[len(rich) // 2]
+    numbers = range(len(train))
+    rich = [i for i in numbers if complete_layers(train[i]).shape[0] > RICH_LAYERS]
+    ranked = sorted(rich or numbers, key=lambda i: (shares[i], i))
+    middle = ranked[len(ranked) // 2]
     scene = train[middle]
-    panels = {"echogram": None, "annotation": scene.layer_bins}
+    panels = {"annotation": scene.layer_bins}
     if scene.complete_layer_bins is not None:
         title = f"semi-automatic annotation, {100 * shares[middle]:.0f} %"
-        panels = {
-            "echogram": None,
-            title: scene.layer_bins,
-            "corrected annotation": scene.complete_layer_bins,
-        }
-    figure, axes = new_figure(1, len(panels), width=2.5 * len(panels), height=3.4, sharey=True)
-    for ax, (title, layer_bins) in zip(axes[0], panels.items(), strict=True):
+        panels = {title: scene.layer_bins, "corrected annotation": scene.complete_layer_bins}
+    n_panels = 1 + len(panels)
+    figure, axes = new_figure(1, n_panels, width=2.5 * n_panels, height=3.4, sharey=True)
+    bare, *annotated = axes[0]
+    plot_echogram(bare, scene.image, "echogram")
+    bare.set_ylabel("range bin")
+    for ax, (title, layer_bins) in zip(annotated, panels.items(), strict=True):
         plot_echogram(ax, scene.image, title)
-        if layer_bins is not None:
-            plot_picks(ax, layer_bins)
-    axes[0, 0].set_ylabel("range bin")
+        plot_picks(ax, layer_bins)
     return note_source(figure, f"{source}, train scene {scene.name}")
 
 
@@ -90,30 +93,27 @@ def complete_layers(scene):
 
 
 def annotated_share(scene):
-    """Share of a scene's layer pixels below the surface that are annotated; 1 where there are none."""
+    """Share of a scene's layer pixels below the surface that are annotated; 1 without any."""
     whole = np.isfinite(complete_layers(scene)[1:]).sum()
-    return np.isfinite(scene.layer_bins[1:]).sum() / whole if whole else 1.0
+    annotated = np.isfinite(scene.layer_bins[1:]).sum()
+    return annotated / whole if whole else 1.0
 
 
 def synthetic(test, phy, cgan, n_labels, source):
-    """Observed scenes of few, some and many layers above drawn ones of as many, with their layers and both renders."""
-    n_observed = [count_layers(scene) for scene in test]
+    """Observed scenes of few to many layers above drawn ones of as many, with both renders."""
+    n_observed = np.array([count_layers(scene) for scene in test])
     n_drawn = [count_layers(scene) for scene in islice(phy, n_labels)]
-    with_layers = np.flatnonzero(n_observed) if any(n_observed) else np.arange(len(n_observed))
-    chosen = with_layers[evenly_spaced(np.array(n_observed)[with_layers], N_SCENES_SHOWN)]
+    with_layers = np.flatnonzero(n_observed) if n_observed.any() else np.arange(len(n_observed))
+    chosen = with_layers[evenly_spaced(n_observed[with_layers], N_SCENES_SHOWN)]
     left = np.array(n_drawn, dtype=float)  # NaN once shown
-    figure, axes = new_figure(
-        5, chosen.size, width=2.3 * chosen.size, height=8.5, sharex=True, sharey=True
-    )
+    size = {"width": 2.3 * chosen.size, "height": 8.5}
+    figure, axes = new_figure(5, chosen.size, sharex=True, sharey=True, **size)
     for column, i in zip(axes.T, chosen, strict=True):
-        alike = int(np.nanargmin(np.abs(left - n_observed[i]))) if np.isfinite(left).any() else 0
+        distance = np.abs(left - n_observed[i])
+        alike = int(np.nanargmin(distance)) if np.isfinite(left).any() else 0
         left[alike] = np.nan
-        observed, drawn = test[int(i)], phy[alike]
-        plot_echogram(column[0], observed.image[:MINIMUM_ROWS], "observed")
-        plot_layers(column[1], observed, f"its layers, {n_observed[i]} below the surface")
-        plot_layers(column[2], drawn, f"drawn, {n_drawn[alike]} below the surface")
-        plot_echogram(column[3], drawn.image[:MINIMUM_ROWS], "drawn, PHY")
-        plot_echogram(column[4], cgan[alike].image[:MINIMUM_ROWS], "drawn, cGAN")
+        plot_observed(column[:2], test[int(i)])
+        plot_drawn(column[2:], phy[alike], cgan[alike])
         column[0].set_ylim(MINIMUM_ROWS - 0.5, -0.5)
         for ax in column[:-1]:
             ax.set_xlabel("")
@@ -122,6 +122,20 @@ def synthetic(test, phy, cgan, n_labels, source):
     return note_source(figure, f"synthetic layers from the statistics of: {source}")
 
 
+def plot_observed(axes, scene):
+    """An observed scene and its layers."""
+    plot_echogram(axes[0], scene.image[:MINIMUM_ROWS], "observed")
+    plot_layers(axes[1], scene, f"its layers, {count_layers(scene)} below the surface")
+
+
+def plot_drawn(axes, by_phy, by_cgan):
+    """A drawn scene: its layers, and both renders of them."""
+    plot_layers(axes[0], by_phy, f"drawn, {count_layers(by_phy)} below the surface")
+    plot_echogram(axes[1], by_phy.image[:MINIMUM_ROWS], "drawn, PHY")
+    plot_echogram(axes[2], by_cgan.image[:MINIMUM_ROWS], "drawn, cGAN")
+
+
 def count_layers(scene):
     """How many layers below the surface are labelled somewhere."""
-    return int(np.isfinite(scene.layer_bins[1:]).any(axis=1).sum())
+    is_labelled = np.isfinite(scene.layer_bins[1:]).any(axis=1)
+    return int(is_labelled.sum())

@@ -1,9 +1,9 @@
-"""What the page says: figures and tables, the paper's tables beside this run's, what the run cost, the summary."""
+"""What the page says: figures, tables beside the paper's, what the run cost, the summary."""
 
 import re
+from collections import Counter
 from pathlib import Path
 
-import pandas as pd
 import yaml
 
 from lib.diagnostics.claim_rules import CONFIRMED, CONTRADICTED, MISSING, OPEN
@@ -36,36 +36,35 @@ def page_content(
     stages,
     benchmarks,
 ):
-    """All that the page's template names; `studies` holds the `files` they left and the `parts` that there are.
+    """All that the page's template names.
 
-    `printed` are the tables of the run as printed, by path, all or none.
+    `studies` holds the `files` they left and the `parts` that there are; `printed` are the tables
+    of the run as printed, by path, all or none.
     """
     paper = yaml.safe_load(Path(paper).read_text(encoding="utf-8"))
     figures = described_figures(figures, captions)
-    by_name = {Path(path).stem: read_table(path) for path in tables}
-    printed = {Path(path).stem: read_table(path) for path in printed}
+    by_name = tables_by_name(tables)
+    as_printed = tables_by_name(printed)
     study_tables = [path for path in studies["files"] if path.endswith(".csv")]
+    study_figures = [path for path in studies["files"] if path not in study_tables]
     intervals = with_study(by_name["table3_intervals"], study_tables)
     measured = {**by_name, "table3_intervals": intervals, "similarity": images, "config": config}
     synthetic = config["source"] == "reference"
     claims = check_claims(measured, synthetic=synthetic)
     costs = stage_costs(read_benchmarks(benchmarks), stages)
-    study_figures = [path for path in studies["files"] if path not in study_tables]
+    n_replicas = intervals.groupby("output")["n_replicas"].max()
     return {
         "note": note,
         "synthetic": synthetic,
         "source_words": f"the {note}" if synthetic else note,
         "paper": paper,
-        "table2": compare_table2(by_name["table2"], paper["table2"], printed.get("table2")),
-        "table3": compare_table3(intervals, paper["table3"], printed.get("table3_intervals")),
+        "table2": compare_table2(by_name["table2"], paper["table2"], as_printed.get("table2")),
+        "table3": compare_table3(intervals, paper["table3"], as_printed.get("table3_intervals")),
         "as_printed": bool(printed),
         "picks": errors_of_picks(by_name["picks"]),
         "two_sample": distinguished(by_name["two_sample"]),
         "training_sets": [NAMES[name] for name in TRAINING_SETS],
-        "n_replicas": {
-            of: int(intervals.set_index("output").loc[of, "n_replicas"].max())
-            for of in ("fuse", "side_1")
-        },
+        "n_replicas": n_replicas.to_dict(),
         "enough_trainings": ENOUGH_TRAININGS,
         "claims": claims,
         "figures": figures,
@@ -85,11 +84,16 @@ def page_content(
     }
 
 
-def with_study(intervals, study_tables):
-    """Table III's intervals, the fused output's means and differences to RD from the study, if it has more trainings.
+def tables_by_name(paths):
+    """Tables by the names of their files."""
+    return {Path(path).stem: read_table(path) for path in paths}
 
-    `study_tables` are paths of what studies left; the interval of a mean stays that of the default
-    run.
+
+def with_study(intervals, study_tables):
+    """Table III's intervals, with the study's means and differences if it has more trainings.
+
+    `study_tables` are paths of what studies left. Only the fused output's means and differences to
+    RD change; the interval of a mean stays that of the default run.
     """
     path = next((path for path in study_tables if Path(path).match("tracker/worth.csv")), None)
     if path is None:
@@ -100,26 +104,33 @@ def with_study(intervals, study_tables):
     if worth.empty or worth["n_replicas"].max() <= intervals["n_replicas"].max():
         return intervals
     keys = ["output", "training_set", "metric"]
-    renamed = worth.rename(columns={"low": "difference_low", "high": "difference_high"}).assign(
-        output="fuse"
-    )
-    of_base = renamed.drop_duplicates("metric").assign(
-        training_set="rd", mean=lambda rows: rows["base_mean"]
-    )
-    columns = ["mean", "difference", "difference_low", "difference_high", "n_replicas"]
+    differences = {"low": "difference_low", "high": "difference_high"}
+    added = worth.assign(output="fuse").rename(columns=differences)
+    added = added.set_index(keys)[["mean", "difference", *differences.values(), "n_replicas"]]
+    base = worth.drop_duplicates("metric").assign(output="fuse", training_set="rd")
+    base = base.set_index(keys)[["base_mean", "n_replicas"]].rename(columns={"base_mean": "mean"})
     updated = intervals.set_index(keys)
-    updated.update(renamed.set_index(keys)[columns])
-    updated.update(of_base.set_index(keys)[["mean", "n_replicas"]])
+    updated.update(added)
+    updated.update(base)
     return updated.reset_index()
 
 
 def described_figures(paths, captions):
-    """Figures with their content, stage, caption, title and a name; `captions` holds stage and caption by path."""
+    """Figures with a name, content, stage, caption and title.
+
+    `captions` holds stage and caption by path.
+    """
     described = []
     for path in paths:
         stage, caption = captions[path]
-        figure = {"name": Path(path).stem, "stage": stage, "caption": caption}
-        described.append({**figure, "title": title_of(caption), "uri": figure_uri(path)})
+        figure = {
+            "name": Path(path).stem,
+            "stage": stage,
+            "caption": caption,
+            "title": title_of(caption),
+            "uri": figure_uri(path),
+        }
+        described.append(figure)
     return described
 
 
@@ -133,137 +144,150 @@ def title_of(caption):
 
 
 def paper_figures(caption):
-    """Numbers of the paper's figures that a caption names ("paper, Fig. 8", "Figs 6 and 7", "Figs 10-12"), sorted."""
+    """Numbers of the paper's figures that a caption names, sorted.
+
+    It names them as in "paper, Fig. 8", "Figs 6 and 7", "Figs 10-12".
+    """
     numbers = set()
     for first, last, *others in PAPER_FIGURES.findall(caption.replace("Fig.", "Fig")):
-        numbers |= set(range(int(first), int(last or first) + 1)) | {
-            int(number) for number in others if number
-        }
+        numbers.update(range(int(first), int(last or first) + 1))
+        numbers.update(int(number) for number in others if number)
     return sorted(numbers)
 
 
 def counterparts(figures, paper_numbers):
     """Figures whose captions name a figure of the paper, lists by its number."""
-    return {
-        number: [f for f in figures if number in paper_figures(f["caption"])]
-        for number in paper_numbers
-    }
+    found = {number: [] for number in paper_numbers}
+    for figure in figures:
+        for number in paper_figures(figure["caption"]):
+            if number in found:
+                found[number].append(figure)
+    return found
 
 
 def described_tables(paths):
-    """Tables with their content for the download, their size and first rows; a study's are named after it, too."""
-    return [
-        {
-            "name": f"{path.parent.name}_{path.name}" if "studies" in path.parts else path.name,
+    """Tables with their content for the download, their size and first rows.
+
+    A study's are named after it, too.
+    """
+    described = []
+    for path in map(Path, paths):
+        table = read_table(path)
+        of_study = "studies" in path.parts
+        shown = {
+            "name": f"{path.parent.name}_{path.name}" if of_study else path.name,
             "uri": file_uri(path),
             "n_bytes": path.stat().st_size,
             "n_rows": len(table),
             "columns": list(table.columns),
             "rows": table.head(PREVIEW_ROWS).astype(object).to_numpy().tolist(),
         }
-        for path, table in ((Path(path), read_table(path)) for path in paths)
-    ]
+        described.append(shown)
+    return described
 
 
 def compare_table2(table2, paper, printed=None):
-    """Rows of Table II as texts: metric, method, and ours, as printed and the paper's as "min / mean / max"."""
+    """Rows of Table II as texts: metric, method, and ours, as printed and the paper's.
 
-    def of(table, metric, method):
-        if table is None:
-            return []
-        return (
-            table.set_index(["metric", "statistic"]).loc[metric, method].loc[["min", "mean", "max"]]
-        )
+    The last three are "min / mean / max".
+    """
+    rows = []
+    for metric, digits in DIGITS.items():
+        for method in METHODS:
+            row = {
+                "metric": NAMES[metric],
+                "method": NAMES[method],
+                "ours": least_mean_most(table2, metric, method, digits),
+                "printed": "",
+                "paper": joined_numbers(paper[metric][method], digits),
+            }
+            if printed is not None:
+                row["printed"] = least_mean_most(printed, metric, method, digits)
+            rows.append(row)
+    return rows
 
-    def text(values, digits):
-        return " / ".join(f"{value:.{digits}f}" for value in values)
 
-    return [
-        {
-            "metric": NAMES[metric],
-            "method": NAMES[method],
-            "ours": text(of(table2, metric, method), digits),
-            "printed": text(of(printed, metric, method), digits),
-            "paper": text(paper[metric][method], digits),
-        }
-        for metric, digits in DIGITS.items()
-        for method in METHODS
-    ]
+def least_mean_most(table2, metric, method, digits):
+    """One metric of one method as "min / mean / max"."""
+    of_metric = table2.query("metric == @metric").set_index("statistic")[method]
+    return joined_numbers(of_metric[["min", "mean", "max"]], digits)
+
+
+def joined_numbers(values, digits):
+    """Numbers as "0.1 / 0.2 / 0.3"."""
+    return " / ".join(f"{value:.{digits}f}" for value in values)
 
 
 def compare_table3(intervals, paper, printed=None):
-    """Rows of Table III: output, score, a cell a training set; `resolved`: its difference to RD is not zero."""
+    """Rows of Table III: output, score, a cell a training set.
+
+    A cell is `resolved` where its difference to RD is not zero.
+    """
     keys = ["output", "metric", "training_set"]
     ours = intervals.set_index(keys)
-    as_printed = None if printed is None else printed.set_index(keys)["mean"]
+    as_printed = {} if printed is None else printed.set_index(keys)["mean"]
     rows = []
     for output, published in paper.items():
         for k, score in enumerate(("ods", "ois", "ap")):
             cells = []
             for training_set in TRAINING_SETS:
-                row = ours.loc[(output, score, training_set)].to_dict()
-                resolved = row["difference_low"] > 0 or row["difference_high"] < 0
-                printed_mean = None if printed is None else as_printed[output, score, training_set]
-                beside = {"printed": printed_mean, "paper": published[training_set][k]}
-                cells.append({**row, "resolved": resolved, **beside})
+                key = (output, score, training_set)
+                cell = ours.loc[key].to_dict()
+                cell["resolved"] = cell["difference_low"] > 0 or cell["difference_high"] < 0
+                cell["printed"] = as_printed.get(key)
+                cell["paper"] = published[training_set][k]
+                cells.append(cell)
             rows.append({"output": output.replace("_", " "), "score": NAMES[score], "cells": cells})
     return rows
 
 
 def errors_of_picks(picks):
-    """Rows of texts on picks followed through the fused output: a name, then means over trainings for every set."""
+    """Rows of texts on picks followed through the fused output: a name, then a mean a set."""
     means = picks.groupby("training_set").mean(numeric_only=True).loc[list(TRAINING_SETS)]
-    shown = {
-        "Mean absolute error [range bins]": ("mean_absolute_error_bins", "{:.2f}"),
-        "Share of errors within 2 range bins": ("share_within", "{:.3f}"),
-        "Share of layer pixels picked": ("share_found", "{:.3f}"),
-        f"Layers missed, of {means['n_layers'].iloc[0]:.0f}": ("n_missed_layers", "{:.0f}"),
-        "False layers": ("n_false_layers", "{:.0f}"),
+    n_layers = means["n_layers"].iloc[0]
+    names = {
+        "mean_absolute_error_bins": "Mean absolute error [range bins]",
+        "share_within": "Share of errors within 2 range bins",
+        "share_found": "Share of layer pixels picked",
+        "n_missed_layers": f"Layers missed, of {n_layers:.0f}",
+        "n_false_layers": "False layers",
     }
-    return [
-        (name, [text.format(value) for value in means[column]])
-        for name, (column, text) in shown.items()
-    ]
+    digits = {"mean_absolute_error_bins": 2, "share_within": 3, "share_found": 3}
+    rows = []
+    for column, name in names.items():
+        texts = [f"{mean:.{digits.get(column, 0)}f}" for mean in means[column]]
+        rows.append((name, texts))
+    return rows
 
 
 def distinguished(two_sample):
-    """How often observed scenes are distinguished from others by each classifier, texts, a row a kind of scenes."""
-    whole = two_sample[two_sample["first_row"] < 0]
+    """How often observed scenes are told from others by each classifier, a row a kind of scenes."""
     rows = []
-    for name, of_name in whole.groupby("scenes", sort=False):
-        texts = {
-            row.classifier: f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]"
-            for row in of_name.itertuples()
-        }
-        rows.append(
-            {
-                "scenes": "the other half of the observed" if name == "observed" else NAMES[name],
-                **texts,
-            }
-        )
+    for name, of_name in two_sample.query("first_row < 0").groupby("scenes", sort=False):
+        scenes = "the other half of the observed" if name == "observed" else NAMES[name]
+        texts = {"scenes": scenes}
+        for row in of_name.itertuples():
+            texts[row.classifier] = f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]"
+        rows.append(texts)
     return rows
 
 
 def stage_costs(jobs, stages):
-    """Cost of every stage, and under `rules` of every rule in it, in the order of `stages` (rule -> stage).
+    """Cost of every stage, and under `rules` of every rule in it, in the order of `stages`.
 
-    `jobs`, a row a job: `rule`, `s` [wall seconds], `cpu_time` [s], `max_rss` [MB]; of an older
-    run's rules left out.
+    `stages` maps rule to stage. `jobs`, a row a job: `rule`, `s` [wall seconds], `cpu_time` [s],
+    `max_rss` [MB]; of an older run's rules left out.
     """
-    jobs = jobs.assign(
-        **{
-            name: pd.to_numeric(jobs[name], errors="coerce")
-            for name in ("s", "cpu_time", "max_rss")
-        }
-    )
+    jobs = jobs.astype({"s": float, "cpu_time": float, "max_rss": float})
+    jobs["stage"] = jobs["rule"].map(stages)
     costs = []
     for stage in dict.fromkeys(stages.values()):
-        rules = [
-            rule for rule, of in stages.items() if of == stage and (jobs["rule"] == rule).any()
-        ]
-        if rules:
-            parts = [{"rule": rule, **_cost(jobs[jobs["rule"] == rule])} for rule in rules]
-            costs.append({"stage": stage, **_cost(jobs[jobs["rule"].isin(rules)]), "rules": parts})
+        of_stage = jobs[jobs["stage"] == stage]
+        if of_stage.empty:
+            continue
+        by_rule = dict(list(of_stage.groupby("rule")))
+        parts = [{"rule": rule, **_cost(by_rule[rule])} for rule in stages if rule in by_rule]
+        costs.append({"stage": stage, **_cost(of_stage), "rules": parts})
     return costs
 
 
@@ -278,47 +302,59 @@ def _cost(jobs):
 
 
 def count_outcomes(claims):
-    """How many claims got each outcome, without outcomes that none got; what is true by construction apart."""
-    found = [BUILT if claim.by_construction else claim.outcome for claim in claims]
-    counts = {name: found.count(name) for name in (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)}
-    return {name: count for name, count in counts.items() if count}
+    """How many claims got each outcome, without outcomes that none got.
+
+    What is true by construction is apart.
+    """
+    found = Counter(BUILT if claim.by_construction else claim.outcome for claim in claims)
+    order = (CONFIRMED, CONTRADICTED, OPEN, MISSING, BUILT)
+    return {name: found[name] for name in order if found[name]}
 
 
 def summary_tiles(table2, intervals, claims, costs):
-    """Names, values and notes of the summary: similarity, tracker, what augmentation gains, claims, time."""
-    means = table2.set_index(["metric", "statistic"]).xs("mean", level="statistic")
-    fuse = intervals[(intervals["output"] == "fuse") & (intervals["metric"] == "ods")].set_index(
-        "training_set"
-    )
-    best = fuse["mean"].drop(index="rd").idxmax()
-    rd, gain, counts = fuse.loc["rd"], fuse.loc[best], count_outcomes(claims)
+    """Names, values and notes: similarity, tracker, gain of augmentation, claims, time."""
+    of_fuse = intervals.query("output == 'fuse' and metric == 'ods'").set_index("training_set")
+    rd = of_fuse.loc["rd"]
+    best = of_fuse["mean"].drop(index="rd").idxmax()
+    gain = of_fuse.loc[best]
+    interval = f"[{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}]"
+    counts = count_outcomes(claims)
+    n_judged = len(claims) - counts.get(BUILT, 0)
+    others = [f"{count} {name}" for name, count in counts.items() if name != CONFIRMED]
+    wall = duration(sum(stage["wall_s"] for stage in costs))
+    cpu = duration(sum(stage["cpu_s"] for stage in costs))
+    n_jobs = sum(stage["n_jobs"] for stage in costs)
+    psnr = mean_by_method(table2, "psnr", ".1f", " dB")
+    return [
+        {
+            "name": "SSIM with observed scenes",
+            "value": mean_by_method(table2, "ssim", ".2f"),
+            "note": f"PSNR {psnr}; means over test scenes",
+        },
+        {
+            "name": "Tracker on RD alone, fused ODS",
+            "value": f"{rd['mean']:.3f}",
+            "note": f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
+        },
+        {
+            "name": "Best augmented set, fused ODS",
+            "value": f"{NAMES[best]} {signed3(gain['difference'])}",
+            "note": f"over RD, 95 % interval {interval}, {trainings(gain)}",
+        },
+        {
+            "name": "The paper's claims",
+            "value": f"{counts.get(CONFIRMED, 0)} of {n_judged} confirmed",
+            "note": ", ".join(others),
+        },
+        {
+            "name": "Time of all jobs",
+            "value": wall,
+            "note": f"{n_jobs} jobs, CPU {cpu}",
+        },
+    ]
 
-    def methods(metric, digits, unit=""):
-        return ", ".join(
-            f"{NAMES[method]} {means.loc[metric, method]:.{digits}f}{unit}" for method in METHODS
-        )
 
-    tiles = {
-        "SSIM with observed scenes": (
-            methods("ssim", 2),
-            f"PSNR {methods('psnr', 1, ' dB')}; means over test scenes",
-        ),
-        "Tracker on RD alone, fused ODS": (
-            f"{rd['mean']:.3f}",
-            f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}",
-        ),
-        "Best augmented set, fused ODS": (
-            f"{NAMES[best]} {signed3(gain['difference'])}",
-            f"over RD, 95 % interval [{signed3(gain['difference_low'])}, {signed3(gain['difference_high'])}], "
-            f"{trainings(gain)}",
-        ),
-        "The paper's claims": (
-            f"{counts.get(CONFIRMED, 0)} of {len(claims) - counts.get(BUILT, 0)} confirmed",
-            ", ".join(f"{count} {name}" for name, count in counts.items() if name != CONFIRMED),
-        ),
-        "Time of all jobs": (
-            duration(sum(stage["wall_s"] for stage in costs)),
-            f"{sum(stage['n_jobs'] for stage in costs)} jobs, CPU {duration(sum(stage['cpu_s'] for stage in costs))}",
-        ),
-    }
-    return [{"name": name, "value": value, "note": note} for name, (value, note) in tiles.items()]
+def mean_by_method(table2, metric, form, unit=""):
+    """Mean of a metric by every method, as "cGAN 0.1, PHY 0.2"."""
+    means = table2.query("metric == @metric and statistic == 'mean'").iloc[0]
+    return ", ".join(f"{NAMES[method]} {means[method]:{form}}{unit}" for method in METHODS)

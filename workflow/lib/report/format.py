@@ -1,6 +1,6 @@
 """Numbers, names and settings as the page writes them."""
 
-import math
+import pandas as pd
 
 # Headings of stages; others are called by their own names.
 STAGES = {
@@ -23,18 +23,21 @@ def stage_name(stage):
 
 def groupby_stage(figures):
     """Figures of each stage, (stage, figures), in the order they come."""
-    stages = dict.fromkeys(figure["stage"] for figure in figures)
-    return [(stage, [figure for figure in figures if figure["stage"] == stage]) for stage in stages]
+    stages = {}
+    for figure in figures:
+        stages.setdefault(figure["stage"], []).append(figure)
+    return list(stages.items())
 
 
 def duration(seconds):
     """Seconds as "45 s", "3 min 20 s" or "2 h 5 min"."""
+    if seconds < 10:
+        return f"{seconds:.1f} s"
     if seconds < 60:
-        return f"{seconds:.1f} s" if seconds < 10 else f"{seconds:.0f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    if minutes < 60:
-        return f"{minutes} min {rest} s"
-    return f"{minutes // 60} h {minutes % 60} min"
+        return f"{seconds:.0f} s"
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {seconds} s"
 
 
 def size(n_bytes):
@@ -48,7 +51,7 @@ def size(n_bytes):
 
 def cell(value):
     """A table's value: floats with four digits, nothing where there is none."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    if pd.isna(value):
         return ""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
@@ -62,15 +65,19 @@ def config_lines(config, prefix=""):
     """Settings as "section.key" and value, in the order of the configuration."""
     lines = []
     for key, value in config.items():
-        name = f"{prefix}{key}"
-        lines += (
-            config_lines(value, f"{name}.")
-            if isinstance(value, dict) and value
-            else [(name, str(value))]
-        )
+        name = prefix + key
+        if isinstance(value, dict) and value:
+            lines += config_lines(value, f"{name}.")
+        else:
+            lines.append((name, str(value)))
     return lines
 
 
 FILTERS = {
-    filter.__name__: filter for filter in (groupby_stage, stage_name, duration, size, cell, signed3)
+    "groupby_stage": groupby_stage,
+    "stage_name": stage_name,
+    "duration": duration,
+    "size": size,
+    "cell": cell,
+    "signed3": signed3,
 }

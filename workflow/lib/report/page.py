@@ -1,4 +1,4 @@
-"""A page from templates, and what goes into one that stands alone: small text files, files and images as data URIs."""
+"""A page from templates, and files and images as data URIs, so that it stands alone."""
 
 import base64
 import io
@@ -17,14 +17,14 @@ MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
 
 
 def write_page(path, folder, template, context, filters):
-    """Write a page from a Jinja2 template of a folder, whole or not at all; an undefined name is an error."""
-    options = {
-        "autoescape": True,
-        "undefined": jinja2.StrictUndefined,
-        "trim_blocks": True,
-        "lstrip_blocks": True,
-    }
-    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(folder), **options)
+    """Write a page from a template, whole or not at all; an undefined name is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(folder),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
     environment.filters |= filters
     page = environment.get_template(template).render(context)
     with written_whole(path) as aside:
@@ -33,28 +33,25 @@ def write_page(path, folder, template, context, filters):
 
 def write_json(path, value):
     """Write plain values as JSON, whole or not at all, with the same bytes for the same value."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
     with written_whole(path) as aside:
-        aside.write_text(
-            json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False),
-            encoding="utf-8",
-        )
+        aside.write_text(text, encoding="utf-8")
 
 
 def read_benchmarks(folder):
-    """What Snakemake measured under ``folder/rule/...``, a row a measurement with its `rule`; no rows without any."""
+    """What Snakemake measured under ``folder/rule/...``, a row a measurement with its `rule`."""
     folder = Path(folder)
-    tables = [
-        pd.read_csv(path, sep="\t").assign(rule=path.relative_to(folder).parts[0])
-        for path in sorted(folder.rglob("*.tsv"))
-    ]
-    if not tables:
-        return pd.DataFrame({"rule": [], "s": [], "cpu_time": [], "max_rss": []})
-    return pd.concat(tables, ignore_index=True)
+    tables = [pd.DataFrame(columns=["rule", "s", "cpu_time", "max_rss"])]
+    for path in sorted(folder.rglob("*.tsv")):
+        rule = path.relative_to(folder).parts[0]
+        tables.append(pd.read_csv(path, sep="\t", na_values="-").assign(rule=rule))
+    return pd.concat(tables[1:] or tables, ignore_index=True)
 
 
 def data_uri(content, media_type):
     """Bytes as a base64 data URI of a media type."""
-    return f"data:{media_type};base64,{base64.b64encode(content).decode('ascii')}"
+    text = base64.b64encode(content).decode("ascii")
+    return f"data:{media_type};base64,{text}"
 
 
 def file_uri(path):
@@ -67,7 +64,10 @@ def file_uri(path):
 
 
 def figure_uri(path, most_bytes=MOST_BYTES):
-    """A figure as a data URI: as it stands, or if larger than `most_bytes` the PNG beside it as WebP of quality 80."""
+    """A figure as a data URI: as it stands, or the PNG beside it as WebP of quality 80.
+
+    The second if it is larger than `most_bytes`.
+    """
     path = Path(path)
     pixels = path.with_suffix(".png")
     if path.stat().st_size <= most_bytes or not pixels.exists():

@@ -2,8 +2,6 @@
 // The gallery: one scene in four panels, layers on or off, one cursor for all panels.
 const gallery = JSON.parse(document.getElementById("scenes").textContent);
 const SVG = "http://www.w3.org/2000/svg";
-const SPEED_OF_LIGHT = 299792458; // m/s
-const INDEX = 1 + 0.845 * 0.4; // snow of 400 kg/m3, Kovacs et al. (1995)
 const PANELS = [["observed", "Observed"], ["labels", "Layers"], ["cgan", "cGAN"], ["phy", "PHY"]];
 const element = (id) => document.getElementById(id);
 const cursor = { row: 0, line: 0 };
@@ -79,9 +77,9 @@ function placeText(scene) {
   const heights = scene.layers.map((layer) => heightOf(layer, cursor.line));
   const parts = [`range bin ${cursor.row}, range line ${cursor.line}`];
   if (heights[0] !== null) {
-    const below = (cursor.row - heights[0]) * gallery.bin_size_s;
-    parts.push(`${(below * 1e9).toFixed(1)} ns two-way from the surface`);
-    parts.push(below >= 0 ? `${((SPEED_OF_LIGHT * below) / (2 * INDEX)).toFixed(2)} m deep in snow` : `${((-SPEED_OF_LIGHT * below) / 2).toFixed(2)} m above it in air`);
+    const below = cursor.row - heights[0];
+    parts.push(`${(below * gallery.bin_size_s * 1e9).toFixed(1)} ns two-way from the surface`);
+    parts.push(below >= 0 ? `${(below * gallery.snow_per_bin_m).toFixed(2)} m deep in snow` : `${(-below * gallery.air_per_bin_m).toFixed(2)} m above it in air`);
   }
   const near = heights.findIndex((height) => height !== null && Math.abs(height - cursor.row) <= 3);
   if (near >= 0) parts.push(near === 0 ? "at the surface" : `at layer ${near}`);
