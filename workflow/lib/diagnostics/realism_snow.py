@@ -67,7 +67,7 @@ def neighbour_correlations(cores):
 
 
 def draw_densities(firn, *, rng):
-    """Depth [m] and density [kg m-3] of fine layering, in samples of 0.1 m as of cores, by place."""
+    """Depth [m] and density [kg m-3] of fine layering, as cores of 0.1 m samples, by place."""
     n_cells = round(DENSITY_DEPTH_M / LOG_SPACING_M)
     n_cells_a_sample = round(DENSITY_STEP_M / LOG_SPACING_M)
     scale = (firn.layering_sd_kg_m3, firn.layering_length_m)
