@@ -154,7 +154,7 @@ def _structure_table(synthetic, statistics, summary):
 
 
 def _structure_functions(observed, total, n):
-    """Structure functions of blocks (block, slab, lag) and label scenes, sum and number (slab, lag).
+    """Structure functions of blocks (block, slab, lag) and scenes, sum and number (slab, lag).
 
     Means over slabs, weighted on both sides as the flight has them; standard errors from its
     blocks. None where a lag is missing.
