@@ -1,4 +1,4 @@
-"""Positions of layers and texture in renders, and numbers beside published ones: planted answers."""
+"""Positions of layers and texture in renders, and published numbers, on planted answers."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Tests of normality are calibrated; tables hold what the flight holds; lines are sums of layers."""
+"""Tests of normality are calibrated; tables hold what the flight holds; a line is its layers."""
 
 import numpy as np
 import pandas as pd
