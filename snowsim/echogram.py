@@ -39,7 +39,7 @@ class Scene:
         Accumulation zone, -1 where unknown.
     notes : dict
         What was counted on the way (a plan's bound and cost, counts of the label rule); nothing is
-        computed from them.
+        rendered from them.
     """
 
     name: str

@@ -1,9 +1,9 @@
-"""What PHY tells a generator of a scene: how bright its layers are."""
+"""What the powers of a scene tell a generator: how bright its layers are."""
 
 import numpy as np
 
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
-from snowsim.phy import scene_parameters
+from snowsim.labels import dress
 
 
 def expected_brightness(scene, statistics):
@@ -11,19 +11,16 @@ def expected_brightness(scene, statistics):
 
     As `snowsim.cgan.render` takes it: of the mean power ``noise + sum_j p_j exp(-a_j (x - x_j))``
     in a layer's bin x, from all layers and backgrounds j down to it: peak powers and decay rates of
-    eq. (1), the scene's own where it has them, else the flight's.
+    eq. (1), the scene's own where it has echoes, else the flight's.
     """
-    rows, flight = scene_parameters(scene, statistics, rng=None)
-    powers = np.broadcast_to(np.reshape(flight["peak_power"], (len(rows), -1)), rows.shape)
-    total = np.full(scene.layer_bins.shape, flight["noise_power"])
-    for row, power, decay in zip(rows, powers, flight["decay_rate"], strict=True):
+    echoes = scene.echoes or dress(scene.layer_bins, statistics)
+    total = np.full(scene.layer_bins.shape, echoes.noise_power)
+    for row, power, decay in zip(echoes.bins, echoes.power, echoes.decay_rate, strict=True):
         lag = scene.layer_bins - row
-        total += np.where(
-            (lag > -0.5) & (power > 0), power * np.exp(-decay * np.maximum(lag, 0)), 0
-        )
-    level = np.where(
-        np.isfinite(scene.layer_bins),
-        to_db(total / flight["noise_power"]) + DB_BELOW_NOISE_FLOOR,
-        np.nan,
-    )
-    return level / np.nanmean(level[np.isfinite(level).any(axis=1).argmax()])
+        reached = power * np.exp(-decay * np.maximum(lag, 0))
+        total += np.where((lag > -0.5) & (power > 0), reached, 0)
+    present = np.isfinite(scene.layer_bins)
+    above_floor_db = to_db(total / echoes.noise_power) + DB_BELOW_NOISE_FLOOR
+    level = np.where(present, above_floor_db, np.nan)
+    uppermost = present.any(axis=1).argmax()
+    return level / np.nanmean(level[uppermost])

@@ -1,4 +1,4 @@
-"""Renders of the test masks: where layers lie, texture above and below the surface, what bounds their similarity."""
+"""Renders of the test masks: where layers lie, texture, what bounds their similarity."""
 
 from functools import partial
 
@@ -22,40 +22,35 @@ def compare_renders(
     stream = partial(random_stream, seed, "explain_similarity")
     with SceneSet(observed) as test:
         edges = shape_edges(scene.layer_bins for scene in test)
-    errors, by_region, in_air = [], [], []
-    for method, paths in (("observed", observed), ("cgan", cgan), ("phy", phy)):
+    errors = []
+    by_region = []
+    in_air = []
+    for method, paths in {"observed": observed, "cgan": cgan, "phy": phy}.items():
         with SceneSet(observed) as test, SceneSet(paths) as scenes:
-            for truth, scene in progress(
-                zip(test, scenes, strict=True), f"{method} scenes", total=len(scenes)
-            ):
+            pairs = zip(test, scenes, strict=True)
+            for truth, scene in progress(pairs, f"{method} scenes", total=len(scenes)):
                 if truth.name != scene.name:
                     msg = f"{method}: expected scene {truth.name}, got {scene.name}"
                     raise ValueError(msg)
-                keys = {"scene": scene.name, "method": method}
                 # Renders were given the annotated layers: these are where their peaks should lie.
-                errors.append(position_errors(scene.image, truth.layer_bins, edges).assign(**keys))
-                by_region.append(
-                    texture_by_region(scene.image, truth.image, truth.layer_bins).assign(**keys)
-                )
-                above = air_texture(scene.image, scene.layer_bins)
-                in_air += [
-                    {"method": method, "quantity": name, "value": value}
-                    for name, value in above.items()
-                ]
-    for path, tables in ((positions, errors), (textures, by_region)):
-        table = pd.concat(tables)
-        write_table(path, table[["scene", "method", *table.columns.drop(["scene", "method"])]])
-    groups = pd.DataFrame(in_air).groupby(["quantity", "method"], sort=False)["value"]
-    write_table(
-        air, groups.agg(["min", "mean", "max"]).assign(n_scenes=groups.size()).reset_index()
-    )
+                error = position_errors(scene.image, truth.layer_bins, edges)
+                texture = texture_by_region(scene.image, truth.image, truth.layer_bins)
+                errors.append(with_keys(error, scene.name, method))
+                by_region.append(with_keys(texture, scene.name, method))
+                above = pd.Series(air_texture(scene.image, scene.layer_bins), name="value")
+                in_air.append(above.rename_axis("quantity").reset_index().assign(method=method))
+    write_table(positions, pd.concat(errors))
+    write_table(textures, pd.concat(by_region))
+    groups = pd.concat(in_air).groupby(["quantity", "method"], sort=False)["value"]
+    levels = groups.agg(["min", "mean", "max"]).assign(n_scenes=groups.size())
+    write_table(air, levels.reset_index())
 
-    rows, of_errors = [], []
+    rows = []
+    of_errors = []
     with SceneSet(observed) as test, SceneSet(cgan) as by_cgan, SceneSet(phy) as by_phy:
-        for truth, *renders in progress(
-            zip(test, by_cgan, by_phy, strict=True), "bounds", total=len(test)
-        ):
-            rendered = dict(zip(("cgan", "phy"), renders, strict=True))
+        scenes = zip(test, by_cgan, by_phy, strict=True)
+        for truth, of_cgan, of_phy in progress(scenes, "bounds", total=len(test)):
+            rendered = {"cgan": of_cgan, "phy": of_phy}
             rows += similarity.explain_scene(truth, rendered, n_looks, rng=stream(truth.name))
             of_errors += similarity.explain_errors(truth, rendered)
     flight = read_dataset(statistics)
@@ -68,10 +63,16 @@ def compare_renders(
     }
     with SceneSet(train) as scenes:
         _, numbers = held_out(len(scenes), n_held, seed=seed)
-        for scene in progress([scenes[number] for number in numbers], "annotation"):
-            rows += similarity.explain_annotation(scene, renderers)
+        for number in progress(numbers, "annotation"):
+            rows += similarity.explain_annotation(scenes[number], renderers)
     write_table(bounds, similarity.mean_similarity(rows))
     write_table(parts, similarity.mean_errors(of_errors))
+
+
+def with_keys(table, scene, method):
+    table.insert(0, "scene", scene)
+    table.insert(1, "method", method)
+    return table
 
 
 run(compare_renders)

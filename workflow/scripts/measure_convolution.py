@@ -1,4 +1,4 @@
-"""Accuracy of the convolution model: errors of simpler models against a coherent one, of waveforms, and their cost."""
+"""Accuracy of the convolution model: errors against a coherent one, of waveforms, and cost."""
 
 from functools import partial
 
@@ -13,9 +13,8 @@ from snowsim.seeding import random_stream
 def measure_convolution(table, *, reference, n_looks, seed, source):
     settings = checked_settings(reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    found = convolution_table(
-        settings, climate, n_looks, partial(random_stream, seed, "measure_convolution")
-    )
+    stream = partial(random_stream, seed, "measure_convolution")
+    found = convolution_table(settings, climate, n_looks, stream)
     write_table(table, found.assign(data=source))
 
 

@@ -41,7 +41,7 @@ def render_shard(layers, generator, statistics, scenes, *, seed, device, source)
             n_outside += bool(beyond)
             notes = scene.notes | {"outside_training": "; ".join(beyond)}
             yield dataclasses.replace(
-                scene, image=image, complete_layer_bins=None, peak_power=None, notes=notes
+                scene, image=image, complete_layer_bins=None, echoes=None, notes=notes
             )
 
     with SceneSet(layers) as drawn:

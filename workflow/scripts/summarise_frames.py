@@ -8,14 +8,14 @@ from snowsim.statistics import merge, summarise, summary_to_dataset
 
 def summarise_frames(echograms, layers, summary):
     summaries = []
-    for path, path_to_layers in progress(
-        list(zip(echograms, layers, strict=True)), "sums over frames"
-    ):
+    frames = list(zip(echograms, layers, strict=True))
+    for path, path_to_layers in progress(frames, "sums over frames"):
         echogram = read_dataset(path)
         summaries.append(summarise(echogram, read_dataset(path_to_layers), where=path))
     # One source makes all frames of a flight.
     synthetic = echogram.attrs.get("synthetic", "no")
-    write_dataset(summary, summary_to_dataset(merge(summaries)).assign_attrs(synthetic=synthetic))
+    merged = summary_to_dataset(merge(summaries))
+    write_dataset(summary, merged.assign_attrs(synthetic=synthetic))
 
 
 run(summarise_frames)

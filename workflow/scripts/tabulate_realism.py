@@ -1,4 +1,4 @@
-"""The flight beside real Snow Radar material, measured where its folder is given, else as it was recorded."""
+"""The flight beside real Snow Radar, measured where its folder is given, else as recorded."""
 
 from pathlib import Path
 
@@ -20,13 +20,16 @@ def tabulate_realism(
     *, folder, reference, source, seed,
 ):  # fmt: skip
     settings = checked_settings(reference)
-    described = []
-    for frame, (echogram, picks) in enumerate(
-        progress(list(zip(echograms, layers, strict=True)), "realism")
-    ):
+    numbers = []
+    of_flight = []
+    frames = list(zip(echograms, layers, strict=True))
+    for frame, (echogram, picks) in enumerate(progress(frames, "realism")):
         noise = response_picture(settings.radar, rng=random_stream(seed, "tabulate_realism", frame))
-        described.append(sides.describe_frame(read_dataset(echogram), read_dataset(picks), noise))
-    numbers, of_flight = zip(*described, strict=True)
+        of_frame, crops_of_frame = sides.describe_frame(
+            read_dataset(echogram), read_dataset(picks), noise
+        )
+        numbers.append(of_frame)
+        of_flight.append(crops_of_frame)
     rng = random_stream(seed, "tabulate_realism")
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
     with SceneSet(train) as train_scenes, SceneSet(test) as test_scenes:

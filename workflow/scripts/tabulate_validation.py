@@ -1,4 +1,4 @@
-"""Distributions of the flight beside labels and renders, tests of normality, one line as a sum of layers."""
+"""Distributions of the flight beside labels and renders, tests of normality, sum of layers."""
 
 import pandas as pd
 from job import run
@@ -25,13 +25,13 @@ def tabulate_validation(
     write_table(superposition, validation.superposition(summary, flight))
     write_table(independence, validation.independence(summary, flight))
     # Quantiles of tracked peak power beside those of the Gamma law of as many looks.
-    quantiles = {
-        "probability": "probability",
-        "gamma": "gamma_quantile",
-        "tracked": "tracked_power_quantile",
+    power = {
+        "probability": flight["probability"].values,
+        "gamma": flight["gamma_quantile"].values,
+        "tracked": flight["tracked_power_quantile"].values,
+        "n_looks": float(flight.attrs["n_looks"]),
     }
-    power = pd.DataFrame({column: flight[name].values for column, name in quantiles.items()})
-    write_table(tracked_power, power.assign(n_looks=float(flight.attrs["n_looks"])))
+    write_table(tracked_power, pd.DataFrame(power))
 
 
 run(tabulate_validation)

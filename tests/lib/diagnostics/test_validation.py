@@ -1,4 +1,4 @@
-"""Tests of normality are calibrated; tables hold what the flight holds; one line is the sum of its layers."""
+"""Tests of normality are calibrated; tables hold what the flight holds; a line is its layers."""
 
 import numpy as np
 import pandas as pd
@@ -22,10 +22,12 @@ def test_published_critical_values_have_their_probabilities():
     # samples.
     values = np.random.default_rng(0).standard_normal(100)
     distance, _ = lilliefors(values)
-    for modified, probability in ((0.775, 0.15), (0.819, 0.10), (0.895, 0.05), (1.035, 0.01)):
+    for modified, probability in {0.775: 0.15, 0.819: 0.10, 0.895: 0.05, 1.035: 0.01}.items():
         # The number of values at which this distance stands at the critical value.
-        n = ((modified / distance + np.sqrt((modified / distance) ** 2 - 4 * 0.84)) / 2) ** 2
-        assert abs(lilliefors(values, n)[1] - probability) < 0.1 * probability + 0.003
+        ratio = modified / distance
+        n = ((ratio + np.sqrt(ratio**2 - 4 * 0.84)) / 2) ** 2
+        _, p_value = lilliefors(values, n)
+        assert abs(p_value - probability) < 0.1 * probability + 0.003
 
 
 @pytest.mark.parametrize("n", [5, 20, 200])
@@ -36,8 +38,10 @@ def test_probabilities_of_gaussian_values_are_uniform(rng, n):
 
 
 def test_other_laws_are_distinguished_from_a_gaussian(rng):
-    assert lilliefors(rng.exponential(size=200))[1] < 0.001
-    assert lilliefors(rng.uniform(size=500))[1] < 0.01
+    _, of_exponential = lilliefors(rng.exponential(size=200))
+    assert of_exponential < 0.001
+    _, of_uniform = lilliefors(rng.uniform(size=500))
+    assert of_uniform < 0.01
     with pytest.raises(ValueError, match="4 values that differ, got 3"):
         lilliefors([1.0, 2, 3])
     with pytest.raises(ValueError, match="from 2 to 2"):
@@ -48,21 +52,19 @@ def red_thickness(rng, n_blocks=40, n_slabs=12, power=1.0):
     """Thickness with long undulations; `power` bends it away from a Gaussian."""
     wavenumber = np.fft.rfftfreq(256)
     shape = np.sqrt(1 / (1 + (wavenumber / 0.01) ** 2))
-    normal = rng.standard_normal((2, n_blocks, n_slabs, 129))
-    series = np.fft.irfft((normal[0] + 1j * normal[1]) * shape, 256)
+    real, imaginary = rng.standard_normal((2, n_blocks, n_slabs, 129))
+    series = np.fft.irfft((real + 1j * imaginary) * shape, 256)
     series /= series.std()
     bent = np.sign(series) * np.abs(series) ** power
-    level = rng.uniform(30, 50, (n_blocks, 1, 1)) * (
-        1 + 0.05 * rng.standard_normal((1, n_slabs, 1))
-    )
-    means = level * (1 + 0.02 * rng.standard_normal((n_blocks, n_slabs, 1)))
-    return means + 2 * bent
+    level = rng.uniform(30, 50, (n_blocks, 1, 1))
+    of_slab = 1 + 0.05 * rng.standard_normal((1, n_slabs, 1))
+    of_block = 1 + 0.02 * rng.standard_normal((n_blocks, n_slabs, 1))
+    return level * of_slab * of_block + 2 * bent
 
 
-def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not_and_another_law_fails(
-    rng,
-):
-    rows = pd.DataFrame(thickness_tests(red_thickness(rng), [30.0, 40, 50], rng=rng))
+def test_correlated_gaussian_thickness_passes_where_counting_lines_does_not_and_others_fail(rng):
+    edges = [30.0, 40, 50]
+    rows = pd.DataFrame(thickness_tests(red_thickness(rng), edges, rng=rng))
     undulation = rows[rows["of"] == "undulation"]
     assert (undulation["p_value"] < 0.01).mean() > 0.3
     # 24 probabilities of multiples of 1 / 200: within 1.63 / sqrt(24) = 0.33 of the diagonal.
@@ -72,8 +74,9 @@ def test_correlated_gaussian_thickness_passes_where_counting_every_line_does_not
     assert set(means["slab"]) == set(range(1, 12))
     assert kstest(means["p_value_correlated"], "uniform").statistic < 0.34
     assert (means["n_effective"] <= means["n"]).all()
-    rows = pd.DataFrame(thickness_tests(red_thickness(rng, power=4.0), [30.0, 40, 50], rng=rng))
-    assert (rows.loc[rows["of"] == "undulation", "p_value_correlated"] < 0.05).mean() > 0.8
+    rows = pd.DataFrame(thickness_tests(red_thickness(rng, power=4.0), edges, rng=rng))
+    p_values = rows.loc[rows["of"] == "undulation", "p_value_correlated"]
+    assert (p_values < 0.05).mean() > 0.8
 
 
 def test_level_slabs_and_zones_without_blocks_have_no_test(rng):
@@ -94,26 +97,27 @@ def summary(flight):
 def test_tables_count_every_line_and_block_once(summary, rng):
     fitted = statistics.estimate(summary)
     layers = pd.DataFrame({"n_layers": [5, 6], "n_scenes": [3, 7]})
-    histograms = pd.DataFrame(
-        {"zone": [0, 3], "slab": [0, -1], "low_bins": [500, 41], "n": [256, 1]}
-    )
-    tables = validate(
-        summary, fitted, fitted, (layers, histograms), fitted["zone_edge_bins"], rng=rng
-    )
+    of_labels = [(0, 0, 500, 256), (3, -1, 41, 1)]
+    histograms = pd.DataFrame(of_labels, columns=["zone", "slab", "low_bins", "n"])
+    labels = (layers, histograms)
+    tables = validate(summary, fitted, fitted, labels, fitted["zone_edge_bins"], rng=rng)
     thickness = tables["thickness"]
-    counts = thickness[thickness["slab"] >= 0].groupby("slab")["n_observed"].sum()
+    of_slabs = thickness[thickness["slab"] >= 0]
+    counts = of_slabs.groupby("slab")["n_observed"].sum()
     assert counts.to_dict() == dict.fromkeys(range(4), 4 * 256)
     assert thickness.loc[thickness["slab"] == -1, "n_observed"].sum() == 4
     assert thickness.loc[thickness["low_bins"] == 500, "n_synthetic"].to_list() == [256]
     first = thickness[thickness["slab"] == 0]
-    mean = (first["n_observed"] * (first["low_bins"] + 0.5)).sum() / first["n_observed"].sum()
-    observed = np.mean([np.diff(frame.depth_bins, axis=0)[0].mean() for frame in summary])
+    mean = np.average(first["low_bins"] + 0.5, weights=first["n_observed"])
+    by_frame = [(frame.depth_bins[1] - frame.depth_bins[0]).mean() for frame in summary]
+    observed = np.mean(by_frame)
     # Bins of one: thickness is even within them to a few hundredths.
     assert_allclose(mean, observed, atol=0.1)
-    numbers = tables["distributions"].groupby("quantity")[["n_observed", "n_synthetic"]].sum()
+    distributions = tables["distributions"]
+    numbers = distributions.groupby("quantity")[["n_observed", "n_synthetic"]].sum()
     assert numbers.loc["n_layers"].to_list() == [4, 10]
     assert numbers.loc["width_bins", "n_observed"] == numbers.loc["width_bins", "n_synthetic"] > 0
-    held = tables["distributions"].query("quantity == 'n_layers' and n_observed > 0")
+    held = distributions.query("quantity == 'n_layers' and n_observed > 0")
     assert held[["low", "high"]].to_numpy().tolist() == [[3.5, 4.5]]
     assert set(tables["tests"]["of"]) <= {"relative block mean", "undulation"}
 
@@ -124,11 +128,13 @@ def test_a_line_is_the_sum_of_its_layers(summary, estimator):
     line = superposition(summary, fitted)
     alone = line.filter(like="layer_")
     assert alone.shape[1] == 5
-    assert_allclose(alone.sum(axis=1) + float(fitted["noise_power"]), line["model"], rtol=1e-12)
+    total = alone.sum(axis=1) + float(fitted["noise_power"])
+    assert_allclose(total, line["model"], rtol=1e-12)
     assert np.isfinite(line.to_numpy()).all()
     if estimator == "deblended":
         # 20 lines of 100 looks scatter by 2.2 %, and the surface moves within the group.
-        ratio = (line["observed"] / line["model"])[line["row"].between(-5, 180)]
+        inner = line[line["row"].between(-5, 180)]
+        ratio = inner["observed"] / inner["model"]
         assert abs(ratio.mean() - 1) < 0.01
         assert ratio.std() < 0.05
 
@@ -145,11 +151,12 @@ def test_a_planted_misfit_and_planted_looks_come_back_by_layer(flight):
     summary = statistics.merge(statistics.summarise(*frame) for frame in flight)
     fitted = statistics.fit(flight)
     found = independence(summary, fitted).set_index("layer")
-    assert (
-        np.abs(found["looks"] - fitted.attrs["n_looks"]) < 4 * found["looks_standard_error"]
-    ).all()
+    off = np.abs(found["looks"] - fitted.attrs["n_looks"])
+    assert (off < 4 * found["looks_standard_error"]).all()
     # 1.36 / sqrt(n) is exceeded once in 20 by n independent values; the mean taken out of 20 lines
     # leaves less.
-    assert (found["gamma_distance"] < 2 / np.sqrt(19 * found["n_groups"])).all()
+    most = 2 / np.sqrt(19 * found["n_groups"])
+    assert (found["gamma_distance"] < most).all()
     bent = fitted.assign(mean_waveform=fitted["model_waveform"] * 10**0.2)
-    assert_allclose(independence(summary, bent)["waveform_rms_db"], 2, rtol=1e-9)
+    of_bent = independence(summary, bent)
+    assert_allclose(of_bent["waveform_rms_db"], 2, rtol=1e-9)

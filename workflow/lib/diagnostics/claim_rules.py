@@ -5,7 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-CONFIRMED, CONTRADICTED, OPEN, MISSING = "confirmed", "contradicted", "not resolved", "no table"
+CONFIRMED = "confirmed"
+CONTRADICTED = "contradicted"
+OPEN = "not resolved"
+MISSING = "no table"
 
 
 @dataclass(frozen=True)
@@ -32,25 +35,27 @@ def all_of(outcomes):
     """Outcome of a claim that needs every one of several: contradicted by one, confirmed by all."""
     if CONTRADICTED in outcomes:
         return CONTRADICTED
-    return CONFIRMED if set(outcomes) == {CONFIRMED} else OPEN
+    return OPEN if OPEN in outcomes else CONFIRMED
 
 
 def paired_outcome(differences, unit=""):
-    """Outcome of the claim of a positive mean difference, and its numbers as text, from differences scene by scene."""
+    """Outcome of the claim of a positive mean difference by scene, and its numbers as text."""
     mean, low, high = mean_interval(differences)
-    n = np.isfinite(np.asarray(differences, dtype=float)).sum()
-    text = f"{signed(mean)} [{signed(low)}, {signed(high)}]{unit and ' ' + unit}, {n} scenes"
-    return (OPEN if not np.isfinite(low) else side_of_zero(low, high)), text
+    n_scenes = np.isfinite(differences).sum()
+    unit = unit and f" {unit}"
+    text = f"{signed(mean)} [{signed(low)}, {signed(high)}]{unit}, {n_scenes} scenes"
+    return side_of_zero(low, high), text
 
 
-def mean_interval(values, level=0.95):
-    """Mean of the finite values and the ends of its Student t interval; NaN ends from fewer than two values."""
+def mean_interval(values):
+    """Mean of the finite values and the ends of its 95 % Student t interval; NaN ends below two."""
     values = np.asarray(values, dtype=float)
     values = values[np.isfinite(values)]
     if values.size < 2:
         return (values[0] if values.size else np.nan), np.nan, np.nan
     mean = values.mean()
-    half = stats.t.ppf(0.5 + level / 2, values.size - 1) * values.std(ddof=1) / np.sqrt(values.size)
+    quantile = stats.t.ppf(0.975, values.size - 1)
+    half = quantile * values.std(ddof=1) / np.sqrt(values.size)
     return mean, mean - half, mean + half
 
 

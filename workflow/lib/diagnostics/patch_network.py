@@ -1,4 +1,6 @@
-"""A small network that tells patches of two kinds from each other, the same to the bit for the same seed."""
+"""A small network that tells patches of two kinds apart, to the bit the same for a seed."""
+
+import math
 
 import numpy as np
 import torch
@@ -6,24 +8,30 @@ from torch import nn
 
 from snowsim.patches import to_signed
 
-WIDTH, BATCH_SIZE, LEARNING_RATE, WEIGHT_DECAY = 8, 64, 1e-2, 1e-2
+WIDTH = 8
+BATCH_SIZE = 64
+LEARNING_RATE = 1e-2
+WEIGHT_DECAY = 1e-2
 N_CLASSIFIED = 512  # patches at once
 
 
 def patch_network():
     """Three strided convolutions with batch normalisation, a mean over the patch, one logit."""
-    layers, n_in = [], 1
+    layers = []
+    n_in = 1
     for n_out, size in ((WIDTH, 5), (2 * WIDTH, 3), (4 * WIDTH, 3)):
-        convolution = nn.Conv2d(n_in, n_out, size, stride=2, padding=size // 2, bias=False)
-        layers += [convolution, nn.BatchNorm2d(n_out), nn.ReLU()]
+        layers.append(nn.Conv2d(n_in, n_out, size, stride=2, padding=size // 2, bias=False))
+        layers.append(nn.BatchNorm2d(n_out))
+        layers.append(nn.ReLU())
         n_in = n_out
     return nn.Sequential(*layers, nn.AdaptiveAvgPool2d(1), nn.Flatten(), nn.Linear(n_in, 1))
 
 
 def fit_network(patches, truth, *, n_steps, rng):
-    """Train on patches of uint8 (patch, range_bin, range_line) and truth of bool; gives a function to decisions.
+    """Train on patches of uint8 (patch, range_bin, range_line) and truth of bool.
 
-    AdamW with a one-cycle rate, patches in random order, flipped left to right half of the time.
+    Gives a function from patches to decisions. AdamW with a one-cycle rate, patches in random
+    order, flipped left to right half of the time.
     """
     torch.set_num_threads(1)
     with torch.random.fork_rng(devices=[]):
@@ -33,26 +41,24 @@ def fit_network(patches, truth, *, n_steps, rng):
         network.parameters(), lr=LEARNING_RATE, weight_decay=WEIGHT_DECAY, fused=True
     )
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, LEARNING_RATE, total_steps=n_steps)
-    order = np.concatenate(
-        [rng.permutation(len(truth)) for _ in range(-(-n_steps * BATCH_SIZE // len(truth)))]
-    )
+    n_epochs = math.ceil(n_steps * BATCH_SIZE / len(truth))
+    order = np.concatenate([rng.permutation(len(truth)) for _ in range(n_epochs)])
     network.train()
     for step in range(n_steps):
         chosen = order[step * BATCH_SIZE : (step + 1) * BATCH_SIZE]
-        batch = patches[chosen][:, :, :: rng.choice((1, -1))]
-        logits = network(to_signed(batch).contiguous(memory_format=torch.channels_last))[:, 0]
-        loss = nn.functional.binary_cross_entropy_with_logits(
-            logits, torch.from_numpy(truth[chosen]).float()
-        )
+        batch = to_signed(patches[chosen][:, :, :: rng.choice((1, -1))])
+        logits = network(batch.contiguous(memory_format=torch.channels_last))[:, 0]
+        target = torch.from_numpy(truth[chosen]).float()
+        loss = nn.functional.binary_cross_entropy_with_logits(logits, target)
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()
         schedule.step()
     network.eval()
 
+    @torch.no_grad()
     def decide(of):
-        with torch.no_grad():
-            parts = np.array_split(of, -(-len(of) // N_CLASSIFIED))
-            return np.concatenate([network(to_signed(part))[:, 0].numpy() > 0 for part in parts])
+        parts = np.array_split(of, math.ceil(len(of) / N_CLASSIFIED))
+        return np.concatenate([network(to_signed(part))[:, 0].numpy() > 0 for part in parts])
 
     return decide

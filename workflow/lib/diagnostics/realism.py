@@ -1,4 +1,4 @@
-"""What echograms measure, by one set of functions for frames of the flight and for pictures of real Snow Radar.
+"""What echograms measure, by the same functions for the flight and for pictures of real Snow Radar.
 
 Every function takes a `Picture`, or means over 100 m in decibels, and gives numbers by quantity.
 """
@@ -10,23 +10,29 @@ from lib.diagnostics.pictures import BINS_PER_ROW, PRODUCT_ROW_S
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
 
-TOP_BINS, STAGES_BINS, DEEP_BINS = (
-    (50, 650),
-    ((50, 800), (800, 2000)),
-    (2000, 4000),
-)  # below the surface
+# Below the surface.
+TOP_BINS = (50, 650)
+FIRST_STAGE_BINS = np.array([50, 800])
+SECOND_STAGE_BINS = np.array([800, 2000])
+DEEP_BINS = (2000, 4000)
 # The length of a bin of the Greenland frames is not known: from that of the products of 2016 to
 # that of 2012 [m].
 BIN_AIR_M = (PRODUCT_ROW_S * SPEED_OF_LIGHT_M_S / 2, 2.886e-10 * SPEED_OF_LIGHT_M_S / 2)
 PROMINENCE_DB = 0.3  # least of a peak of the mean profile
-SHIFT_ROWS, MOST_SHIFT = 12, 4  # [rows of 16.3 bins] of a window whose shift is sought, and how far
-COLUMN_LAGS, ROW_LAGS = (1, 2, 3, 5, 10), (1, 2, 3)
-AIR_LAGS, SNOW_LAGS = (1, 2, 3, 5, 10), (1, 2, 3, 5, 10, 50)  # [range lines]
+SHIFT_ROWS = 12  # of a window whose shift is sought [rows of 16.3 bins]
+MOST_SHIFT = 4  # how far [rows]
+COLUMN_LAGS = (1, 2, 3, 5, 10)
+ROW_LAGS = (1, 2, 3)
+AIR_LAGS = (1, 2, 3, 5, 10)  # [range lines]
+SNOW_LAGS = (1, 2, 3, 5, 10, 50)
 DELAYS_NS = (0.1, 0.2, 0.3, 0.4, 0.5)
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 SLOW_LINES = 31  # what is slower is no change from range line to range line
-SIDELOBE_NS, SMOOTH_NS = (2, 4, 6), 1.0
-SNOW_NS, SNOW_WINDOW_NS, SNOW_OVER_NOISE_DB = (5, 30), 5, 6
+SIDELOBE_NS = (2, 4, 6)
+SMOOTH_NS = 1.0
+SNOW_NS = np.array([5, 30])
+SNOW_WINDOW_NS = 5
+SNOW_OVER_NOISE_DB = 6
 KNOWN_SHARE = 0.8  # least of a row's range lines
 LOOKED_LINES = 11  # a simulator's pixels are means of 55 looks, 11 range lines of 5
 
@@ -37,7 +43,10 @@ def named(name, keys, values):
 
 
 def correlation(deviation, lags, *, axis):
-    """Autocorrelation at lags [pixels] along an axis of a deviation from a mean, NaN left out, (lag,)."""
+    """Autocorrelation of a deviation from a mean at lags [pixels] along an axis, (lag,).
+
+    NaN is left out.
+    """
     along = np.moveaxis(deviation, axis, 0)
     pairs = [np.nanmean(along[: len(along) - lag] * along[lag:]) for lag in lags]
     return np.array(pairs) / np.nanmean(along**2)
@@ -45,109 +54,114 @@ def correlation(deviation, lags, *, axis):
 
 def rows_between(means, bins):
     """Rows of 100 m means between two limits below the surface [bins]."""
-    return means[slice(*(int(limit / BINS_PER_ROW) for limit in bins))]
+    first, end = (int(limit / BINS_PER_ROW) for limit in bins)
+    return means[first:end]
+
+
+def trend(values, degree):
+    """A polynomial fitted to a profile down the rows."""
+    rows = np.arange(len(values))
+    return np.polyval(np.polyfit(rows, values, degree), rows)
 
 
 def describe_decay(means, bin_air_m):
-    """Decay of 100 m means with depth [dB per m of air] for bins of a length in air [m]; NaN beyond the data.
+    """Decay of 100 m means with depth [dB per m of air], bins of a length in air [m].
 
-    Limits of the two stages are depths, those of bins of the real frames if these are as short as
-    in 2016.
+    NaN beyond the data. Limits of the two stages are depths, those of bins of the real frames if
+    these are as short as in 2016.
     """
 
     def decay(bins):
         rows = rows_between(means, bins)
-        if len(rows) * BINS_PER_ROW < 0.9 * (bins[1] - bins[0]) or not np.isfinite(rows).all():
+        too_few = len(rows) * BINS_PER_ROW < 0.9 * (bins[1] - bins[0])
+        if too_few or not np.isfinite(rows).all():
             return np.nan
-        return np.polyfit(np.arange(len(rows)) * BINS_PER_ROW * bin_air_m, rows.mean(axis=1), 1)[0]
+        depth_m = np.arange(len(rows)) * BINS_PER_ROW * bin_air_m
+        slope, _ = np.polyfit(depth_m, rows.mean(axis=1), 1)
+        return slope
 
-    stages = [decay(np.array(bins) * BIN_AIR_M[0] / bin_air_m) for bins in STAGES_BINS]
+    first = decay(FIRST_STAGE_BINS * BIN_AIR_M[0] / bin_air_m)
+    second = decay(SECOND_STAGE_BINS * BIN_AIR_M[0] / bin_air_m)
     return {
         "Greenland, decay of bins 50 to 650": decay(TOP_BINS),
-        "Greenland, decay of the second stage": stages[1],
-        "Greenland, ratio of the two stages of decay": stages[0] / stages[1],
+        "Greenland, decay of the second stage": second,
+        "Greenland, ratio of the two stages of decay": first / second,
         "Greenland, decay of bins 2000 to 4000": decay(DEEP_BINS),
     }
 
 
 def describe_means(means):
-    """Texture of 100 m means less their cubic fall, peaks of their mean profile, and how smooth layers are."""
+    """Texture of 100 m means less their cubic fall, peaks of the mean profile, shift of layers."""
     rows = rows_between(means, TOP_BINS)
-    depth_rows = np.arange(len(rows))
-    texture = rows - np.polyval(np.polyfit(depth_rows, rows.mean(axis=1), 3), depth_rows)[:, None]
-    prominence = find_peaks(texture.mean(axis=1), prominence=PROMINENCE_DB)[1]["prominences"]
-    along, down = (
-        correlation(texture, lags, axis=axis) for lags, axis in ((COLUMN_LAGS, 1), (ROW_LAGS, 0))
-    )
+    texture = rows - trend(rows.mean(axis=1), 3)[:, None]
+    _, peaks = find_peaks(texture.mean(axis=1), prominence=PROMINENCE_DB)
+    prominence = peaks["prominences"]
     metres = [100 * lag for lag in COLUMN_LAGS]
-    return {
-        "Greenland, texture s.d.": texture.std(),
-        **named("Greenland, autocorrelation along track at * m", metres, along),
-        **named("Greenland, autocorrelation down at * rows", ROW_LAGS, down),
-        "Greenland, peaks": 1e3 * prominence.size / (TOP_BINS[1] - TOP_BINS[0]),
-        "Greenland, prominence of peaks, median": np.median(prominence) if prominence.size else 0,
-        "Greenland, prominence of peaks, largest": prominence.max(initial=0),
-        **named(
-            "Greenland, shift of layers at * m",
-            metres,
-            [shift_bins(texture, lag) for lag in COLUMN_LAGS],
-        ),
-    }
+    along = correlation(texture, COLUMN_LAGS, axis=1)
+    down = correlation(texture, ROW_LAGS, axis=0)
+    shifts = [shift_bins(texture, lag) for lag in COLUMN_LAGS]
+    numbers = {"Greenland, texture s.d.": texture.std()}
+    numbers |= named("Greenland, autocorrelation along track at * m", metres, along)
+    numbers |= named("Greenland, autocorrelation down at * rows", ROW_LAGS, down)
+    first, end = TOP_BINS
+    numbers["Greenland, peaks"] = 1e3 * prominence.size / (end - first)
+    median = np.median(prominence) if prominence.size else 0
+    numbers["Greenland, prominence of peaks, median"] = median
+    numbers["Greenland, prominence of peaks, largest"] = prominence.max(initial=0)
+    numbers |= named("Greenland, shift of layers at * m", metres, shifts)
+    return numbers
 
 
 def shift_bins(texture, lag):
-    """Median shift between columns at a lag [bins], sizes alone: where windows of 12 rows are most alike."""
+    """Median shift between columns at a lag [bins], sizes alone: where windows are most alike."""
     shifts = []
-    for window in (
-        texture[i : i + SHIFT_ROWS] for i in range(0, len(texture) - SHIFT_ROWS + 1, SHIFT_ROWS)
-    ):
-        window = window - window.mean(axis=0)
-        for one, other in zip(window.T[:-lag], window.T[lag:], strict=True):
-            alike = np.correlate(one, other, "full")[
-                SHIFT_ROWS - 1 - MOST_SHIFT : SHIFT_ROWS + MOST_SHIFT
-            ]
+    for first in range(0, len(texture) - SHIFT_ROWS + 1, SHIFT_ROWS):
+        window = texture[first : first + SHIFT_ROWS]
+        columns = (window - window.mean(axis=0)).T
+        for one, other in zip(columns[:-lag], columns[lag:], strict=True):
+            alike = np.correlate(one, other, "full")
+            alike = alike[SHIFT_ROWS - 1 - MOST_SHIFT : SHIFT_ROWS + MOST_SHIFT]
             best = int(np.argmax(alike))
             if 0 < best < 2 * MOST_SHIFT:  # no peak at an end of the reach
                 left, middle, right = alike[best - 1 : best + 2]
-                shifts.append(
-                    best - MOST_SHIFT + 0.5 * (left - right) / (left - 2 * middle + right)
-                )
+                away = 0.5 * (left - right) / (left - 2 * middle + right)
+                shifts.append(best - MOST_SHIFT + away)
     return BINS_PER_ROW * np.median(np.abs(shifts)) if shifts else np.nan
 
 
 def describe_air(picture):
-    """Noise: its distribution in decibels, along track, and what range lines and rows differ by beyond speckle."""
+    """Noise: its distribution [dB], along track, and what lines and rows share beyond speckle."""
     air = picture.power_db[picture.air]
-    air = air[:, np.isfinite(air).mean(axis=0) > KNOWN_SHARE]
+    known = np.isfinite(air).mean(axis=0) > KNOWN_SHARE
+    air = air[:, known]
     deviation = air - np.nanmean(air)
     power = 10 ** (air / 10)
-    return {
+    percentiles = np.nanpercentile(deviation, PERCENTILES)
+    along = correlation(deviation, AIR_LAGS, axis=1)
+    numbers = {
         "air, s.d.": np.nanstd(air),
         "air, looks": np.nanmean(power) ** 2 / np.nanvar(power),
         "air, gain from line to line": common_sd(air, axis=0, slow=SLOW_LINES),
         "air, power from row to row": common_sd(air, axis=1),
-        **named("air, percentile *", PERCENTILES, np.nanpercentile(deviation, PERCENTILES)),
-        **named(
-            "air, autocorrelation along track at * lines",
-            AIR_LAGS,
-            correlation(deviation, AIR_LAGS, axis=1),
-        ),
     }
+    numbers |= named("air, percentile *", PERCENTILES, percentiles)
+    return numbers | named("air, autocorrelation along track at * lines", AIR_LAGS, along)
 
 
 def common_sd(image, *, axis, slow=None):
-    """Standard deviation [dB] of what means of both halves along an axis share: speckle, independent, drops out.
+    """Standard deviation [dB] of what means of both halves along an axis share.
 
-    What changes over more than `slow` pixels is taken out first.
+    Speckle is independent and drops out. What changes over more than `slow` pixels is taken out
+    first.
     """
-    means = [np.nanmean(half, axis=axis) for half in np.array_split(image, 2, axis=axis)]
-    if slow:
-        kernel = np.full(slow, 1 / slow)
-        means = [
-            mean - np.convolve(np.pad(mean, slow // 2, mode="edge"), kernel, "valid")
-            for mean in means
-        ]
-    one, other = (mean - mean.mean() for mean in means)
+    deviations = []
+    for half in np.array_split(image, 2, axis=axis):
+        mean = np.nanmean(half, axis=axis)
+        if slow:
+            padded = np.pad(mean, slow // 2, mode="edge")
+            mean = mean - np.convolve(padded, np.full(slow, 1 / slow), "valid")
+        deviations.append(mean - mean.mean())
+    one, other = deviations
     return np.sqrt(max(0, np.mean(one * other)))
 
 
@@ -155,72 +169,80 @@ def describe_response(picture):
     """Autocorrelation of noise down range at equal delays, between rows on a straight line."""
     air = picture.power_db[picture.air]
     n_lags = int(max(DELAYS_NS) * 1e-9 / picture.row_s) + 2
+    lag_ns = np.arange(n_lags) * picture.row_s * 1e9
     found = correlation(air - np.nanmean(air), range(n_lags), axis=0)
-    values = np.interp(DELAYS_NS, np.arange(n_lags) * picture.row_s * 1e9, found)
+    values = np.interp(DELAYS_NS, lag_ns, found)
     return named("air, autocorrelation down at * ns", DELAYS_NS, values)
 
 
 def describe_sidelobes(picture):
-    """Power before the surface relative to it, noise taken off [dB]; nothing where the surface is rough.
+    """Power before the surface relative to it, noise taken off [dB].
 
-    Ridges within the footprint come before the nadir point and are no sidelobes.
+    Nothing where the surface is rough: ridges within the footprint come before the nadir point and
+    are no sidelobes.
     """
     row_ns = picture.row_s * 1e9
     if np.std(np.diff(picture.surface_row)) * row_ns > SMOOTH_NS:
         return {}
-    first = -int(max(SIDELOBE_NS) / row_ns) - 1
-    power = np.nanmean(10 ** (picture.below_surface(first, 1) / 10), axis=1) - picture.noise()
-    values = np.interp(
-        SIDELOBE_NS, -row_ns * np.arange(first, 1)[::-1], np.maximum(power / power[-1], 0)[::-1]
-    )
-    return named("sidelobes, level before the surface at * ns", SIDELOBE_NS, to_db(values))
+    n_before = int(max(SIDELOBE_NS) / row_ns) + 1
+    power = 10 ** (picture.below_surface(-n_before, 1) / 10)
+    power = np.nanmean(power, axis=1) - picture.noise()
+    upwards = np.maximum(power / power[-1], 0)[::-1]
+    before_ns = row_ns * np.arange(n_before + 1)
+    levels = to_db(np.interp(SIDELOBE_NS, before_ns, upwards))
+    return named("sidelobes, level before the surface at * ns", SIDELOBE_NS, levels)
 
 
 def homogeneous_snow(picture):
-    """The stretch of 5 ns whose mean profile is nearest to a straight line, well above noise, (row, range_line).
+    """The stretch of 5 ns whose mean profile is nearest to a straight line, (row, range_line).
 
-    None where there is no such stretch.
+    It lies well above noise; None where there is no such stretch.
     """
-    first, end, length = (round(ns * 1e-9 / picture.row_s) for ns in (*SNOW_NS, SNOW_WINDOW_NS))
+    first, end = (round(ns * 1e-9 / picture.row_s) for ns in SNOW_NS)
+    length = round(SNOW_WINDOW_NS * 1e-9 / picture.row_s)
     below = picture.below_surface(first, end)
     # Not where picks are drawn over much of a row, or the picture ends for many range lines.
-    below = below[np.isfinite(below).mean(axis=1) > KNOWN_SHARE]
+    known = np.isfinite(below).mean(axis=1) > KNOWN_SHARE
+    below = below[known]
     level = to_db(np.nanmean(10 ** (below / 10), axis=1))
-    best, least, rows = None, np.inf, np.arange(length)
+    floor_db = to_db(picture.noise()) + SNOW_OVER_NOISE_DB
+    best = None
+    least = np.inf
     for start in range(0, len(below) - length + 1, max(1, length // 5)):
         profile = level[start : start + length]
-        uneven = np.std(profile - np.polyval(np.polyfit(rows, profile, 1), rows))
-        if uneven < least and profile.min() > to_db(picture.noise()) + SNOW_OVER_NOISE_DB:
-            best, least = below[start : start + length], uneven
+        uneven = np.std(profile - trend(profile, 1))
+        if uneven < least and profile.min() > floor_db:
+            best = below[start : start + length]
+            least = uneven
     return best
 
 
 def describe_snow(picture):
-    """Speckle and texture of homogeneous snow about the mean of every row; nothing where all of it is near noise."""
+    """Speckle and texture of homogeneous snow about the mean of every row, if there is any."""
     snow = homogeneous_snow(picture)
     if snow is None:
         return {}
     deviation = snow - np.nanmean(snow, axis=1, keepdims=True)
     along = correlation(deviation, SNOW_LAGS, axis=1)
-    return {
-        "snow, s.d.": np.nanstd(deviation),
-        **named("snow, autocorrelation along track at * lines", SNOW_LAGS, along),
-    }
+    numbers = {"snow, s.d.": np.nanstd(deviation)}
+    return numbers | named("snow, autocorrelation along track at * lines", SNOW_LAGS, along)
 
 
 def layer_power_correlation(power, layer_bins):
-    """Correlation from one to the next of a layer's power averaged over 11 range lines [dB], all layers pooled."""
-    rows = np.rint(np.nan_to_num(layer_bins[1:])).astype(int)
-    tracked = np.where(np.isfinite(layer_bins[1:]), np.take_along_axis(power, rows, axis=0), np.nan)
-    n_means = tracked.shape[1] // LOOKED_LINES
-    means = to_db(
-        tracked[:, : n_means * LOOKED_LINES]
-        .reshape(len(tracked), n_means, LOOKED_LINES)
-        .mean(axis=2)
-    )
+    """Correlation from one to the next of a layer's power averaged over 11 range lines [dB].
+
+    All layers below the surface are pooled.
+    """
+    layer_bins = layer_bins[1:]
+    rows = np.rint(np.nan_to_num(layer_bins)).astype(int)
+    at_layers = np.take_along_axis(power, rows, axis=0)
+    tracked = np.where(np.isfinite(layer_bins), at_layers, np.nan)
+    n_layers, n_lines = tracked.shape
+    n_means = n_lines // LOOKED_LINES
+    in_groups = tracked[:, : n_means * LOOKED_LINES].reshape(n_layers, n_means, LOOKED_LINES)
+    means = to_db(in_groups.mean(axis=2))
     known = means[np.isfinite(means).mean(axis=1) > 0.5]
-    return (
-        correlation(known - np.nanmean(known, axis=1, keepdims=True), (1,), axis=1)[0]
-        if known.size
-        else np.nan
-    )
+    if known.size == 0:
+        return np.nan
+    deviation = known - np.nanmean(known, axis=1, keepdims=True)
+    return correlation(deviation, (1,), axis=1)[0]

@@ -1,4 +1,4 @@
-"""The table of realism: the flight beside real material and printed figures, and how many rows agree.
+"""The table of realism: the flight beside real material and printed figures; how many rows agree.
 
 A row agrees where flight and real material differ by no more than real frames or cores differ from
 each other on average, or than the bootstrap interval of the flight, whichever is larger.
@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 
 N_BOOTSTRAP = 500
-COLUMNS = "quantity unit value low high real_low real_high real_frames difference tolerated comparable agrees reason source"
 
 
 def interval(units, statistic=np.nanmedian, *, rng):
@@ -20,10 +19,9 @@ def interval(units, statistic=np.nanmedian, *, rng):
     if np.isnan(value):
         return np.nan, np.nan, np.nan
     draws = rng.integers(len(units), size=(N_BOOTSTRAP, len(units)))
-    return (
-        value,
-        *np.nanpercentile([statistic([units[i] for i in draw]) for draw in draws], [2.5, 97.5]),
-    )
+    redrawn = [statistic([units[i] for i in draw]) for draw in draws]
+    low, high = np.nanpercentile(redrawn, [2.5, 97.5])
+    return value, low, high
 
 
 def realism_table(flight, real, known):
@@ -32,37 +30,64 @@ def realism_table(flight, real, known):
     `flight`: value, lowest and highest of its interval by quantity; `real`: a table of quantity,
     frame, value; `known`: what realism_rows.yaml says of quantities.
     """
+    quantities = dict.fromkeys([*flight, *real["quantity"], *known["printed"]])
     rows = []
-    for quantity in dict.fromkeys([*flight, *real["quantity"], *known["printed"]]):
-        value, low, high = flight.get(quantity, (np.nan,) * 3)
-        group = real[real["quantity"] == quantity].dropna()
-        frames = "; ".join(f"{row.frame}: {row.value:.3g}" for row in group.itertuples())
-        row = known["printed"].get(quantity)
-        row = row or next(
-            row for begin, row in known["measured"].items() if quantity.startswith(begin)
-        )
-        values = row.get("values", group["value"].tolist())
-        reason = row.get("reason", "")
-        if not reason and not (np.isfinite(value) and values):
-            reason = f"no such value in the {'flight' if values else 'real frames'}"
-        ends = (min(values), max(values)) if values else (np.nan, np.nan)
-        difference, tolerated = (
-            compare(value, high - low, values) if not reason else (np.nan, np.nan)
-        )
-        agrees = "" if reason else "yes" if abs(difference) <= tolerated else "no"
-        source = known["sources"][row["source"]]
-        compared = (difference, tolerated, not reason, agrees, reason)
-        rows.append([quantity, row["unit"], value, low, high, *ends, frames, *compared, source])
-    return pd.DataFrame(rows, columns=COLUMNS.split())
+    for quantity in quantities:
+        about = about_quantity(quantity, known)
+        of_real = real[real["quantity"] == quantity].dropna()
+        value, low, high = flight.get(quantity, (np.nan, np.nan, np.nan))
+        values = about.get("values", of_real["value"].tolist())
+        frames = [f"{frame.frame}: {frame.value:.3g}" for frame in of_real.itertuples()]
+        reason = about.get("reason", "")
+        if not reason and not values:
+            reason = "no such value in the real frames"
+        if not reason and not np.isfinite(value):
+            reason = "no such value in the flight"
+        difference = tolerated = np.nan
+        agrees = ""
+        if not reason:
+            difference, tolerated = compare(value, high - low, values)
+            agrees = "yes" if abs(difference) <= tolerated else "no"
+        row = {
+            "quantity": quantity,
+            "unit": about["unit"],
+            "value": value,
+            "low": low,
+            "high": high,
+            "real_low": min(values, default=np.nan),
+            "real_high": max(values, default=np.nan),
+            "real_frames": "; ".join(frames),
+            "difference": difference,
+            "tolerated": tolerated,
+            "comparable": not reason,
+            "agrees": agrees,
+            "reason": reason,
+            "source": known["sources"][about["source"]],
+        }
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def about_quantity(quantity, known):
+    """What realism_rows.yaml says of a quantity: of its name, else of the beginning of its name."""
+    if quantity in known["printed"]:
+        return known["printed"][quantity]
+    return next(row for begin, row in known["measured"].items() if quantity.startswith(begin))
 
 
 def compare(value, width, values):
-    """Difference of a value from the median of real ones, and what is tolerated: their own, or an interval's width."""
+    """Difference of a value from the median of real ones, and what is tolerated.
+
+    That is their own mean difference, or an interval's width.
+    """
     differences = [abs(one - other) for one, other in combinations(values, 2)]
-    return value - np.median(values), max(np.mean(differences) if differences else 0, width)
+    typical = np.mean(differences) if differences else 0
+    return value - np.median(values), max(typical, width)
 
 
 def summary(table):
-    """One line: how many rows have both numbers and can be held against each other, and how many agree."""
-    comparable, agreeing = table["comparable"].sum(), (table["agrees"] == "yes").sum()
-    return f"{comparable} quantities comparable, {agreeing} agree ({agreeing / max(1, comparable):.0%})"
+    """One line: how many rows have both numbers and can be compared, and how many agree."""
+    n_comparable = table["comparable"].sum()
+    n_agreeing = (table["agrees"] == "yes").sum()
+    share = n_agreeing / max(1, n_comparable)
+    return f"{n_comparable} quantities comparable, {n_agreeing} agree ({share:.0%})"

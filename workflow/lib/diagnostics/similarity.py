@@ -1,4 +1,4 @@
-"""Why the similarity of renders is what it is: parts of the error, the best that speckle allows, cost of faults."""
+"""Why the similarity of renders is what it is: parts of the error, its bound, cost of faults."""
 
 import dataclasses
 
@@ -9,9 +9,8 @@ from scipy.ndimage import gaussian_filter1d
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR
 from snowsim.metrics.image import similarity
 
-SMOOTH_LINES = (
-    6.0  # [range lines] sigma of the mean along track; layers move by less than a bin over as many
-)
+# Sigma of the mean along track [range lines]; layers move by less than a bin over as many.
+SMOOTH_LINES = 6.0
 PARTS = (
     "grey level",
     "mean by depth",
@@ -33,17 +32,19 @@ def without_speckle(image):
 
 
 def error_parts(image, reference):
-    """Mean square error of an 8-bit image, taken apart: a dict by `PARTS` [grey levels squared] that sums to it.
+    """Mean square error of an 8-bit image taken apart, by `PARTS` [grey levels squared].
 
-    Of the means, of row means without these, of averages along track without both; then what
-    averaging takes from the render, from the observed image and, with its sign, what those have in
-    common. Different sizes are refused.
+    Parts sum to the error. Of the means, of row means without these, of averages along track
+    without both; then what averaging takes from the render, from the observed image and, with its
+    sign, what those have in common. Different sizes are refused.
     """
-    image, reference = np.asarray(image, dtype=float), np.asarray(reference, dtype=float)
+    image = np.asarray(image, dtype=float)
+    reference = np.asarray(reference, dtype=float)
     if image.shape != reference.shape:
         msg = f"image and reference must have one size, got {image.shape} and {reference.shape}"
         raise ValueError(msg)
-    smooth_image, smooth_reference = without_speckle(image), without_speckle(reference)
+    smooth_image = without_speckle(image)
+    smooth_reference = without_speckle(reference)
     smooth = smooth_image - smooth_reference
     by_row = smooth.mean(axis=1, keepdims=True)
     parts = [
@@ -53,12 +54,12 @@ def error_parts(image, reference):
         np.mean((image - smooth_image) ** 2),
         np.mean((reference - smooth_reference) ** 2),
     ]
-    in_common = np.mean((image - reference) ** 2) - sum(parts)
-    return dict(zip(PARTS, map(float, [*parts, in_common]), strict=True))
+    parts.append(np.mean((image - reference) ** 2) - sum(parts))
+    return dict(zip(PARTS, map(float, parts), strict=True))
 
 
 def with_other_speckle(image, noise_floor_db, maximum_db, n_looks, *, rng):
-    """The observed 8-bit image as it might have come out of the same snow: its mean power under new speckle.
+    """The observed 8-bit image as it might have come out of the same snow, under new speckle.
 
     Its similarity to the image is the best of any renderer whose speckle is as strong,
     Gamma(n_looks) by pixel. Mean power is the average along track, where a few per cent of speckle
@@ -66,8 +67,8 @@ def with_other_speckle(image, noise_floor_db, maximum_db, n_looks, *, rng):
     """
     bottom_db = noise_floor_db - DB_BELOW_NOISE_FLOOR
     grey_per_db = 255 / (maximum_db - bottom_db)
-    power = 10 ** ((np.asarray(image, dtype=float) / grey_per_db + bottom_db) / 10)
-    mean_power = without_speckle(power)
+    power_db = np.asarray(image, dtype=float) / grey_per_db + bottom_db
+    mean_power = without_speckle(10 ** (power_db / 10))
     redrawn = mean_power * rng.gamma(n_looks, 1 / n_looks, mean_power.shape)
     return as_bytes((10 * np.log10(redrawn) - bottom_db) * grey_per_db)
 
@@ -78,58 +79,60 @@ def as_bytes(grey):
 
 
 def explain_scene(observed, rendered, n_looks, *, rng):
-    """Similarity to one test scene, a row a case: of its bounds, and of renders by method with faults taken away."""
+    """Similarity to one test scene, a row a case: of its bounds, and of renders without faults."""
+    image = observed.image
     n_layers = observed.layer_bins.shape[0] - 1
     depth = next(name for name, low, high in DEPTHS if low <= n_layers < high)
     here = {"scenes": "test", "layers": "complete", "depth": depth}
-    redrawn = with_other_speckle(
-        observed.image, observed.noise_floor_db, observed.maximum_db, n_looks, rng=rng
-    )
-    smooth = as_bytes(without_speckle(observed.image))
-    images = {
-        "bound": {
-            "mean echo as observed, other speckle": redrawn,
-            "mean echo as observed, no speckle": smooth,
-        }
+    scale = (observed.noise_floor_db, observed.maximum_db)
+    redrawn = with_other_speckle(image, *scale, n_looks, rng=rng)
+    smooth = as_bytes(without_speckle(image))
+    bounds = {
+        "mean echo as observed, other speckle": redrawn,
+        "mean echo as observed, no speckle": smooth,
     }
-    images |= {
-        method: without_faults(scene.image, observed.image) for method, scene in rendered.items()
-    }
-    return [
-        {**here, "method": method, "case": case, **similarity(image, observed.image)}
-        for method, cases in images.items()
-        for case, image in cases.items()
-    ]
+    by_method = {"bound": bounds}
+    for method, scene in rendered.items():
+        by_method[method] = without_faults(scene.image, image)
+    rows = []
+    for method, cases in by_method.items():
+        for case, changed in cases.items():
+            row = here | {"method": method, "case": case}
+            rows.append(row | similarity(changed, image))
+    return rows
 
 
 def explain_errors(observed, rendered):
     """Mean square errors of renders, by method, taken apart: a row a method."""
     return [
-        {"method": method, **error_parts(scene.image, observed.image)}
+        {"method": method} | error_parts(scene.image, observed.image)
         for method, scene in rendered.items()
     ]
 
 
 def explain_annotation(scene, renderers):
-    """Similarity to a held-out train scene, rendered from the layers picked and, if known, from all there are."""
+    """Similarity to a held-out train scene, rendered from the layers picked and from all there are.
+
+    From all only if these are known.
+    """
+    layer_sets = {"as picked": scene.layer_bins}
+    if scene.complete_layer_bins is not None:
+        layer_sets["complete"] = scene.complete_layer_bins
     rows = []
-    for layers, layer_bins in (
-        ("as picked", scene.layer_bins),
-        ("complete", scene.complete_layer_bins),
-    ):
-        if layer_bins is None:
-            continue
+    for layers, layer_bins in layer_sets.items():
         annotated = dataclasses.replace(scene, layer_bins=layer_bins)
         here = {"scenes": "train, held out", "layers": layers}
         for method, render_one in renderers.items():
             numbers = similarity(render_one(annotated), scene.image)
-            rows.append({**here, "method": method, "case": "as rendered", **numbers})
+            row = here | {"method": method, "case": "as rendered"}
+            rows.append(row | numbers)
     return rows
 
 
 def without_faults(rendered, observed):
     """Images by what of a render was made like the observed image."""
-    image, truth = rendered.astype(float), observed.astype(float)
+    image = rendered.astype(float)
+    truth = observed.astype(float)
     by_row = truth.mean(axis=1, keepdims=True) - image.mean(axis=1, keepdims=True)
     changed = {
         "as rendered": image,
@@ -145,10 +148,12 @@ def mean_similarity(rows):
     table = pd.DataFrame(rows)
     both = pd.concat([table.assign(depth="all"), table.dropna(subset="depth")])
     groups = both.groupby(["scenes", "layers", "method", "case", "depth"], sort=False)
-    return groups[["rmse", "psnr", "ssim"]].mean().assign(n_scenes=groups.size()).reset_index()
+    means = groups[["rmse", "psnr", "ssim"]].mean()
+    return means.assign(n_scenes=groups.size()).reset_index()
 
 
 def mean_errors(rows):
     """Means over scenes of the parts of the error, by method."""
-    shares = pd.DataFrame(rows).groupby("method").mean().rename_axis(columns="part").stack()
-    return shares.rename("mean_square").reset_index()
+    means = pd.DataFrame(rows).groupby("method").mean()
+    by_part = means.rename_axis(columns="part").stack()
+    return by_part.rename("mean_square").reset_index()
