@@ -83,8 +83,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     else:
         layer_values, powers = deblended_values(measured, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
-    correlation, correlation_error, correlation_source = range_correlation(summary)
-    varies, varies_attributes = radiometry(summary, groups, powers, decay, layer_values, looks[0])
+    speckle = range_correlation(summary)
+    varies, missing = radiometry(summary, groups, powers, decay, layer_values, looks.n_looks)
     tapered = estimator != "paper"
     zones = zone_statistics(thickness_blocks(summary, n_layers), zone_edge_bins, tapered=tapered)
     dataset = xr.Dataset(
@@ -99,30 +99,30 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         | varies
         | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {
-            "tracked_power_quantile": ("probability", looks[3]),
-            "gamma_quantile": ("probability", looks[4]),
+            "tracked_power_quantile": ("probability", looks.tracked_quantile),
+            "gamma_quantile": ("probability", looks.gamma_quantile),
         }
-        | {"speckle_correlation": ("speckle_lag", correlation)}
-        | {"speckle_correlation_standard_error": ("speckle_lag", correlation_error)}
+        | {"speckle_correlation": ("speckle_lag", speckle.correlation)}
+        | {"speckle_correlation_standard_error": ("speckle_lag", speckle.standard_error)}
         | _spectra(summary),
         coords={
             "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
             "lag": LAGS,
             "fall": np.array(LAW_FALLS),
-            "speckle_lag": np.arange(correlation.size),
+            "speckle_lag": np.arange(speckle.correlation.size),
             "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
-            "probability": looks[2],
+            "probability": looks.probability,
             "width_edge_bins": ("width_edge", WIDTH_EDGES),
         },
         attrs={
             "estimator": estimator,
             "bin_size_s": summary[0].bin_size_s,
             "line_spacing_m": float(np.median([frame.line_spacing_m for frame in summary])),
-            "n_looks": float(looks[0]),
-            "n_looks_standard_error": float(looks[1]),
+            "n_looks": float(looks.n_looks),
+            "n_looks_standard_error": float(looks.standard_error),
             "noise_looks": float(noise_looks),
-            "speckle_correlation_source": correlation_source,
-            **varies_attributes,
+            "speckle_correlation_source": speckle.source,
+            "radiometry_missing": ", ".join(missing),
             "n_frames": len(summary),
             "n_range_lines": sum(frame.depth_bins.shape[1] for frame in summary),
             "n_layers_seen": n_seen,

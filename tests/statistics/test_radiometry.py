@@ -1,5 +1,7 @@
 """Radiometry that varies: planted spreads, fading, background and ends of picks come back."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 from made_up import made_up_frame
@@ -7,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from snowsim.phy.texture import draw_gain, draw_texture
 from snowsim.statistics import fit, summarise
-from snowsim.statistics.radiometry import _two_spreads
+from snowsim.statistics.radiometry import common_and_own_spread
 from snowsim.statistics.speckle import FADING_LAGS, fading
 from snowsim.statistics.texture import texture as fit_texture
 
@@ -101,7 +103,8 @@ def test_fading_longer_than_half_a_block_comes_back():
     )
     means = np.array([np.diagonal(covariance, lag).mean() for lag in (0, *FADING_LAGS)])
     n = 40 * (256 - np.append(0, FADING_LAGS))
-    assert_allclose(fading(np.stack([means * n, n, n], axis=1), 4.0), [2.4, 150, 1.5, 4], rtol=1e-3)
+    fitted = fading(np.stack([means * n, n, n], axis=1), 4.0)
+    assert_allclose(astuple(fitted), [2.4, 150, 1.5, 4], rtol=1e-3)
 
 
 def test_planted_texture_and_gain_come_back(rng):
@@ -116,11 +119,11 @@ def test_planted_texture_and_gain_come_back(rng):
         )
     summaries = [frame for echogram, layers in frames for frame in summarise(echogram, layers)]
     fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summaries]))
-    assert_allclose(fitted, [0.5, 0.03, 12, 2], rtol=0.1)
+    assert_allclose(astuple(fitted), [0.5, 0.03, 12, 2], rtol=0.1)
 
 
 def test_layers_that_share_nothing_have_no_common_spread(rng):
-    common, own = _two_spreads(3 * rng.standard_normal((4000, 5)))
+    common, own = common_and_own_spread(3 * rng.standard_normal((4000, 5)))
     assert common < 0.5
     assert_allclose(own, 3, rtol=0.02)  # 20,000 values: 0.5 %
 

@@ -153,9 +153,11 @@ def independence(summary, statistics):
         looks, error, distance = np.nan, np.nan, np.nan
         n_whole = int(np.isfinite(tracked[:, layer]).all(axis=1).sum())
         if n_whole >= FEWEST_GROUPS:
-            looks, error, probability, seen, _ = compare_with_gamma(tracked[:, [layer]])
-            law = betainc(n_looks, (GROUP_LINES - 1) * n_looks, np.clip(seen / GROUP_LINES, 0, 1))
-            distance = np.abs(law - probability).max()
+            fitted = compare_with_gamma(tracked[:, [layer]])
+            looks, error = fitted.n_looks, fitted.standard_error
+            seen = np.clip(fitted.tracked_quantile / GROUP_LINES, 0, 1)
+            law = betainc(n_looks, (GROUP_LINES - 1) * n_looks, seen)
+            distance = np.abs(law - fitted.probability).max()
         known = decibels[np.isfinite(decibels)]
         rms, largest = (
             (np.sqrt(np.mean(known**2)), np.abs(known).max()) if known.size else (np.nan, np.nan)
