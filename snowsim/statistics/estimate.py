@@ -5,7 +5,7 @@ import xarray as xr
 
 from snowsim.echogram import check_choice
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
-from snowsim.statistics.by_layer import LAGS, Measured, deblended_values, paper_values
+from snowsim.statistics.by_layer import LAGS, deblended_values, paper_values
 from snowsim.statistics.lines import Groups
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.radiometry import LAW_FALLS, power_on_picks, radiometry
@@ -74,14 +74,11 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     n_layers = groups.present.shape[1]
     tracked = tracked_moments(summary, n_layers)
     decay, width = measure_groups(groups.power, groups.position.mean(axis=2), groups.present)
-    measured = Measured(*tracked, decay, width)
     if estimator == "paper":
-        layer_values, powers = (
-            paper_values(measured),
-            power_on_picks(summary, n_layers, noise_power),
-        )
+        layer_values = paper_values(tracked, decay, width)
+        powers = power_on_picks(summary, n_layers, noise_power)
     else:
-        layer_values, powers = deblended_values(measured, groups)
+        layer_values, powers = deblended_values(tracked, decay, groups)
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
     speckle = range_correlation(summary)
     varies, missing = radiometry(summary, groups, powers, decay, layer_values, looks.n_looks)
@@ -97,7 +94,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         | surface_statistics(summary, MINIMUM_BLOCKS)
         | _widths(width)
         | varies
-        | {"n_picks": ("layer", tracked[2]), "n_groups": ("layer", groups.present.sum(axis=0))}
+        | {"n_picks": ("layer", tracked.n_picks), "n_groups": ("layer", groups.present.sum(axis=0))}
         | {
             "tracked_power_quantile": ("probability", looks.tracked_quantile),
             "gamma_quantile": ("probability", looks.gamma_quantile),

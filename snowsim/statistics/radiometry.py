@@ -253,7 +253,9 @@ def _ends(echoes, rises_db):
 class Unpicked:
     """Power that no pick explains, by row from `FIRST_ROW`; 0 where it is not used."""
 
-    mean: np.ndarray  # over the rows that all groups are compared in, (group,), NaN where there is none
+    mean: (
+        np.ndarray
+    )  # over the rows that all groups are compared in, (group,), NaN where there is none
     power: np.ndarray  # less noise and picked layers, (group, row)
     total: np.ndarray  # with them, (group, row)
     used: np.ndarray  # bool (group, row)
