@@ -26,7 +26,9 @@ N_ZONES = 4
 # With fewer a variance has a standard error of its own size: the zone is pooled with the others.
 MINIMUM_BLOCKS = 4
 N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
-QUANTILE_WINDOW = 0.1  # of probability to either side, for the density of thickness at a zone's edge
+QUANTILE_WINDOW = (
+    0.1  # of probability to either side, for the density of thickness at a zone's edge
+)
 # Where values of a zone and slab come from.
 OWN_ZONE = 0
 ALL_ZONES = 1
