@@ -1,4 +1,7 @@
-"""Thickness in blocks of 256 range lines: means, trends, spectra, noise of picks, and correlation from slab to slab."""
+"""Thickness in blocks of 256 range lines.
+
+Means, trends, spectra, noise of picks, and correlation from slab to slab.
+"""
 
 from functools import lru_cache
 
@@ -33,7 +36,7 @@ FAINT = 1e-3
 
 
 def thickness_blocks(summary, n_layers):
-    """Slab thickness in the whole blocks of all frames, float64 (block, slab, range_line), NaN in gaps."""
+    """Slab thickness in the whole blocks of all frames, (block, slab, range_line), NaN in gaps."""
     blocks = []
     for frame in summary:
         n_blocks = frame.depth_bins.shape[1] // BLOCK_LINES
@@ -48,14 +51,17 @@ def thickness_blocks(summary, n_layers):
 
 
 def block_means(thickness):
-    """Mean thickness by block and slab, (block, slab), over the lines that have it; NaN where fewer than half do."""
+    """Mean thickness by block and slab, (block, slab), over the lines that have it.
+
+    NaN where fewer than half do.
+    """
     known = np.isfinite(thickness)
     often = 2 * known.sum(axis=2) >= thickness.shape[2]
     return np.where(often, mean_where(known, thickness, axis=2), np.nan)
 
 
 def block_levels(mean):
-    """Mean thickness of slab 0 in every block, (block,) [bins], and whether slab 0 was picked there, bool (block,).
+    """Mean thickness of slab 0 in every block [bins], and whether slab 0 was picked, two (block,).
 
     From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is
     modelled as the block's level times the slab's factor: both follow by least squares of the
@@ -79,7 +85,7 @@ def block_levels(mean):
 
 
 def stretches(thickness, minimum):
-    """Thickness (block, slab, range_line) cut along track into stretches of which enough have no gap.
+    """Thickness (block, slab, range_line) cut into stretches of which enough have no gap.
 
     Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of
     blocks, have no gap; otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if
@@ -102,7 +108,7 @@ def stretches(thickness, minimum):
 
 @lru_cache(maxsize=8)
 def taper_of(n_lines):
-    """Hann taper, and half the expected periodogram of a tapered white series of unit variance, by wavenumber."""
+    """Hann taper, and half the expected periodogram of a tapered white series of variance 1."""
     taper = hann(n_lines + 2)[1:-1]
     impulses = detrend(np.eye(n_lines), axis=0)
     response = np.fft.rfft(impulses * taper[:, None], axis=0)
@@ -110,7 +116,7 @@ def taper_of(n_lines):
 
 
 def fourier(series, tapered):
-    """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` gives.
+    """Transform along the last axis, (..., wavenumber), the root of what `periodogram` gives.
 
     About the mean; if `tapered`, about the least-squares line under a Hann taper, each wavenumber
     scaled so that white series keep their density. A plain transform leaks as k^-2; a tapered one
@@ -140,7 +146,10 @@ def periodogram(series, *, tapered=False):
 
 
 def on_wavenumbers(density, n_lines):
-    """Density of shorter stretches at the wavenumbers of `n_lines`: linear between, constant below the lowest."""
+    """Density of shorter stretches at the wavenumbers of `n_lines`.
+
+    Linear between, constant below the lowest.
+    """
     n = 2 * (density.shape[-1] - 1)
     if n == n_lines:
         return density
@@ -155,7 +164,10 @@ def on_wavenumbers(density, n_lines):
 
 
 def rises(series):
-    """Change from the first line to the last of the least-squares line, (...); series without gaps."""
+    """Change from the first line to the last of the least-squares line, (...).
+
+    Of series without gaps.
+    """
     last = series.shape[-1] - 1
     line = np.arange(series.shape[-1]) - last / 2
     return series @ line / (line @ line) * last
@@ -191,7 +203,10 @@ def pick_noise(series, served, minimum):
 
 
 def without_noise(density, noise):
-    """Density (..., wavenumber) less a noise density; zero from the wavenumber where noise is two thirds of it."""
+    """Density (..., wavenumber) less a noise density.
+
+    It is zero from the wavenumber where noise is two thirds of it.
+    """
     smooth = uniform_filter1d(density, NOISE_SMOOTHING, axis=-1, mode="nearest")
     lost = smooth < CLEARANCE * noise
     lost[..., 0] = False
@@ -200,7 +215,7 @@ def without_noise(density, noise):
 
 
 def undulation_correlation(series, served, density, *, tapered):
-    """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
+    """Correlation between slabs of thickness about its trend, or mean, (band, separation).
 
     From the stretches (stretch, slab, range_line) that are `served` (stretch, slab). Dividing by
     the expected `density` (stretch, slab, wavenumber), 0 where unknown, weights all equally; those
@@ -220,9 +235,10 @@ def undulation_correlation(series, served, density, *, tapered):
 
 
 def mean_correlation(relative, zone, minimum):
-    """Correlation between slabs of relative block means (block, slab) about the mean of their zone, (separation,).
+    """Correlation between slabs of relative block means about those of their zone, (separation,).
 
-    A zone needs `minimum` blocks of a slab for a mean. Slab 0 is 1 by definition and is left out.
+    From relative means (block, slab). A zone needs `minimum` blocks of a slab for a mean. Slab 0 is
+    1 by definition and is left out.
     """
     anomaly = np.zeros(relative.shape)
     for z in np.unique(zone):
@@ -238,10 +254,10 @@ def mean_correlation(relative, zone, minimum):
 
 
 def correlation_by_separation(values):
-    """Mean correlation of (block, slab, sample) at separations in slabs, (separation,); absent samples are 0.
+    """Mean correlation of (block, slab, sample) at separations in slabs, (separation,).
 
-    A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the value of the one
-    before, the first 0.
+    Absent samples are 0. A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the
+    value of the one before, the first 0.
     """
     n_slabs = values.shape[1]
     # Of separation 0 it is 1, set last: until then its 0 stands in at separation 1.

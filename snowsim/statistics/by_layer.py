@@ -1,4 +1,7 @@
-"""Values by layer of either estimator: means over averaged lines, substitutes where there are none, mean waveforms."""
+"""Values by layer of either estimator.
+
+Means over averaged lines, substitutes where there are none, mean waveforms.
+"""
 
 import numpy as np
 
@@ -13,7 +16,9 @@ SMALL_CHANGE = 1e-4  # of decay rate and variance, relative, for the slope of th
 
 
 def paper_values(tracked, decay, width):
-    """Values by layer of the recipe as printed; its 1/e width stands for a variance, as in the paper.
+    """Values by layer of the recipe as printed.
+
+    Its 1/e width stands for a variance, as in the paper.
 
     From `Tracked` power, and decay rates and widths (group, layer).
     """
@@ -89,7 +94,7 @@ def _visible_powers(fitted, tracked, noise_power):
 
 
 def _widths(waveform, decay_error, variance_error):
-    """Widths of waveforms and their standard errors, from those of log decay rate and log variance."""
+    """Widths and their standard errors, from those of log decay rate and log variance."""
     variance, decay = waveform.variance, waveform.decay
     width = waveform_width(variance, decay)
     by_decay = waveform_width(variance, decay * (1 + SMALL_CHANGE)) - width
@@ -100,7 +105,7 @@ def _widths(waveform, decay_error, variance_error):
 
 
 def _bridged(values, known):
-    """Values by layer, unknown ones interpolated between their neighbours, linearly in the logarithm."""
+    """Values by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
     held = np.flatnonzero(known)
     logarithm = np.log(np.maximum(values[held], 1e-300))
     between = np.interp(np.arange(known.size), held, logarithm)
@@ -108,11 +113,14 @@ def _bridged(values, known):
 
 
 def _with_substitutes(values):
-    """`Moments` over groups by layer; a layer without values takes those of the layer above (or below), n stays 0."""
+    """`Moments` by layer; one without values takes those of the one above (or below), n stays 0."""
     own = nan_moments(values)
     held = np.flatnonzero(own.n)
     if own.n.size and held.size == 0:
-        msg = "decay rates and widths need power that falls to 1/e between two layers, no averaged line has that"
+        msg = (
+            "decay rates and widths need power that falls to 1/e between two layers, "
+            "no averaged line has that"
+        )
         raise ValueError(msg)
     nearest = np.searchsorted(held, np.arange(own.n.size), side="right") - 1
     source = held[np.maximum(nearest, 0)]
@@ -120,7 +128,10 @@ def _with_substitutes(values):
 
 
 def _mean_waveforms(groups, modelled):
-    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag); 0 where there is none."""
+    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag).
+
+    They are 0 where there is none.
+    """
     n_rows = groups.power.shape[1]
     means = np.zeros((2, groups.present.shape[1], LAGS.size))
     for layer, present in enumerate(groups.present.T):

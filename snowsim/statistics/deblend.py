@@ -1,4 +1,4 @@
-"""Layers solved for jointly: powers and a shared waveform of eq. (1) on averaged range lines, noise known."""
+"""Layers solved for jointly: powers and a shared waveform of eq. (1) on averaged range lines."""
 
 from dataclasses import dataclass
 
@@ -119,7 +119,10 @@ def deblend(groups, decay_rate):
 
 
 def _spread_out(present):
-    """Groups to fit shapes to, sorted: for each layer, deepest first, evenly spaced ones until it has enough."""
+    """Groups to fit shapes to, sorted.
+
+    Each layer, deepest first, takes evenly spaced ones until it has enough.
+    """
     chosen = np.zeros(len(present), dtype=bool)
     for layer in reversed(range(present.shape[1])):
         missing = SHAPE_GROUPS - int((chosen & present[:, layer]).sum())
@@ -223,7 +226,10 @@ def _covariance(equations, cluster, kind):
 
 
 def _normal_equations(shape, lines, deviation):
-    """`NormalEquations` at shapes (layer, 3); the residuals' weights follow from the `deviation` of the step before."""
+    """`NormalEquations` at shapes (layer, 3).
+
+    The residuals' weights follow from the `deviation` of the step before.
+    """
     n_layers = len(shape)
     described = describe(shape)
     hessian = np.zeros((3 * n_layers, 3 * n_layers))
@@ -291,9 +297,10 @@ def _fit_line(described, line, deviation):
 
 
 def _powers(shape, groups):
-    """Peak powers of all groups, (group, layer), NaN where a layer was not picked; their lines as first fitted.
+    """Peak powers of all groups, (group, layer), NaN where a layer was not picked.
 
-    The latter are (group, row), with the noise, in the rows the fit used; NaN elsewhere.
+    And their lines as first fitted, (group, row), with the noise, in the rows the fit used; NaN
+    elsewhere.
     """
     powers = np.full(groups.present.shape, np.nan)
     modelled = np.full(groups.power.shape, np.nan)

@@ -1,4 +1,7 @@
-"""Which layers have a waveform of their own: gain of a separate shape against the gain that unpicked echoes cause."""
+"""Which layers have a waveform of their own.
+
+The gain of a separate shape is held against the gain that unpicked echoes cause.
+"""
 
 from dataclasses import dataclass
 
@@ -22,7 +25,7 @@ def clustered(scores, cluster):
 
 
 def lasting_misfit(shape, lines):
-    """Variance per line of a layer's score from unpicked echoes that persist along the flight, (layer,).
+    """Variance per line of a layer's score from unpicked echoes that persist, (layer,).
 
     Such an echo has the shared waveform and lies anywhere about the layer. Its strength is what the
     mean profile of residuals at `MISFIT_LAGS` has beyond the layer's own power and shape and beyond
@@ -59,7 +62,7 @@ def lasting_misfit(shape, lines):
 
 @dataclass(frozen=True)
 class Profiles:
-    """Sums over lines of what is seen at `MISFIT_LAGS` from each layer, over the scale of the residuals."""
+    """Sums over lines of what is seen at `MISFIT_LAGS` from each layer, over the lines' scale."""
 
     residual: np.ndarray  # (layer, lag)
     own: np.ndarray  # waveform of its power and slopes of its shape, (layer, N_OWN, lag)

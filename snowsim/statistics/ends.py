@@ -17,7 +17,7 @@ PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
 
 @dataclass(frozen=True)
 class EndContrasts:
-    """Frame and rise [dB] of every averaged line in which a deepest layer was measured, two (line,)."""
+    """Frame and rise [dB] of averaged lines in which a deepest layer was measured, two (line,)."""
 
     frame: np.ndarray
     rise_db: np.ndarray
@@ -49,7 +49,10 @@ def end_contrasts(groups, frame_of):
 
 
 def _rise_db(groups, members, layer):
-    """Power on a layer over the minimum between it and the one above [dB]; NaN where either is not positive."""
+    """Power on a layer over the minimum between it and the one above [dB].
+
+    NaN where either is not positive.
+    """
     position = groups.position[members].mean(axis=2)
     slab = position[:, layer] - position[:, layer - 1]
     step = np.arange(1, STEPS_BETWEEN + 1) / STEPS_BETWEEN
@@ -83,7 +86,7 @@ def echoes_below(groups, block_of, n_looks):
 
 
 def _lines_below(groups, members):
-    """Averaged lines of a block below the last layer that is in half of them, (line, row), without gaps."""
+    """Averaged lines of a block below the last layer in half of them, (line, row), without gaps."""
     often = 2 * groups.present[members].sum(axis=0) >= members.size
     if not often[1:].any():
         return np.empty((0, 0))

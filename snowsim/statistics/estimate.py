@@ -205,7 +205,7 @@ def _groups(summary, noise_power):
 
 
 def _widths(width):
-    """Histogram of measured widths and the bounds of the uniform law with their mean and variance."""
+    """Histogram of measured widths, and bounds of the uniform law of their mean and variance."""
     values = np.sort(width[np.isfinite(width)])
     if values.size == 0:
         msg = (

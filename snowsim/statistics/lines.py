@@ -1,4 +1,7 @@
-"""Averaged range lines with the layers in them, as linear models: waveforms of eq. (1) and a background."""
+"""Averaged range lines with the layers in them, as linear models.
+
+Their columns are waveforms of eq. (1) and a background.
+"""
 
 from dataclasses import dataclass
 
@@ -52,7 +55,10 @@ class Line:
 
 
 def prepare_line(groups, group):
-    """The group as `Line`, down to half a slab below its last pick; None without a picked layer to fit."""
+    """The group as `Line`, down to half a slab below its last pick.
+
+    None without a picked layer to fit.
+    """
     picked = np.flatnonzero(groups.present[group])
     if picked.size == 0:
         return None
@@ -92,13 +98,13 @@ def _between(layers, picked, values):
 
 @dataclass(frozen=True)
 class Described:
-    """Each layer's decay rate, variance, peak below the pick and below the Gaussian, and height of the peak."""
+    """Waveforms of layers, (layer,)."""
 
-    decay: np.ndarray
-    variance: np.ndarray
-    offset: np.ndarray
-    peak: np.ndarray
-    height: np.ndarray
+    decay: np.ndarray  # rate [per bin]
+    variance: np.ndarray  # [bins^2]
+    offset: np.ndarray  # of the peak below the pick [bins]
+    peak: np.ndarray  # below the Gaussian [bins]
+    height: np.ndarray  # of the peak
 
     def of(self, layers):
         """The same of some layers, in the order given."""
@@ -106,7 +112,10 @@ class Described:
 
 
 def describe(shape):
-    """`Described` of the layers of `shape (layer, 3)`: log decay rate, log variance, offset of the peak [bins]."""
+    """`Described` of the layers of `shape (layer, 3)`.
+
+    A shape is log decay rate, log variance and offset of the peak [bins].
+    """
     decay = np.exp(shape[:, 0])
     variance = np.exp(shape[:, 1])
     peak, height = waveform_peak(variance, decay)
@@ -114,7 +123,10 @@ def describe(shape):
 
 
 def waveform_columns(described, line, *, with_slopes=False):
-    """Waveforms of unit peak of a line, (layer, row); with slopes by the three columns of `shape`, (4, layer, row)."""
+    """Waveforms of unit peak of a line, (layer, row).
+
+    Or (4, layer, row), followed by the slopes by the three columns of `shape`.
+    """
     here = described.of(line.layers)
     centre = line.position.T[:, :, None] + (here.offset - here.peak)[:, None]
     lag = line.rows - centre
@@ -137,7 +149,7 @@ def waveform_columns(described, line, *, with_slopes=False):
 
 
 def _slopes(sample, lag, wide, raw):
-    """Slopes by log decay rate, log variance and offset of the waveform over its peak, times that peak.
+    """Slopes by log decay rate, log variance and offset, of the waveform over its peak, times that.
 
     They follow from eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its
     Gaussian g, and ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the
@@ -158,7 +170,10 @@ def _slopes(sample, lag, wide, raw):
 
 
 def solve_powers(columns, line, scale):
-    """Least-squares powers of the columns of a line, (column,); upper Cholesky factor of the normal matrix."""
+    """Least-squares powers of the columns of a line, (column,).
+
+    And the upper Cholesky factor of the normal matrix.
+    """
     weighted = columns / scale
     normal = weighted @ weighted.T
     # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far
@@ -175,17 +190,21 @@ def solve_powers(columns, line, scale):
 
 
 def rescale(line, model):
-    """Scale of the next step's weights: the expected mean power, but never below the smoothed one."""
+    """Scale of the next step's weights.
+
+    It is the expected mean power, but never below the smoothed one.
+    """
     line.scale = np.maximum(model + line.noise_power, line.smooth)
 
 
 def _background_columns(rows, pick, surface):
-    """Power of unpicked snow, no free shape: by e-folding depth of its decline, then an echo a slab, (column, row).
+    """Power of unpicked snow, no free shape, (column, row).
 
-    Power from scatterers of density exp(-z / fall) is that exponential less the waveform's,
-    ``exp(-rise z)``. It keeps a decline that continues below a layer's own decay from being taken
-    for the layer's; so does an echo halfway between two picks with the power of crusts there. One
-    is enough: many could stand for a slower decay.
+    By e-folding depth of its decline, then an echo a slab. Power from scatterers of density exp(-z
+    / fall) is that exponential less the waveform's, ``exp(-rise z)``. It keeps a decline that
+    continues below a layer's own decay from being taken for the layer's; so does an echo halfway
+    between two picks with the power of crusts there. One is enough: many could stand for a slower
+    decay.
     """
     depth = np.maximum(rows - surface, 0)
     declines = np.exp(-depth / BACKGROUND_FALLS[:, None]) - np.exp(-BACKGROUND_RISE * depth)

@@ -1,4 +1,4 @@
-"""Means of values some of which are missing, their standard errors, and the jackknife over parts of a flight."""
+"""Means of values some of which are missing, standard errors, and the jackknife."""
 
 from dataclasses import dataclass, fields
 
@@ -21,7 +21,10 @@ def mean_where(held, values, axis):
 
 @dataclass(frozen=True)
 class Moments:
-    """Mean over groups, its standard error, and the number of values, by layer; 0 where there is none."""
+    """Mean over groups, its standard error, and the number of values, by layer.
+
+    They are 0 where there is none.
+    """
 
     mean: np.ndarray
     standard_error: np.ndarray
@@ -50,8 +53,9 @@ class Jackknifed:
 
 
 def jackknife(estimator, part_of):
-    """`Jackknifed` of an estimator that takes which frames to use, bool (frame,), and returns a dataclass.
+    """`Jackknifed` of an estimator that returns a dataclass.
 
+    It is handed the frames to use, bool (frame,).
     Standard errors follow from leaving out one part of the flight at a time, `part_of (frame,)`.
     The defaults of the dataclass stand in for what is not finite, which has no error.
     """

@@ -1,4 +1,7 @@
-"""The paper's estimators as printed: tracked-bin powers, eq. (2) decay rates and 1/e widths of averaged range lines."""
+"""The paper's estimators as printed.
+
+Tracked-bin powers, eq. (2) decay rates and 1/e widths of averaged range lines.
+"""
 
 from dataclasses import dataclass
 
@@ -19,7 +22,7 @@ def is_present(n_picks):
 
 @dataclass(frozen=True)
 class Tracked:
-    """Mean power under the picks of each layer, its standard error, and the number of picks, three (layer,)."""
+    """Mean power under the picks, its standard error, and the number of picks, three (layer,)."""
 
     power: np.ndarray
     standard_error: np.ndarray
@@ -52,8 +55,9 @@ def tracked_moments(summary, n_layers):
 
 
 def measure_groups(power, position, present):
-    """Decay rate [per bin] and 1/e width from the peak [bins] of every layer in every averaged line, (group, layer).
+    """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
 
+    Of every layer in every averaged line.
     From averaged lines (group, row), rows of layers below the surface and whether they are present,
     (group, layer). Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins
     from the peak, the largest value within `PEAK_REACH_BINS` of the layer and half way to its

@@ -1,4 +1,7 @@
-"""How the radiometry of a flight varies: between blocks, along track, where picks end, and in unpicked snow."""
+"""How the radiometry of a flight varies.
+
+Between blocks, along track, where picks end, and in unpicked snow.
+"""
 
 from dataclasses import astuple, dataclass
 
@@ -39,7 +42,10 @@ class Spreads:
 
 @dataclass(frozen=True)
 class Ends:
-    """Echoes below the last pick, and contrast there; by default all picks count and no image has a further echo."""
+    """Echoes below the last pick, and contrast there.
+
+    By default all picks count and no image has a further echo.
+    """
 
     further_spacing_bins: float = 1000.0
     further_rise_db: float = 0.0
@@ -48,7 +54,10 @@ class Ends:
 
 @dataclass(frozen=True)
 class Background:
-    """Mean power of unpicked snow, coefficients by e-folding depth, (fall,); by default there is none."""
+    """Mean power of unpicked snow, coefficients by e-folding depth, (fall,).
+
+    By default there is none.
+    """
 
     background_power: np.ndarray | float = 0.0
 
@@ -60,7 +69,7 @@ def power_on_picks(summary, n_layers, noise_power):
 
 
 def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
-    """Statistics of how radiometry varies, name to (dimensions, values), and names of those that are missing.
+    """Statistics of how radiometry varies, name to (dimensions, values), and names of missing ones.
 
     From merged summaries, `Groups`, powers (group, layer) above noise and neighbours, decay rates
     of eq. (2) (group, layer), values by layer of either estimator, and the flight's looks. Each has
@@ -68,17 +77,21 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     too short to estimate is set constant, has no error and is missing; then all layers count as
     visible, and no echoes lie below the last pick:
 
-    - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256 lines;
-    - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each layer's mean over the
-      flight, common to all and each layer's own; `decay_spread` of the logarithm of the decay rate,
-      less its scatter within blocks;
-    - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`, surface then buried
-      layers, see `fading`; `fading_speckle_db2` is the nugget expected from the looks;
-    - `end_contrast_db`: rise over the snow above of layers below which none is picked, the lower quartile;
-    - `line_gain_spread_db`, `texture_variance`, `texture_length_bins`, `texture_length_lines`: see `texture`;
-    - `background_power (fall)`, mean power of unpicked snow, ``sum_k b_k exp(-depth / fall_k)``, and its
-      `background_spread_db`; spacing and height of the echoes that rise out of it below the last
-      pick, `further_spacing_bins` and `further_rise_db`.
+    - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256
+      lines;
+    - `common_spread_db`, `layer_spread_db`: of the power of buried layers in a block about each
+      layer's mean over the flight, common to all and each layer's own; `decay_spread` of the
+      logarithm of the decay rate, less its scatter within blocks;
+    - `fading_spread_db`, `fading_length_lines`, `fading_exponent`, `fading_nugget_db2 (interface)`,
+      surface then buried layers, see `fading`; `fading_speckle_db2` is the nugget expected from the
+      looks;
+    - `end_contrast_db`: rise over the snow above of layers below which none is picked, the lower
+      quartile;
+    - `line_gain_spread_db`, `texture_variance`, `texture_length_bins`, `texture_length_lines`: see
+      `texture`;
+    - `background_power (fall)`, mean power of unpicked snow, ``sum_k b_k exp(-depth / fall_k)``,
+      and its `background_spread_db`; spacing and height of the echoes that rise out of it below the
+      last pick, `further_spacing_bins` and `further_rise_db`.
     """
     n_frames = len(summary)
     frame_of = np.repeat(np.arange(n_frames), [len(frame.power) for frame in summary])
@@ -123,7 +136,10 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
 
 
 def _blocks(summary):
-    """Number of the block of each group, over the flight, -1 beyond the last whole one; frame of each block."""
+    """Number of the block of each group, over the flight, -1 beyond the last whole one.
+
+    And the frame of each block.
+    """
     numbers, frames = [], []
     for i, frame in enumerate(summary):
         n_groups = len(frame.power)
@@ -167,7 +183,10 @@ def _block_sums(values, block_of):
 
 
 def _block_means(values, block_of):
-    """Means over the groups of each block, (block, column); NaN where fewer than half have a value."""
+    """Means over the groups of each block, (block, column).
+
+    NaN where fewer than half have a value.
+    """
     known = np.isfinite(values)
     n = _block_sums(known, block_of)
     n_groups = _block_sums(np.ones((len(values), 1)), block_of)
@@ -176,7 +195,7 @@ def _block_means(values, block_of):
 
 
 def _block_decays(decay_rate, block_of):
-    """Sums by block of the logarithm of decay rates about each layer's mean, of its square, and count, (block, 3)."""
+    """Sums by block of log decay rates about each layer's mean, squares, and count, (block, 3)."""
     logarithm = np.log(np.where(decay_rate > 0, decay_rate, np.nan))
     known = np.isfinite(logarithm)
     usable = known & (known.sum(axis=0) >= 2)
@@ -207,10 +226,10 @@ def _deviation(values):
 
 
 def common_and_own_spread(power_db):
-    """Standard deviations of dB (block, layer) about each layer's mean: common to a block's layers, and beyond that.
+    """Standard deviations of dB (block, layer) about each layer's mean.
 
-    The mean product of two layers of one block is the common variance. Subtracting means over n
-    blocks removes 1 / n.
+    Common to a block's layers, and each layer's own beyond that. The mean product of two layers of
+    one block is the common variance. Subtracting means over n blocks removes 1 / n.
     """
     n = np.isfinite(power_db).sum(axis=0)
     enough = n >= FEWEST
@@ -303,9 +322,10 @@ def _modelled(groups, powers, by_layer):
 
 
 def _background_law(unpicked, held):
-    """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, (fall,), from the groups `held`.
+    """Coefficients of ``sum_k b_k exp(-depth / fall_k)``, none negative, (fall,).
 
-    Least squares of the mean power of unpicked snow, weighted by the speckle of all mean power.
+    From the groups `held`. Least squares of the mean power of unpicked snow, weighted by the
+    speckle of all mean power.
     """
     n = unpicked.used[held].sum(axis=0)
     level = unpicked.power[held].sum(axis=0) / np.maximum(n, 1)

@@ -1,4 +1,7 @@
-"""Speckle, against Gamma(M), down range in the air and in along-track spectra; fading of layers along track."""
+"""Speckle, against Gamma(M), down range in the air and in along-track spectra.
+
+Fading of layers along track.
+"""
 
 from dataclasses import dataclass
 
@@ -26,7 +29,7 @@ FEWEST_BLOCKS = 4
 
 @dataclass(frozen=True)
 class Looks:
-    """Looks that fit tracked power, and probabilities with the quantiles seen and those of the law."""
+    """Looks that fit tracked power, and its quantiles beside those of the law."""
 
     n_looks: float
     standard_error: float
@@ -48,7 +51,10 @@ def compare_with_gamma(tracked):
     whole = tracked[np.isfinite(tracked).all(axis=2)].astype(float)
     whole = whole[whole.mean(axis=1) > 0]
     if len(whole) < 2:
-        msg = f"looks need two groups of {GROUP_LINES} lines without gaps in a layer, got {len(whole)}"
+        msg = (
+            f"looks need two groups of {GROUP_LINES} lines without gaps in a layer, "
+            f"got {len(whole)}"
+        )
         raise ValueError(msg)
     ratio = whole / whole.mean(axis=1, keepdims=True)
     others = GROUP_LINES - 1
@@ -68,9 +74,9 @@ def compare_with_gamma(tracked):
 
 @dataclass(frozen=True)
 class RangeCorrelation:
-    """Autocorrelation of speckle down range, (speckle_lag,) from lag 0, its standard error, and its source."""
+    """Autocorrelation of speckle down range, its standard error, and its source."""
 
-    correlation: np.ndarray
+    correlation: np.ndarray  # (speckle_lag,), from lag 0
     standard_error: np.ndarray
     source: str
 
@@ -138,11 +144,12 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
 
 
 def detected_power_spectra(summary):
-    """Along-track spectrum of detected power under the picks, for files without phase: two (wavenumber,) or None.
+    """Along-track spectrum of detected power under the picks, for files without phase.
 
-    Of layer 1 and on average over layers 1 to `SPECTRUM_LAYERS`: power spectral density of power
-    over its block mean, about the mean, over its own mean [1]: 1 everywhere where lines are
-    independent. Blocks with a gap are left out for that layer; None where no block is whole.
+    Two (wavenumber,) or None, of layer 1 and on average over layers 1 to `SPECTRUM_LAYERS`: power
+    spectral density of power over its block mean, about the mean, over its own mean [1]: 1
+    everywhere where lines are independent. Blocks with a gap are left out for that layer; None
+    where no block is whole.
     """
     first, spectra = None, []
     n_layers = max(len(frame.tracked_power) for frame in summary)
@@ -168,12 +175,13 @@ def _whole_blocks(power):
 
 
 def fading_products(summary, powers, frame_of):
-    """Products of dB power along track by lag, (frame, surface or buried, lag 0 and others, sum and weights).
+    """Products of dB power along track by lag.
 
-    From whole blocks of tracked power about their mean, without gaps. Noise and tails do not fade
-    with a layer: blocks in which it has less than `CLEAR_SHARE` of the power on its picks are left
-    out; in the others, products at lags of one and more are divided by the square of that share.
-    The last weight is the sum of those squares.
+    By (frame, surface or buried, lag 0 and others, sum and weights). From whole blocks of tracked
+    power about their mean, without gaps. Noise and tails do not fade with a layer: blocks in which
+    it has less than `CLEAR_SHARE` of the power on its picks are left out; in the others, products
+    at lags of one and more are divided by the square of that share. The last weight is the sum of
+    those squares.
     """
     products = np.zeros((len(summary), 2, ALL_LAGS.size, 3))
     groups_in_block = BLOCK_LINES // GROUP_LINES
@@ -191,7 +199,10 @@ def fading_products(summary, powers, frame_of):
 
 
 def _block_products(tracked, own):
-    """Products of one layer in one block by lag, (lag, sum and weights); 0 where its fading is not seen."""
+    """Products of one layer in one block by lag, (lag, sum and weights).
+
+    They are 0 where its fading is not seen.
+    """
     known = tracked > 0
     seen = np.isfinite(own)
     if 2 * known.sum() < BLOCK_LINES or not seen.any():
@@ -212,7 +223,10 @@ def _block_products(tracked, own):
 
 @dataclass(frozen=True)
 class Fading:
-    """Standard deviation, 1/e length and exponent of fading, and nugget; by default there is none."""
+    """Standard deviation, 1/e length and exponent of fading, and nugget.
+
+    By default there is none.
+    """
 
     fading_spread_db: float = 0.0
     fading_length_lines: float = 1.0

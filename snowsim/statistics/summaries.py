@@ -1,4 +1,7 @@
-"""What the statistics need of a frame, read once: picks, power under them, averaged lines, air; merged in any order."""
+"""What the statistics need of a frame, read once: picks, power under them, averaged lines, air.
+
+Merged in any order.
+"""
 
 from dataclasses import dataclass
 
@@ -11,7 +14,7 @@ from snowsim.statistics.texture import texture_terms
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
-# Of a group's picks of a layer, sorted by depth: they describe the rows that a sloping layer covers.
+# Of a group's picks of a layer, sorted by depth: the rows that a sloping layer covers.
 PARTS = 4
 # Bins above the surface that still hold its rise: 8 standard deviations at a variance of 15.
 AIR_MARGIN_BINS = 30
@@ -83,12 +86,13 @@ class FrameSummary:
 
 
 def summarise(echogram, layers, where="frame"):
-    """One frame, echogram and layers in the Open Polar Radar convention, as a list of one `FrameSummary` for `merge`.
+    """One frame as a list of one `FrameSummary`, for `merge`.
 
-    Layer 0 is the snow surface. Picks outside the record become gaps and are counted; a frame
-    without a surface pick adds nothing; up to 19 range lines at its end belong to no group; data
-    that are exactly zero are padding, not air. ValueError, naming the frame by `where`, if a
-    dataset breaks the convention or no two range lines have a position.
+    Echogram and layers follow the Open Polar Radar convention. Layer 0 is the snow surface. Picks
+    outside the record become gaps and are counted; a frame without a surface pick adds nothing; up
+    to 19 range lines at its end belong to no group; data that are exactly zero are padding, not
+    air. ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range
+    lines have a position.
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
@@ -233,7 +237,7 @@ def _products_by_group(values, n_groups):
 
 @njit(cache=True)
 def _positions(rows):
-    """Mean and variance of each part of rows (group, layer, line) sorted along the last axis, NaN at its end."""
+    """Mean and variance of each part of rows (group, layer, line), sorted, NaN at its end."""
     n_groups, n_layers, n_lines = rows.shape
     position = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
     spread = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
@@ -322,7 +326,7 @@ def summary_from_dataset(dataset):
 
 
 def stacked(summary, name):
-    """One array of all groups of a flight, (group,) or (group, row or layer, ...), padded with NaN or 0."""
+    """One array of all groups of a flight, (group,) or (group, row or layer, ...), padded."""
     return _joined([getattr(frame, name) for frame in summary])
 
 

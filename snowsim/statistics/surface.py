@@ -1,4 +1,4 @@
-"""Row of the surface along track: a slow error, and the fraction of a bin that levelling in whole bins leaves."""
+"""Row of the surface along track: a slow error, and what levelling in whole bins leaves."""
 
 import numpy as np
 
@@ -19,15 +19,15 @@ HARMONICS = np.arange(1, 9)[:, None]
 
 
 def surface_statistics(summary, minimum):
-    """Statistics of the surface's row in stretches without gaps: (dimensions, values) by name, standard errors too.
+    """Statistics of the surface's row in stretches without gaps.
 
-    A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow
-    error comes on top. As increments of m change by less than half a bin per line, they are those
-    of the row less whole bins: `surface_movement_psd (wavenumber)` is their spectrum.
-    `surface_fraction` is the number of whole-bin steps over the number that rounding such a
-    movement makes: 1 if a product does so, else 0. `surface_psd (wavenumber)` is that of the slow
-    error about its trend, less the fraction's, `surface_trend_variance_bins2` the variance of the
-    trend.
+    By name (dimensions, values), with standard errors. A product levels the aircraft's movement m
+    in whole bins, which leaves ``m - round(m)``; a slow error comes on top. As increments of m
+    change by less than half a bin per line, they are those of the row less whole bins:
+    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of
+    whole-bin steps over the number that rounding such a movement makes: 1 if a product does so,
+    else 0. `surface_psd (wavenumber)` is that of the slow error about its trend, less the
+    fraction's, `surface_trend_variance_bins2` the variance of the trend.
     """
     whole = []
     for frame in summary:
@@ -60,7 +60,10 @@ def surface_statistics(summary, minimum):
 
 
 def _movement(step):
-    """Increments of the aircraft's movement (stretch, line), from those of the row: less whole bins."""
+    """Increments of the aircraft's movement (stretch, line), from those of the row.
+
+    Those of the row less whole bins, see `surface_statistics`.
+    """
     first = step[:, :1] - np.rint(step[:, :1])
     bend = np.diff(step, axis=1)
     change = np.cumsum(bend - np.rint(bend), axis=1)
@@ -74,11 +77,11 @@ def _density(series):
 
 
 def fraction_density(movement):
-    """Expected tapered density of ``m - round(m)`` at a block's wavenumbers, from increments of m (stretch, line).
+    """Expected tapered density of ``m - round(m)`` at a block's wavenumbers.
 
-    The fraction is ``sum_n (-1)^(n+1) sin(2 pi n m) / (pi n)``; where m wanders over bins its
-    covariance is ``sum_n exp(-2 pi^2 n^2 D) / (2 pi^2 n^2)`` with D the structure function of m,
-    taken as Gaussian.
+    From increments of m (stretch, line). The fraction is ``sum_n (-1)^(n+1) sin(2 pi n m) / (pi
+    n)``; where m wanders over bins its covariance is ``sum_n exp(-2 pi^2 n^2 D) / (2 pi^2 n^2)``
+    with D the structure function of m, taken as Gaussian.
     """
     row = np.cumsum(np.pad(movement, [(0, 0), (1, 0)]), axis=1)
     n_lines = row.shape[1]

@@ -31,7 +31,7 @@ class Texture:
 
 
 def texture_terms(power, air_end, deepest_row):
-    """Sums of one flight frame for `texture`, float64 (group, N_TERMS), zeros where a group is of no use.
+    """Sums of one flight frame for `texture`, (group, N_TERMS), zeros where a group is of no use.
 
     From power (group, range_line, range_bin) and, for each line (group, range_line), the row where
     its air ends and the row of its deepest pick. For gain: covariance along track of the logarithm
@@ -58,7 +58,10 @@ def texture_terms(power, air_end, deepest_row):
 
 
 def _covariance(halves):
-    """Covariance of two rows (2, line) without the lines far from their median, and 1; two zeros if few are left."""
+    """Covariance of two rows (2, line) without the lines far from their median, and 1.
+
+    They are two zeros if few lines are left.
+    """
     both = halves.mean(axis=0) - np.median(halves)
     near = np.abs(both) <= OVERLOADED * NORMAL_MAD * np.median(np.abs(both))
     if 2 * near.sum() <= near.size:
@@ -67,7 +70,10 @@ def _covariance(halves):
 
 
 def _products(below, noise):
-    """Products of the snow's texture and of its mean power, see `texture_terms`; 0 where noise hides it."""
+    """Products of the snow's texture and of its mean power, see `texture_terms`.
+
+    They are 0 where noise hides it.
+    """
     n_bins = below.shape[1]
     if n_bins < FEWEST_BINS or not (below > 0).all():
         return 0.0

@@ -1,4 +1,4 @@
-"""Accumulation zones of a flight: moments and spectra of every slab in each, and how well a number of zones fits."""
+"""Accumulation zones of a flight: moments and spectra of every slab, and how well they fit."""
 
 from dataclasses import astuple, dataclass
 
@@ -66,11 +66,11 @@ class Blocks:
 
 
 def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
-    """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone: dict of arrays.
+    """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone.
 
-    Zones hold equal numbers of blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021),
-    or lie between `zone_edge_bins (edge,)`. Returned are `zone_edge_bins (edge)`;
-    `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
+    A dict of arrays. Zones hold equal numbers of blocks by mean thickness of slab 0 (quartiles in
+    Yari et al. 2021), or lie between `zone_edge_bins (edge,)`. Returned are `zone_edge_bins
+    (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
     `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`, each with
     `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
     `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`;
@@ -137,12 +137,15 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
-    """Zone of a mean first-slab thickness, 0 the shallowest; beyond the outer edges the outer zones."""
+    """Zone of a mean first-slab thickness, 0 the shallowest.
+
+    Beyond the outer edges lie the outer zones.
+    """
     return np.searchsorted(zone_edge_bins[1:-1], first_thickness_bins, side="right")
 
 
 def place_blocks(thickness, zone_edge_bins):
-    """Block means (block, slab), mean thickness of slab 0 (block,), NaN where unknown, and zone (block,), -1 there."""
+    """Block means (block, slab), thickness of slab 0, zone (block,); NaN, -1 where unknown."""
     mean = block_means(thickness)
     level, _ = block_levels(mean)
     zone = zone_of(level, zone_edge_bins)
@@ -160,7 +163,10 @@ def as_variables(zones):
 
 
 def _edges(level, given, n_zones):
-    """Zone edges and their standard errors from the density of order statistics; given ones have none."""
+    """Zone edges and their standard errors from the density of order statistics.
+
+    Given ones have none.
+    """
     if given is not None:
         return np.asarray(given, dtype=float), np.zeros(len(given))
     n = level.size
@@ -181,7 +187,7 @@ def _typical(level, zone, edges):
 
 
 def _sources(known, zone, n_zones):
-    """Number of blocks and where values come from, two (zone, slab), for blocks `known (block, slab)`."""
+    """Number of blocks `known (block, slab)` and where values come from, two (zone, slab)."""
     n = np.array([known[zone == z].sum(axis=0) for z in range(n_zones)])
     enough_in_all = np.where(n.sum(axis=0) >= MINIMUM_BLOCKS, ALL_ZONES, OTHER_SLABS)
     return n, np.where(n >= MINIMUM_BLOCKS, OWN_ZONE, enough_in_all)
@@ -302,8 +308,9 @@ def _spectra_by_zone(blocks, tapered):
 
 
 def _squares(series, tapered):
-    """Periodograms at a block's wavenumbers, and squared rise, scaled to a block as a random walk's, (series, both)."""
+    """Periodograms at a block's wavenumbers, then squared rise over a block, (series, both)."""
     density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
+    # As a random walk's, the squared rise grows with length.
     rise2 = rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])
     return np.column_stack([density, rise2])
 
@@ -317,7 +324,7 @@ def _difference_density(noise):
 
 
 def _trend_correlation(blocks, variance):
-    """Correlation of trends from slab to slab, (separation,), by their expected variance (stretch, slab)."""
+    """Correlation of trends between slabs, (separation,), by expected variance (stretch, slab)."""
     series = np.where(blocks.served[..., None], blocks.series, 0)
     rise = np.where(blocks.served, rises(series), 0)
     n_parts = BLOCK_LINES / series.shape[2]
@@ -326,13 +333,13 @@ def _trend_correlation(blocks, variance):
 
 
 def zone_models(summary, n_layers, counts, *, tapered=True):
-    """Thickness statistics of a flight divided into other numbers of zones: a dataset for each of `counts`, from 1.
+    """Thickness statistics of a flight divided into other numbers of zones.
 
-    Each holds what `snowsim.labels.prepare` needs, of the `n_layers` layers that `estimate`
-    reports; `block_psd (zone, slab, wavenumber)`, mean periodogram of the zone's own blocks, 0
-    where it has none; and attributes `means_log_likelihood`, `means_aic_penalty`,
-    `means_bic_penalty`, `means_n_parameters` of block means relative to slab 0, `dispersion`, and
-    `independent_share` of a spectrum's wavenumbers.
+    A dataset for each of `counts`, from 1. Each holds what `snowsim.labels.prepare` needs, of the
+    `n_layers` layers that `estimate` reports; `block_psd (zone, slab, wavenumber)`, mean
+    periodogram of the zone's own blocks, 0 where it has none; and attributes
+    `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block
+    means relative to slab 0, `dispersion`, and `independent_share` of a spectrum's wavenumbers.
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent;
     slabs with too few blocks for values of their own add nothing. `means_aic_penalty` is that of
@@ -367,7 +374,10 @@ def _zone_model(thickness, n_zones, tapered):
 
 
 def _own_density(thickness, zone, n_zones, tapered):
-    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber); 0 where there is none."""
+    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber).
+
+    It is 0 where there is none.
+    """
     series = stretches(thickness, MINIMUM_BLOCKS)
     zone = np.repeat(zone, len(series) // len(thickness))
     served = np.isfinite(series).all(axis=2)
@@ -415,7 +425,7 @@ def _means_likelihood(relative, zone, values):
 
 
 def _dispersion(values):
-    """Variance of periodograms over their squared mean, mean of the cells with spectra of their own; at least 1."""
+    """Variance of periodograms over their squared mean, where a cell has its own; at least 1."""
     own = values["psd_source"] == OWN_ZONE
     if not own.any():
         return 1.0

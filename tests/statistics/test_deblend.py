@@ -97,7 +97,7 @@ def test_movement_within_a_group_is_no_variance(planted):
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
-    """Slabs of 12 to 22 bins with 1.2 crusts each, of a median 6 % of the layer's power, patchy along track."""
+    """Slabs of 12 to 22 bins with 1.2 crusts each, of a median 6 % of the layer's power, patchy."""
     rng = np.random.default_rng(seed)
     slab = rng.uniform(12, 22, 11)
     pick = np.append(0, np.cumsum(slab)) + rng.uniform(-1, 1, (120, 1))

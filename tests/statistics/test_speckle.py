@@ -28,16 +28,17 @@ RESPONSE = np.array([0.3, 1.0, 0.5, -0.1])  # of the amplitude, in range bins
 
 
 def air_frame(rng, minute, n_looks=3, surface=130.0):
-    """Air of M looks through `RESPONSE`, with gain from line to line, bands, one overloaded line, above a surface."""
+    """Air of M looks through `RESPONSE`, gain by line, bands, an overloaded line, a surface."""
     shape = (n_looks, 160 + RESPONSE.size - 1, 512)
     looks = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     field = sum(tap * looks[:, i : i + 160] for i, tap in enumerate(RESPONSE))
-    power = (np.abs(field) ** 2).mean(axis=0) + 3 * (np.arange(160)[:, None] % 40 == 7)
-    power *= np.exp(0.3 * rng.standard_normal(512)) * np.where(np.arange(512) == 100, 50, 1)
+    bands = 3 * (np.arange(160)[:, None] % 40 == 7)
+    power = (np.abs(field) ** 2).mean(axis=0) + bands
+    gain = np.exp(0.3 * rng.standard_normal(512))
+    power *= gain * np.where(np.arange(512) == 100, 50, 1)
     power[110:] *= 1000
-    return made_up_frame(
-        power, np.array([surface, surface + 10])[:, None] * np.ones(512), minute=minute
-    )
+    layer_bins = np.array([surface, surface + 10])[:, None] * np.ones(512)
+    return made_up_frame(power, layer_bins, minute=minute)
 
 
 def test_correlation_down_range_comes_back_within_its_error(rng):
@@ -75,11 +76,10 @@ def test_without_air_or_speckle_independence_stands_in_and_is_named(rng):
 
 def test_doppler_spectrum_of_a_steady_squint_is_a_line(rng):
     n, spacing_m = 512, 2.5
-    amplitude = 0.1 * (rng.standard_normal((40, n)) + 1j * rng.standard_normal((40, n)))
-    amplitude += np.exp(2j * np.pi * 64 * np.arange(n) / n)
-    wavenumber, first, mean = doppler_spectra(
-        amplitude, np.array([[5.0], [15], [25]]) * np.ones(n), spacing_m
-    )
+    noise = rng.standard_normal((40, n)) + 1j * rng.standard_normal((40, n))
+    amplitude = 0.1 * noise + np.exp(2j * np.pi * 64 * np.arange(n) / n)
+    layer_bins = np.array([[5.0], [15], [25]]) * np.ones(n)
+    wavenumber, first, mean = doppler_spectra(amplitude, layer_bins, spacing_m)
     assert wavenumber[first.argmax()] == wavenumber[mean.argmax()] == 64 / n / spacing_m
     assert_allclose(mean.mean(), 1, rtol=1e-12)
 
