@@ -1,4 +1,7 @@
-"""Thickness in blocks of 256 range lines: means, trends, spectra, noise of picks, and correlation from slab to slab."""
+"""Thickness in blocks of 256 range lines.
+
+Means, trends, spectra, noise of picks, and correlation from slab to slab.
+"""
 
 from functools import lru_cache
 
@@ -8,6 +11,7 @@ from scipy.signal import detrend
 from scipy.signal.windows import hann
 
 from snowsim.constants import BLOCK_LINES
+from snowsim.statistics.moments import mean_where
 
 # Bands of wavenumber [cycles per block]: undulations of kilometres persist from slab to slab,
 # decametre drift does not.
@@ -15,51 +19,49 @@ BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4  # (block, slab) pairs needed to estimate the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
-STRETCHES = (
-    1,
-    2,
-    4,
-    8,
-    16,
-)  # per block: spectra come from the longest stretches of which enough have no gap
+# Per block: spectra come from the longest stretches of which enough have no gap.
+STRETCHES = (1, 2, 4, 8, 16)
 ENOUGH_SHARE = 0.1  # of the number of blocks
-NOISE_WAVENUMBER = 0.375  # [cycles per line] above it, picked layers are not known to undulate: what is there is noise
-SURE = (
-    3.0  # standard errors above which pick noise is accepted: with few blocks, two occur by chance
-)
+# [cycles per line] above it, picked layers are not known to undulate: what is there is noise.
+NOISE_WAVENUMBER = 0.375
+# Standard errors above which pick noise is accepted: with few blocks, two occur by chance.
+SURE = 3.0
 # A spectrum ends where its mean over 7 wavenumbers is below 1.5 times the pick noise: with 4
 # stretches, whose tapered ordinates correlate in pairs, that mean scatters by a quarter for noise
 # alone.
-NOISE_SMOOTHING, CLEARANCE = 7, 1.5
-FAINT = (
-    1e-3  # of a band's largest density, below which wavenumbers do not count for its correlation
-)
+NOISE_SMOOTHING = 7
+CLEARANCE = 1.5
+# Of a band's largest density, below which wavenumbers do not count for its correlation.
+FAINT = 1e-3
 
 
 def thickness_blocks(summary, n_layers):
-    """Slab thickness in the whole blocks of all frames, float64 (block, slab, range_line), NaN in gaps."""
-    parts = []
+    """Slab thickness in the whole blocks of all frames, (block, slab, range_line), NaN in gaps."""
+    blocks = []
     for frame in summary:
         n_blocks = frame.depth_bins.shape[1] // BLOCK_LINES
-        depth = np.full((n_layers, n_blocks * BLOCK_LINES), np.nan)
-        held = frame.depth_bins[:n_layers, : n_blocks * BLOCK_LINES]
+        n_lines = n_blocks * BLOCK_LINES
+        held = frame.depth_bins[:n_layers, :n_lines]
+        depth = np.full((n_layers, n_lines), np.nan)
         depth[: len(held)] = held
-        parts.append(
-            np.diff(depth, axis=0).reshape(n_layers - 1, n_blocks, BLOCK_LINES).swapaxes(0, 1)
-        )
-    return np.concatenate(parts)
+        thickness = np.diff(depth, axis=0)
+        by_slab = thickness.reshape(n_layers - 1, n_blocks, BLOCK_LINES)
+        blocks.append(by_slab.swapaxes(0, 1))
+    return np.concatenate(blocks)
 
 
 def block_means(thickness):
-    """Mean thickness by block and slab, (block, slab), over the lines that have it; NaN where fewer than half do."""
+    """Mean thickness by block and slab, (block, slab), over the lines that have it.
+
+    NaN where fewer than half do.
+    """
     known = np.isfinite(thickness)
-    n = known.sum(axis=2)
-    mean = np.where(known, thickness, 0).sum(axis=2) / np.maximum(n, 1)
-    return np.where(2 * n >= thickness.shape[2], mean, np.nan)
+    often = 2 * known.sum(axis=2) >= thickness.shape[2]
+    return np.where(often, mean_where(known, thickness, axis=2), np.nan)
 
 
 def block_levels(mean):
-    """Mean thickness of slab 0 in every block, (block,) [bins], and whether slab 0 was picked there, bool (block,).
+    """Mean thickness of slab 0 in every block [bins], and whether slab 0 was picked, two (block,).
 
     From block means (block, slab), NaN where not picked. Where slab 0 is missing, thickness is
     modelled as the block's level times the slab's factor: both follow by least squares of the
@@ -69,22 +71,21 @@ def block_levels(mean):
     known = np.isfinite(mean)
     own = known[:, 0]
     logarithm = np.log(np.where(known, mean, 1))
-    level = np.where(own, logarithm[:, 0], np.nan)
+    picked = np.where(own, logarithm[:, 0], np.nan)
+    level = picked
     for _ in range(MOST_SWEEPS):
+        before = level
         placed = known & np.isfinite(level)[:, None]
-        factor = _mean_where(placed, logarithm - level[:, None], axis=0)
+        factor = mean_where(placed, logarithm - level[:, None], axis=0)
         rated = known & np.isfinite(factor)
-        swept = np.where(own, logarithm[:, 0], _mean_where(rated, logarithm - factor, axis=1))
-        settled = np.array_equal(np.isnan(swept), np.isnan(level))
-        settled = settled and np.nanmax(np.abs(swept - level), initial=0) < LEVEL_TOLERANCE
-        level = swept
-        if settled:
+        level = np.where(own, picked, mean_where(rated, logarithm - factor, axis=1))
+        if np.allclose(level, before, rtol=0, atol=LEVEL_TOLERANCE, equal_nan=True):
             break
     return np.exp(level), own
 
 
 def stretches(thickness, minimum):
-    """Thickness (block, slab, range_line) cut along track into stretches of which enough have no gap.
+    """Thickness (block, slab, range_line) cut into stretches of which enough have no gap.
 
     Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of
     blocks, have no gap; otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if
@@ -93,27 +94,29 @@ def stretches(thickness, minimum):
     n_blocks, n_slabs, n_lines = thickness.shape
     enough = max(minimum, ENOUGH_SHARE * n_blocks)
     for parts in STRETCHES:
-        cut = thickness.reshape(n_blocks, n_slabs, parts, n_lines // parts).swapaxes(1, 2)
-        cut = cut.reshape(n_blocks * parts, n_slabs, n_lines // parts)
+        length = n_lines // parts
+        cut = thickness.reshape(n_blocks, n_slabs, parts, length).swapaxes(1, 2)
+        cut = cut.reshape(n_blocks * parts, n_slabs, length)
         n_whole = np.isfinite(cut).all(axis=2).sum()
         if n_whole >= enough:
-            return cut
+            break
     if n_whole == 0:
-        msg = f"spectra of thickness need {n_lines // STRETCHES[-1]} lines of a slab picked without gaps, got none"
+        msg = f"spectra of thickness need {length} lines of a slab picked without gaps, got none"
         raise ValueError(msg)
     return cut
 
 
 @lru_cache(maxsize=8)
 def taper_of(n_lines):
-    """Hann taper, and half the expected periodogram of a tapered white series of unit variance, by wavenumber."""
+    """Hann taper, and half the expected periodogram of a tapered white series of variance 1."""
     taper = hann(n_lines + 2)[1:-1]
-    response = np.fft.rfft(detrend(np.eye(n_lines), axis=0) * taper[:, None], axis=0)
+    impulses = detrend(np.eye(n_lines), axis=0)
+    response = np.fft.rfft(impulses * taper[:, None], axis=0)
     return taper, (np.abs(response) ** 2).sum(axis=1) / n_lines
 
 
 def fourier(series, tapered):
-    """Transform along the last axis, (..., wavenumber), whose squared magnitude is the density `periodogram` gives.
+    """Transform along the last axis, (..., wavenumber), the root of what `periodogram` gives.
 
     About the mean; if `tapered`, about the least-squares line under a Hann taper, each wavenumber
     scaled so that white series keep their density. A plain transform leaks as k^-2; a tapered one
@@ -122,11 +125,11 @@ def fourier(series, tapered):
     """
     n = series.shape[-1]
     if not tapered:
-        return np.fft.rfft(series - series.mean(axis=-1, keepdims=True)) * np.sqrt(2 / n)
+        anomaly = series - series.mean(axis=-1, keepdims=True)
+        return np.fft.rfft(anomaly) * np.sqrt(2 / n)
     taper, white = taper_of(n)
-    return np.fft.rfft(detrend(series) * taper) * np.sqrt(
-        2 / n / np.where(white > 0, white, np.inf)
-    )
+    spectrum = np.fft.rfft(detrend(series) * taper)
+    return spectrum * np.sqrt(2 / n / np.where(white > 0, white, np.inf))
 
 
 def periodogram(series, *, tapered=False):
@@ -143,21 +146,31 @@ def periodogram(series, *, tapered=False):
 
 
 def on_wavenumbers(density, n_lines):
-    """Density of shorter stretches at the wavenumbers of `n_lines`: linear between, constant below the lowest."""
+    """Density of shorter stretches at the wavenumbers of `n_lines`.
+
+    Linear between, constant below the lowest.
+    """
     n = 2 * (density.shape[-1] - 1)
     if n == n_lines:
         return density
+    # The Nyquist wavenumber has half a density: of the short stretches, then of the long ones.
     density[..., -1] *= 2
-    at, held = np.arange(n_lines // 2 + 1) / n_lines, np.arange(1, n // 2 + 1) / n
-    finer = np.apply_along_axis(lambda row: np.interp(at, held, row[1:]), -1, density)
-    finer[..., 0], finer[..., -1] = 0, finer[..., -1] / 2
+    held = np.arange(1, n // 2 + 1) / n
+    wanted = np.arange(n_lines // 2 + 1) / n_lines
+    finer = np.apply_along_axis(lambda row: np.interp(wanted, held, row[1:]), -1, density)
+    finer[..., 0] = 0
+    finer[..., -1] /= 2
     return finer
 
 
 def rises(series):
-    """Change from the first line to the last of the least-squares line, (...); series without gaps."""
-    line = np.arange(series.shape[-1]) - (series.shape[-1] - 1) / 2
-    return series @ line / (line @ line) * (series.shape[-1] - 1)
+    """Change from the first line to the last of the least-squares line, (...).
+
+    Of series without gaps.
+    """
+    last = series.shape[-1] - 1
+    line = np.arange(series.shape[-1]) - last / 2
+    return series @ line / (line @ line) * last
 
 
 def pick_noise(series, served, minimum):
@@ -170,58 +183,62 @@ def pick_noise(series, served, minimum):
     """
     n_layers = served.shape[1] + 1
     spectrum = fourier(np.where(served[..., None], series, 0), True)
-    high = int(np.ceil(NOISE_WAVENUMBER * series.shape[-1]))
+    first = int(np.ceil(NOISE_WAVENUMBER * series.shape[-1]))
+    high = spectrum[..., first:-1]
+    cross = high[:, :-1] * high[:, 1:].conj()
     # One-sided: white noise of variance s^2 has the density 2 s^2.
-    products = -(spectrum[:, :-1, high:-1] * spectrum[:, 1:, high:-1].conj()).real.mean(axis=2) / 2
+    products = -cross.real.mean(axis=2) / 2
     both = served[:, :-1] & served[:, 1:]
-    noise, error = np.zeros(n_layers), np.zeros(n_layers)
+    noise = np.zeros(n_layers)
+    error = np.zeros(n_layers)
     for layer in range(n_layers):
-        own = 0 < layer < n_layers - 1 and both[:, layer - 1].sum() >= minimum
-        values = products[both[:, layer - 1], layer - 1] if own else products[both]
+        values = products[both]
+        if 0 < layer < n_layers - 1:
+            own = both[:, layer - 1]
+            values = products[own, layer - 1] if own.sum() >= minimum else values
         if values.size >= minimum:
-            noise[layer], error[layer] = values.mean(), values.std(ddof=1) / np.sqrt(values.size)
+            noise[layer] = values.mean()
+            error[layer] = values.std(ddof=1) / np.sqrt(values.size)
     return np.where(noise > SURE * error, noise, 0.0), error
 
 
 def without_noise(density, noise):
-    """Density (..., wavenumber) less a noise density; zero from the wavenumber where noise is two thirds of it."""
+    """Density (..., wavenumber) less a noise density.
+
+    It is zero from the wavenumber where noise is two thirds of it.
+    """
     smooth = uniform_filter1d(density, NOISE_SMOOTHING, axis=-1, mode="nearest")
-    lost = (smooth < CLEARANCE * noise) & (np.arange(density.shape[-1]) > 0)
-    return np.where(np.logical_or.accumulate(lost, axis=-1), 0.0, np.maximum(density - noise, 0.0))
-
-
-def _mean_where(held, values, axis):
-    """Mean of the values where `held`, NaN where there is none."""
-    n = held.sum(axis=axis)
-    return np.where(n > 0, np.where(held, values, 0).sum(axis=axis) / np.maximum(n, 1), np.nan)
+    lost = smooth < CLEARANCE * noise
+    lost[..., 0] = False
+    beyond = np.logical_or.accumulate(lost, axis=-1)
+    return np.where(beyond, 0.0, np.maximum(density - noise, 0.0))
 
 
 def undulation_correlation(series, served, density, *, tapered):
-    """Correlation between slabs of thickness about its trend, or mean, (band, separation), by band of wavenumber.
+    """Correlation between slabs of thickness about its trend, or mean, (band, separation).
 
     From the stretches (stretch, slab, range_line) that are `served` (stretch, slab). Dividing by
     the expected `density` (stretch, slab, wavenumber), 0 where unknown, weights all equally; those
     30 dB below their band's are left out.
     """
     spectrum = fourier(np.where(served[..., None], series, 0), tapered)
+    edges = BAND_EDGES * series.shape[-1] // BLOCK_LINES
     rows = []
-    for low, high in zip(BAND_EDGES[:-1], BAND_EDGES[1:], strict=True):
-        first = max(low * series.shape[-1] // BLOCK_LINES, 1)
-        band = slice(first, max(high * series.shape[-1] // BLOCK_LINES, first + 1))
-        within = density[..., band]
-        usable = within > FAINT * within.max(axis=-1, keepdims=True)
-        rows.append(
-            correlation_by_separation(
-                spectrum[..., band] / np.sqrt(np.where(usable, within, np.inf))
-            )
-        )
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        first = max(low, 1)
+        band = slice(first, max(high, first + 1))
+        expected = density[..., band]
+        usable = expected > FAINT * expected.max(axis=-1, keepdims=True)
+        scale = np.sqrt(np.where(usable, expected, np.inf))
+        rows.append(correlation_by_separation(spectrum[..., band] / scale))
     return np.array(rows)
 
 
 def mean_correlation(relative, zone, minimum):
-    """Correlation between slabs of relative block means (block, slab) about the mean of their zone, (separation,).
+    """Correlation between slabs of relative block means about those of their zone, (separation,).
 
-    A zone needs `minimum` blocks of a slab for a mean. Slab 0 is 1 by definition and is left out.
+    From relative means (block, slab). A zone needs `minimum` blocks of a slab for a mean. Slab 0 is
+    1 by definition and is left out.
     """
     anomaly = np.zeros(relative.shape)
     for z in np.unique(zone):
@@ -229,27 +246,32 @@ def mean_correlation(relative, zone, minimum):
             held = np.isfinite(relative[:, slab]) & (zone == z)
             if held.sum() >= minimum:
                 values = relative[held, slab]
-                anomaly[held, slab] = (values - values.mean()) / (values.std() or 1)
+                deviation = values.std() or 1
+                anomaly[held, slab] = (values - values.mean()) / deviation
     correlation = correlation_by_separation(anomaly[:, 1:, None])
-    return np.append(correlation, correlation[-1:] if correlation.size else 1.0)
+    last = correlation[-1:] if correlation.size else 1.0
+    return np.append(correlation, last)
 
 
 def correlation_by_separation(values):
-    """Mean correlation of (block, slab, sample) at separations in slabs, (separation,); absent samples are 0.
+    """Mean correlation of (block, slab, sample) at separations in slabs, (separation,).
 
-    A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the value of the one
-    before, the first 0.
+    Absent samples are 0. A separation with fewer than `MINIMUM_PAIRS` (block, slab) pairs takes the
+    value of the one before, the first 0.
     """
     n_slabs = values.shape[1]
-    correlation = np.ones(n_slabs)
+    # Of separation 0 it is 1, set last: until then its 0 stands in at separation 1.
+    correlation = np.zeros(n_slabs)
     squares = (np.abs(values) ** 2).sum(axis=2)
     for separation in range(1, n_slabs):
-        upper, lower = values[:, : n_slabs - separation], values[:, separation:]
-        above, below = squares[:, : n_slabs - separation], squares[:, separation:]
+        above = squares[:, : n_slabs - separation]
+        below = squares[:, separation:]
         both = (above > 0) & (below > 0)
-        if both.sum() >= MINIMUM_PAIRS:
-            product = (upper * lower.conj()).real.sum(axis=2)[both].sum()
-            correlation[separation] = product / np.sqrt(above[both].sum() * below[both].sum())
-        else:
-            correlation[separation] = correlation[separation - 1] if separation > 1 else 0
+        if both.sum() < MINIMUM_PAIRS:
+            correlation[separation] = correlation[separation - 1]
+            continue
+        cross = values[:, : n_slabs - separation] * values[:, separation:].conj()
+        product = cross.real.sum(axis=2)[both].sum()
+        correlation[separation] = product / np.sqrt(above[both].sum() * below[both].sum())
+    correlation[:1] = 1
     return correlation

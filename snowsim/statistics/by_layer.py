@@ -1,141 +1,148 @@
-"""Values by layer of either estimator: means over averaged lines, substitutes where there are none, mean waveforms."""
+"""Values by layer of either estimator.
 
-from dataclasses import dataclass
+Means over averaged lines, substitutes where there are none, mean waveforms.
+"""
 
 import numpy as np
 
-from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
+from snowsim.phy.waveform import waveform_exact, waveform_width
 from snowsim.statistics.deblend import deblend
-from snowsim.statistics.paper import nan_moments
+from snowsim.statistics.lines import describe
+from snowsim.statistics.moments import Moments, mean_where, nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
 LAGS = np.arange(-20, 61)  # of mean waveforms [bins below the pick]
+SMALL_CHANGE = 1e-4  # of decay rate and variance, relative, for the slope of the width
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What is read off averaged lines: tracked power with error and count (layer,), decay and width (group, layer)."""
+def paper_values(tracked, decay, width):
+    """Values by layer of the recipe as printed.
 
-    tracked_power: np.ndarray
-    tracked_error: np.ndarray
-    n_picks: np.ndarray
-    decay: np.ndarray
-    width: np.ndarray
+    Its 1/e width stands for a variance, as in the paper.
 
-
-def paper_values(measured):
-    """Values by layer of the recipe as printed; its 1/e width stands for a variance, as in the paper."""
-    decay, decay_error, no_decay = _layer_means(measured.decay[:, :-1])
-    width, width_error, no_width = _layer_means(measured.width)
-    values = {
-        "peak_power": _bridged(
-            measured.tracked_power, measured.tracked_error, measured.n_picks > 0
-        ),
-        "decay_rate": (np.append(decay, np.nan), np.append(decay_error, np.nan)),
-        **dict.fromkeys(("width_bins", "variance_bins2"), (width, width_error)),
-        "offset_bins": np.zeros((2, width.size)),
+    From `Tracked` power, and decay rates and widths (group, layer).
+    """
+    picked = tracked.n_picks > 0
+    # Eq. (2) needs a layer below: the deepest has no decay rate.
+    decay = _with_substitutes(decay[:, :-1])
+    width = _with_substitutes(width)
+    substituted = (width.n == 0) | np.append(decay.n == 0, False) | ~picked
+    return {
+        "peak_power": _bridged(tracked.power, picked),
+        "peak_power_standard_error": _bridged(tracked.standard_error, picked),
+        "decay_rate": np.append(decay.mean, np.nan),
+        "decay_rate_standard_error": np.append(decay.standard_error, np.nan),
+        "width_bins": width.mean,
+        "width_bins_standard_error": width.standard_error,
+        "variance_bins2": width.mean,
+        "variance_bins2_standard_error": width.standard_error,
+        "offset_bins": np.zeros(picked.size),
+        "offset_bins_standard_error": np.zeros(picked.size),
+        "substituted": substituted.astype(np.int64),
     }
-    substituted = no_width | np.append(no_decay, False) | (measured.n_picks == 0)
-    return _with_errors(values) | {"substituted": substituted.astype(np.int64)}
 
 
-def deblended_values(measured, groups):
+def deblended_values(tracked, decay, groups):
     """Values by layer of the joint solution, with mean waveforms; and powers (group, layer)."""
-    shape, error, powers, power_error, own_shape, modelled = deblend(groups, measured.decay)
-    decay, variance = np.exp(shape[:, 0]), np.exp(shape[:, 1])
-    power, _, n_groups = nan_moments(powers)
-    reliable = (n_groups > 0) & (power > 2 * power_error)
-    above_noise = np.maximum(measured.tracked_power - groups.noise_power, 0)
-    # Faint layers keep the share that deblending leaves of the others, always positive: only that
-    # can be rendered.
-    share = (
-        np.median(power[reliable] / above_noise[reliable])
-        if (reliable & (above_noise > 0)).any()
-        else 1.0
-    )
-    floor = np.where(above_noise > 0, above_noise, measured.tracked_error + groups.noise_power)
-    peak_power = _bridged(
-        np.where(reliable, power, share * floor),
-        np.where(reliable, power_error, np.maximum(power_error, share * floor)),
-        measured.n_picks > 0,
-    )
-    width = waveform_width(variance, decay)
-    width_error = np.hypot(
-        (waveform_width(variance, decay * (1 + 1e-4)) - width) / 1e-4 * error[:, 0],
-        (waveform_width(variance * (1 + 1e-4), decay) - width) / 1e-4 * error[:, 1],
-    )
-    observed, modelled = _mean_waveforms(groups, modelled)
-    peak_offset, peak_value = waveform_peak(variance, decay)
-    lag = LAGS - (shape[:, 2] - peak_offset)[:, None]
-    alone = (
-        peak_power[0][:, None]
-        * waveform_exact(lag, variance[:, None], decay[:, None])
-        / peak_value[:, None]
-    )
+    fitted = deblend(groups, decay)
+    waveform = describe(fitted.shape)
+    decay_error, variance_error, offset_error = fitted.shape_error.T
+    power, power_error, reliable = _visible_powers(fitted, tracked, groups.noise_power)
+    picked = tracked.n_picks > 0
+    power = _bridged(power, picked)
+    width, width_error = _widths(waveform, decay_error, variance_error)
+    observed, modelled = _mean_waveforms(groups, fitted.modelled)
+    lag = LAGS - (waveform.offset - waveform.peak)[:, None]
+    alone = waveform_exact(lag, waveform.variance[:, None], waveform.decay[:, None])
     values = {
-        "peak_power": peak_power,
-        "decay_rate": (decay, decay * error[:, 0]),
-        "width_bins": (width, width_error),
-        "variance_bins2": (variance, variance * error[:, 1]),
-        "offset_bins": (shape[:, 2], error[:, 2]),
-    }
-    return _with_errors(values) | {
+        "peak_power": power,
+        "peak_power_standard_error": _bridged(power_error, picked),
+        "decay_rate": waveform.decay,
+        "decay_rate_standard_error": waveform.decay * decay_error,
+        "width_bins": width,
+        "width_bins_standard_error": width_error,
+        "variance_bins2": waveform.variance,
+        "variance_bins2_standard_error": waveform.variance * variance_error,
+        "offset_bins": waveform.offset,
+        "offset_bins_standard_error": offset_error,
         "substituted": (~reliable).astype(np.int64),
-        "own_shape": own_shape.astype(np.int64),
+        "own_shape": fitted.own_shape.astype(np.int64),
         "mean_waveform": observed,
         "model_waveform": modelled,
-        "layer_waveform": alone,
-    }, powers
-
-
-def _with_errors(values):
-    """Values and their standard errors, each under a name of its own."""
-    return {
-        f"{name}{end}": v
-        for name, both in values.items()
-        for end, v in zip(("", "_standard_error"), both, strict=True)
+        "layer_waveform": power[:, None] * alone / waveform.height[:, None],
     }
+    return values, fitted.powers
 
 
-def _bridged(power, error, known):
-    """Power and error, with unknown layers interpolated between their neighbours, linearly in the logarithm."""
-    layers, held = np.arange(known.size), np.flatnonzero(known)
-    return tuple(
-        np.where(
-            known, values, np.exp(np.interp(layers, held, np.log(np.maximum(values[held], 1e-300))))
+def _visible_powers(fitted, tracked, noise_power):
+    """Peak powers, their standard errors, and where they are the solution's own, three (layer,).
+
+    Powers below two standard errors are replaced by tracked power above noise, times the share
+    that deblending leaves of the other layers: always positive, as only that can be rendered.
+    """
+    solved = nan_moments(fitted.powers)
+    reliable = (solved.n > 0) & (solved.mean > 2 * fitted.power_error)
+    above_noise = np.maximum(tracked.power - noise_power, 0)
+    seen = above_noise > 0
+    share = 1.0
+    if (reliable & seen).any():
+        share = np.median(solved.mean[reliable] / above_noise[reliable])
+    stand_in = share * np.where(seen, above_noise, tracked.standard_error + noise_power)
+    power = np.where(reliable, solved.mean, stand_in)
+    error = np.where(reliable, fitted.power_error, np.maximum(fitted.power_error, stand_in))
+    return power, error, reliable
+
+
+def _widths(waveform, decay_error, variance_error):
+    """Widths and their standard errors, from those of log decay rate and log variance."""
+    variance, decay = waveform.variance, waveform.decay
+    width = waveform_width(variance, decay)
+    by_decay = waveform_width(variance, decay * (1 + SMALL_CHANGE)) - width
+    by_variance = waveform_width(variance * (1 + SMALL_CHANGE), decay) - width
+    of_decay = by_decay / SMALL_CHANGE * decay_error
+    of_variance = by_variance / SMALL_CHANGE * variance_error
+    return width, np.hypot(of_decay, of_variance)
+
+
+def _bridged(values, known):
+    """Values by layer, unknown ones interpolated between neighbours, linearly in the logarithm."""
+    held = np.flatnonzero(known)
+    logarithm = np.log(np.maximum(values[held], 1e-300))
+    between = np.interp(np.arange(known.size), held, logarithm)
+    return np.where(known, values, np.exp(between))
+
+
+def _with_substitutes(values):
+    """`Moments` by layer; one without values takes those of the one above (or below), n stays 0."""
+    own = nan_moments(values)
+    held = np.flatnonzero(own.n)
+    if own.n.size and held.size == 0:
+        msg = (
+            "decay rates and widths need power that falls to 1/e between two layers, "
+            "no averaged line has that"
         )
-        for values in (power, error)
-    )
-
-
-def _layer_means(values):
-    """Mean and standard error over groups, and which layers have none and take that of the layer above (or below)."""
-    mean, error, n = nan_moments(values)
-    held = np.flatnonzero(n > 0)
-    if values.shape[1] and held.size == 0:
-        msg = "decay rates and widths need power that falls to 1/e between two layers, no averaged line has that"
         raise ValueError(msg)
-    above = np.maximum.accumulate(np.where(n > 0, np.arange(n.size), -1))
-    source = np.where(above >= 0, above, held[0] if held.size else 0)
-    return mean[source], error[source], n == 0
+    nearest = np.searchsorted(held, np.arange(own.n.size), side="right") - 1
+    source = held[np.maximum(nearest, 0)]
+    return Moments(own.mean[source], own.standard_error[source], own.n)
 
 
-def _mean_waveforms(groups, model):
-    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag); 0 where there is none."""
+def _mean_waveforms(groups, modelled):
+    """Mean of averaged lines about each layer's row, observed and modelled, two (layer, lag).
+
+    They are 0 where there is none.
+    """
     n_rows = groups.power.shape[1]
-    observed, modelled = (np.zeros((groups.present.shape[1], LAGS.size)) for _ in range(2))
-    for layer in range(len(observed)):
-        held = np.flatnonzero(groups.present[:, layer])
-        rows = (
-            np.rint(groups.position[held, layer].mean(axis=1)).astype(int)[:, None]
-            - FIRST_ROW
-            + LAGS
-        )
+    means = np.zeros((2, groups.present.shape[1], LAGS.size))
+    for layer, present in enumerate(groups.present.T):
+        held = np.flatnonzero(present)
+        pick = np.rint(groups.position[held, layer].mean(axis=1)).astype(int)
+        rows = pick[:, None] - FIRST_ROW + LAGS
         inside = (rows >= 0) & (rows < n_rows)
         at = held[:, None], np.clip(rows, 0, n_rows - 1)
+        lines = np.array([groups.power[at], modelled[at]])
         # Observed and modelled over the same samples, so that the two can be compared.
-        known = inside & np.isfinite(groups.power[at]) & np.isfinite(model[at])
-        n = np.maximum(known.sum(axis=0), 1)
-        for total, lines in ((observed, groups.power), (modelled, model)):
-            total[layer] = np.where(known, lines[at], 0).sum(axis=0, dtype=float) / n
-    return observed, modelled
+        known = inside & np.isfinite(lines).all(axis=0)
+        for total, part in zip(means[:, layer], lines, strict=True):
+            total[:] = np.nan_to_num(mean_where(known, part, axis=0))
+    return means

@@ -1,4 +1,6 @@
-"""Accumulation zones of a flight: moments and spectra of every slab in each, and how well a number of zones fits."""
+"""Accumulation zones of a flight: moments and spectra of every slab, and how well they fit."""
+
+from dataclasses import astuple, dataclass
 
 import numpy as np
 import xarray as xr
@@ -21,29 +23,54 @@ from snowsim.statistics.blocks import (
 )
 
 N_ZONES = 4
-MINIMUM_BLOCKS = 4  # with fewer a variance has a standard error of its own size: the zone is pooled with the others
+# With fewer a variance has a standard error of its own size: the zone is pooled with the others.
+MINIMUM_BLOCKS = 4
 N_QUANTILES = 33  # of slab 0's block means: the inner edges of 1, 2, 4 or 8 zones among them
-OWN_ZONE, ALL_ZONES, OTHER_SLABS = 0, 1, 2  # where values of a zone and slab come from
+QUANTILE_WINDOW = (
+    0.1  # of probability to either side, for the density of thickness at a zone's edge
+)
+# Where values of a zone and slab come from.
+OWN_ZONE = 0
+ALL_ZONES = 1
+OTHER_SLABS = 2
+# Pick noise of a tenth of a density or more distorts the correlation between slabs.
+CLEAR_OF_NOISE = 10
+N_MOMENTS = 2  # of a Gaussian
 DIMENSIONS = {
     "zone_edge_bins": ("edge",),
     "thickness_psd": ("zone", "slab", "wavenumber"),
     "thickness_correlation": ("band", "separation"),
-    **dict.fromkeys(("relative_thickness_correlation", "trend_correlation"), ("separation",)),
-    **{
-        "n_gap_blocks": ("slab",),
-        "pick_noise_bins2": ("layer",),
-        "n_blocks_by_layers": ("zone", "n_layers"),
-    },
+    "relative_thickness_correlation": ("separation",),
+    "trend_correlation": ("separation",),
+    "n_gap_blocks": ("slab",),
+    "pick_noise_bins2": ("layer",),
+    "n_blocks_by_layers": ("zone", "n_layers"),
     "first_thickness_quantile_bins": ("quantile",),
 }  # all others: zone and slab
 
 
-def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
-    """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone: dict of arrays.
+@dataclass(frozen=True)
+class Blocks:
+    """Blocks that lie in a zone, and their stretches."""
 
-    Zones hold equal numbers of blocks by mean thickness of slab 0 (quartiles in Yari et al. 2021),
-    or lie between `zone_edge_bins (edge,)`. Returned are `zone_edge_bins (edge)`;
-    `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
+    mean: np.ndarray  # thickness, (block, slab), NaN where unknown
+    level: np.ndarray  # mean thickness of slab 0, (block,)
+    zone: np.ndarray  # (block,)
+    series: np.ndarray  # thickness in stretches, (stretch, slab, range_line)
+    served: np.ndarray  # stretches without gaps, bool (stretch, slab)
+    typical: np.ndarray  # thickness of slab 0, (zone,)
+
+    def of_stretches(self, values):
+        """Values by block for each stretch."""
+        return np.repeat(values, len(self.series) // len(self.level), axis=0)
+
+
+def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
+    """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone.
+
+    A dict of arrays. Zones hold equal numbers of blocks by mean thickness of slab 0 (quartiles in
+    Yari et al. 2021), or lie between `zone_edge_bins (edge,)`. Returned are `zone_edge_bins
+    (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
     `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`, each with
     `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
     `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`;
@@ -65,205 +92,254 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
     thickness as Gaussian.
     """
     mean = block_means(thickness)
-    level, own = (
-        block_levels(mean)
-        if mean.shape[1]
-        else (np.zeros(len(mean)), np.zeros(len(mean), dtype=bool))
-    )
-    if not own.any():
-        msg = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines, of {len(mean)} blocks none is so"
+    if not np.isfinite(mean[:, :1]).any():
+        msg = (
+            f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines, "
+            f"of {len(mean)} blocks none is so"
+        )
         raise ValueError(msg)
+    level, own = block_levels(mean)
     placed = np.isfinite(level)
-    deepest = np.where(np.isfinite(mean), np.arange(1, mean.shape[1] + 1), 0).max(axis=1)
+    n_slabs = mean.shape[1]
+    # Below the surface, down to the deepest slab known.
+    n_layers = np.where(np.isfinite(mean), np.arange(1, n_slabs + 1), 0).max(axis=1)
     series = stretches(thickness, MINIMUM_BLOCKS)
-    n_parts = len(series) // len(thickness)
-    counts = {
+    of_placed = series[np.repeat(placed, len(series) // len(mean))]
+    edges, edges_error = _edges(level[placed], zone_edge_bins, n_zones)
+    zone = zone_of(level[placed], edges)
+    blocks = Blocks(
+        mean=mean[placed],
+        level=level[placed],
+        zone=zone,
+        series=of_placed,
+        served=np.isfinite(of_placed).all(axis=2),
+        typical=_typical(level[placed], zone, edges),
+    )
+    result = _moments_by_zone(blocks)
+    result |= _spectra_by_zone(blocks, tapered)
+    relative = blocks.mean / blocks.level[:, None]
+    by_layers = np.zeros((blocks.typical.size, n_slabs + 1), dtype=int)
+    np.add.at(by_layers, (zone, n_layers[placed]), 1)
+    quantiles = np.linspace(0, 1, N_QUANTILES)
+    return result | {
+        "zone_edge_bins": edges,
+        "zone_edge_bins_standard_error": edges_error,
+        "relative_thickness_correlation": mean_correlation(relative, zone, MINIMUM_BLOCKS),
+        "first_thickness_quantile_bins": np.quantile(blocks.level, quantiles),
+        "n_blocks_by_layers": by_layers,
         "n_gap_blocks": (~np.isfinite(thickness).all(axis=2)).sum(axis=0),
         "n_blocks": len(mean),
         "n_blocks_placed_by_other_slabs": int((placed & ~own).sum()),
         "n_blocks_not_placed": int((~placed).sum()),
-        "n_blocks_without_layers": int((deepest == 0).sum()),
+        "n_blocks_without_layers": int((n_layers == 0).sum()),
         "n_spectral_lines": series.shape[2],
     }
-    series, mean, level, deepest = (
-        series[np.repeat(placed, n_parts)],
-        mean[placed],
-        level[placed],
-        deepest[placed],
-    )
-    served = np.isfinite(series).all(axis=2)
-    edges, edges_error = _edges(level, zone_edge_bins, n_zones)
-    zone = zone_of(level, edges)
-    held = [level[zone == z] for z in range(edges.size - 1)]
-    typical = np.array(
-        [part.mean() if part.size else edges[z : z + 2].mean() for z, part in enumerate(held)]
-    )
-    result = _moments_by_zone(mean, level, zone, typical)
-    result |= _spectra_by_zone(
-        series, served, np.repeat(level, n_parts), np.repeat(zone, n_parts), typical, tapered
-    )
-    result |= {"zone_edge_bins": edges, "zone_edge_bins_standard_error": edges_error}
-    result["relative_thickness_correlation"] = mean_correlation(
-        mean / level[:, None], zone, MINIMUM_BLOCKS
-    )
-    result["first_thickness_quantile_bins"] = np.quantile(level, np.linspace(0, 1, N_QUANTILES))
-    by_layers = np.zeros((edges.size - 1, mean.shape[1] + 1), dtype=int)
-    np.add.at(by_layers, (zone, deepest), 1)
-    return result | {"n_blocks_by_layers": by_layers} | counts
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
-    """Zone of a mean first-slab thickness, 0 the shallowest; beyond the outer edges the outer zones."""
+    """Zone of a mean first-slab thickness, 0 the shallowest.
+
+    Beyond the outer edges lie the outer zones.
+    """
     return np.searchsorted(zone_edge_bins[1:-1], first_thickness_bins, side="right")
 
 
 def place_blocks(thickness, zone_edge_bins):
-    """Block means (block, slab), mean thickness of slab 0 (block,), NaN where unknown, and zone (block,), -1 there."""
+    """Block means (block, slab), thickness of slab 0, zone (block,); NaN, -1 where unknown."""
     mean = block_means(thickness)
     level, _ = block_levels(mean)
-    placed = np.isfinite(level)
-    return mean, level, np.where(placed, zone_of(np.where(placed, level, 0), zone_edge_bins), -1)
+    zone = zone_of(level, zone_edge_bins)
+    return mean, level, np.where(np.isfinite(level), zone, -1)
 
 
 def as_variables(zones):
     """Arrays of `zone_statistics` as variables of a dataset, name to (dimensions, values)."""
-    names = [name for name, value in zones.items() if np.ndim(value)]
-    return {
-        name: (DIMENSIONS.get(name.removesuffix("_standard_error"), ("zone", "slab")), zones[name])
-        for name in names
-    }
+    variables = {}
+    for name, values in zones.items():
+        if np.ndim(values):
+            dims = DIMENSIONS.get(name.removesuffix("_standard_error"), ("zone", "slab"))
+            variables[name] = dims, values
+    return variables
 
 
 def _edges(level, given, n_zones):
-    """Zone edges and their standard errors from the density of order statistics; given ones have none."""
+    """Zone edges and their standard errors from the density of order statistics.
+
+    Given ones have none.
+    """
     if given is not None:
         return np.asarray(given, dtype=float), np.zeros(len(given))
+    n = level.size
     at = np.linspace(0, 1, n_zones + 1)
-    inner = np.clip(at, 1 / (level.size + 1), level.size / (level.size + 1))
-    low, high = np.clip(inner - 0.1, 0, 1), np.clip(inner + 0.1, 0, 1)
+    inner = np.clip(at, 1 / (n + 1), n / (n + 1))
+    low = np.clip(inner - QUANTILE_WINDOW, 0, 1)
+    high = np.clip(inner + QUANTILE_WINDOW, 0, 1)
     per_probability = (np.quantile(level, high) - np.quantile(level, low)) / (high - low)
-    return np.quantile(level, at), np.sqrt(inner * (1 - inner) / level.size) * per_probability
+    return np.quantile(level, at), np.sqrt(inner * (1 - inner) / n) * per_probability
+
+
+def _typical(level, zone, edges):
+    """Mean thickness of slab 0 in each zone, (zone,); the middle of one without blocks."""
+    typical = (edges[:-1] + edges[1:]) / 2
+    for z in np.unique(zone):
+        typical[z] = level[zone == z].mean()
+    return typical
 
 
 def _sources(known, zone, n_zones):
-    """Number of blocks and where values come from, two (zone, slab), for blocks `known (block, slab)`."""
+    """Number of blocks `known (block, slab)` and where values come from, two (zone, slab)."""
     n = np.array([known[zone == z].sum(axis=0) for z in range(n_zones)])
     enough_in_all = np.where(n.sum(axis=0) >= MINIMUM_BLOCKS, ALL_ZONES, OTHER_SLABS)
     return n, np.where(n >= MINIMUM_BLOCKS, OWN_ZONE, enough_in_all)
 
 
-def _moments_by_zone(mean, level, zone, typical):
+@dataclass(frozen=True)
+class Gaussian:
+    """Mean and variance of independent Gaussian values, and their standard errors."""
+
+    mean: np.ndarray
+    mean_error: np.ndarray
+    variance: np.ndarray
+    variance_error: np.ndarray
+
+
+def _gaussian(values):
+    """`Gaussian` of values; a single one has no variance."""
+    n = values.size
+    variance = values.var(ddof=1) if n > 1 else 0.0
+    variance_error = variance * np.sqrt(2 / max(n - 1, 1))
+    return Gaussian(values.mean(), np.sqrt(variance / n), variance, variance_error)
+
+
+def _table(cells, shape):
+    """`Gaussian` of arrays, from one of each cell, row by row."""
+    values = np.transpose([astuple(cell) for cell in cells])
+    return Gaussian(*values.reshape(-1, *shape))
+
+
+def _moments_by_zone(blocks):
     """Moments of block-mean thickness, absolute and relative, (zone, slab)."""
-    known = np.isfinite(mean)
-    n, source = _sources(known, zone, len(typical))
+    known = np.isfinite(blocks.mean)
+    n, source = _sources(known, blocks.zone, blocks.typical.size)
     # The thickness of slab 0 defines a zone: the placed blocks give it even where its own picks are
     # few.
     source[:, 0] = np.minimum(source[:, 0], ALL_ZONES)
-    thickness, relative = (
-        np.zeros((4, *n.shape)) for _ in range(2)
-    )  # value and error of two moments
-    for z in range(len(typical)):
-        for slab in range(mean.shape[1]):
-            if source[z, slab] == OTHER_SLABS:
-                thickness[:, z, slab], relative[:, z, slab] = (
-                    thickness[:, z, slab - 1],
-                    relative[:, z, slab - 1],
-                )
-                continue
-            held = known[:, slab] & ((zone == z) | (source[z, slab] == ALL_ZONES))
-            share = mean[held, slab] / level[held]
-            values = mean[held, slab] if source[z, slab] == OWN_ZONE else share * typical[z]
-            if slab == 0 and source[z, slab] == ALL_ZONES:
-                values = (
-                    typical[z] + level - np.array([level[zone == other].mean() for other in zone])
-                )
-            thickness[:, z, slab], relative[:, z, slab] = _moments(values), _moments(share)
-    names = (
-        "mean_bins",
-        "mean_bins_standard_error",
-        "variance_bins2",
-        "variance_bins2_standard_error",
-    )
-    result = {f"thickness_{name}": values for name, values in zip(names, thickness, strict=True)}
-    names = ("mean", "mean_standard_error", "variance", "variance_standard_error")
-    result |= {
-        f"relative_thickness_{name}": values for name, values in zip(names, relative, strict=True)
+    absolute, relative = [], []
+    for z, slab in np.ndindex(n.shape):
+        if source[z, slab] == OTHER_SLABS:
+            absolute.append(absolute[-1])
+            relative.append(relative[-1])
+            continue
+        own = source[z, slab] == OWN_ZONE
+        held = known[:, slab] & (blocks.zone == z) if own else known[:, slab]
+        mean = blocks.mean[held, slab]
+        share = mean / blocks.level[held]
+        if own:
+            values = mean
+        elif slab == 0:
+            values = blocks.typical[z] + blocks.level - blocks.typical[blocks.zone]
+        else:
+            values = share * blocks.typical[z]
+        absolute.append(_gaussian(values))
+        relative.append(_gaussian(share))
+    absolute = _table(absolute, n.shape)
+    relative = _table(relative, n.shape)
+    return {
+        "thickness_mean_bins": absolute.mean,
+        "thickness_mean_bins_standard_error": absolute.mean_error,
+        "thickness_variance_bins2": absolute.variance,
+        "thickness_variance_bins2_standard_error": absolute.variance_error,
+        "relative_thickness_mean": relative.mean,
+        "relative_thickness_mean_standard_error": relative.mean_error,
+        "relative_thickness_variance": relative.variance,
+        "relative_thickness_variance_standard_error": relative.variance_error,
+        "n_samples": n,
+        "source": source,
     }
-    return result | {"n_samples": n, "source": source}
 
 
-def _spectra_by_zone(series, served, level, zone, typical, tapered):
-    """Spectra of thickness, (zone, slab, wavenumber), of its trend and the noise of picks, and their correlations."""
-    n_zones, n_slabs, n_lines = len(typical), series.shape[1], series.shape[2]
-    n, source = _sources(served, zone, n_zones)
-    density = np.zeros((n_zones, n_slabs, BLOCK_LINES // 2 + 2))  # and the variance of trends
-    error = np.zeros(density.shape)
-    for slab in range(n_slabs):
-        for z in range(n_zones):
-            if source[z, slab] == OTHER_SLABS and slab > 0:
-                density[z, slab], error[z, slab] = density[z, slab - 1], error[z, slab - 1]
-                continue
-            held = served & (np.arange(n_slabs) == slab)
-            if source[z, slab] == OWN_ZONE:
-                part = _squares(series[held & (zone == z)[:, None]], tapered)
-            else:
-                held = held if source[z, slab] == ALL_ZONES else served
-                part = (
-                    _squares(series[held], tapered)
-                    * (typical[z] / level[held.nonzero()[0], None]) ** 2
-                )
-            density[z, slab] = part.mean(axis=0)
-            # A periodogram's standard deviation is its mean: used where blocks are too few to
-            # measure it.
-            scatter = part.std(axis=0, ddof=1) if len(part) >= MINIMUM_BLOCKS else density[z, slab]
-            error[z, slab] = scatter / np.sqrt(len(part))
-    (density, trend), (error, trend_error) = (
-        (part[..., :-1], part[..., -1]) for part in (density, error)
-    )
-    result = {"n_psd_samples": n, "psd_source": source}
+def _spectra_by_zone(blocks, tapered):
+    """Spectra of thickness, of its trend and the noise of picks, and their correlations."""
+    series, served = blocks.series, blocks.served
+    zone = blocks.of_stretches(blocks.zone)
+    level = blocks.of_stretches(blocks.level)
+    n, source = _sources(served, zone, blocks.typical.size)
+    slabs = np.arange(served.shape[1])
+    mean = np.zeros((*n.shape, BLOCK_LINES // 2 + 2))  # densities, and the variance of trends
+    error = np.zeros(mean.shape)
+    for z, slab in np.ndindex(n.shape):
+        if source[z, slab] == OTHER_SLABS and slab > 0:
+            mean[z, slab] = mean[z, slab - 1]
+            error[z, slab] = error[z, slab - 1]
+            continue
+        held = served if source[z, slab] == OTHER_SLABS else served & (slabs == slab)
+        if source[z, slab] == OWN_ZONE:
+            squares = _squares(series[held & (zone == z)[:, None]], tapered)
+        else:
+            squares = _squares(series[held], tapered)
+            squares *= (blocks.typical[z] / level[held.nonzero()[0], None]) ** 2
+        mean[z, slab] = squares.mean(axis=0)
+        # A periodogram's standard deviation is its mean: used where blocks are too few to measure
+        # it.
+        enough = len(squares) >= MINIMUM_BLOCKS
+        scatter = squares.std(axis=0, ddof=1) if enough else mean[z, slab]
+        error[z, slab] = scatter / np.sqrt(len(squares))
+    density, trend = mean[..., :-1], mean[..., -1]
     noise_density = 0.0
+    result = {"n_psd_samples": n, "psd_source": source}
     if tapered:
         noise, noise_error = pick_noise(series, served, MINIMUM_BLOCKS)
-        noise_density = (noise[:-1] + noise[1:])[:, None] * [0, *[2] * (BLOCK_LINES // 2 - 1), 1]
+        noise_density = _difference_density(noise)
         density = without_noise(density, noise_density)
-        rise = np.where(served, rises(np.where(served[..., None], series, 0)), 0)
-        unit = np.sqrt(BLOCK_LINES / n_lines / np.where(trend > 0, trend, np.inf))[zone]
-        result["trend_correlation"] = correlation_by_separation((rise * unit)[..., None])
-        for name, *values in (
-            ("thickness_trend_variance", trend, trend_error),
-            ("pick_noise", noise, noise_error),
-        ):
-            result[f"{name}_bins2"], result[f"{name}_bins2_standard_error"] = values
-    at = np.rint(np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines).astype(int)
-    # Pick noise of a tenth of a density or more distorts the correlation between slabs.
-    usable = np.where(density > 10 * noise_density, density, 0)[zone][..., at]
-    result["thickness_correlation"] = undulation_correlation(
-        series, served, usable, tapered=tapered
-    )
-    return result | {"thickness_psd": density, "thickness_psd_standard_error": error}
+        result["trend_correlation"] = _trend_correlation(blocks, trend[zone])
+        result["thickness_trend_variance_bins2"] = trend
+        result["thickness_trend_variance_bins2_standard_error"] = error[..., -1]
+        result["pick_noise_bins2"] = noise
+        result["pick_noise_bins2_standard_error"] = noise_error
+    seen = np.where(density > CLEAR_OF_NOISE * noise_density, density, 0)
+    n_lines = series.shape[2]
+    cycles = np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines
+    expected = seen[zone][..., np.rint(cycles).astype(int)]
+    correlation = undulation_correlation(series, served, expected, tapered=tapered)
+    result["thickness_correlation"] = correlation
+    result["thickness_psd"] = density
+    result["thickness_psd_standard_error"] = error[..., :-1]
+    return result
 
 
 def _squares(series, tapered):
-    """Periodograms at a block's wavenumbers, and squared rise, scaled to a block as a random walk's, (series, both)."""
+    """Periodograms at a block's wavenumbers, then squared rise over a block, (series, both)."""
     density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
-    return np.column_stack([density, rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])])
+    # As a random walk's, the squared rise grows with length.
+    rise2 = rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])
+    return np.column_stack([density, rise2])
 
 
-def _moments(values):
-    """Mean and variance of independent Gaussian values, each followed by its standard error; 0 for one value."""
-    n = values.size
-    variance = values.var(ddof=1) if n > 1 else 0.0
-    return values.mean(), np.sqrt(variance / n), variance, variance * np.sqrt(2 / max(n - 1, 1))
+def _difference_density(noise):
+    """Density of slab thickness from the noise of the picks above and below, (slab, wavenumber)."""
+    one_sided = np.full(BLOCK_LINES // 2 + 1, 2)
+    one_sided[0] = 0
+    one_sided[-1] = 1
+    return (noise[:-1] + noise[1:])[:, None] * one_sided
+
+
+def _trend_correlation(blocks, variance):
+    """Correlation of trends between slabs, (separation,), by expected variance (stretch, slab)."""
+    series = np.where(blocks.served[..., None], blocks.series, 0)
+    rise = np.where(blocks.served, rises(series), 0)
+    n_parts = BLOCK_LINES / series.shape[2]
+    unit = np.sqrt(n_parts / np.where(variance > 0, variance, np.inf))
+    return correlation_by_separation((rise * unit)[..., None])
 
 
 def zone_models(summary, n_layers, counts, *, tapered=True):
-    """Thickness statistics of a flight divided into other numbers of zones: a dataset for each of `counts`, from 1.
+    """Thickness statistics of a flight divided into other numbers of zones.
 
-    Each holds what `snowsim.labels.prepare` needs, of the `n_layers` layers that `estimate`
-    reports; `block_psd (zone, slab, wavenumber)`, mean periodogram of the zone's own blocks, 0
-    where it has none; and attributes `means_log_likelihood`, `means_aic_penalty`,
-    `means_bic_penalty`, `means_n_parameters` of block means relative to slab 0, `dispersion`, and
-    `independent_share` of a spectrum's wavenumbers.
+    A dataset for each of `counts`, from 1. Each holds what `snowsim.labels.prepare` needs, of the
+    `n_layers` layers that `estimate` reports; `block_psd (zone, slab, wavenumber)`, mean
+    periodogram of the zone's own blocks, 0 where it has none; and attributes
+    `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block
+    means relative to slab 0, `dispersion`, and `independent_share` of a spectrum's wavenumbers.
 
     Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent;
     slabs with too few blocks for values of their own add nothing. `means_aic_penalty` is that of
@@ -282,23 +358,26 @@ def zone_models(summary, n_layers, counts, *, tapered=True):
 def _zone_model(thickness, n_zones, tapered):
     values = zone_statistics(thickness, n_zones=n_zones, tapered=tapered)
     mean, level, zone = place_blocks(thickness, values["zone_edge_bins"])
-    own = _own_density(thickness, zone, n_zones, tapered)
-    dataset = xr.Dataset(
-        as_variables(values) | {"block_psd": (DIMENSIONS["thickness_psd"], own)},
-        coords={
-            "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
-            "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
-        },
-    )
-    likelihood = _means_likelihood(mean / level[:, None], zone, values)
+    own_density = _own_density(thickness, zone, n_zones, tapered)
+    variables = as_variables(values)
+    variables["block_psd"] = DIMENSIONS["thickness_psd"], own_density
+    coords = {
+        "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
+        "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
+    }
+    attrs = _means_likelihood(mean / level[:, None], zone, values)
+    attrs["dispersion"] = _dispersion(values)
     # Squares of Hann's ordinates correlate by (2/3)^2 and (1/6)^2 with their neighbours on either
     # side.
-    share = 1 / (1 + 2 * (4 / 9 + 1 / 36)) if tapered else 1.0
-    return dataset.assign_attrs(likelihood, dispersion=_dispersion(values), independent_share=share)
+    attrs["independent_share"] = 1 / (1 + 2 * (4 / 9 + 1 / 36)) if tapered else 1.0
+    return xr.Dataset(variables, coords, attrs)
 
 
 def _own_density(thickness, zone, n_zones, tapered):
-    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber); 0 where there is none."""
+    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber).
+
+    It is 0 where there is none.
+    """
     series = stretches(thickness, MINIMUM_BLOCKS)
     zone = np.repeat(zone, len(series) // len(thickness))
     served = np.isfinite(series).all(axis=2)
@@ -306,53 +385,54 @@ def _own_density(thickness, zone, n_zones, tapered):
     for z, slab in np.ndindex(density.shape[:2]):
         held = served[:, slab] & (zone == z)
         if held.any():
-            density[z, slab] = _squares(series[held, slab], tapered)[:, :-1].mean(axis=0)
+            squares = _squares(series[held, slab], tapered)
+            density[z, slab] = squares[:, :-1].mean(axis=0)
     return density
 
 
 def _means_likelihood(relative, zone, values):
     """Log likelihood of relative block means and the penalties of their Gaussians."""
-    total = {
-        "means_log_likelihood": 0.0,
-        "means_aic_penalty": 0.0,
-        "means_bic_penalty": 0.0,
-        "means_n_parameters": 0,
-    }
-    names = ("relative_thickness_mean", "relative_thickness_variance", "source")
+    likelihood = 0.0
+    n_values = []  # of each Gaussian
     for slab in range(1, relative.shape[1]):
-        known = np.isfinite(relative[:, slab]) & (zone >= 0)
-        for z, (mean, variance, source) in enumerate(
-            zip(*(values[name][:, slab] for name in names), strict=True)
-        ):
-            held = relative[known & (zone == z), slab]
-            if held.size and variance > 0 and source != OTHER_SLABS:
+        share = relative[:, slab]
+        known = np.isfinite(share) & (zone >= 0)
+        source = values["source"][:, slab]
+        for z, own in enumerate(source == OWN_ZONE):
+            held = share[known & (zone == z)]
+            mean = values["relative_thickness_mean"][z, slab]
+            variance = values["relative_thickness_variance"][z, slab]
+            if held.size and variance > 0 and source[z] != OTHER_SLABS:
                 squares = (held - mean) ** 2 / variance
-                total["means_log_likelihood"] -= (
-                    0.5 * (np.log(2 * np.pi * variance) + squares).sum()
-                )
-            _add_penalty(total, held.size if source == OWN_ZONE else 0)
+                likelihood -= 0.5 * (np.log(2 * np.pi * variance) + squares).sum()
+            if own:
+                n_values.append(held.size)
         # Zones with too few blocks of a slab share one Gaussian of all.
-        _add_penalty(total, known.sum() if (values["source"][:, slab] == ALL_ZONES).any() else 0)
-    return total
-
-
-def _add_penalty(total, n, k=2):
-    """Penalties of the mean and variance of `n` values; if these are too few, as for one more than needed."""
-    if n:
-        total["means_aic_penalty"] += float(2 * k * n / max(n - k - 1, 1))
-        total["means_bic_penalty"] += float(k * np.log(n))
-        total["means_n_parameters"] += k
+        if (source == ALL_ZONES).any():
+            n_values.append(known.sum())
+    aic_penalty = 0.0
+    bic_penalty = 0.0
+    for n in n_values:
+        # If values are too few, as for one more than needed.
+        aic_penalty += float(2 * N_MOMENTS * n / max(n - N_MOMENTS - 1, 1))
+        bic_penalty += float(N_MOMENTS * np.log(n))
+    return {
+        "means_log_likelihood": likelihood,
+        "means_aic_penalty": aic_penalty,
+        "means_bic_penalty": bic_penalty,
+        "means_n_parameters": N_MOMENTS * len(n_values),
+    }
 
 
 def _dispersion(values):
-    """Variance of periodograms over their squared mean, mean of the cells with spectra of their own; at least 1."""
+    """Variance of periodograms over their squared mean, where a cell has its own; at least 1."""
     own = values["psd_source"] == OWN_ZONE
     if not own.any():
         return 1.0
     n = values["n_psd_samples"][own][:, None]
-    density, error = (
-        values[name][own] for name in ("thickness_psd", "thickness_psd_standard_error")
-    )
+    density = values["thickness_psd"][own]
+    error = values["thickness_psd_standard_error"][own]
     share = np.divide(error, density, out=np.zeros_like(error), where=density > 0)
     # The error is s / sqrt(n); (s / m)^2 of n exponential values has the mean n / (n + 1).
-    return max(float(((n + 1) * share**2)[:, 1:-1].mean()), 1.0)
+    dispersion = (n + 1) * share**2
+    return max(float(dispersion[:, 1:-1].mean()), 1.0)

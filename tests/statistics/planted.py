@@ -1,4 +1,7 @@
-"""Scenes planted with eq. (1), rendered by a formula of their own: no code is shared with what is tested."""
+"""Scenes planted with eq. (1), rendered by a formula of their own.
+
+No code is shared with what is tested.
+"""
 
 from functools import cached_property
 
@@ -8,11 +11,13 @@ from scipy.stats import exponnorm
 
 
 def waveform(x, variance, decay):
-    """Gaussian of unit height convolved with exp(-decay x): the density of a normal plus an exponential variable."""
+    """Gaussian of unit height convolved with exp(-decay x).
+
+    The density of a normal plus an exponential variable.
+    """
     sigma = np.sqrt(variance)
-    return (
-        np.sqrt(2 * np.pi * variance) / decay * exponnorm.pdf(x, 1 / (sigma * decay), scale=sigma)
-    )
+    density = exponnorm.pdf(x, 1 / (sigma * decay), scale=sigma)
+    return np.sqrt(2 * np.pi * variance) / decay * density
 
 
 def peak_of(variance, decay):
@@ -42,9 +47,8 @@ class Planted:
 
     def of_each(self, function):
         """A function of variance and decay rate, by layer."""
-        return [
-            function(*shape) for shape in zip(self.variance_bins2, self.decay_rate, strict=True)
-        ]
+        shapes = zip(self.variance_bins2, self.decay_rate, strict=True)
+        return [function(*shape) for shape in shapes]
 
     def level(self):
         """Mean power and rows of layers that are level, 256 range lines."""
@@ -52,23 +56,21 @@ class Planted:
         return self.power(layer_bins, 360), layer_bins
 
     def power(self, layer_bins, n_range_bins, *, align="peak"):
-        """Mean power, (range_bin, range_line), with the waveform's peak or its Gaussian on the layer."""
+        """Mean power, (range_bin, range_line), with waveform's peak or Gaussian on the layer."""
         power = np.full((n_range_bins, layer_bins.shape[1]), self.noise_power)
-        for row, peak_power, (table, offset) in zip(
-            layer_bins, self.peak_power, self.tables, strict=False
-        ):
-            lag = np.arange(n_range_bins)[:, None] - row + (offset if align == "peak" else 0)
+        rows = np.arange(n_range_bins)[:, None]
+        layers = zip(layer_bins, self.peak_power, self.tables, strict=False)
+        for row, peak_power, (table, offset) in layers:
+            lag = rows - row + (offset if align == "peak" else 0)
             power += peak_power * np.interp(lag, LAGS, table)
         return power
 
     @cached_property
     def tables(self):
-        """Waveforms of unit peak at `LAGS`, straight between them to 1e-7 of the peak, and the row of the peak."""
+        """Waveforms of unit peak at `LAGS`, straight between them to 1e-7, and rows of the peak."""
         tables = self.of_each(lambda *shape: waveform(LAGS, *shape))
-        return [
-            (table / value, row)
-            for table, (row, value) in zip(tables, self.of_each(peak_of), strict=True)
-        ]
+        peaks = self.of_each(peak_of)
+        return [(table / value, row) for table, (row, value) in zip(tables, peaks, strict=True)]
 
     def flight(self, rng, *, n_frames=4, n_lines=256, n_looks=100, slab_bins=44, align="peak"):
         """Frames with slabs that vary along track and a surface that moves."""
@@ -77,11 +79,9 @@ class Planted:
             mean = slab_bins * (1 + 0.05 * rng.standard_normal((4, 1)))
             thickness = mean + np.cumsum(0.1 * rng.standard_normal((4, n_lines)), axis=1)
             surface = 50.3 + 3 * np.sin(np.arange(n_lines)[None] / 30)
-            layer_bins = surface + np.concatenate(
-                [np.zeros((1, n_lines)), np.cumsum(thickness, axis=0)]
-            )
+            depth = np.concatenate([np.zeros((1, n_lines)), np.cumsum(thickness, axis=0)])
+            layer_bins = surface + depth
             power = self.power(layer_bins, int(layer_bins.max()) + 100, align=align)
-            frames.append(
-                made_up_frame(rng.gamma(n_looks, power / n_looks), layer_bins, minute=index)
-            )
+            seen = rng.gamma(n_looks, power / n_looks)
+            frames.append(made_up_frame(seen, layer_bins, minute=index))
         return frames

@@ -1,13 +1,15 @@
 """Radiometry that varies: planted spreads, fading, background and ends of picks come back."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 
 from snowsim.phy.texture import draw_gain, draw_texture
-from snowsim.statistics import fit, summarise
-from snowsim.statistics.radiometry import _two_spreads
+from snowsim.statistics import fit, merge, summarise
+from snowsim.statistics.radiometry import common_and_own_spread
 from snowsim.statistics.speckle import FADING_LAGS, fading
 from snowsim.statistics.texture import texture as fit_texture
 
@@ -27,29 +29,27 @@ def faded(rng, n_layers, n_lines):
     lag = np.arange(-120, 121)
     kernel = np.exp(-2 * (lag / FADING_LINES) ** 2)
     white = rng.standard_normal((n_layers, n_lines + lag.size - 1))
-    return np.array(
-        [np.convolve(row, kernel / np.sqrt((kernel**2).sum()), mode="valid") for row in white]
-    )
+    kernel /= np.sqrt((kernel**2).sum())
+    return np.array([np.convolve(row, kernel, mode="valid") for row in white])
 
 
 def flight(rng):
     n_blocks = N_FRAMES * N_LINES // 256
-    common, layers = (
-        standardised(rng.standard_normal((n_blocks, 1))),
-        standardised(rng.standard_normal((n_blocks, 6))),
-    )
+    common = standardised(rng.standard_normal((n_blocks, 1)))
+    layers = standardised(rng.standard_normal((n_blocks, 6)))
     noise = standardised(rng.standard_normal((n_blocks, 1)))
     frames = []
     for index in range(N_FRAMES):
         block = index * N_LINES // 256 + np.arange(N_LINES) // 256
-        deviation_db = (COMMON_DB * common + LAYER_DB * layers)[block].T + FADING_DB * faded(
-            rng, N_LAYERS, N_LINES
-        )
+        of_block_db = (COMMON_DB * common + LAYER_DB * layers)[block].T
+        deviation_db = of_block_db + FADING_DB * faded(rng, N_LAYERS, N_LINES)
         deviation_db[0] = 0
         power = POWER[:, None] * 10 ** (deviation_db / 10)
-        layer_bins = 60 + SPACING * np.arange(N_LAYERS)[:, None] + np.zeros(N_LINES)
+        row = 60 + SPACING * np.arange(N_LAYERS)
+        layer_bins = row[:, None] + np.zeros(N_LINES)
         below = np.arange(N_BINS)[:, None, None] - layer_bins.T[None]
-        mean = (np.where(below >= 0, np.exp(-DECAY * below), 0) * power.T).sum(axis=2)
+        echo = np.where(below >= 0, np.exp(-DECAY * below), 0)
+        mean = (echo * power.T).sum(axis=2)
         mean += NOISE * 10 ** (NOISE_DB * noise[block, 0] / 10)
         frames.append(made_up_frame(rng.gamma(5, mean / 5), layer_bins, minute=index))
     return frames
@@ -65,9 +65,8 @@ def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_
     # Fading's own block mean is part of a layer's spread: its variance there is that of 256 lines'
     # mean.
     lag = np.arange(256)
-    kept = (
-        np.where(lag > 0, 2, 1) * (256 - lag) / 256**2 * np.exp(-((lag / FADING_LINES) ** 2))
-    ).sum()
+    share = np.where(lag > 0, 2, 1) * (256 - lag) / 256**2
+    kept = (share * np.exp(-((lag / FADING_LINES) ** 2))).sum()
     planted = {
         "common_spread_db": COMMON_DB,
         "layer_spread_db": np.hypot(LAYER_DB, FADING_DB * np.sqrt(kept)),
@@ -91,36 +90,34 @@ def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speck
 
 
 def test_fading_longer_than_half_a_block_comes_back():
-    """Exact expectation: covariance of a Gaussian process about the mean of its 256 lines, by the matrix itself."""
+    """Exact expectation: covariance of a Gaussian process about its mean, by the matrix itself."""
     at = np.arange(256)
     centred = np.eye(256) - 1 / 256
-    covariance = (
-        centred
-        @ (2.4**2 * np.exp(-((np.abs(at - at[:, None]) / 150) ** 1.5)) + 4 * np.eye(256))
-        @ centred
-    )
+    distance = np.abs(at - at[:, None])
+    planted = 2.4**2 * np.exp(-((distance / 150) ** 1.5)) + 4 * np.eye(256)
+    covariance = centred @ planted @ centred
     means = np.array([np.diagonal(covariance, lag).mean() for lag in (0, *FADING_LAGS)])
     n = 40 * (256 - np.append(0, FADING_LAGS))
-    assert_allclose(fading(np.stack([means * n, n, n], axis=1), 4.0), [2.4, 150, 1.5, 4], rtol=1e-3)
+    fitted = fading(np.stack([means * n, n, n], axis=1), 4.0)
+    assert_allclose(astuple(fitted), [2.4, 150, 1.5, 4], rtol=1e-3)
 
 
 def test_planted_texture_and_gain_come_back(rng):
-    """Within 10 %: of a seventh of the rows of a default flight, whose jackknife errors are 6 % and less."""
+    """Within 10 %: of a seventh of a default flight, whose jackknife errors are 6 % and less."""
     frames = []
     for minute in range(3):
         mean = np.where(np.arange(420)[:, None] < 60, 0, 0.02) + np.zeros((420, 2000))
         mean *= draw_texture(*mean.shape, (0.03, 12.0, 2.0), rng=rng)
         mean = (mean + 1e-3) * draw_gain(2000, 0.5, rng=rng)
-        frames.append(
-            made_up_frame(rng.gamma(5, mean / 5), np.full((1, 2000), 60.0), minute=minute)
-        )
-    summaries = [frame for echogram, layers in frames for frame in summarise(echogram, layers)]
-    fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summaries]))
-    assert_allclose(fitted, [0.5, 0.03, 12, 2], rtol=0.1)
+        surface = np.full((1, 2000), 60.0)
+        frames.append(made_up_frame(rng.gamma(5, mean / 5), surface, minute=minute))
+    summary = merge(summarise(*frame) for frame in frames)
+    fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summary]))
+    assert_allclose(astuple(fitted), [0.5, 0.03, 12, 2], rtol=0.1)
 
 
 def test_layers_that_share_nothing_have_no_common_spread(rng):
-    common, own = _two_spreads(3 * rng.standard_normal((4000, 5)))
+    common, own = common_and_own_spread(3 * rng.standard_normal((4000, 5)))
     assert common < 0.5
     assert_allclose(own, 3, rtol=0.02)  # 20,000 values: 0.5 %
 

@@ -31,19 +31,17 @@ def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_fra
 
 
 def test_standard_errors_of_deblended_are_the_scatter_between_flights(planted):
-    fits = [
-        statistics.fit(
-            planted.flight(np.random.default_rng(seed), n_frames=2, n_looks=20, slab_bins=30)
-        )
-        for seed in range(12)
-    ]
+    settings = {"n_frames": 2, "n_looks": 20, "slab_bins": 30}
+    flights = [planted.flight(np.random.default_rng(seed), **settings) for seed in range(12)]
+    fits = [statistics.fit(flight) for flight in flights]
     for name in ("peak_power", "decay_rate", "variance_bins2"):
         scatter = np.std([fit[name].values for fit in fits], axis=0, ddof=1)
         claimed = np.mean([fit[f"{name}_standard_error"].values for fit in fits], axis=0)
         # A scatter of 12 flights is known to 20 %; the mean ratio over 5 layers to 10 %: allow 1.5,
         # and 2 where claims are the larger: layers that share a shape and should not count as
         # misfit.
-        assert 1 / 2 < np.exp(np.log(scatter / claimed).mean()) < 1.5, name
+        ratio = np.exp(np.log(scatter / claimed).mean())
+        assert 1 / 2 < ratio < 1.5, name
 
 
 def test_paper_recipe_without_speckle_gives_the_published_bias(planted):
@@ -64,11 +62,11 @@ def test_eq_2_is_read_off_a_line_as_printed():
     line = np.full(200, 1e-3)
     line[50:71] = np.exp(-0.1 * np.arange(21))
     line[71:80] = np.linspace(line[70], 0.5, 10)[1:]
-    line[80:] = np.maximum(0.5 * np.exp(-0.05 * np.arange(120)), 1e-3)
+    fall = 0.5 * np.exp(-0.05 * np.arange(120))
+    line[80:] = np.maximum(fall, 1e-3)
     layer_bins = np.repeat([[50.0], [79.0]], 256, axis=1)
-    fitted = statistics.fit(
-        [made_up_frame(np.repeat(line[:, None], 256, axis=1), layer_bins)], estimator="paper"
-    )
+    frame = made_up_frame(np.repeat(line[:, None], 256, axis=1), layer_bins)
+    fitted = statistics.fit([frame], estimator="paper")
     assert_allclose(fitted["decay_rate"].values[0], 0.1, rtol=1e-6)  # averaged lines are float32
     # 1/e is reached after 10 bins; between bins the exponential is taken as straight, off by less
     # than 0.1^2 / 8 bins.
@@ -76,13 +74,14 @@ def test_eq_2_is_read_off_a_line_as_printed():
 
 
 def planted_blocks(rng, n_blocks, n_slabs=3, n_lines=256):
-    """Blocks of slabs 25 bins thick on average, variance 10 from block to block, and a red spectrum about that."""
+    """Blocks of slabs 25 bins thick, variance 10 between blocks, and a red spectrum about that."""
     wavenumber = np.fft.rfftfreq(n_lines)
     psd = 300 / (1 + (wavenumber / 0.02) ** 2)
     psd[0] = 0
     white = rng.standard_normal((n_blocks, n_slabs, n_lines))
     shaped = np.fft.irfft(np.fft.rfft(white) * np.sqrt(psd / 2), n_lines)
-    mean = 25 + 3 * rng.standard_normal((n_blocks, 1)) + rng.standard_normal((n_blocks, n_slabs))
+    of_block = 25 + 3 * rng.standard_normal((n_blocks, 1))
+    mean = of_block + rng.standard_normal((n_blocks, n_slabs))
     return mean[..., None] + shaped, psd
 
 
@@ -94,10 +93,10 @@ def test_thickness_means_variances_and_spectra_come_back(rng):
     # period 2, is not doubled.
     assert_allclose(result["thickness_mean_bins"][3], 25, rtol=0.03)
     assert_allclose(result["thickness_variance_bins2"][3], 10, rtol=0.1)
-    assert_allclose(result["thickness_mean_bins_standard_error"][3], 10**0.5 / 80, rtol=0.05)
-    assert_allclose(
-        result["thickness_variance_bins2_standard_error"][3], 10 * (2 / 6400) ** 0.5, rtol=0.1
-    )
+    mean_error = result["thickness_mean_bins_standard_error"][3]
+    variance_error = result["thickness_variance_bins2_standard_error"][3]
+    assert_allclose(mean_error, 10**0.5 / 80, rtol=0.05)
+    assert_allclose(variance_error, 10 * (2 / 6400) ** 0.5, rtol=0.1)
     difference_db = 10 * np.log10(result["thickness_psd"][3, :, 1:-1] / psd[1:-1])
     assert np.abs(difference_db).max() < 1
     assert np.abs(difference_db.mean()) < 0.1
@@ -123,7 +122,8 @@ def test_everything_planted_comes_back_from_200_scenes(planted, rng):
 
     def frames():
         for index, slabs in enumerate(thickness):
-            layer_bins = np.cumsum(np.concatenate([np.full((1, n_lines), 60.3), slabs]), axis=0)
+            surface = np.full((1, n_lines), 60.3)
+            layer_bins = np.cumsum(np.concatenate([surface, slabs]), axis=0)
             power = planted.power(layer_bins, int(layer_bins.max()) + 60)
             yield made_up_frame(rng.gamma(5, power / 5), layer_bins, minute=index)
 
@@ -135,17 +135,18 @@ def test_everything_planted_comes_back_from_200_scenes(planted, rng):
     # much.
     for name, bound in BOUNDS.items():
         share = 2 / 3 if name in ("decay_rate", "variance_bins2") else 1 / 3
-        assert (fitted[f"{name}_standard_error"] / getattr(planted, name)).max() < bound * share, (
-            name
-        )
+        error = fitted[f"{name}_standard_error"] / getattr(planted, name)
+        assert error.max() < bound * share, name
     assert fitted["width_bins_standard_error"].max() < 2 / 3
     # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of
     # those.
     assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)
     assert_allclose(fitted["thickness_variance_bins2"][3], 10, rtol=0.4)
     # The last wavenumber, of period 2, is not doubled.
-    difference_db = 10 * np.log10(fitted["thickness_psd"][3].values[:, 1:125] / psd[1:125])
-    assert np.abs(difference_db.reshape(4, 31, 4).mean(axis=2)).max() < 1
+    density = fitted["thickness_psd"][3].values[:, 1:125]
+    difference_db = 10 * np.log10(density / psd[1:125])
+    by_four = difference_db.reshape(4, 31, 4).mean(axis=2)
+    assert np.abs(by_four).max() < 1
 
 
 def test_spectrum_integrates_to_the_variance_and_a_sine_stands_at_its_wavenumber(rng):
@@ -159,7 +160,8 @@ def test_spectrum_integrates_to_the_variance_and_a_sine_stands_at_its_wavenumber
 
 def test_zones_are_quartiles_of_first_slab_block_means(rng):
     mean = rng.permutation(np.arange(20.0, 60.0))  # 40 blocks, 10 a zone
-    thickness = np.repeat(np.stack([mean, 0.5 * mean], axis=1)[..., None], 256, axis=2)
+    slabs = np.stack([mean, 0.5 * mean], axis=1)
+    thickness = np.repeat(slabs[..., None], 256, axis=2)
     result = zone_statistics(thickness)
     assert_allclose(result["zone_edge_bins"], np.quantile(mean, [0, 0.25, 0.5, 0.75, 1]))
     assert_allclose(result["thickness_mean_bins"][:, 0], [24.5, 34.5, 44.5, 54.5])
@@ -171,7 +173,8 @@ def test_undulations_that_persist_are_distinguished_from_those_that_do_not(rng):
     phase = 2 * np.pi * rng.uniform(size=(2, 60, 1, 1))
     turn = 2 * np.pi * np.arange(256) / 256
     slow = np.sin(turn + phase[0]) + np.sin(2 * turn + phase[1])
-    thickness = 30 + rng.uniform(-5, 5, (60, 1, 1)) + slow + 0.1 * rng.standard_normal((60, 6, 256))
+    level = 30 + rng.uniform(-5, 5, (60, 1, 1))
+    thickness = level + slow + 0.1 * rng.standard_normal((60, 6, 256))
     correlation = zone_statistics(thickness)["thickness_correlation"]
     assert (correlation[0, 1:] > 0.95).all()
     # 60 blocks of 18 or more wavenumbers and one or more pairs: known to 1 / sqrt(1080) = 0.03;
@@ -193,9 +196,8 @@ def test_blocks_without_slab_0_are_placed_by_their_other_slabs():
     assert own.sum() == 5
     thickness = np.repeat(holes[..., None], 256, axis=2)
     result = zone_statistics(thickness)
-    assert_allclose(
-        result["zone_edge_bins"], np.quantile(level[:29], [0, 0.25, 0.5, 0.75, 1]), rtol=1e-9
-    )
+    quartiles = np.quantile(level[:29], [0, 0.25, 0.5, 0.75, 1])
+    assert_allclose(result["zone_edge_bins"], quartiles, rtol=1e-9)
     assert_allclose(result["relative_thickness_mean"], [[1, 0.9, 0.8, 0.7]] * 4, rtol=1e-9)
     assert result["n_blocks_placed_by_other_slabs"] == 24
     assert result["n_blocks_not_placed"] == 1

@@ -36,10 +36,8 @@ def with_gaps(frame, gaps):
 
 
 def test_order_and_partition_of_frames_do_not_matter(flight, whole, estimator):
-    parts = [
-        statistics.merge([statistics.summarise(*flight[i]) for i in part])
-        for part in ((3, 0), (2,), (1,))
-    ]
+    frames = [statistics.summarise(*frame) for frame in flight]
+    parts = [statistics.merge([frames[i] for i in part]) for part in ((3, 0), (2,), (1,))]
     other = statistics.estimate(statistics.merge(parts), estimator=estimator)
     for name in whole.variables:
         assert_allclose(other[name], whole[name], rtol=1e-10)
@@ -119,9 +117,7 @@ def test_what_cannot_be_fitted_is_refused(planted, flight):
     with pytest.raises(ValueError, match="zones need slab 0"):
         statistics.fit([with_gaps(frame, [(slice(1, None), 0, 256)]) for frame in flight])
     with pytest.raises(ValueError, match="zones need slab 0"):
-        statistics.fit(
-            [(echogram.isel(slow_time=slice(0, 255)), layers.isel(slow_time=slice(0, 255)))]
-        )
+        statistics.fit([(part.isel(slow_time=slice(0, 255)) for part in flight[0])])
     with pytest.raises(ValueError, match="estimator must be one of deblended, paper, got 'best'"):
         statistics.fit(flight, estimator="best")
     other = made_up_frame(*planted.level(), minute=9, bin_s=1.17e-10)
@@ -151,10 +147,9 @@ def test_zones_without_data_take_what_the_others_have(flight, estimator):
     assert_array_equal(fitted["source"], [[1] * 4] * 3 + [[0] * 4])
     # Shares of the first slab are those of all zones; absolute thickness is theirs times the middle
     # of the zone.
-    assert_allclose(
-        fitted["relative_thickness_mean"][:3], fitted["relative_thickness_mean"].values[[3, 3, 3]]
-    )
-    ratio = fitted["thickness_mean_bins"][:3] / fitted["relative_thickness_mean"][:3]
+    relative = fitted["relative_thickness_mean"]
+    assert_allclose(relative[:3], relative.values[[3, 3, 3]])
+    ratio = fitted["thickness_mean_bins"][:3] / relative[:3]
     assert_allclose(ratio, np.repeat([[15.0], [25], [32.5]], 4, axis=1), rtol=1e-9)
     assert (fitted["thickness_psd"].isel(wavenumber=slice(1, None)) > 0).all()
 

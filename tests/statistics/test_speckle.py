@@ -10,79 +10,76 @@ from snowsim.statistics.speckle import compare_with_gamma, doppler_spectra, rang
 @pytest.mark.parametrize("n_looks", [1, 5, 100])
 def test_looks_of_gamma_power_come_back_whatever_its_brightness(rng, n_looks):
     brightness = np.exp(rng.standard_normal((500, 4, 1)))
-    fitted, error, _, observed, expected = compare_with_gamma(
-        brightness * rng.gamma(n_looks, size=(500, 4, 20))
-    )
+    fitted = compare_with_gamma(brightness * rng.gamma(n_looks, size=(500, 4, 20)))
     # 40,000 samples: the variance, and so the looks, to 1 %, and it says so.
-    assert error < 0.02 * n_looks
-    assert abs(fitted - n_looks) < 4 * error
+    assert fitted.standard_error < 0.02 * n_looks
+    assert abs(fitted.n_looks - n_looks) < 4 * fitted.standard_error
     # Quantiles between 1 and 99 % of 40,000 values: to 1 % of the spread or 2 % of the value.
-    assert_allclose(observed[3:-3], expected[3:-3], rtol=0.02, atol=0.01)
+    observed = fitted.tracked_quantile[3:-3]
+    assert_allclose(observed, fitted.gamma_quantile[3:-3], rtol=0.02, atol=0.01)
 
 
 def test_power_of_another_law_does_not_fit(rng):
-    _, _, _, observed, expected = compare_with_gamma(rng.choice([1.0, 3.0], size=(500, 4, 20)))
-    assert np.abs(observed - expected).max() > 0.2
+    fitted = compare_with_gamma(rng.choice([1.0, 3.0], size=(500, 4, 20)))
+    assert np.abs(fitted.tracked_quantile - fitted.gamma_quantile).max() > 0.2
 
 
 RESPONSE = np.array([0.3, 1.0, 0.5, -0.1])  # of the amplitude, in range bins
 
 
 def air_frame(rng, minute, n_looks=3, surface=130.0):
-    """Air of M looks through `RESPONSE`, with gain from line to line, bands, one overloaded line, above a surface."""
+    """Air of M looks through `RESPONSE`, gain by line, bands, an overloaded line, a surface."""
     shape = (n_looks, 160 + RESPONSE.size - 1, 512)
     looks = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     field = sum(tap * looks[:, i : i + 160] for i, tap in enumerate(RESPONSE))
-    power = (np.abs(field) ** 2).mean(axis=0) + 3 * (np.arange(160)[:, None] % 40 == 7)
-    power *= np.exp(0.3 * rng.standard_normal(512)) * np.where(np.arange(512) == 100, 50, 1)
+    bands = 3 * (np.arange(160)[:, None] % 40 == 7)
+    power = (np.abs(field) ** 2).mean(axis=0) + bands
+    gain = np.exp(0.3 * rng.standard_normal(512))
+    power *= gain * np.where(np.arange(512) == 100, 50, 1)
     power[110:] *= 1000
-    return made_up_frame(
-        power, np.array([surface, surface + 10])[:, None] * np.ones(512), minute=minute
-    )
+    layer_bins = np.array([surface, surface + 10])[:, None] * np.ones(512)
+    return made_up_frame(power, layer_bins, minute=minute)
 
 
 def test_correlation_down_range_comes_back_within_its_error(rng):
     frames = [air_frame(rng, i) for i in range(8)]
-    correlation, error, source = range_correlation(merge(summarise(*frame) for frame in frames))
+    found = range_correlation(merge(summarise(*frame) for frame in frames))
+    error = found.standard_error
     amplitude = np.correlate(RESPONSE, RESPONSE, "full")[RESPONSE.size - 1 :]
     planted = np.pad((amplitude / amplitude[0]) ** 2, (0, 5))
-    assert source == "air"
-    assert correlation[0] == 1
+    assert found.source == "air"
+    assert found.correlation[0] == 1
     # Of 8 lags, four errors are exceeded once in 2000; 400,000 pairs give 1 / sqrt(n) = 1.6e-3 and
     # somewhat more.
-    assert np.all(np.abs(correlation - planted) <= 4 * error)
+    assert np.all(np.abs(found.correlation - planted) <= 4 * error)
     assert 1e-3 < error[1:].min() < error[1:].max() < 3e-3
 
 
 def test_correlation_down_range_does_not_depend_on_the_order_of_frames(rng):
     parts = [summarise(*air_frame(rng, i)) for i in range(3)]
-    together, apart = (
-        range_correlation(merge(part)) for part in (parts, [merge(parts[2:]), merge(parts[:2])])
-    )
-    assert_allclose(apart[0], together[0], rtol=1e-12)
-    assert_allclose(apart[1], together[1], rtol=1e-9)
+    together = range_correlation(merge(parts))
+    apart = range_correlation(merge([merge(parts[2:]), merge(parts[:2])]))
+    assert_allclose(apart.correlation, together.correlation, rtol=1e-12)
+    assert_allclose(apart.standard_error, together.standard_error, rtol=1e-9)
 
 
 def test_without_air_or_speckle_independence_stands_in_and_is_named(rng):
     little = range_correlation(merge([summarise(*air_frame(rng, 0, surface=45.0))]))
     still = made_up_frame(np.ones((160, 512)), np.array([130.0, 140])[:, None] * np.ones(512))
     level = range_correlation(merge([summarise(*still)]))
-    for (correlation, error, source), reason in (
-        (little, "fewer than 10000 pairs"),
-        (level, "no speckle in the air"),
-    ):
-        assert correlation.tolist() == [1] + 8 * [0]
-        assert not error.any()
-        assert source.startswith(f"none: {reason}")
+    reasons = {"fewer than 10000 pairs": little, "no speckle in the air": level}
+    for reason, found in reasons.items():
+        assert found.correlation.tolist() == [1] + 8 * [0]
+        assert not found.standard_error.any()
+        assert found.source.startswith(f"none: {reason}")
 
 
 def test_doppler_spectrum_of_a_steady_squint_is_a_line(rng):
     n, spacing_m = 512, 2.5
-    amplitude = 0.1 * (rng.standard_normal((40, n)) + 1j * rng.standard_normal((40, n)))
-    amplitude += np.exp(2j * np.pi * 64 * np.arange(n) / n)
-    wavenumber, first, mean = doppler_spectra(
-        amplitude, np.array([[5.0], [15], [25]]) * np.ones(n), spacing_m
-    )
+    noise = rng.standard_normal((40, n)) + 1j * rng.standard_normal((40, n))
+    amplitude = 0.1 * noise + np.exp(2j * np.pi * 64 * np.arange(n) / n)
+    layer_bins = np.array([[5.0], [15], [25]]) * np.ones(n)
+    wavenumber, first, mean = doppler_spectra(amplitude, layer_bins, spacing_m)
     assert wavenumber[first.argmax()] == wavenumber[mean.argmax()] == 64 / n / spacing_m
     assert_allclose(mean.mean(), 1, rtol=1e-12)
 

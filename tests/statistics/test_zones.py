@@ -27,13 +27,8 @@ def divided(flight):
 def test_four_zones_are_those_of_the_flight(divided):
     thickness, _, models = divided
     direct = zone_statistics(thickness)
-    for name in (
-        "zone_edge_bins",
-        "thickness_psd",
-        "relative_thickness_mean",
-        "thickness_correlation",
-        "n_samples",
-    ):
+    names = ("zone_edge_bins", "thickness_psd", "relative_thickness_mean")
+    for name in (*names, "thickness_correlation", "n_samples"):
         # Sums of depths and their differences: to rounding.
         assert_allclose(models[1][name], direct[name], rtol=1e-9, err_msg=name)
 
@@ -54,10 +49,9 @@ def test_likelihood_and_penalties_are_those_of_the_blocks(divided):
     whole = np.isfinite(thickness)
     mean = np.where(whole, thickness, 0).sum(axis=2) / whole.sum(axis=2)
     share = mean / mean[:, :1]
-    total = sum(
-        norm.logpdf(share[:, slab], share[:, slab].mean(), share[:, slab].std(ddof=1)).sum()
-        for slab in (1, 2)
-    )
+    total = 0
+    for values in (share[:, 1], share[:, 2]):
+        total += norm.logpdf(values, values.mean(), values.std(ddof=1)).sum()
     assert_allclose(models[0].attrs["means_log_likelihood"], total, rtol=1e-6)
     assert models[0].attrs["means_n_parameters"] == 4
     assert models[2].attrs["means_n_parameters"] == 24
@@ -82,17 +76,14 @@ def test_labels_are_drawn_from_any_number_of_zones(divided, rng):
 
 def test_a_slab_in_too_few_blocks_adds_nothing(divided):
     _, summary, models = divided
-    few = [
-        replace(
-            frame,
-            depth_bins=np.where(np.arange(4)[:, None] * (i > 2) == 3, np.nan, frame.depth_bins),
-        )
-        for i, frame in enumerate(summary)
-    ]
-    fewer = zone_models(few, 4, (1,))[0]
-    without = zone_models(
-        [replace(frame, depth_bins=frame.depth_bins[:3]) for frame in summary], 3, (1,)
-    )[0]
+    shallow = [replace(frame, depth_bins=frame.depth_bins[:3]) for frame in summary]
+    (without,) = zone_models(shallow, 3, (1,))
+    few = list(summary)
+    for i, frame in enumerate(summary[3:], start=3):
+        depth = frame.depth_bins.copy()
+        depth[3] = np.nan
+        few[i] = replace(frame, depth_bins=depth)
+    (fewer,) = zone_models(few, 4, (1,))
     assert fewer["source"].values[0].tolist() == [0, 0, 2]
     assert fewer["n_samples"].values[0].tolist() == [48, 48, 3]
     for name in ("means_log_likelihood", "means_aic_penalty", "means_n_parameters"):

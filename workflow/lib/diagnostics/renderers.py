@@ -22,7 +22,7 @@ def render_all(render, scenes):
     """Scenes as one renderer, a function of a scene, draws them, and seconds of processor time a pixel."""
     started = time.process_time()
     rendered = [
-        replace(scene, image=render(scene), complete_layer_bins=None, peak_power=None)
+        replace(scene, image=render(scene), complete_layer_bins=None, echoes=None)
         for scene in scenes
     ]
     return rendered, (time.process_time() - started) / sum(scene.image.size for scene in rendered)

@@ -162,10 +162,12 @@ def independence(summary, statistics):
             largest_db = np.abs(known_db).max()
         n_whole = int(np.isfinite(tracked[:, layer]).all(axis=1).sum())
         if n_whole >= FEWEST_GROUPS:
-            looks, error, probability, seen, _ = compare_with_gamma(tracked[:, [layer]])
-            share = np.clip(seen / GROUP_LINES, 0, 1)
+            fitted = compare_with_gamma(tracked[:, [layer]])
+            looks = fitted.n_looks
+            error = fitted.standard_error
+            share = np.clip(fitted.tracked_quantile / GROUP_LINES, 0, 1)
             law = betainc(n_looks, (GROUP_LINES - 1) * n_looks, share)
-            distance = np.abs(law - probability).max()
+            distance = np.abs(law - fitted.probability).max()
         row = {
             "layer": layer,
             "n_groups": n_whole,
