@@ -135,8 +135,8 @@ def names_in_netcdf3(path):
 def read_netcdf(path, names=None):
     """Dataset of a NetCDF file with all attributes; of `names`, where given, those that are there.
 
-    Values come as they are stored: no fill value, scale or time is applied. A variable beyond the size
-    limit is refused.
+    Values come as they are stored: no fill value, scale or time is applied. A variable beyond the
+    size limit is refused.
     """
     read = _read3 if container_of(path) == "netcdf3" else _read4
     variables, attributes = read(path, names)

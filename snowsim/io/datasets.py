@@ -115,13 +115,13 @@ def _loaded_store(path):
 
 
 def from_db(power_db):
-    """Linear power of decibels; where it overflows, the infinite power is refused by name further on."""
+    """Linear power of decibels; where it overflows, the infinite power is refused further on."""
     with np.errstate(over="ignore"):
         return 10 ** (power_db / 10)
 
 
 def leap_seconds(gps_seconds):
-    """GPS minus UTC [s] at a time given in GPS seconds since 1970-01-01 (leap seconds not removed)."""
+    """GPS minus UTC [s] at a time in GPS seconds since 1970-01-01, leap seconds not removed."""
     days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
     since = days + 1 + np.arange(days.size)
     return int(np.searchsorted(since, gps_seconds, side="right"))
@@ -175,7 +175,7 @@ def unwrap_midnight(seconds_of_day):
 
 
 def undo_compensation(path, content, correction_bins, *, first_row=-np.inf, end_row=np.inf):
-    """Content with traces shifted back by `correction_bins` (range_line,), inserted for level flight.
+    """Content with traces shifted back by `correction_bins` (range_line,), made for level flight.
 
     `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m],
     `Surface` and perhaps `Bottom` (range_line,) [s]. A trace that was not shifted was recorded from

@@ -65,7 +65,7 @@ def listed(names):
 
 
 def check_size(path, what, shape, itemsize):
-    """Refuse an array whose declared size is beyond `MAXIMUM_BYTES`, before a byte of it is read."""
+    """Refuse an array that declares more than `MAXIMUM_BYTES`, before a byte of it is read."""
     n_bytes = math.prod(map(int, shape)) * itemsize
     if n_bytes > MAXIMUM_BYTES:
         found = f"{n_bytes} declared by shape {tuple(shape)}"
