@@ -61,8 +61,8 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
 def layer_numbers(layer_bins, n_range_bins):
     """Image of layer numbers, uint8 (range_bin, range_line), and how many pixels merged.
 
-    The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded bin; of two layers at one
-    pixel, the lower. Layers outside the window leave no pixel.
+    The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded
+    bin; of two layers at one pixel, the lower. Layers outside the window leave no pixel.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     if layer_bins.shape[0] > MAXIMUM_NUMBER:
@@ -81,9 +81,9 @@ def layer_numbers(layer_bins, n_range_bins):
 def export_netcdf(folder, scenes, *, list_name="all.lst"):
     """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file.
 
-    Nothing is rounded. `image` (range_bin, range_line), `layer_bins` and perhaps `complete_layer_bins` (layer,
-    range_line), `mask`; what grey levels mean, zone and notes are attributes. Scenes, with or
-    without images, are held one at a time.
+    Nothing is rounded. `image` (range_bin, range_line), `layer_bins` and perhaps
+    `complete_layer_bins` (layer, range_line), `mask`; what grey levels mean, zone and notes are
+    attributes. Scenes, with or without images, are held one at a time.
     """
     return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
 

@@ -118,7 +118,7 @@ def _of_unusual_bin_size(found):
 
 
 def scenes_of_frame(row, echogram, layers):
-    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError without a scene."""
+    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no scene."""
     scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())

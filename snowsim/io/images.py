@@ -38,7 +38,7 @@ def read_image(path, expected="8-bit grey"):
 
 
 def read_mask(path):
-    """Mask of a PNG image, bool (range_bin, range_line): 1 bit, or two grey levels with 0 as one."""
+    """Mask of a PNG image, bool (range_bin, range_line): 1 bit, or 0 and one more grey level."""
     values, _ = read_image(path, "1-bit or 8-bit grey")
     levels = np.unique(values)
     if levels.size > 2 or (levels.size == 2 and levels[0] != 0):

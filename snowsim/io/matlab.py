@@ -109,15 +109,16 @@ class Elements:
     """Elements of a MAT v5 file that stand behind each other, taken one by one."""
 
     path: Path
+    what: str  # they belong to, for refusals
     order: str  # of bytes, "<" or ">"
     data: memoryview
     offset: int = 0
 
-    def take(self, what):
-        """Type and bytes of the next element; refusals call it `what`."""
+    def take(self):
+        """Type and bytes of the next element."""
         size = len(self.data)
         if self.offset + 8 > size:
-            raise refusal(self.path, what, "another element", f"the end at byte {size}")
+            self.refuse("another element", f"the end at byte {size}")
         kind, length = self.unpack("II", self.data, self.offset)
         start = self.offset + 8
         step = 8 + -(-length // 8) * 8
@@ -128,19 +129,27 @@ class Elements:
             step = 8
         if start + length > min(size, self.offset + step):
             found = f"one of {length} bytes at {self.offset}"
-            raise refusal(self.path, what, f"elements within {size} bytes", found)
+            self.refuse(f"elements within {size} bytes", found)
         self.offset += step
         return kind, self.data[start : start + length]
+
+    def within(self, data):
+        """Elements of other bytes of the same variable."""
+        return Elements(self.path, self.what, self.order, memoryview(data))
 
     def unpack(self, format, data, offset=0):
         """Numbers of a part of the data."""
         return struct.unpack_from(self.order + format, data, offset)
 
-    def decode(self, what, text, codec="latin-1"):
+    def decode(self, text, codec="latin-1"):
         """Text up to its first NUL."""
         endian = "le" if self.order == "<" else "be"
-        with library_errors(self.path, what, "readable text"):
+        with library_errors(self.path, self.what, "readable text"):
             return bytes(text).decode(codec.format(endian)).partition("\0")[0]
+
+    def refuse(self, expected, found):
+        """Raise the one-line ValueError."""
+        raise refusal(self.path, self.what, expected, found)
 
 
 @dataclass
@@ -166,7 +175,7 @@ def read_mat5(path, names):
     objects and sparse matrices come as None: nothing in a file is ever called.
     """
     return {
-        variable.name: _value(variable.name, variable)
+        variable.name: _value(variable)
         for variable in _variables(path, names)
         if variable.name in names
     }
@@ -186,140 +195,137 @@ def _variables(path, wanted):
                 found = f"type {kind} of {length} bytes"
                 expected = f"a variable within {size} bytes"
                 raise refusal(path, f"MAT v5, byte {offset}", expected, found)
-            elements = Elements(path, order, memoryview(file.read(length)))
-            yield _header(elements) if kind == MATRIX else _compressed(elements, wanted)
+            elements = Elements(path, "MAT v5", order, memoryview(file.read(length)))
+            variable = _header(elements) if kind == MATRIX else _compressed(elements, wanted)
+            variable.elements.what = variable.name
+            yield variable
             offset += 8 + length
 
 
 def _compressed(elements, wanted):
     """A compressed variable; inflated whole, so that its checksum counts, only if it is wanted."""
-    path = elements.path
-    with library_errors(path, "MAT v5", "a whole compressed variable"):
+    with library_errors(elements.path, elements.what, "a whole compressed variable"):
         head = zlib.decompressobj().decompress(elements.data, HEAD_BYTES)
         kind, length = elements.unpack("II", head)
     if kind != MATRIX or length > MAXIMUM_BYTES:
         expected = f"a compressed variable of at most {MAXIMUM_BYTES} bytes"
-        raise refusal(path, "MAT v5", expected, f"type {kind} of {length} bytes")
-    variable = _header(Elements(path, elements.order, memoryview(head)[8:]))
+        elements.refuse(expected, f"type {kind} of {length} bytes")
+    variable = _header(elements.within(head[8:]))
     if variable.name not in wanted:
         return variable
-    inflater = zlib.decompressobj()
-    with library_errors(path, variable.name, "a whole compressed variable"):
-        # And as much padding as there may be.
-        inflated = inflater.decompress(elements.data, length + 16)
+    elements.what = variable.name
     end = 8 + length
+    inflater = zlib.decompressobj()
+    with library_errors(elements.path, elements.what, "a whole compressed variable"):
+        # And as much padding as there may be.
+        inflated = inflater.decompress(elements.data, end + 8)
     if not inflater.eof or len(inflated) < end:
         expected = f"a compressed variable of {end} bytes"
-        raise refusal(path, variable.name, expected, f"{len(inflated)} and no end")
-    return _header(Elements(path, elements.order, memoryview(inflated)[8:end]))
+        elements.refuse(expected, f"{len(inflated)} and no end")
+    return _header(elements.within(memoryview(inflated)[8:end]))
 
 
 def _header(elements):
     """The variable whose header the next elements are."""
-    kind, flags = elements.take("flags")
+    kind, flags = elements.take()
     if kind != UINT32 or len(flags) != 8:
-        found = f"{len(flags)} of type {kind}"
-        raise refusal(elements.path, "flags", "8 bytes of type 6", found)
+        elements.refuse("8 bytes of flags, type 6", f"{len(flags)} of type {kind}")
     (word,) = elements.unpack("I", flags)
     array_class = word & 0xFF
     # Function handles and objects have no shape: what follows is MATLAB's own.
     shape = _shape(elements) if array_class <= LAST_CLASS_WITH_SHAPE else ()
-    _, name = elements.take("name")
-    name = elements.decode("name", name)
-    return Variable(name, array_class, bool(word & COMPLEX), shape, elements)
+    _, name = elements.take()
+    return Variable(elements.decode(name), array_class, bool(word & COMPLEX), shape, elements)
 
 
 def _shape(elements):
-    kind, stored = elements.take("shape")
+    kind, stored = elements.take()
     if kind != INT32 or len(stored) < 8 or len(stored) % 4:
         found = f"{len(stored)} bytes of type {kind}"
-        raise refusal(elements.path, "shape", "two or more numbers of type 5", found)
+        elements.refuse("a shape, two or more numbers of type 5", found)
     shape = elements.unpack(f"{len(stored) // 4}i", stored)
     if min(shape) < 0:
-        raise refusal(elements.path, "shape", "lengths not negative", shape)
+        elements.refuse("a shape without negative lengths", shape)
     return shape
 
 
-def _value(what, variable, depth=0):
-    """The value of a variable, or of a member of the variable `what`."""
+def _value(variable, depth=0):
+    """The value of a variable, or of what lies this deep in one."""
     if depth > MAXIMUM_DEPTH:
-        expected = f"at most {MAXIMUM_DEPTH} nested values"
-        raise refusal(variable.elements.path, what, expected, "more")
+        variable.elements.refuse(f"at most {MAXIMUM_DEPTH} nested values", "more")
     if variable.array_class in NUMBERS:
-        return _numbers(what, variable)
+        return _numbers(variable)
     if variable.array_class == CHARACTERS:
-        return _characters(what, variable.elements)
+        return _characters(variable.elements)
     if variable.array_class == CELL:
-        return _members(what, variable, math.prod(variable.shape), depth)
+        return _members(variable, math.prod(variable.shape), depth)
     if variable.array_class == STRUCT:
-        return _structs(what, variable, depth)
+        return _structs(variable, depth)
     return None
 
 
-def _characters(what, elements):
-    kind, text = elements.take(what)
+def _characters(elements):
+    kind, text = elements.take()
     if kind not in TEXT:
-        raise refusal(elements.path, what, "text", f"type {kind}")
-    return elements.decode(what, text, TEXT[kind])
+        elements.refuse("text", f"type {kind}")
+    return elements.decode(text, TEXT[kind])
 
 
-def _numbers(what, variable):
+def _numbers(variable):
     dtype = np.dtype(NUMBERS[variable.array_class])
-    check_size(variable.elements.path, what, variable.shape, dtype.itemsize)
-    values = _part(what, variable, dtype)
+    check_size(variable.elements.path, variable.elements.what, variable.shape, dtype.itemsize)
+    values = _part(variable, dtype)
     if variable.is_complex:
-        values = values + 1j * _part(what, variable, dtype)
+        values = values + 1j * _part(variable, dtype)
     return values.reshape(variable.shape, order="F")
 
 
-def _part(what, variable, dtype):
+def _part(variable, dtype):
     """Numbers, real or imaginary, of the next element."""
     elements = variable.elements
     n_values = math.prod(variable.shape)
-    kind, stored = elements.take(what)
+    kind, stored = elements.take()
     if kind not in STORAGE or len(stored) != n_values * np.dtype(STORAGE[kind]).itemsize:
         found = f"{len(stored)} bytes of type {kind}"
-        expected = f"{n_values} numbers for shape {variable.shape}"
-        raise refusal(elements.path, what, expected, found)
+        elements.refuse(f"{n_values} numbers for shape {variable.shape}", found)
     return np.frombuffer(stored, dtype=elements.order + STORAGE[kind]).astype(dtype)
 
 
-def _members(what, variable, n_members, depth):
+def _members(variable, n_members, depth):
     """Values of the members of a cell or struct array, in MATLAB's order."""
     elements = variable.elements
     # A member takes 8 bytes even where it is empty.
     n_possible = (len(elements.data) - elements.offset) // 8
     if n_members > n_possible:
-        raise refusal(elements.path, what, f"at most {n_possible} members", n_members)
+        elements.refuse(f"at most {n_possible} members", n_members)
     values = []
     for _ in range(n_members):
-        kind, member = elements.take(what)
+        kind, member = elements.take()
         if kind != MATRIX:
-            raise refusal(elements.path, what, "members that are arrays", f"type {kind}")
+            elements.refuse("members that are arrays", f"type {kind}")
         if len(member) == 0:
             values.append(np.empty((0, 0)))
         else:
-            inner = _header(Elements(elements.path, elements.order, member))
-            values.append(_value(what, inner, depth + 1))
+            values.append(_value(_header(elements.within(member)), depth + 1))
     return values
 
 
-def _structs(what, variable, depth):
+def _structs(variable, depth):
     """A struct as a dict, an array of them as a list of dicts."""
     elements = variable.elements
-    kind, stored = elements.take(what)
+    kind, stored = elements.take()
     is_number = kind == INT32 and len(stored) == 4
     name_length = elements.unpack("i", stored)[0] if is_number else 0
     if name_length < 1:
         found = f"{len(stored)} bytes of type {kind}"
-        raise refusal(elements.path, what, "the length of its field names", found)
-    _, names = elements.take(what)
+        elements.refuse("the length of its field names", found)
+    _, names = elements.take()
     starts = range(0, len(names), name_length)
-    fields = [elements.decode(what, names[at : at + name_length]) for at in starts]
+    fields = [elements.decode(names[at : at + name_length]) for at in starts]
     if not fields:
         return []
     n_structs = math.prod(variable.shape)
-    values = iter(_members(what, variable, n_structs * len(fields), depth))
+    values = iter(_members(variable, n_structs * len(fields), depth))
     # Each takes as many values as there are fields.
     structs = [dict(zip(fields, values, strict=False)) for _ in range(n_structs)]
     return structs[0] if n_structs == 1 else structs

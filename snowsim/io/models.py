@@ -1,4 +1,4 @@
-"""Trained networks and unfinished trainings on disk: safetensors; the header says what made them."""
+"""Trained networks and unfinished trainings on disk, with what made them in the header."""
 
 import hashlib
 import json
@@ -32,8 +32,8 @@ def write_model(path, arrays, metadata):
 def read_model(path, expected=None):
     """Arrays, nested as written with keys as text, and metadata of a file of `write_model`.
 
-    Nothing in it is executed. A file that is truncated, no model, or made with other metadata than `expected` is refused:
-    settings, seed and fingerprint of the training it is to continue.
+    Nothing in it is executed. A file that is truncated, no model, or made with other metadata than
+    `expected` is refused: settings, seed and fingerprint of the training it is to continue.
     """
     try:
         with safe_open(path, framework="numpy") as file:
@@ -52,7 +52,7 @@ def read_model(path, expected=None):
 
 
 def fingerprint(paths):
-    """SHA-256 over the bytes of files, in order, as hexadecimal text: data a model was trained on."""
+    """SHA-256 over the bytes of files, in order, in hexadecimal: what a model was trained on."""
     digest = hashlib.sha256()
     for path in paths:
         with Path(path).open("rb") as file:

@@ -34,8 +34,9 @@ def pair_files(predictions, truth, *, output=None, picks=False):
 
     A prediction without a truth is refused. Both are folders of .png, .npy or .nc files, or a file
     each. In a folder that holds the published predictor's, the one of `output` is taken, by default
-    `fuse`; never `merge` or `jpg_out`. Files are paired by what follows `data_`, `layer_binary_`, `layer_` or `scene_`; of
-    several, truth (and `picks`) is the first of `LABELLED`, a map the last.
+    `fuse`; never `merge` or `jpg_out`. Files are paired by what follows `data_`, `layer_binary_`,
+    `layer_` or `scene_`; of several, truth (and `picks`) is the first of `LABELLED`, a map the
+    last.
     """
     predictions = Path(predictions)
     truth = Path(truth)
