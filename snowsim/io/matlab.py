@@ -97,8 +97,11 @@ def _hdf5_value(path, name, node, visited, depth=0):
         return empty.get(str(matlab_class), np.empty((0, 0)))
     values = np.asarray(node[()])
     if h5py.check_ref_dtype(node.dtype) is h5py.Reference:
-        cells = [node.file[reference] for reference in values.ravel()]
-        return [_hdf5_value(path, name, cell, visited, depth + 1) for cell in cells]
+        cells = []
+        for reference in values.ravel():
+            cell = node.file[reference]
+            cells.append(_hdf5_value(path, name, cell, visited, depth + 1))
+        return cells
     if str(matlab_class) == "char" and values.dtype.kind == "u":
         return "".join(map(chr, values.ravel().tolist()))
     return values.T
