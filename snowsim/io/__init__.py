@@ -39,8 +39,9 @@ def read_echogram(path, *, compensated=False):
     >>> import numpy as np
     >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
     >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
-    >>> drawn, layers = draw_frame(0, 1, 64, **common, rng=np.random.default_rng(1))
+    >>> rng = np.random.default_rng(1)
+    >>> climate = draw_climate(settings, rng=rng)
+    >>> drawn, layers = draw_frame(0, 1, 64, climate=climate, settings=settings, rng=rng)
     >>> _ = drawn.to_netcdf("frame.nc")
     >>> echogram = read_echogram("frame.nc")
     >>> dict(echogram.sizes), echogram["twtt"].attrs["units"]
@@ -55,12 +56,8 @@ def read_echogram(path, *, compensated=False):
         return cresis.read_cresis(path, compensated=compensated)
     if kind == "opr":
         return datasets.read_opr(path)
-    raise refusal(
-        path,
-        "format",
-        "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)",
-        sniff.in_words(kind),
-    )
+    expected = "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)"
+    raise refusal(path, "format", expected, sniff.in_words(kind))
 
 
 def read_layers(path, *, names=None, missing="refuse"):
@@ -93,8 +90,9 @@ def read_layers(path, *, names=None, missing="refuse"):
     >>> import numpy as np
     >>> from snowsim.reference import checked_settings, draw_climate, draw_frame
     >>> settings = checked_settings({"radar": {"n_range_bins": 300}})
-    >>> common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
-    >>> echogram, drawn = draw_frame(0, 1, 64, **common, rng=np.random.default_rng(1))
+    >>> rng = np.random.default_rng(1)
+    >>> climate = draw_climate(settings, rng=rng)
+    >>> echogram, drawn = draw_frame(0, 1, 64, climate=climate, settings=settings, rng=rng)
     >>> _ = drawn.to_netcdf("layers.nc")
     >>> layers = read_layers("layers.nc")
     >>> layers["twtt"].dims, int(layers["layer"][0])
@@ -110,4 +108,5 @@ def read_layers(path, *, names=None, missing="refuse"):
     kind = sniff.sniff(path)
     if kind not in readers:
         raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))
-    return readers[kind](path, names=[names] if isinstance(names, str) else names, missing=missing)
+    names = [names] if isinstance(names, str) else names
+    return readers[kind](path, names=names, missing=missing)

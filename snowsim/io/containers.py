@@ -1,4 +1,4 @@
-"""HDF5 and NetCDF files opened with care: no link out of the file, no trap for the library, no oversized variable.
+"""HDF5 and NetCDF files opened with care: no link out of the file, no trap, nothing oversized.
 
 NetCDF is read by h5py and scipy, which survive damaged files.
 """
@@ -15,7 +15,8 @@ import xarray as xr
 from snowsim.io.guard import check_size, container_of, library_errors, numeric, refusal
 
 HEAP = b"GCOL\x01"  # a global heap collection, version 1: HDF5 File Format Specification, III.E
-TEXT_LINK = 16  # bytes of a text's length, heap and place in it
+# Where a text of any length lies: its length, its heap, and its place in it.
+TEXT_LINK = np.dtype([("length", "<u4"), ("heap", "<u8"), ("place", "<u4")])
 HEAP_HEADER, HEAP_OBJECT = 16, 16  # bytes in front of a collection and of each of its objects
 # What NetCDF-4 keeps for itself in an HDF5 file.
 PRIVATE = {
@@ -33,20 +34,23 @@ NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 @contextmanager
 def open_hdf5(path):
-    """The file, opened; library errors within the block become the one-line ValueError."""
+    """The file, opened; library errors within the block become the one-line ValueError.
+
+    Links at its top that lead elsewhere are refused.
+    """
     check_heaps(path)
     with library_errors(path, "HDF5", "a readable file"), h5py.File(path, "r") as file:
+        for name in file:
+            link = file.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
+                raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
         yield file
 
 
 def names_in_hdf5(path):
-    """Names at the top of an HDF5 file; refuses links that lead out of the file."""
+    """Names at the top of an HDF5 file."""
     with open_hdf5(path) as file:
-        names = {name: file.get(name, getlink=True) for name in file}
-    for name, link in names.items():
-        if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-            raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
-    return set(names)
+        return set(file)
 
 
 def check_dataset(path, name, node):
@@ -59,26 +63,24 @@ def check_dataset(path, name, node):
 
 
 def check_texts(path, name, node):
-    """Refuse texts of any length that say they are longer than the file: the library would make room for them first."""
+    """Refuse texts that say they are longer than the file: the library would make room first."""
+    check_size(path, name, node.shape, TEXT_LINK.itemsize)
+    offset = node.id.get_offset()
+    if offset is None:  # kept in chunks
+        return
+    with path.open("rb") as file:
+        file.seek(offset)
+        stored = file.read(node.size * TEXT_LINK.itemsize)
+    n_links = len(stored) // TEXT_LINK.itemsize
+    links = np.frombuffer(stored, TEXT_LINK, count=n_links)
+    declared = int(links["length"].sum(dtype=np.int64))
     size = path.stat().st_size
-    check_size(path, name, node.shape, TEXT_LINK)
-    offset = node.id.get_offset()  # None where they are kept in chunks
-    if offset is not None:
-        with path.open("rb") as file:
-            file.seek(offset)
-            links = file.read(node.size * TEXT_LINK)
-        lengths = [
-            length
-            for length, _, _ in struct.iter_unpack(
-                "<IQI", links[: len(links) // TEXT_LINK * TEXT_LINK]
-            )
-        ]
-        if sum(lengths) > size:
-            raise refusal(path, name, f"texts within {size} bytes", f"{sum(lengths)} bytes of them")
+    if declared > size:
+        raise refusal(path, name, f"texts within {size} bytes", f"{declared} bytes of them")
 
 
 def check_heaps(path):
-    """Refuse a file with a global heap whose objects overrun it: the library would walk it for ever.
+    """Refuse a file with a heap whose objects overrun it: the library would walk it for ever.
 
     Heaps hold text and lists of references. They are found by their signature, wherever they stand.
     """
@@ -100,34 +102,41 @@ def _check_heap(path, content, at):
     length = struct.unpack_from("<Q", content, at + 8)[0] if at + HEAP_HEADER <= len(content) else 0
     end = at + length
     if length < HEAP_HEADER or end > len(content):
-        raise refusal(
-            path, f"HDF5 heap at byte {at}", "one within the file", f"one of {length} bytes"
-        )
+        found = f"one of {length} bytes"
+        raise refusal(path, f"HDF5 heap at byte {at}", "one within the file", found)
     offset = at + HEAP_HEADER
     while offset + HEAP_OBJECT <= end:
         index, _, _, object_length = struct.unpack_from("<HHIQ", content, offset)
+        padded_length = -(-object_length // 8) * 8
         # The free space, object 0, counts its own header.
-        step = object_length if index == 0 else HEAP_OBJECT + -(-object_length // 8) * 8
+        step = object_length if index == 0 else HEAP_OBJECT + padded_length
         if step < HEAP_OBJECT or offset + step > end:
             found = f"object {index} of {object_length} bytes at {offset}"
             raise refusal(path, f"HDF5 heap at byte {at}", f"objects that end by byte {end}", found)
         offset += step
 
 
-def names_in_netcdf3(path):
-    """Names of the variables in a NetCDF file of version 3."""
+@contextmanager
+def open_netcdf3(path):
+    """The NetCDF file of version 3, opened; library errors within the block become the one line."""
     with (
         library_errors(path, "NetCDF", "a readable file"),
         scipy.io.netcdf_file(path, mmap=False) as file,
     ):
+        yield file
+
+
+def names_in_netcdf3(path):
+    """Names of the variables in a NetCDF file of version 3."""
+    with open_netcdf3(path) as file:
         return set(file.variables)
 
 
 def read_netcdf(path, names=None):
-    """Dataset of the variables of a NetCDF file, or of those of `names` that are there, with all attributes.
+    """Dataset of a NetCDF file with all attributes; of `names`, where given, those that are there.
 
-    As they are stored: no fill value, scale or time is applied. A variable beyond the size limit is
-    refused.
+    Values come as they are stored: no fill value, scale or time is applied. A variable beyond the
+    size limit is refused.
     """
     read = _read3 if container_of(path) == "netcdf3" else _read4
     variables, attributes = read(path, names)
@@ -136,38 +145,31 @@ def read_netcdf(path, names=None):
 
 
 def _read3(path, names):
-    with (
-        library_errors(path, "NetCDF", "a readable file"),
-        scipy.io.netcdf_file(path, mmap=False) as file,
-    ):
-        variables = {}
+    variables = {}
+    with open_netcdf3(path) as file:
         for name, variable in file.variables.items():
             if names is None or name in names:
-                attributes = {key: _plain(value) for key, value in variable._attributes.items()}
-                values = variable[:] if variable.shape else np.asarray(variable.getValue())
                 # Big-endian on disk; and a copy, that outlives the file.
-                values = np.array(values, dtype=values.dtype.newbyteorder("="))
-                variables[name] = (variable.dimensions, values, attributes)
-        return variables, {key: _plain(value) for key, value in file._attributes.items()}
+                values = np.array(variable.data, dtype=variable.data.dtype.newbyteorder("="))
+                variables[name] = (variable.dimensions, values, _attributes(variable._attributes))
+        return variables, _attributes(file._attributes)
 
 
 def _read4(path, names):
-    present = names_in_hdf5(path)
+    variables = {}
     with open_hdf5(path) as file:
-        variables = {}
-        for name in sorted(present if names is None else present & set(names)):
+        wanted = set(file) if names is None else set(file) & set(names)
+        for name in sorted(wanted):
             node = file[name]
             if isinstance(node, h5py.Group):
                 continue
             check_dataset(path, name, node)
-            if bytes(np.asarray(node.attrs.get("NAME", b"")).tobytes()).startswith(NO_VARIABLE):
+            scale_name = np.asarray(node.attrs.get("NAME", b"")).tobytes()
+            if scale_name.startswith(NO_VARIABLE):
                 continue
-            variables[name] = (
-                _dimensions(node, name),
-                _values(path, name, node),
-                _attributes(node),
-            )
-        return variables, _attributes(file)
+            values = _values(path, name, node)
+            variables[name] = (_dimensions(node, name), values, _attributes(node.attrs))
+        return variables, _attributes(file.attrs)
 
 
 def _values(path, name, node):
@@ -189,21 +191,23 @@ def _dimensions(node, name):
     return tuple(scale or f"{name}_{axis}" for axis, scale in enumerate(scales))
 
 
-def _attributes(node):
-    names = [
-        name for name in node.attrs if name not in PRIVATE and not name.startswith(PRIVATE_START)
-    ]
-    return {name: _plain(node.attrs[name]) for name in names}
+def _attributes(stored):
+    """Attributes that are the file's own, as text, numbers, or arrays of them."""
+    return {
+        name: _plain(stored[name])
+        for name in stored
+        if name not in PRIVATE and not name.startswith(PRIVATE_START)
+    }
 
 
 def _plain(value):
-    """Text, numbers, or arrays of them."""
+    if isinstance(value, h5py.Empty):
+        return ""
     if isinstance(value, np.ndarray) and value.dtype.kind == "S":
         value = b"".join(value.ravel().tolist())
     if isinstance(value, bytes):
         return value.decode("utf-8").replace("\0", "")
-    if isinstance(value, h5py.Empty):
-        return ""
     if isinstance(value, np.ndarray):
-        return value.ravel()[0].item() if value.size == 1 and value.dtype.kind in "fiu" else value
+        is_number = value.size == 1 and value.dtype.kind in "fiu"
+        return value.item() if is_number else value
     return value.item() if isinstance(value, np.generic) else value

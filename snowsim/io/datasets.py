@@ -1,4 +1,4 @@
-"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked on the way out."""
+"""Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked."""
 
 import importlib.util
 
@@ -15,16 +15,19 @@ UNITS = {
     "Latitude": "degrees_north",
     "Longitude": "degrees_east",
     "Elevation": "m",
+    "Surface": "s",
+    "Bottom": "s",
+    "Roll": "radian",
+    "Pitch": "radian",
+    "Heading": "radian",
+    "Elevation_Correction": "range bins",
 }
-UNITS |= {"Surface": "s", "Bottom": "s", "Roll": "radian", "Pitch": "radian", "Heading": "radian"}
 UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
 RANGES = {"Latitude": 90, "Longitude": 360}
-PARAMETERS = (
-    "season_name",
-    "radar_name",
-    "day_seg",
-)  # of all that a file tells, this much goes with the dataset
-FIRST_DAY, LAST_YEAR = "1980-01-06", 2100
+# Of all that a file tells, this much goes with the dataset.
+PARAMETERS = ("season_name", "radar_name", "day_seg")
+FIRST_DAY = "1980-01-06"
+LAST_YEAR = 2100
 SECONDS_OF_DAY = 86400
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
 # Reference Systems Service.
@@ -35,48 +38,54 @@ LEAP_DAYS = sorted(
 
 
 def echogram_dataset(path, content, attributes):
-    """Echogram dataset of `Data` (range_bin, range_line), `twtt`, `slow_time` and values along slow_time; checked."""
-    variables = {"Data": (("twtt", "slow_time"), content["Data"], {"units": UNITS["Data"]})}
-    for name, values in content.items():
-        if name not in ("Data", "twtt", "slow_time"):
-            variables[name] = (
-                values
-                if isinstance(values, tuple)
-                else ("slow_time", values, {"units": UNITS[name]})
-            )
-    coordinates = {
-        "twtt": ("twtt", content["twtt"], {"units": "s"}),
-        "slow_time": content["slow_time"],
-    }
-    dataset = xr.Dataset(variables, coordinates, attributes)
-    return checked_echogram(path, dataset)
+    """Echogram dataset, checked.
+
+    `content` holds `Data` (range_bin, range_line), `twtt`, `slow_time`, and what there is along
+    slow_time.
+    """
+    along_track = dict(content)
+    power = along_track.pop("Data")
+    twtt = along_track.pop("twtt")
+    slow_time = along_track.pop("slow_time")
+    variables = {"Data": (("twtt", "slow_time"), power, {"units": UNITS["Data"]})}
+    for name, values in along_track.items():
+        variables[name] = ("slow_time", values, {"units": UNITS[name]})
+    coordinates = {"twtt": ("twtt", twtt, {"units": "s"}), "slow_time": slow_time}
+    return checked_echogram(path, xr.Dataset(variables, coordinates, attributes))
 
 
 def checked_echogram(path, dataset):
     """The dataset, if it passes the validator and stays on Earth."""
     check_echogram(dataset, str(path))
     for name, largest in RANGES.items():
-        outside = (
-            np.abs(dataset[name].values) > largest
-        )  # NaN, where the position is unknown, is not outside
+        degrees = dataset[name].values
+        outside = np.abs(degrees) > largest  # NaN, where the position is unknown, is not
         if outside.any():
-            found = f"{dataset[name].values[outside][0]:g} at range_line {int(np.argmax(outside))}"
+            found = f"{degrees[outside][0]:g} at range_line {int(np.argmax(outside))}"
             raise refusal(path, name, f"degrees within +-{largest}", found)
     return dataset
 
 
 def read_opr(path):
-    """Echogram dataset as it stands on disk, with dimensions put in the order (twtt, slow_time); checked."""
+    """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked."""
     dataset = load_opr(path, ("Data", "twtt", "slow_time", *ECHOGRAM_ALONG_TRACK))
-    if set(dataset["Data"].dims) != {"twtt", "slow_time"}:
-        raise refusal(
-            path, "Data", "dimensions twtt and slow_time", ", ".join(map(str, dataset["Data"].dims))
-        )
+    check_dimensions(path, dataset, "Data", ("twtt", "slow_time"))
     return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
 
 
+def check_dimensions(path, dataset, name, expected):
+    """Refuse a variable on other dimensions than these two, in whichever order."""
+    dimensions = dataset[name].dims
+    if set(dimensions) != set(expected):
+        found = ", ".join(map(str, dimensions))
+        raise refusal(path, name, f"dimensions {' and '.join(expected)}", found)
+
+
 def load_opr(path, needed):
-    """Dataset of a NetCDF file or Zarr store in memory; those needed must be there, real numbers, and `twtt` in s."""
+    """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds.
+
+    The variables needed must be there and, but for `slow_time`, real numbers.
+    """
     path = existing(path, directory=True)
     if path.is_dir():
         dataset = _loaded_store(path)
@@ -106,36 +115,39 @@ def _loaded_store(path):
 
 
 def from_db(power_db):
-    """Linear power of decibels; where it overflows, the infinite power is refused by name further on."""
+    """Linear power of decibels; where it overflows, the infinite power is refused further on."""
     with np.errstate(over="ignore"):
         return 10 ** (power_db / 10)
 
 
 def leap_seconds(gps_seconds):
-    """GPS minus UTC [s] at a time given in GPS seconds since 1970-01-01 (leap seconds not removed)."""
+    """GPS minus UTC [s] at a time in GPS seconds since 1970-01-01, leap seconds not removed."""
     days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
     since = days + 1 + np.arange(days.size)
     return int(np.searchsorted(since, gps_seconds, side="right"))
 
 
 def from_utc_seconds(path, what, seconds, epoch="1970-01-01"):
-    """UTC seconds since a date as datetime64[ns], (range_line,); ValueError where not finite or out of this age."""
-    seconds = np.asarray(seconds, dtype=float)
+    """UTC seconds since a date as datetime64[ns], (range_line,).
+
+    Refused where they are not finite or out of this age.
+    """
     since = np.datetime64(epoch, "s").astype(np.int64)
     first = np.datetime64(FIRST_DAY, "s").astype(np.int64)
     last = np.datetime64(f"{LAST_YEAR}-01-01", "s").astype(np.int64)
+    since_1970 = seconds + since
     # Written so that NaN fails too.
-    bad = ~((seconds + since >= first) & (seconds + since < last))
-    if seconds.size == 0 or bad.any():
-        found = (
-            "none"
-            if seconds.size == 0
-            else f"{seconds[bad][0]:g} at range_line {int(np.argmax(bad))}"
-        )
-        raise refusal(path, what, f"seconds since {epoch} that fall in 1980 to {LAST_YEAR}", found)
+    bad = ~((since_1970 >= first) & (since_1970 < last))
+    expected = f"seconds since {epoch} that fall in 1980 to {LAST_YEAR}"
+    if seconds.size == 0:
+        raise refusal(path, what, expected, "none")
+    if bad.any():
+        found = f"{seconds[bad][0]:g} at range_line {int(np.argmax(bad))}"
+        raise refusal(path, what, expected, found)
     whole = np.floor(seconds)
     nanoseconds = np.rint((seconds - whole) * 1e9).astype(np.int64)
-    return ((whole.astype(np.int64) + since) * 1_000_000_000 + nanoseconds).view("datetime64[ns]")
+    whole_since_1970 = whole.astype(np.int64) + since
+    return (whole_since_1970 * 1_000_000_000 + nanoseconds).view("datetime64[ns]")
 
 
 def from_gps_seconds(path, what, seconds):
@@ -152,64 +164,51 @@ def from_gps_seconds(path, what, seconds):
 
 
 def unwrap_midnight(seconds_of_day):
-    """Seconds of day, and how often midnight passed: where they fall back by over half a day, they go on instead."""
+    """Seconds of day that go on past midnight, and how often it passed.
+
+    Midnight passes where they fall back by over half a day.
+    """
     seconds_of_day = np.asarray(seconds_of_day, dtype=float)
-    wrapped = np.concatenate([[False], np.diff(seconds_of_day) < -SECONDS_OF_DAY / 2])
-    return seconds_of_day + SECONDS_OF_DAY * np.cumsum(wrapped), int(wrapped.sum())
+    falls_back = np.diff(seconds_of_day) < -SECONDS_OF_DAY / 2
+    midnights = np.cumsum(np.append(False, falls_back))
+    return seconds_of_day + SECONDS_OF_DAY * midnights, int(falls_back.sum())
 
 
-def undo_compensation(
-    path, content, correction_bins, *, keep=False, first_bin=None, n_recorded=None
-):
-    """Content with traces shifted back by `correction_bins` (range_line,), inserted to simulate level flight.
+def undo_compensation(path, content, correction_bins, *, first_row=-np.inf, end_row=np.inf):
+    """Content with traces shifted back by `correction_bins` (range_line,), made for level flight.
 
     `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m],
-    `Surface` and perhaps `Bottom` (range_line,) [s]. `first_bin` is the index, from 0, of the first
-    kept row (`Truncate_Bins`); rows padded below `n_recorded` bins of a trace count as missing.
-    With `keep`, traces stay shifted and the bins are added.
+    `Surface` and perhaps `Bottom` (range_line,) [s]. A trace that was not shifted was recorded from
+    `first_row` to before `end_row`; what lies outside is padding and counts as missing.
 
     ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS
     toolbox's compression, in which inserted bins hold zero power. They are NaN here, so that no
     zero passes for a measurement.
     """
-    if keep:
-        return {
-            **content,
-            "Elevation_Correction": ("slow_time", correction_bins, {"units": "range bins"}),
-        }
-    data, twtt = content["Data"], content["twtt"]
-    correction_bins = np.asarray(correction_bins, dtype=float)
-    whole = (
-        np.isfinite(correction_bins)
-        & (correction_bins >= 0)
-        & (correction_bins == np.floor(correction_bins))
-    )
+    data = content["Data"]
+    twtt = content["twtt"]
+    counted = np.isfinite(correction_bins) & (correction_bins >= 0)
+    whole = counted & (correction_bins == np.floor(correction_bins))
     if not whole.all():
         found = f"{correction_bins[~whole][0]:g} at range_line {int(np.argmin(whole))}"
         raise refusal(path, "Elevation_Correction", "whole numbers of bins, not negative", found)
     n_rows, n_lines = data.shape
     n_extra = int(correction_bins.max(initial=0))
-    check_size(path, "Elevation_Correction", (n_rows + n_extra, n_lines), data.dtype.itemsize)
-    correction_bins = correction_bins.astype(int)
+    shape = (n_rows + n_extra, n_lines)
+    check_size(path, "Elevation_Correction", shape, data.dtype.itemsize)
 
-    shifted = np.full(
-        (n_rows + n_extra, n_lines), np.nan, dtype=data.dtype if data.dtype.kind == "f" else float
-    )
-    for line, bins in enumerate(correction_bins):
-        start = 0 if first_bin is None else max(0, bins - first_bin)
-        stop = (
-            n_rows
-            if n_recorded is None
-            else max(start, min(n_rows, n_recorded + bins - (first_bin or 0)))
-        )
+    starts = np.clip(correction_bins + first_row, 0, n_rows).astype(int)
+    stops = np.clip(correction_bins + end_row, starts, n_rows).astype(int)
+    shifted = np.full(shape, np.nan, dtype=data.dtype)
+    for line, bins in enumerate(correction_bins.astype(int)):
         top = n_extra - bins
+        start = starts[line]
+        stop = stops[line]
         shifted[top + start : top + stop, line] = data[start:stop, line]
     bin_size = (twtt[-1] - twtt[0]) / (twtt.size - 1)
-    undone = {
-        **content,
-        "Data": shifted,
-        "twtt": twtt[0] + bin_size * (np.arange(n_rows + n_extra) - n_extra),
-    }
+    undone = dict(content)
+    undone["Data"] = shifted
+    undone["twtt"] = twtt[0] + bin_size * (np.arange(len(shifted)) - n_extra)
     undone["Elevation"] = content["Elevation"] - correction_bins * bin_size * SPEED_OF_LIGHT_M_S / 2
     for name in ("Surface", "Bottom"):
         if name in content:

@@ -1,4 +1,4 @@
-"""Scenes for other people's code: the published benchmark's layout, layer-number images, NetCDF or Zarr for xarray."""
+"""Scenes for other people's code: the published benchmark's layout, NetCDF or Zarr for xarray."""
 
 import importlib.util
 import json
@@ -37,29 +37,32 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     folder = Path(folder)
     check_choice("layers", layers, LAYERS)
     if "data_" in folder.name:
-        msg = f"{folder}: the folder's name must not contain data_, which loaders replace along with the file's"
+        msg = f"{folder}: the folder's name must not contain data_, which loaders replace in paths"
         raise ValueError(msg)
-    n_scenes = n_merged = 0
+    n_scenes = 0
+    n_merged = 0
     for scene in _listed(folder, scenes, list_name, "data_{}.png"):
         if scene.image is None:
             msg = f"{folder}: scene {scene.name}: expected an image to export, got none"
             raise ValueError(msg)
-        complete = layers == "complete" and scene.complete_layer_bins is not None
-        layer_bins = scene.complete_layer_bins if complete else scene.layer_bins
+        layer_bins = scene.layer_bins
+        if layers == "complete" and scene.complete_layer_bins is not None:
+            layer_bins = scene.complete_layer_bins
         numbers, merged = layer_numbers(layer_bins, scene.n_range_bins)
         contrast = {name: getattr(scene, name) for name in NUMBERS_IN_TEXT}
         write_image(folder / f"data_{scene.name}.png", scene.image, contrast)
         write_image(folder / f"layer_binary_{scene.name}.png", numbers > 0)
         write_image(folder / f"layer_{scene.name}.png", numbers)
-        n_scenes, n_merged = n_scenes + 1, n_merged + merged
+        n_scenes += 1
+        n_merged += merged
     return {"n_scenes": n_scenes, "n_merged_pixels": n_merged}
 
 
 def layer_numbers(layer_bins, n_range_bins):
-    """Image of layer numbers, uint8 (range_bin, range_line), the surface 1 and no layer 0; how many pixels merged.
+    """Image of layer numbers, uint8 (range_bin, range_line), and how many pixels merged.
 
-    One pixel per layer (layer, range_line) and line, at the rounded bin; of two layers at one
-    pixel, the lower. Layers outside the window leave no pixel.
+    The surface is 1, no layer 0. One pixel per layer (layer, range_line) and line, at the rounded
+    bin; of two layers at one pixel, the lower. Layers outside the window leave no pixel.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     if layer_bins.shape[0] > MAXIMUM_NUMBER:
@@ -68,78 +71,74 @@ def layer_numbers(layer_bins, n_range_bins):
     numbers = np.zeros((n_range_bins, layer_bins.shape[1]), dtype=np.uint8)
     n_drawn = 0
     for number, bins in enumerate(layer_bins, start=1):
-        lines = np.flatnonzero(np.isfinite(bins) & (bins > -0.5) & (bins < n_range_bins - 0.5))
+        # NaN, where the layer is absent, is not inside.
+        lines = np.flatnonzero((bins > -0.5) & (bins < n_range_bins - 0.5))
         numbers[np.rint(bins[lines]).astype(int), lines] = number
         n_drawn += lines.size
     return numbers, n_drawn - int(np.count_nonzero(numbers))
 
 
 def export_netcdf(folder, scenes, *, list_name="all.lst"):
-    """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file. Nothing is rounded.
+    """Write scenes as one NetCDF file each, `scene_<name>.nc`, for xarray; and a list file.
 
-    `image` (range_bin, range_line), `layer_bins` and perhaps `complete_layer_bins` (layer,
-    range_line), `mask`; what grey levels mean, zone and notes are attributes. Scenes, with or
-    without images, are held one at a time.
+    Nothing is rounded. `image` (range_bin, range_line), `layer_bins` and perhaps
+    `complete_layer_bins` (layer, range_line), `mask`; what grey levels mean, zone and notes are
+    attributes. Scenes, with or without images, are held one at a time.
     """
     return _export_datasets(folder, scenes, list_name, "nc", write_dataset)
 
 
 def export_zarr(folder, scenes, *, list_name="all.lst"):
-    """The same as one Zarr store each, `scene_<name>.zarr`; ValueError where the package zarr is missing."""
+    """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
     if importlib.util.find_spec("zarr") is None:
-        msg = f"{folder}: expected package zarr to write Zarr stores, it is not installed: pip install 'zarr>=3'"
+        msg = f"{folder}: expected package zarr to write Zarr stores, it is not installed: "
+        msg += "pip install 'zarr>=3'"
         raise ValueError(msg)
     return _export_datasets(folder, scenes, list_name, "zarr", write_store)
 
 
 def _export_datasets(folder, scenes, list_name, ending, write):
-    folder, file_name, n_scenes = Path(folder), f"scene_{{}}.{ending}", 0
-    for scene in _listed(folder, scenes, list_name, file_name):
-        write(folder / file_name.format(scene.name), _dataset(scene))
+    folder = Path(folder)
+    n_scenes = 0
+    for scene in _listed(folder, scenes, list_name, f"scene_{{}}.{ending}"):
+        write(folder / f"scene_{scene.name}.{ending}", _dataset(scene))
         n_scenes += 1
     return {"n_scenes": n_scenes}
 
 
 def _dataset(scene):
-    rows = ("range_bin", "range_line")
-    variables = {
-        "layer_bins": (
-            ("layer", "range_line"),
-            np.asarray(scene.layer_bins, dtype=float),
-            {"units": "bin"},
-        )
-    }
-    if scene.complete_layer_bins is not None:
-        complete = np.asarray(scene.complete_layer_bins, dtype=float)
-        variables["complete_layer_bins"] = (
-            ("complete_layer", "range_line"),
-            complete,
-            {"units": "bin"},
-        )
-    if scene.image is not None:
-        variables["image"] = (
-            rows,
-            scene.image,
-            {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"},
-        )
-    variables["mask"] = (rows, scene.mask().astype(np.uint8), {"long_name": "1 on a layer"})
     attributes = {"format": FORMAT, "name": scene.name, "n_range_bins": scene.n_range_bins}
-    attributes |= {name: kind(getattr(scene, name)) for name, kind in NUMBERS_IN_TEXT.items()}
-    return xr.Dataset(
-        variables, attrs=attributes | {"notes": json.dumps(scene.notes, sort_keys=True)}
-    )
+    for name, kind in NUMBERS_IN_TEXT.items():
+        attributes[name] = kind(getattr(scene, name))
+    attributes["notes"] = json.dumps(scene.notes, sort_keys=True)
+    dataset = xr.Dataset(attrs=attributes)
+    for name, rows in {"layer_bins": "layer", "complete_layer_bins": "complete_layer"}.items():
+        layer_bins = getattr(scene, name)
+        if layer_bins is not None:
+            layer_bins = np.asarray(layer_bins, dtype=float)
+            dataset[name] = ((rows, "range_line"), layer_bins, {"units": "bin"})
+    pixels = ("range_bin", "range_line")
+    if scene.image is not None:
+        meaning = {"long_name": "0 is noise_floor_db - 10, 255 is maximum_db"}
+        dataset["image"] = (pixels, scene.image, meaning)
+    mask = scene.mask().astype(np.uint8)
+    dataset["mask"] = (pixels, mask, {"long_name": "1 on a layer"})
+    return dataset
 
 
 def _listed(folder, scenes, list_name, file_name):
     """Scenes whose names a loader will not trip over, one by one; then their files are listed."""
     names = []
     for scene in scenes:
-        if scene.name in names or not NAME.fullmatch(scene.name):
-            plain = "a plain file name without data_ and binary_"
-            expected = "names that differ, got it twice" if scene.name in names else plain
+        if not NAME.fullmatch(scene.name):
+            expected = "a plain file name without data_ and binary_"
             msg = f"{folder}: scene {scene.name!r}: expected {expected}"
+            raise ValueError(msg)
+        if scene.name in names:
+            msg = f"{folder}: scene {scene.name!r}: expected names that differ, got it twice"
             raise ValueError(msg)
         yield scene
         names.append(scene.name)
+    lines = [f"{file_name.format(name)}\n" for name in names]
     with written_whole(folder / list_name) as aside:
-        aside.write_text("".join(f"{file_name.format(name)}\n" for name in names), encoding="utf-8")
+        aside.write_text("".join(lines), encoding="utf-8")

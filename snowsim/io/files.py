@@ -7,8 +7,8 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
-# pandas and xarray are imported where they are used: every job starts with this module, and half a
-# second more each.
+# pandas and xarray are imported where they are used: every job starts with this module, and they
+# take half a second each.
 
 # Less is no room: HDF5 keeps about as much in its buffers when it fails.
 FULL_DISK_BYTES = 2**20
@@ -34,19 +34,24 @@ def written_whole(path):
             _remove(path)
         aside.replace(path)
     except (OSError, RuntimeError) as error:
-        free, number = shutil.disk_usage(path.parent).free, getattr(error, "errno", None)
-        full = free < FULL_DISK_BYTES or number == errno.ENOSPC
-        if not (full or number in (errno.EDQUOT, errno.EFBIG) or str(error).startswith("NetCDF: ")):
+        reason = _no_room(path, error)
+        if reason is None:
             raise
-        reason = (
-            f"the disk is full: {free} bytes left"
-            if full
-            else getattr(error, "strerror", None) or error
-        )
         msg = f"{path}: cannot be written, {reason}"
         raise OSError(msg) from error
     finally:
         _remove(aside)
+
+
+def _no_room(path, error):
+    """Why a file could not be written, if that is for room on its disk; else None."""
+    free = shutil.disk_usage(path.parent).free
+    number = getattr(error, "errno", None)
+    if free < FULL_DISK_BYTES or number == errno.ENOSPC:
+        return f"the disk is full: {free} bytes left"
+    if number in (errno.EDQUOT, errno.EFBIG) or str(error).startswith("NetCDF: "):
+        return getattr(error, "strerror", None) or error
+    return None
 
 
 def _remove(path):
@@ -57,24 +62,28 @@ def _remove(path):
 
 
 def write_dataset(path, dataset, *, compress=False):
-    """Write an xarray dataset as NetCDF-4, whole or not at all; floats keep their type, no fill value is added."""
-    packed = {"zlib": True, "shuffle": True, "complevel": 9} if compress else {}
-    floats = {name: v for name, v in dataset.variables.items() if v.dtype.kind == "f"}
-    encoding = {
-        name: {"_FillValue": None} | (packed if v.ndim else {}) for name, v in floats.items()
-    }
+    """Write an xarray dataset as NetCDF-4, whole or not at all.
+
+    Floats keep their type, no fill value is added.
+    """
+    encoding = {}
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "f":
+            encoding[name] = {"_FillValue": None}
+            if compress and variable.ndim:
+                encoding[name] |= {"zlib": True, "shuffle": True, "complevel": 9}
     with written_whole(path) as aside:
         dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
 
 
 def write_store(path, dataset):
-    """Write an xarray dataset as a Zarr store, whole or not at all; one that is there is replaced."""
+    """Write an xarray dataset as a Zarr store, whole or not at all; replaces one that is there."""
     with written_whole(path) as aside:
         dataset.to_zarr(aside, mode="w", consolidated=False)
 
 
 def read_dataset(path):
-    """Read a dataset of `write_dataset` into memory; ValueError with the path if it is no whole NetCDF file."""
+    """Read a dataset of `write_dataset` into memory; ValueError if it is no whole NetCDF file."""
     import xarray as xr
 
     try:
@@ -85,7 +94,7 @@ def read_dataset(path):
 
 
 def write_table(path, table):
-    """Write a pandas table as CSV or Parquet, by its ending, whole or not at all, without its index."""
+    """Write a pandas table without its index, as CSV or Parquet by the ending, whole or not."""
     with written_whole(path) as aside:
         if Path(path).suffix == ".parquet":
             table.to_parquet(aside, index=False)

@@ -1,4 +1,4 @@
-"""A flight as a table of frames: which echogram goes with which layers, and what for; read one at a time."""
+"""A flight as a table of frames: which echogram goes with which layers, and what for."""
 
 import io
 from pathlib import Path
@@ -15,42 +15,37 @@ from snowsim.io.layers import surface_among
 
 COLUMNS = ("frame", "echogram", "layers", "role")
 ROLES = ("statistics", "train", "validation", "test")
-HELD_OUT = ("validation", "test")
+HELD_OUT = ("test", "validation")
 
 
-def read_frames(path, *, root=None):
+def read_frames(path):
     """The table of frames, checked as far as it goes without opening the files it names.
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to
-    `root`, by default the table's folder; made absolute), `role` ("statistics", "train",
-    "validation" or "test"). Lines that begin with # are remarks. Rows that fail are reported
-    together, each in a line; an echogram held out may have no other role.
+    the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test").
+    Lines that begin with # are remarks. Rows that fail are reported together, each in a line; an
+    echogram held out may have no other role.
     """
     path = existing(path)
-    root = path.parent if root is None else Path(root)
     with library_errors(path, "table", "tab-separated text"):
-        lines = [
-            line
-            for line in path.read_text(encoding="utf-8").splitlines()
-            if not line.startswith("#")
-        ]
-        table = pd.read_csv(
-            io.StringIO("\n".join(lines)), sep="\t", dtype=str, keep_default_na=False
-        )
+        lines = path.read_text(encoding="utf-8").splitlines()
+        text = "\n".join(line for line in lines if not line.startswith("#"))
+        table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
     if sorted(table.columns) != sorted(COLUMNS):
-        raise refusal(
-            path, "columns", ", ".join(COLUMNS), one_line(", ".join(map(str, table.columns)), 200)
-        )
+        found = one_line(", ".join(map(str, table.columns)), 200)
+        raise refusal(path, "columns", ", ".join(COLUMNS), found)
     if table.empty:
         raise refusal(path, "frames", "at least one row", "none")
     table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
-        table[name] = [str((root / file).absolute()) if file else "" for file in table[name]]
-    troubles = [
-        (row.frame or f"row {i + 1}", _trouble(row, table))
-        for i, row in enumerate(table.itertuples())
-    ]
-    _report(path, [(frame, trouble) for frame, trouble in troubles if trouble], len(table))
+        files = [path.parent / file if file else "" for file in table[name]]
+        table[name] = [str(file and file.absolute()) for file in files]
+    failed = []
+    for number, row in enumerate(table.itertuples(), start=1):
+        trouble = _trouble(row, table)
+        if trouble:
+            failed.append((row.frame or f"row {number}", trouble))
+    _report(path, failed, len(table))
     return table
 
 
@@ -66,66 +61,69 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     these for a flagged line (`n_flagged_blocks`); how many range lines are flagged
     (`n_flagged_lines`), and how many have which flag (`flags`).
     """
-    rows, failed = [], []
-    names = options.get("layer_names") or ()
-    picked = set()
+    rows = []
+    failed = []
+    missing = set(options.get("layer_names") or ())
     for row in table.itertuples():
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
-            picked |= {name for name in names if np.isfinite(layers["twtt"].sel(layer=name)).any()}
-            cut = blocks and row.role != "statistics"
-            scenes, skipped = scenes_of_frame(row, echogram, layers) if cut else ([], {})
+            rows.append(_summary(row, echogram, layers, blocks=blocks))
         except ValueError as error:
             failed.append((row.frame, str(error)))
-            continue
-        sizes = (echogram.sizes["slow_time"], echogram.sizes["twtt"], layers.sizes["layer"])
-        counts = (
-            len(scenes),
-            len(skipped),
-            sum(reason.endswith(FLAGGED) for reason in skipped.values()),
-        )
-        rows.append(
-            (row.frame, *sizes, bin_size_s(echogram), *counts, *frames.count_flagged(echogram))
-        )
-    columns = [
-        "frame",
-        "n_range_lines",
-        "n_range_bins",
-        "n_layers",
-        "bin_size_s",
-        "n_scenes",
-        "n_skipped",
-    ]
-    columns += ["n_flagged_blocks", "n_flagged_lines", "flags"]
-    found = pd.DataFrame(rows, columns=columns)
-    if len(found):
-        # Of bin sizes equal to a millionth, the one most frames have.
-        usual = (
-            found["bin_size_s"]
-            .groupby(found["bin_size_s"].map("{:.6e}".format))
-            .agg(["size", "first"])
-        )
-        usual = usual.sort_values("size", kind="stable")["first"].iloc[-1]
-        for row in found[(found["bin_size_s"] / usual - 1).abs() > 1e-6].itertuples():
-            failed.append(
-                (
-                    row.frame,
-                    f"bin size: expected {usual:.6g} s as in most, found {row.bin_size_s:.6g} s",
-                )
-            )
+        else:
+            picked = np.isfinite(layers["twtt"]).any("slow_time").values
+            missing -= set(layers["layer"].values[picked])
+    if rows:
+        found = pd.DataFrame(rows)
+        failed += _of_unusual_bin_size(found)
     if not failed:
         reason = "layer_names: expected layers that some frame has, found it in none"
-        failed = [(name, reason) for name in names if name not in picked]
+        failed = [(name, reason) for name in options.get("layer_names") or () if name in missing]
     _report("frames", failed, len(table))
     return table.merge(found, on="frame", validate="one_to_one")
 
 
+def _summary(row, echogram, layers, *, blocks):
+    """What `check_frames` tells of a frame."""
+    scenes = []
+    skipped = {}
+    if blocks and row.role != "statistics":
+        scenes, skipped = scenes_of_frame(row, echogram, layers)
+    n_flagged_lines, flags = frames.count_flagged(echogram)
+    return {
+        "frame": row.frame,
+        "n_range_lines": echogram.sizes["slow_time"],
+        "n_range_bins": echogram.sizes["twtt"],
+        "n_layers": layers.sizes["layer"],
+        "bin_size_s": bin_size_s(echogram),
+        "n_scenes": len(scenes),
+        "n_skipped": len(skipped),
+        "n_flagged_blocks": sum(reason.endswith(FLAGGED) for reason in skipped.values()),
+        "n_flagged_lines": n_flagged_lines,
+        "flags": flags,
+    }
+
+
+def _of_unusual_bin_size(found):
+    """Frames that have another bin size than most, and the sizes."""
+    sizes_s = found["bin_size_s"]
+    # Those equal to a millionth count as one.
+    rounded = sizes_s.map("{:.6e}".format)
+    usual_s = sizes_s[rounded == rounded.mode().iloc[-1]].iloc[0]
+    failed = []
+    for row in found[(sizes_s / usual_s - 1).abs() > 1e-6].itertuples():
+        sizes = f"expected {usual_s:.6g} s as in most, found {row.bin_size_s:.6g} s"
+        failed.append((row.frame, f"bin size: {sizes}"))
+    return failed
+
+
 def scenes_of_frame(row, echogram, layers):
-    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no block is a scene."""
+    """Scenes of a frame of the benchmark, and why blocks were skipped; ValueError if no scene."""
     scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
-        reasons = one_line("; ".join(f"{name}: {reason}" for name, reason in skipped.items()), 200)
-        raise refusal(row.echogram, "blocks", "at least one that is a scene", f"none ({reasons})")
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
+        found = f"none ({one_line(reasons, 200)})"
+        raise refusal(row.echogram, "blocks", "at least one that is a scene", found)
     return scenes, skipped
 
 
@@ -165,32 +163,28 @@ def read_frame(
     index = layers.get_index("layer")
     labels = [str(label) for label in index]
     if index.dtype.kind in "OUS" and surface_among(labels) != 0:
-        found = one_line(", ".join(labels), 200)
-        raise refusal(
-            row.layers, "layer", "one named surface (from the organizer file beside it)", found
-        )
+        expected = "one named surface (from the organizer file beside it)"
+        raise refusal(row.layers, "layer", expected, one_line(", ".join(labels), 200))
     if layer_names is not None:
-        layers = layers.reindex(
-            layer=list(layer_names), fill_value={"twtt": np.nan, "quality": 1, "type": 2}
-        )
+        absent = {"twtt": np.nan, "quality": 1, "type": 2}
+        layers = layers.reindex(layer=list(layer_names), fill_value=absent)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
     # Before levelling: a flagged line must not decide where the surface lies.
     echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
     n_flagged, flags = frames.count_flagged(echogram)
     if n_flagged == echogram.sizes["slow_time"]:
-        raise refusal(
-            row.echogram,
-            "quality_mask",
-            "a range line without a flag",
-            f"all {n_flagged} flagged ({flags})",
-        )
+        found = f"all {n_flagged} flagged ({flags})"
+        raise refusal(row.echogram, "quality_mask", "a range line without a flag", found)
     if bin_s is not None:
         echogram = frames.resample_range(echogram, bin_s)
     return frames.flatten(echogram, layers, method=flattening)
 
 
 def each_frame(table, role=None, **options):
-    """Yield (echogram, layers) of every frame with a role, or of all, one by one; options as for `read_frame`."""
+    """Yield (echogram, layers) of every frame with a role, or of all, one by one.
+
+    `options` are those of `read_frame`.
+    """
     for row in table.itertuples():
         if role is None or row.role == role:
             yield read_frame(row, **options)
@@ -211,16 +205,15 @@ def _trouble(row, table):
         if not file.exists():
             return f"{name}: expected a file, found nothing at {file}"
     roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]))
-    if len(roles) > 1 and set(roles) & set(HELD_OUT):
-        held_out = next(role for role in reversed(HELD_OUT) if role in roles)
-        return f"echogram: expected a {held_out} frame to have no other role, found {' and '.join(roles)}"
+    for held_out in HELD_OUT:
+        if held_out in roles and len(roles) > 1:
+            found = " and ".join(roles)
+            return f"echogram: expected a {held_out} frame to have no other role, found {found}"
     return None
 
 
 def _report(path, failed, n_frames):
     if failed:
-        lines = [
-            f"{path}: {len(failed)} of {n_frames} frames fail",
-            *(f"{name}: {line}" for name, line in failed),
-        ]
+        lines = [f"{path}: {len(failed)} of {n_frames} frames fail"]
+        lines += [f"{name}: {line}" for name, line in failed]
         raise ValueError("\n".join(lines))

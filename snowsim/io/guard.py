@@ -1,4 +1,4 @@
-"""What every reader of foreign files shares: refusals of one line, a size limit, checks of arrays, a first look."""
+"""What readers of foreign files share: refusals of one line, a size limit, checks of arrays."""
 
 import math
 from contextlib import contextmanager
@@ -14,22 +14,23 @@ MAXIMUM_BYTES = 2**30
 
 
 def refusal(path, what, expected, found):
-    """The one ValueError of a bad file: file, variable, what was expected, what was found; on one line."""
+    """The ValueError of a bad file, on one line: file, variable, what was expected and found."""
     return ValueError(one_line(f"{path}: {what}: expected {expected}, found {found}"))
 
 
 def one_line(text, limit=400):
     """Text on one line of printable characters, cut after `limit` of them."""
-    text = " ".join("".join(c if c.isprintable() else " " for c in str(text)).split())
+    printable = "".join(c if c.isprintable() else " " for c in str(text))
+    text = " ".join(printable.split())
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 
 @contextmanager
 def library_errors(path, what, expected):
-    """Turn an error a library raises on a damaged file into the one-line ValueError; nothing else belongs inside.
+    """Turn an error a library raises on a damaged file into the one-line ValueError.
 
-    Any error: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError,
-    zlib.error and many more.
+    Nothing else belongs inside. Any error counts: on flipped bits h5py, scipy, xarray and Pillow
+    raise NameError, SyntaxError, zlib.error and many more.
     """
     try:
         yield
@@ -48,34 +49,37 @@ def existing(path, *, directory=False):
 
 
 def check_present(path, needed, present, names_in=None):
-    """Refuse a file without one of the needed variables, telling those it has: `names_in(path)`, else those present."""
+    """Refuse a file without one of the needed variables, telling those it has.
+
+    These are `names_in(path)`, where only some were read, else those present.
+    """
     for name in needed:
         if name not in present:
-            found = ", ".join(sorted(names_in(path) if names_in else map(str, present))) or "none"
-            raise refusal(path, name, f"variables {', '.join(needed)}", one_line(found, 200))
+            names = names_in(path) if names_in else map(str, present)
+            raise refusal(path, name, f"variables {', '.join(needed)}", listed(names))
+
+
+def listed(names):
+    """Names in order of the alphabet, as a message tells them."""
+    return one_line(", ".join(sorted(names)) or "none", 200)
 
 
 def check_size(path, what, shape, itemsize):
-    """Refuse an array whose declared size is beyond `MAXIMUM_BYTES`, before a byte of it is read."""
+    """Refuse an array that declares more than `MAXIMUM_BYTES`, before a byte of it is read."""
     n_bytes = math.prod(map(int, shape)) * itemsize
     if n_bytes > MAXIMUM_BYTES:
-        raise refusal(
-            path,
-            what,
-            f"at most {MAXIMUM_BYTES} bytes",
-            f"{n_bytes} declared by shape {tuple(shape)}",
-        )
+        found = f"{n_bytes} declared by shape {tuple(shape)}"
+        raise refusal(path, what, f"at most {MAXIMUM_BYTES} bytes", found)
 
 
 def numeric(path, what, array):
     """A real numeric array, or ValueError; booleans count as integers."""
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiub":
-        found = (
-            "a function handle or object"
-            if array is None
-            else getattr(array, "dtype", type(array).__name__)
-        )
-        raise refusal(path, what, "real numbers", found)
+    if array is None:
+        raise refusal(path, what, "real numbers", "a function handle or object")
+    if not isinstance(array, np.ndarray):
+        raise refusal(path, what, "real numbers", type(array).__name__)
+    if array.dtype.kind not in "fiub":
+        raise refusal(path, what, "real numbers", array.dtype)
     return np.asarray(array)  # sheds subclasses
 
 
@@ -90,22 +94,28 @@ def vector(path, what, array, length=None):
 
 
 def matrix(path, what, array, n_rows, n_columns):
-    """A 2-D array as (n_rows, n_columns), transposed where only that fits; ValueError for any other shape."""
+    """A 2-D array as (n_rows, n_columns), transposed where only that fits; else ValueError."""
     array = numeric(path, what, array)
-    if array.ndim == 1 and array.size == n_rows * n_columns and 1 in (n_rows, n_columns):
-        array = array.reshape(n_rows, n_columns)
-    if array.shape == (n_rows, n_columns):
+    shape = (n_rows, n_columns)
+    if array.ndim == 1 and array.size == n_rows * n_columns and 1 in shape:
+        return array.reshape(shape)
+    if array.shape == shape:
         return array
-    if array.shape == (n_columns, n_rows):
+    if array.shape == shape[::-1]:
         return array.T
-    raise refusal(path, what, f"shape ({n_rows}, {n_columns})", f"shape {array.shape}")
+    raise refusal(path, what, f"shape {shape}", f"shape {array.shape}")
+
+
+def is_zarr(path):
+    """Whether a path is a Zarr store."""
+    return any((path / name).is_file() for name in ZARR_FILES)
 
 
 def container_of(path):
     """How a file keeps its variables, by its first bytes."""
+    if is_zarr(path):
+        return "zarr"
     if path.is_dir():
-        if any((path / name).is_file() for name in ZARR_FILES):
-            return "zarr"
         raise refusal(path, "path", "a file or a Zarr store", "a directory")
     try:
         with path.open("rb") as file:
@@ -116,12 +126,11 @@ def container_of(path):
         return "png"
     if head.startswith((b"CDF\x01", b"CDF\x02", b"CDF\x05")):
         return "netcdf3"
-    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2; MATLAB
-    # writes 512.
+    # HDF5 lets a block of the user's own stand in front, of 512 bytes times a power of 2;
+    # MATLAB writes 512.
     if any(head[at : at + 8] == HDF5_SIGNATURE for at in (0, 512, 1024, 2048)):
         return "hdf5"
     if head[126:128] in (b"IM", b"MI") and head[124:126] in (b"\x00\x01", b"\x01\x00"):
         return "mat5"
-    raise refusal(
-        path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr", f"first bytes {head[:8]!r}"
-    )
+    expected = "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"
+    raise refusal(path, "content", expected, f"first bytes {head[:8]!r}")

@@ -12,39 +12,39 @@ from snowsim.io.guard import existing, library_errors, one_line, refusal
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
+MODES = {"8-bit grey": ("L",), "1-bit or 8-bit grey": ("1", "L")}  # as Pillow calls them
 
 
-def read_image(path, *, binary=False):
-    """Grey PNG image as uint8 (range_bin, range_line), and the `NUMBERS_IN_TEXT` its text chunks hold.
+def read_image(path, expected="8-bit grey"):
+    """PNG image (range_bin, range_line), uint8 or of 1 bit, and the `NUMBERS_IN_TEXT` it holds.
 
-    With `binary`, a mask is expected, 1-bit or of two grey levels of which one is 0, and returned
-    as bool; with None, what there is, 1-bit or 8-bit. What is no whole, grey PNG image of a
-    bearable size is refused.
+    `expected` is one of `MODES`. What is no whole PNG image of such a mode and a bearable size is
+    refused.
     """
     path = existing(path)
+    largest = f"{MAXIMUM_PIXELS} pixels"
     with library_errors(path, "PNG", "a whole grey image"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
             with Image.open(path, formats=["PNG"]) as file:
                 columns, rows = file.size
                 if not 0 < columns * rows <= MAXIMUM_PIXELS:
-                    raise refusal(
-                        path, "PNG", f"1 to {MAXIMUM_PIXELS} pixels", f"{rows} rows of {columns}"
-                    )
-                if file.mode not in (("L",) if binary is False else ("1", "L")):
-                    what = "8-bit grey" if binary is False else "1-bit or 8-bit grey"
-                    raise refusal(path, "PNG", what, f"mode {file.mode}")
-                values = np.array(file)
-                texts = _numbers_in_text(path, file.text)
+                    raise refusal(path, "PNG", f"1 to {largest}", f"{rows} rows of {columns}")
+                if file.mode not in MODES[expected]:
+                    raise refusal(path, "PNG", expected, f"mode {file.mode}")
+                return np.array(file), _numbers_in_text(path, file.text)
         except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
-            raise refusal(path, "PNG", f"at most {MAXIMUM_PIXELS} pixels", error) from error
-    if not binary:
-        return values, texts
+            raise refusal(path, "PNG", f"at most {largest}", error) from error
+
+
+def read_mask(path):
+    """Mask of a PNG image, bool (range_bin, range_line): 1 bit, or 0 and one more grey level."""
+    values, _ = read_image(path, "1-bit or 8-bit grey")
     levels = np.unique(values)
     if levels.size > 2 or (levels.size == 2 and levels[0] != 0):
         found = f"{levels.size} levels from {levels[0]} to {levels[-1]}"
         raise refusal(path, "mask", "1 bit, or two grey levels of which one is 0", found)
-    return values > 0, texts
+    return values > 0
 
 
 def _numbers_in_text(path, texts):
@@ -59,13 +59,15 @@ def _numbers_in_text(path, texts):
 
 
 def write_image(path, image, numbers=None):
-    """Write a PNG, whole or not at all, with numbers as text chunks; fixed settings: same pixels, same bytes."""
+    """Write a PNG, whole or not at all, with numbers as text chunks.
+
+    Settings are fixed: same pixels, same bytes.
+    """
     info = PngInfo()
     for name, number in (numbers or {}).items():
         info.add_text(name, repr(NUMBERS_IN_TEXT[name](number)))
     buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image)).save(
-        buffer, format="PNG", compress_level=6, pnginfo=info
-    )
+    picture = Image.fromarray(np.ascontiguousarray(image))
+    picture.save(buffer, format="PNG", compress_level=6, pnginfo=info)
     with written_whole(path) as aside:
         aside.write_bytes(buffer.getvalue())

@@ -1,4 +1,4 @@
-"""Trained networks and unfinished trainings on disk: safetensors with what made them in the header."""
+"""Trained networks and unfinished trainings on disk, with what made them in the header."""
 
 import hashlib
 import json
@@ -12,7 +12,8 @@ from snowsim import __version__
 from snowsim.io.files import written_whole
 
 FORMAT = "snowsim model 1"
-KEY = "snowsim"  # one header entry: safetensors keeps no order among several, and files must repeat to the byte
+# One header entry: safetensors keeps no order among several, and files must repeat to the byte.
+KEY = "snowsim"
 
 
 def write_model(path, arrays, metadata):
@@ -29,17 +30,18 @@ def write_model(path, arrays, metadata):
 
 
 def read_model(path, expected=None):
-    """Arrays, nested as written with keys as text, and metadata of a file of `write_model`; nothing in it is executed.
+    """Arrays, nested as written with keys as text, and metadata of a file of `write_model`.
 
-    A file that is truncated, no model, or made with other metadata than `expected` is refused:
-    settings, seed and fingerprint of the training it is to continue.
+    Nothing in it is executed. A file that is truncated, no model, or made with other metadata than
+    `expected` is refused: settings, seed and fingerprint of the training it is to continue.
     """
     try:
         with safe_open(path, framework="numpy") as file:
             metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))
             flat = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118, not a dict
     except (SafetensorError, OSError, json.JSONDecodeError) as error:
-        msg = f"{path}: expected a whole safetensors file, cannot be read: {str(error).splitlines()[0]}"
+        reason = str(error).splitlines()[0]
+        msg = f"{path}: expected a whole safetensors file, cannot be read: {reason}"
         raise ValueError(msg) from error
     if metadata.get("format") != FORMAT:
         msg = f"{path}: expected a model of format '{FORMAT}', got {metadata.get('format')!r}"
@@ -50,7 +52,7 @@ def read_model(path, expected=None):
 
 
 def fingerprint(paths):
-    """SHA-256 over the bytes of files, in order, as hexadecimal text: which data a model was trained on."""
+    """SHA-256 over the bytes of files, in order, in hexadecimal: what a model was trained on."""
     digest = hashlib.sha256()
     for path in paths:
         with Path(path).open("rb") as file:

@@ -1,4 +1,4 @@
-"""IRSNO1B NetCDF files of the snow and ice data centre: plain, deconvolved, ultra-wideband; with their supplement."""
+"""IRSNO1B NetCDF files of the snow and ice data centre: plain, deconv, uwb; with supplement."""
 
 import re
 from pathlib import Path
@@ -41,14 +41,15 @@ def read_nsidc(path, *, compensated=False):
     # As stored: no fill value is set in these files, and a default one must not hide a value.
     stored = read_netcdf(path, (*NEEDED, *ALONG_TRACK, *ATTITUDE, "Elevation_Correction"))
     check_present(path, NEEDED, stored.variables)
-    seconds, n_midnights = datasets.unwrap_midnight(vector(path, "time", stored["time"].values))
-    twtt = vector(path, "fasttime", stored["fasttime"].values)
-    if twtt.size < 2:
-        raise refusal(path, "fasttime", "two or more values", twtt.size)
+    seconds_of_day = vector(path, "time", stored["time"].values)
+    seconds, n_midnights = datasets.unwrap_midnight(seconds_of_day)
+    fast_time = vector(path, "fasttime", stored["fasttime"].values)
+    if fast_time.size < 2:
+        raise refusal(path, "fasttime", "two or more values", fast_time.size)
     n_lines = seconds.size
     content = {
-        "Data": _power(path, stored, twtt.size, n_lines),
-        "twtt": twtt * _scale(path, stored),
+        "Data": _power(path, stored, fast_time.size, n_lines),
+        "twtt": fast_time * _scale(path, stored),
         "slow_time": datasets.from_utc_seconds(path, "time", seconds, _epoch(path, stored)),
     }
     for name, ours in (ALONG_TRACK | ATTITUDE).items():
@@ -56,42 +57,50 @@ def read_nsidc(path, *, compensated=False):
             values = vector(path, name, stored[name].values, n_lines)
             content[ours] = np.radians(values) if name in ATTITUDE else values
     if "Elevation_Correction" in stored:
-        bins = vector(path, "Elevation_Correction", stored["Elevation_Correction"].values, n_lines)
-        content = datasets.undo_compensation(path, content, bins, keep=compensated)
-    attributes = {
-        "source_format": "IRSNO1B NetCDF",
-        "midnights_passed": n_midnights,
-        **_parameters(path),
-    }
+        name = "Elevation_Correction"
+        bins = vector(path, name, stored[name].values, n_lines)
+        if compensated:
+            content[name] = bins
+        else:
+            content = datasets.undo_compensation(path, content, bins)
+    attributes = {"source_format": "IRSNO1B NetCDF", "midnights_passed": n_midnights}
+    attributes |= _parameters(path)
+    echogram = datasets.echogram_dataset(path, content, attributes)
     supplement = find_supplement(path)
     if supplement is not None:
-        content["quality_mask"] = _quality_mask(supplement, n_lines)
-        attributes["supplement"] = supplement.name
-    return datasets.echogram_dataset(path, content, attributes)
+        echogram["quality_mask"] = _quality_mask(supplement, n_lines)
+        echogram.attrs["supplement"] = supplement.name
+    return echogram
 
 
 def find_supplement(path):
-    """The supplement file that lies beside an IRSNO1B file, or None: the same name up to the frame number."""
+    """The supplement that lies beside an IRSNO1B file, or None: the same name up to the frame."""
     path = Path(path)
-    frame = re.match(r".*?\d{8}_\d{2}_\d{3}", path.stem)
-    variant = path.stem[frame.end() :] if frame else ""
-    base = frame.group() if frame else path.stem
-    names = [
-        f"{path.stem}_supplement.nc",
-        f"{base}_supplement{variant}.nc",
-        f"{base}_supplement.nc",
-    ]
-    return next((path.with_name(name) for name in names if path.with_name(name).is_file()), None)
+    stems = [f"{path.stem}_supplement"]
+    frame = re.match(r"(.*?\d{8}_\d{2}_\d{3})(.*)", path.stem)
+    if frame:
+        base, variant = frame.groups()
+        stems += [f"{base}_supplement{variant}", f"{base}_supplement"]
+    for stem in stems:
+        supplement = path.with_name(f"{stem}.nc")
+        if supplement.is_file():
+            return supplement
+    return None
 
 
 def _power(path, stored, n_bins, n_lines):
-    """Linear power (range_bin, range_line): axes by the names of their dimensions, by length where those do not say."""
-    amplitude_db, dimensions = stored["amplitude"].values, stored["amplitude"].dims
-    fast, slow = stored["fasttime"].dims, stored["time"].dims
-    if dimensions == (*slow, *fast) and fast != slow and amplitude_db.shape == (n_lines, n_bins):
+    """Linear power (range_bin, range_line).
+
+    Axes are told by the names of their dimensions, by length where those do not say.
+    """
+    amplitude_db = stored["amplitude"].values
+    dimensions = stored["amplitude"].dims
+    down = stored["fasttime"].dims
+    along = stored["time"].dims
+    if dimensions == along + down and along != down and amplitude_db.shape == (n_lines, n_bins):
         amplitude_db = amplitude_db.T
-    elif dimensions != (*fast, *slow) and n_bins == n_lines:
-        raise refusal(path, "amplitude", f"dimensions {(*slow, *fast)}", dimensions)
+    elif dimensions != down + along and n_bins == n_lines:
+        raise refusal(path, "amplitude", f"dimensions {along + down}", dimensions)
     amplitude_db = matrix(path, "amplitude", amplitude_db, n_bins, n_lines)
     if amplitude_db.dtype.kind != "f":
         amplitude_db = amplitude_db.astype(np.float32)
@@ -101,7 +110,8 @@ def _power(path, stored, n_bins, n_lines):
 
 
 def _scale(path, stored):
-    unit = str(stored["fasttime"].attrs.get("units", "")).strip().lower() or "microseconds"
+    unit = str(stored["fasttime"].attrs.get("units", "")).strip().lower()
+    unit = unit or "microseconds"
     if unit not in SECONDS:
         raise refusal(path, "fasttime", "units microseconds", unit)
     return SECONDS[unit]
@@ -118,7 +128,7 @@ def _epoch(path, stored):
 
 
 def _parameters(path):
-    """Season, radar and segment: text kept as NUL-padded characters under `param_*.season_name` and the like."""
+    """Season, radar and segment: NUL-padded characters under `param_*.season_name` and the like."""
     found = {}
     for name in sorted(names_in(path)):
         parameter = name.rpartition(".")[2]
@@ -130,12 +140,13 @@ def _parameters(path):
 
 def _text(values):
     """Text of an array of characters, one byte each or one number each."""
+    characters = values.ravel().tolist()
     if values.dtype.kind == "S":
-        text = b"".join(values.ravel().tolist()).decode("latin-1")
+        text = b"".join(characters).decode("latin-1")
     elif values.dtype.kind in "iu":
-        text = "".join(chr(value) for value in values.ravel().tolist() if 0 < value < 0x110000)
+        text = "".join(chr(code) for code in characters if 0 < code < 0x110000)
     else:
-        text = "".join(map(str, values.ravel().tolist()))
+        text = "".join(map(str, characters))
     return one_line(text.replace("\0", ""), 100)
 
 
@@ -143,15 +154,13 @@ def _quality_mask(path, n_lines):
     stored = read_netcdf(path, SUPPLEMENT_FLAGS)
     if not stored.variables:
         raise refusal(path, "supplement", f"flags {', '.join(SUPPLEMENT_FLAGS)}", "none of them")
-    bits = np.array([1 << place for place in range(len(SUPPLEMENT_FLAGS))], dtype=np.uint8)
+    bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
     mask = np.zeros(n_lines, dtype=np.uint8)
     for bit, name in zip(bits, SUPPLEMENT_FLAGS, strict=True):
         if name in stored:
             flags = vector(path, name, stored[name].values)
-            if flags.size not in (
-                1,
-                n_lines,
-            ):  # flags are set for a frame as a whole, or line by line
+            # Set for a frame as a whole, or line by line.
+            if flags.size not in (1, n_lines):
                 raise refusal(path, name, f"1 or {n_lines} values", f"shape {stored[name].shape}")
             mask |= bit * (flags != 0).astype(np.uint8)
     return "slow_time", mask, {"flag_masks": bits, "flag_meanings": " ".join(SUPPLEMENT_FLAGS)}

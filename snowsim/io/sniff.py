@@ -2,20 +2,21 @@
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.io.containers import names_in_hdf5, names_in_netcdf3
-from snowsim.io.guard import container_of, existing, one_line, refusal
+from snowsim.io.guard import container_of, existing, listed, refusal
 from snowsim.io.matlab import names_in_mat5
 
 SUPPLEMENT_FLAGS = (
-    *(
-        "coh_noise_removal_artifact",
-        "deconvolution_artifact",
-        "vertical_stripes_artifact",
-        "missing_data",
-    ),
-    *("no_good_data", "low_SNR", "unclassified_artifact", "land_ice"),
+    "coh_noise_removal_artifact",
+    "deconvolution_artifact",
+    "vertical_stripes_artifact",
+    "missing_data",
+    "no_good_data",
+    "low_SNR",
+    "unclassified_artifact",
+    "land_ice",
 )
-# In words, and the variables that make it; a file is what it has the largest share of, earlier
-# entries winning a tie.
+# In words, and the variables that make it. A file is what it has the largest share of; earlier
+# entries win a tie.
 FORMATS = {
     "nsidc": ("an IRSNO1B echogram", ("amplitude", "fasttime", "time", "lat", "lon", "altitude")),
     "cresis": ("a CReSIS L1B echogram", ("Data", "Time", "GPS_time", *ECHOGRAM_ALONG_TRACK)),
@@ -29,23 +30,22 @@ FORMATS = {
     "scene": ("an exported scene", ("layer_bins", "image")),
     "pair": ("a benchmark pair", ("data", "layer")),
 }
-SMALLEST_SHARE = 0.4  # a file that lost half its variables is still called by its name, and what it lacks is named
+# A file that lost half its variables is still called by its name, and what it lacks is named.
+SMALLEST_SHARE = 0.4
 
 
 def sniff(path):
-    """Format of a file: a key of `FORMATS`, or "png" for an image; ValueError if it is none of these."""
+    """Format of a file: a key of `FORMATS`, or "png" for an image; ValueError if it is none."""
     path = existing(path, directory=True)
     if container_of(path) == "png":
         return "png"
     names = names_in(path)
-    share = {
-        kind: sum(name in names for name in wanted) / len(wanted)
-        for kind, (_, wanted) in FORMATS.items()
-    }
+    share = {}
+    for kind, (_, wanted) in FORMATS.items():
+        share[kind] = len(names.intersection(wanted)) / len(wanted)
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
-        found = one_line(", ".join(sorted(names)) or "none", 200)
-        raise refusal(path, "variables", "those of an echogram or of layers", found)
+        raise refusal(path, "variables", "those of an echogram or of layers", listed(names))
     return kind
 
 
@@ -59,6 +59,8 @@ def names_in(path):
     container = container_of(path)
     if container == "zarr":
         return {item.name for item in path.iterdir() if item.is_dir()}
-    return {"mat5": names_in_mat5, "hdf5": names_in_hdf5, "netcdf3": names_in_netcdf3}[container](
-        path
-    )
+    if container == "mat5":
+        return names_in_mat5(path)
+    if container == "netcdf3":
+        return names_in_netcdf3(path)
+    return names_in_hdf5(path)

@@ -1,8 +1,8 @@
-"""Small files of every format, written to the published field tables: no real echogram may be shipped with the tests.
+"""Small files of every format, written to the published field tables.
 
-Names, units, orientations and traps are those of the CReSIS toolbox and of the IRSNO1B files:
-MATLAB writes NetCDF dimensions the other way round, v7.3 files are HDF5 with transposed arrays,
-text as numbers and cells as references.
+No real echogram may be shipped with the tests. Names, units, orientations and traps are those of
+the CReSIS toolbox and of the IRSNO1B files: MATLAB writes NetCDF dimensions the other way round,
+v7.3 files are HDF5 with transposed arrays, text as numbers and cells as references.
 """
 
 import h5py
@@ -34,7 +34,10 @@ def refused(read, path, message):
 
 
 def failures(call, n_failed, n_all):
-    """Lines of the one error that tells of all frames or scenes that fail, and in its first line of how many."""
+    """Lines of the one error that tells of all frames or scenes that fail, but the first.
+
+    That one tells how many fail.
+    """
     with pytest.raises(ValueError, match=f"{n_failed} of {n_all} (frames|scenes) fail") as error:
         call()
     lines = str(error.value).splitlines()[1:]
@@ -43,7 +46,7 @@ def failures(call, n_failed, n_all):
 
 
 def truth(rng, n_bins=N_BINS, n_lines=N_LINES, n_above=0):
-    """Linear power with a bright surface, and everything along track, as an L1B file holds it; rows of air on top."""
+    """Linear power with a bright surface below rows of air, and what an L1B file has along."""
     power = rng.gamma(4, 0.25e-3, size=(n_bins + n_above, n_lines)).astype(np.float32)
     surface_bins = SURFACE_BIN + n_above + np.arange(n_lines) % 3
     power[surface_bins, np.arange(n_lines)] = 1.0
@@ -77,7 +80,7 @@ def check_times(dataset, gps_time):
 def write_nsidc(
     path, content, *, transposed=False, seconds=None, extra=None, drop=(), format="NETCDF4"
 ):
-    """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as Python sees MATLAB's."""
+    """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as of MATLAB."""
     seconds = np.asarray(content["GPS_time"]) - GPS_START if seconds is None else seconds
     with netCDF4.Dataset(path, "w", format=format) as file:
         file.createDimension("time", content["Data"].shape[1])
@@ -91,17 +94,15 @@ def write_nsidc(
                 variable.setncatts(attributes)
 
         amplitude = to_db(content["Data"])
-        dims, values = (
-            (("fasttime", "time"), amplitude) if transposed else (("time", "fasttime"), amplitude.T)
-        )
-        put("amplitude", dims, values, units="counts in dB", matlab_class="single")
+        attributes = {"units": "counts in dB", "matlab_class": "single"}
+        if transposed:
+            put("amplitude", ("fasttime", "time"), amplitude, **attributes)
+        else:
+            put("amplitude", ("time", "fasttime"), amplitude.T, **attributes)
         put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
         put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
-        for theirs, ours in {
-            "lat": "Latitude",
-            "lon": "Longitude",
-            "altitude": "Elevation",
-        }.items():
+        positions = {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}
+        for theirs, ours in positions.items():
             put(theirs, ("time",), content[ours])
         put("Surface", ("time",), content["Surface"], units="seconds")
         for ours in ("Roll", "Pitch", "Heading"):
@@ -120,7 +121,10 @@ def write_supplement(path, **flags):
 
 
 def write_flight(folder, content, echograms):
-    """Table `frames.tsv` of echograms (file and role), and their layer file: the surface and one 40 bins below."""
+    """Table `frames.tsv` of echograms (file and role), and their layer file.
+
+    Layers are the surface and one 40 bins below.
+    """
     surface = content["Surface"]
     layers = layer_content([surface + 40 * BIN_S, surface], [5, 9], content["GPS_time"])
     write_mat5(folder / LAYERS_FILE, layers)
@@ -130,7 +134,10 @@ def write_flight(folder, content, echograms):
 
 
 def write_nsidc_flight(folder, rng, roles, n_lines):
-    """IRSNO1B frames, one a role and called so, with 50 rows above the surface as a block has; layers and table."""
+    """IRSNO1B frames, one a role and called so, their layers and table.
+
+    They have 50 rows above the surface as a block has.
+    """
     content = truth(rng, n_bins=400, n_lines=n_lines, n_above=40)
     for role in roles:
         write_nsidc(folder / f"{role}.nc", content)
@@ -151,7 +158,7 @@ def write_mat5(path, content, *, compress=True):
 
 
 def write_mat73(path, content):
-    """HDF5 as MATLAB writes it: a user block, transposed arrays, text as uint16, cells as references."""
+    """HDF5 as MATLAB has it: user block, transposed arrays, text as uint16, cells as references."""
     with h5py.File(path, "w", userblock_size=512) as file:
         for name, value in as_matlab(content).items():
             _put73(file, file, name, value)
@@ -162,9 +169,8 @@ def write_mat73(path, content):
 def _put73(file, group, name, value):
     if isinstance(value, str):
         matlab_class = "char"
-        node = group.create_dataset(
-            name, data=np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None]
-        )
+        characters = np.frombuffer(value.encode("utf-16-le"), dtype="u2")
+        node = group.create_dataset(name, data=characters[:, None])
     elif isinstance(value, dict):
         matlab_class = "struct"
         node = group.create_group(name)
@@ -172,7 +178,8 @@ def _put73(file, group, name, value):
             _put73(file, node, key, item)
     elif np.asarray(value).dtype.kind in "OU":
         matlab_class = "cell"
-        refs, links = file.require_group("#refs#"), []
+        refs = file.require_group("#refs#")
+        links = []
         for item in np.ravel(value):
             key = f"r{len(refs)}"
             _put73(file, refs, key, item)
@@ -182,16 +189,15 @@ def _put73(file, group, name, value):
     else:
         value = np.atleast_2d(value)
         matlab_class = {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
-        node = group.create_dataset(
-            name, data=value.T if value.size else np.array(value.shape, dtype="u8")
-        )
+        stored = value.T if value.size else np.array(value.shape, dtype="u8")
+        node = group.create_dataset(name, data=stored)
         if value.size == 0:
             node.attrs["MATLAB_empty"] = np.uint8(1)
     node.attrs["MATLAB_class"] = np.bytes_(matlab_class)
 
 
 def compensated(content, correction, *, n_kept, first=0, truncate_time=False):
-    """What the toolbox's compression makes of an echogram: traces pushed down, zeros above, NaN below."""
+    """What the toolbox's compression makes of an echogram: traces lower, zeros above, NaN below."""
     correction = np.asarray(correction)
     n_bins, n_lines = content["Data"].shape
     padded = np.full((n_bins + correction.max(), n_lines), np.nan, dtype=content["Data"].dtype)
@@ -250,9 +256,10 @@ def old_layer_content(twtt, gps_time, names):
         manual = np.full(row.size, np.nan)
         manual[0] = row[0]
         value = cell([{"data": manual[None]}, {"data": row[None]}])
-        entries.append(
-            {"value": value, "quality": np.ones((1, row.size))} | ({"name": name} if name else {})
-        )
+        entry = {"value": value, "quality": np.ones((1, row.size))}
+        if name:
+            entry["name"] = name
+        entries.append(entry)
     positions = {"Latitude": 70.0, "Longitude": -40.0, "Elevation": 2500.0}
     along = {name: np.full(np.size(gps_time), value) for name, value in positions.items()}
     return {"GPS_time": np.asarray(gps_time), "layerData": cell(entries), **along}
@@ -260,31 +267,27 @@ def old_layer_content(twtt, gps_time, names):
 
 def opr_dataset(content):
     """The same echogram as an Open Polar Radar dataset."""
-    along = [name for name in content if name not in ("Data", "Time", "GPS_time")]
-    return xr.Dataset(
-        {
-            "Data": (("twtt", "slow_time"), content["Data"]),
-            **{n: ("slow_time", content[n]) for n in along},
-        },
-        coords={
-            "twtt": ("twtt", content["Time"], {"units": "s"}),
-            "slow_time": slow_time(content["GPS_time"]),
-        },
-    )
+    variables = {"Data": (("twtt", "slow_time"), content["Data"])}
+    for name, values in content.items():
+        if name not in ("Data", "Time", "GPS_time"):
+            variables[name] = ("slow_time", values)
+    coords = {
+        "twtt": ("twtt", content["Time"], {"units": "s"}),
+        "slow_time": slow_time(content["GPS_time"]),
+    }
+    return xr.Dataset(variables, coords)
 
 
 def opr_layers(twtt, gps_time, names=None):
     twtt = np.atleast_2d(twtt)
-    coords = {"slow_time": slow_time(gps_time)} | (
-        {} if names is None else {"layer": np.asarray(names, dtype=str)}
-    )
-    flags = {
-        name: (("layer", "slow_time"), np.ones(twtt.shape, dtype=np.uint8))
-        for name in ("quality", "type")
-    }
-    return xr.Dataset(
-        {"twtt": (("layer", "slow_time"), twtt, {"units": "s"}), **flags}, coords=coords
-    )
+    coords = {"slow_time": slow_time(gps_time)}
+    if names is not None:
+        coords["layer"] = np.asarray(names, dtype=str)
+    dimensions = ("layer", "slow_time")
+    variables = {"twtt": (dimensions, twtt, {"units": "s"})}
+    for name in ("quality", "type"):
+        variables[name] = (dimensions, np.ones(twtt.shape, dtype=np.uint8))
+    return xr.Dataset(variables, coords)
 
 
 of_mat = pytest.mark.parametrize("write", [write_mat5, write_mat73], ids=["mat5", "mat73"])

@@ -1,4 +1,4 @@
-"""Files the workflow writes appear whole, come back, repeat to the byte, and say why they cannot be read."""
+"""Files the workflow writes appear whole, come back, repeat to the byte, and say what ails them."""
 
 import dataclasses
 import errno

@@ -1,4 +1,4 @@
-"""The table of frames: what is checked before a file is opened, and after; one frame in memory at a time."""
+"""The table of frames: what is checked before a file is opened, and after; one frame at a time."""
 
 import formats
 import numpy as np
@@ -44,10 +44,12 @@ def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_i
 
 
 def test_rows_that_fail_are_named_together_before_a_file_is_opened(flight):
+    two_roles = "expected a test frame to have no other role, found test and train"
+    no_role = "expected statistics, train, validation, test, found holdout"
     rows = {
         "one\ta.nc\tnowhere.mat\ttrain": "layers: expected a file, found nothing at",
-        f"two\ta.nc\t{LAYERS}\ttest": "echogram: expected a test frame to have no other role, found test and train",
-        f"three\tb.mat\t{LAYERS}\tholdout": "role: expected statistics, train, validation, test, found holdout",
+        f"two\ta.nc\t{LAYERS}\ttest": f"echogram: {two_roles}",
+        f"three\tb.mat\t{LAYERS}\tholdout": f"role: {no_role}",
         f"four\t\t{LAYERS}\ttrain": "echogram: expected a value, found none",
         f"five\tc.mat\t{LAYERS}\ttrain": "frame: expected names that differ",
         f"five\tb.mat\t{LAYERS}\ttrain": "frame: expected names that differ",
@@ -62,18 +64,16 @@ def test_files_that_fail_are_named_together(flight, table):
     whole = (flight / "a.nc").read_bytes()
     (flight / "a.nc").write_bytes(whole[: len(whole) // 2])
     (flight / "c.mat").write_bytes(b"nothing")
-    assert [line.split(":")[0] for line in failures(lambda: check_frames(table), 2, 3)] == [
-        "one",
-        "three",
-    ]
+    lines = failures(lambda: check_frames(table), 2, 3)
+    assert [line.split(":")[0] for line in lines] == ["one", "three"]
 
 
 def test_frames_of_another_bin_size_are_named(flight, table, content):
-    content["Time"] = content["Time"][0] + (content["Time"] - content["Time"][0]) * 1.5
+    first = content["Time"][0]
+    content["Time"] = first + (content["Time"] - first) * 1.5
     formats.write_mat73(flight / "c.mat", content)
-    with pytest.raises(
-        ValueError, match="three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"
-    ):
+    message = "three: bin size: expected 2.886e-10 s as in most, found 4.329e-10 s"
+    with pytest.raises(ValueError, match=message):
         check_frames(table)
     check_frames(table, bin_s=5e-10)
 
@@ -92,9 +92,8 @@ def test_frames_of_another_source_and_names_that_no_frame_has_are_named(table):
     assert [line.split(":")[0] for line in lines] == ["two", "three"]
     for line in lines:
         assert line.endswith("format: expected an IRSNO1B echogram, found a CReSIS L1B echogram")
-    (line,) = failures(
-        lambda: check_frames(table, layer_names=["surface", "Koenig_2", "Koenig_3"]), 1, 3
-    )
+    names = ["surface", "Koenig_2", "Koenig_3"]
+    (line,) = failures(lambda: check_frames(table, layer_names=names), 1, 3)
     assert line == "Koenig_3: layer_names: expected layers that some frame has, found it in none"
 
 
@@ -106,9 +105,8 @@ def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     # block.
     formats.write_nsidc(flight / "a.nc", formats.truth(rng, n_bins=400, n_lines=520, n_above=40))
     formats.write_mat5(flight / "b.mat", content)
-    formats.write_mat73(
-        flight / "c.mat", {k: v[..., :200] if k != "Time" else v for k, v in content.items()}
-    )
+    narrow = {name: values[..., :200] for name, values in content.items()}
+    formats.write_mat73(flight / "c.mat", narrow | {"Time": content["Time"]})
     table = read_frames(flight / "frames.tsv").assign(role=["train", "train", "test"])
     two, three = failures(lambda: check_frames(table, blocks=True), 2, 3)
     assert "blocks: expected at least one that is a scene, found none (two_000: rows -" in two
@@ -144,10 +142,10 @@ def test_compensated_files_give_the_frame_of_the_plain_ones(flight, rows, conten
     stored = formats.compensated(content, np.arange(formats.N_LINES) % 7, n_kept=formats.N_BINS)
     formats.write_mat73(flight / "c.mat", stored)
     (plain, picks), (undone, same_picks) = map(read_frame, rows[1:])
-    brightest = [
-        echogram["twtt"].values[np.nanargmax(echogram["Data"], axis=0)]
-        for echogram in (plain, undone)
-    ]
+    brightest = []
+    for echogram in (plain, undone):
+        rows_of_peaks = np.nanargmax(echogram["Data"], axis=0)
+        brightest.append(echogram["twtt"].values[rows_of_peaks])
     assert_allclose(*brightest, atol=formats.BIN_S / 100)
     assert_allclose(picks["twtt"], same_picks["twtt"], atol=formats.BIN_S / 100)
     assert_array_equal(picks["layer"], same_picks["layer"])

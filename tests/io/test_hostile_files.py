@@ -1,4 +1,4 @@
-"""Files made to harm: code objects, bombs, links out of the file, endless nesting; and readers held against others."""
+"""Files made to harm: code objects, bombs, links out of the file, endless nesting."""
 
 import struct
 import zlib
@@ -78,25 +78,18 @@ def test_mat5_values_are_those_scipy_reads_and_function_handles_among_real_ones_
     tmp_path, shared_data, rng
 ):
     written = tmp_path / "written.mat"
-    content = {
-        **{
-            f"x_{kind}": rng.integers(0, 100, (3, 4)).astype(kind)
-            for kind in ("i1", "u2", "i4", "u8", "f4", "f8")
-        },
-        "x_3d": rng.normal(size=(2, 3, 4)),
-        "x_empty": np.zeros((0, 3)),
-        "x_logical": np.array([[True, False]]),
-    }
+    content = {}
+    for kind in ("i1", "u2", "i4", "u8", "f4", "f8"):
+        content[f"x_{kind}"] = rng.integers(0, 100, (3, 4)).astype(kind)
+    content["x_3d"] = rng.normal(size=(2, 3, 4))
+    content["x_empty"] = np.zeros((0, 3))
+    content["x_logical"] = np.array([[True, False]])
     scipy.io.savemat(written, content, do_compression=True)
-    real = sorted(shared_data.glob("cresis_layers/20181030_01/*.mat")) + sorted(
-        shared_data.glob("mat/*.mat")
-    )
+    real = sorted(shared_data.glob("cresis_layers/20181030_01/*.mat"))
+    real += sorted(shared_data.glob("mat/*.mat"))
     for path in (written, *real):
-        theirs = {
-            k: v
-            for k, v in scipy.io.loadmat(path, mat_dtype=True).items()
-            if not k.startswith("__")
-        }
+        loaded = scipy.io.loadmat(path, mat_dtype=True)
+        theirs = {name: value for name, value in loaded.items() if not name.startswith("__")}
         ours = read_mat5(path, list(theirs))
         assert names_in_mat5(path) == set(theirs) == set(ours)
         for name, value in theirs.items():
@@ -127,17 +120,14 @@ def test_compressed_bombs_are_not_inflated(path, name):
     # 3 GB of zeros in 3 MB, whether or not a reader would want the variable.
     n_bytes = 3 * 2**30
     described = head(name, 6, (n_bytes // 8 // 1024, 1024))
-    start = (
-        struct.pack("<II", MATRIX, len(described) + 8 + n_bytes)
-        + described
-        + struct.pack("<II", 9, n_bytes)
-    )
+    start = struct.pack("<II", MATRIX, len(described) + 8 + n_bytes)
+    start += described
+    start += struct.pack("<II", 9, n_bytes)
     squeeze = zlib.compressobj(9)
-    packed = (
-        squeeze.compress(start)
-        + b"".join(squeeze.compress(bytes(2**24)) for _ in range(4))
-        + squeeze.flush()
-    )
+    packed = squeeze.compress(start)
+    for _ in range(4):
+        packed += squeeze.compress(bytes(2**24))
+    packed += squeeze.flush()
     path.write_bytes(HEADER + tagged(15, packed))
     refused(read_data, path, f"of at most {MAXIMUM_BYTES} bytes, found type 14 of")
 

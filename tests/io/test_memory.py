@@ -1,4 +1,4 @@
-"""How much memory it takes to fit a flight of the paper's length: a child process writes, reads and fits it by frames.
+"""How much memory it takes to fit a flight of the paper's length, in a child process, by frames.
 
 Frames are renders of drifting layers by eq. (1). Each lies on disk as long as it is being read.
 """
@@ -39,9 +39,8 @@ def test_a_flight_of_200_000_lines_is_fitted_within_a_gibibyte_and_a_half(tmp_pa
     # 70 rows of air at 5 looks on 200,704 lines: known to 1e-4; the tolerance of the renders is
     # 0.05 dB, 1.2 %.
     assert_allclose(report["noise_power"], NOISE_POWER, rtol=0.012)
-    assert (
-        report["peak_bytes"] < 1.5 * 2**30
-    )  # of the whole process, the libraries' 0.2 GiB included
+    # Of the whole process, the libraries' 0.2 GiB included.
+    assert report["peak_bytes"] < 1.5 * 2**30
 
 
 def frames(folder, n_frames):

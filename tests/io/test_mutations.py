@@ -1,5 +1,6 @@
-"""Damaged files give one line, never a crash, a hang or another exception: truncated, flipped, dropped, retyped.
+"""Damaged files give one line, never a crash, a hang or another exception.
 
+They are truncated, flipped, overwritten, or their variables dropped or retyped.
 Files are read in a child process under a limit of time and of memory. HDF5 without checksums cannot
 tell a flipped bit of its payload from data: there, at most the value that was hit may differ.
 """
@@ -41,17 +42,12 @@ def write_png(path, scene):
 
 
 def sound_files(rng):
-    """Writer and content of one sound file of every kind, small, so that a random bit often hits structure."""
+    """Writer and content of a sound file of every kind, small: random bits often hit structure."""
     content = formats.truth(rng, n_bins=40, n_lines=12)
     gps_time, surface = content["GPS_time"], content["Surface"]
     twtt = np.array([surface, surface + 1e-8, surface + 2e-8])
-    scene = Scene(
-        "s",
-        300,
-        twtt[:, :10] * 1e7,
-        image=rng.integers(0, 256, (300, 10), dtype=np.uint8),
-        maximum_db=3.0,
-    )
+    image = rng.integers(0, 256, (300, 10), dtype=np.uint8)
+    scene = Scene("s", 300, twtt[:, :10] * 1e7, image=image, maximum_db=3.0)
     echogram = content | {"param_records": {"season_name": "2012", "x": np.ones(3)}}
     layers = formats.layer_content(twtt, [1, 2, 3], gps_time)
     old_layers = formats.old_layer_content(twtt[:2], gps_time, ["surface", "Koenig_2"])
@@ -119,9 +115,9 @@ def write_changed_variables(kind, sound, folder):
         for number, value in enumerate((None, *RETYPED)):
             path = folder / f"{kind}-var{number:02d}-{place:02d}"
             if is_mat5:
-                changed = {k: v for k, v in content.items() if k != name} | (
-                    {} if value is None else {name: value}
-                )
+                changed = {k: v for k, v in content.items() if k != name}
+                if value is not None:
+                    changed[name] = value
                 scipy.io.savemat(path, changed)
                 continue
             shutil.copy(sound, path)
@@ -132,7 +128,7 @@ def write_changed_variables(kind, sound, folder):
 
 
 def outcomes_of(folder):
-    """What became of every file or store of a folder, from a child process; an error must be one line."""
+    """What became of all files or stores of a folder, in a child process; errors are one line."""
     names = {path.name for path in folder.iterdir()}
     command, seconds = [sys.executable, __file__, str(folder)], 60 + 2 * len(names)
     child = subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False)
@@ -161,9 +157,8 @@ def damage(kind, folder, n_files, rng):
     damaged.mkdir(exist_ok=True)
     shutil.copy(sound, damaged / f"{kind}-sound")
     for number, name in zip(range(n_files), cycle(DAMAGES), strict=False):
-        (damaged / f"{kind}-{name}-{number:04d}").write_bytes(
-            DAMAGES[name](sound.read_bytes(), rng)
-        )
+        content = DAMAGES[name](sound.read_bytes(), rng)
+        (damaged / f"{kind}-{name}-{number:04d}").write_bytes(content)
     return sound, damaged
 
 
@@ -182,9 +177,8 @@ def test_damaged_files_give_one_line(tmp_path, rng, kinds, n_files):
         # A cut file is refused, or was cut behind all that is read.
         kind, is_cut, _ = name.partition("-cut")
         if is_cut and "error" not in outcome:
-            assert np.array_equal(
-                outcome["values"], outcomes[f"{kind}-sound"]["values"], equal_nan=True
-            ), name
+            expected = outcomes[f"{kind}-sound"]["values"]
+            assert np.array_equal(outcome["values"], expected, equal_nan=True), name
 
 
 @pytest.mark.parametrize("n_stores", [20, pytest.param(300, marks=pytest.mark.slow)])
@@ -227,22 +221,19 @@ def test_a_flipped_payload_bit_changes_at_most_its_own_value(tmp_path, rng):
         for name, outcome in outcomes.items():
             if name.startswith(f"{kind}-bit-") and "values" in outcome:
                 values = np.array(outcome["values"])
-                n_different = (
-                    (values != expected) & ~(np.isnan(values) & np.isnan(expected))
-                ).sum()
+                both_nan = np.isnan(values) & np.isnan(expected)
+                n_different = ((values != expected) & ~both_nan).sum()
                 assert n_different <= 1, name
                 n_changed += n_different
                 n_read += 1
         # Sign and exponent bits can make a value impossible; most bits are of the mantissa.
         assert n_read > 10, kind
-        assert n_changed > 0.5 * n_read, (
-            kind
-        )  # the last bits of decibels can be lost on the way to power
+        # The last bits of decibels can be lost on the way to power.
+        assert n_changed > 0.5 * n_read, kind
 
 
-if (
-    __name__ == "__main__"
-):  # the child process: reads every file of a folder, tells each outcome on a line of its own
+if __name__ == "__main__":
+    # The child process: reads every file of a folder, tells each outcome on a line of its own.
     resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
     for path in sorted(Path(sys.argv[1]).iterdir()):
         print(json.dumps({"file": path.name, "begun": True}), flush=True)  # noqa: T201

@@ -17,7 +17,7 @@ from PIL.PngImagePlugin import PngInfo
 
 from snowsim.echogram import Scene, layer_mask
 from snowsim.io.export import export_netcdf, export_pairs, layer_numbers
-from snowsim.io.images import read_image
+from snowsim.io.images import read_image, read_mask
 from snowsim.io.png_pairs import PairSet, layers_of_mask, read_pair
 
 
@@ -297,13 +297,10 @@ def test_real_inverted_short_masks_are_refused(tmp_path, shared_data):
         ):
             read_pair(tmp_path / "data_x.png")
         with pytest.raises(ValueError, match="inverted"):
-            layers_of_mask(read_image(mask, binary=True)[0])
+            layers_of_mask(read_mask(mask))
 
 
 def test_real_antialiased_lines_are_refused_as_masks(path, shared_data):
-    def read_mask(path):
-        return read_image(path, binary=True)
-
     for real in sorted((shared_data / "layer_line_png").glob("*.png")):
         refused(read_mask, real, "expected 1-bit or 8-bit grey, found mode RGB")
         Image.open(real).convert("L").save(path, format="PNG")

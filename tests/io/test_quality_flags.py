@@ -1,4 +1,4 @@
-"""Quality flags of IRSNO1B supplements: which frames, lines and blocks they take out, what is counted, what is not."""
+"""Quality flags of IRSNO1B supplements: what they take out, what is counted, what is not."""
 
 import formats
 import numpy as np
@@ -17,13 +17,13 @@ ROLES = ("statistics", "train", "test")
 
 @pytest.fixture
 def flight(tmp_path, rng):
-    """Folder of three IRSNO1B frames, one a role and called so, with layers and a table, without supplements."""
+    """Folder of three IRSNO1B frames, one a role and called so, with layers and a table."""
     formats.write_nsidc_flight(tmp_path, rng, ROLES, N_LINES)
     return tmp_path
 
 
 def supplement(folder, number, **flags):
-    """Write the supplement beside a frame: all eight flags, one value for the whole frame unless given by line."""
+    """Write the supplement beside a frame: all eight flags, for the whole frame or by line."""
     path = folder / f"{ROLES[number]}_supplement.nc"
     formats.write_supplement(path, **(dict.fromkeys(SUPPLEMENT_FLAGS, 0) | flags))
 

@@ -1,4 +1,4 @@
-"""Echograms of every format, from files written to the field tables (`formats`), with the traps those formats hold."""
+"""Echograms of every format, with its traps, from files written to the field tables (`formats`)."""
 
 import formats
 import numpy as np

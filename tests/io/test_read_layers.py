@@ -1,4 +1,4 @@
-"""Layer files, old and new: real ones where there are any, else written to the field tables (`formats`)."""
+"""Layer files, old and new: real ones, else written to the field tables (`formats`)."""
 
 import formats
 import numpy as np
