@@ -93,10 +93,8 @@ def test_moving_geometry_keeps_mean_and_variance_of_the_sum_of_looks_and_a_still
 
 def test_scatterers_have_the_mean_that_is_stated(rng):
     layer_bins, parameters = phy_errors.planted_scene(2, 1, 64, n_looks=1e9)
-    drawn = render_scatterers(
-        layer_bins, parameters, 64, rng=rng, n_scatterers=200_000, align="peak"
-    )
-    stated = phy_errors.scattered_mean_power(layer_bins, parameters, 64, align="peak")
+    drawn = render_scatterers(layer_bins, parameters, 64, rng=rng, n_scatterers=200_000)
+    stated = phy_errors.scattered_mean_power(layer_bins, parameters, 64)
     # A pixel sees at least 1 % of the scatterers of one layer, with exponential power: 3 % each;
     # four of those.
     assert_allclose(drawn, stated, rtol=0.13)
