@@ -283,7 +283,6 @@ rule measure_budgets:
         train=benchmark_files("train"),
         validation=benchmark_files("validation"),
         phy=expand("results/phy/labels/{shard}.nc", shard=shards("labels")),
-        statistics="results/statistics.nc",
         code=imported_by("study_budgets.py"),
     output:
         table="results/studies/budgets/{network}.csv",
@@ -292,7 +291,7 @@ rule measure_budgets:
     benchmark:
         "results/benchmarks/measure_budgets/{network}.tsv"
     wildcard_constraints:
-        network="tracker|cgan|guided",
+        network="tracker|cgan",
     resources:
         mem_mb=3000,
     params:
@@ -301,12 +300,10 @@ rule measure_budgets:
         settings={
             "tracker": TRACKER["training"],
             "cgan": CGAN_SETTINGS,
-            "guided": {**CGAN_SETTINGS, **CGAN_STUDY["renderers"]["guided"]},
         },
         changes=lambda w: config["studies"]["budgets"][w.network],
         n_trainings=config["studies"]["budgets"]["n_trainings"],
         n_held=config["cgan"]["validation"]["n_scenes"],
-        phy_options=config["phy"],
     message:
         "scores of {wildcards.network} by settings that make its training cheaper or dearer"
     script:
