@@ -297,10 +297,7 @@ rule measure_budgets:
     params:
         seed=config["seed"],
         network="{network}",
-        settings={
-            "tracker": TRACKER["training"],
-            "cgan": CGAN_SETTINGS,
-        },
+        settings={"tracker": TRACKER["training"], "cgan": CGAN_SETTINGS},
         changes=lambda w: config["studies"]["budgets"][w.network],
         n_trainings=config["studies"]["budgets"]["n_trainings"],
         n_held=config["cgan"]["validation"]["n_scenes"],
