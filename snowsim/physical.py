@@ -220,7 +220,8 @@ class Climate:
         half_variance = (self.variability**2 + DRIFT_SD**2) / 2
         year_m = self.accumulation_m * np.exp(logs - half_variance)
         water_m = np.cumsum(np.r_[np.zeros((1, n_range_lines)), year_m], axis=0)
-        middle_m = np.r_[(water_m[:-1] + water_m[1:]) / 2, water_m[-1:]]
+        middle_m = water_m.copy()
+        middle_m[:-1] = (water_m[:-1] + water_m[1:]) / 2
         share = density_herron_langway80(middle_m, *firn) / ICE_DENSITY_KG_M3
         density_lines = DENSITY_LENGTH_M / line_spacing_m
         anomaly = draw_along_track(self.n_years + 1, n_range_lines, density_lines, rng=rng)
@@ -253,7 +254,8 @@ def physical_parameters(snowpack, radar):
     below_s = 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)
 
     reflected = ((above - below) / (above + below)) ** 2
-    passed = np.cumprod(np.r_[np.ones_like(reflected[:1]), (1 - reflected[:-1]) ** 2], axis=0)
+    passed = np.ones_like(reflected)
+    passed[1:] = np.cumprod((1 - reflected[:-1]) ** 2, axis=0)
     buried_m = depth_m - depth_m[:1]
     attenuated = 10 ** (-snowpack.attenuation_db_m * buried_m / 10)
     spread = (radar.height_m / (radar.height_m + depth_m)) ** 2
@@ -264,8 +266,9 @@ def physical_parameters(snowpack, radar):
     decay_per_s, share = radar.tail(snowpack.slope, radar.height_m + depth_m.mean(axis=1))
     decay_rate = decay_per_s * radar.bin_s
     height = share * decay_rate * np.sqrt(response / variance_bins2)
+    power = reflected * passed * (attenuated * spread) * height[:, None]
     return below_s, {
-        "peak_power": reflected * passed * (attenuated * spread) * height[:, None],
+        "peak_power": power,
         "variance_bins2": variance_bins2,
         "decay_rate": decay_rate,
     }

@@ -121,7 +121,8 @@ def find_supports(waveforms, noise_power, error):
     log_amplitude = np.log(np.where(kept, waveforms.amplitude, 1))
     first = -reach(at_centre, edge)
     gaussian_end = reach(area, edge)
-    exponential_end = (log_amplitude + np.log(2 * area / edge)) / decay + decay * variance / 2
+    log_exponential = log_amplitude + np.log(2 * area / edge)
+    exponential_end = log_exponential / decay + decay * variance / 2
     # The Gaussian bounds the trailing side only if that side, from peak to end, lies at x <= a d.
     gaussian_holds = np.maximum(gaussian_end, waveforms.peak_offset_bins) <= decay * variance
     last = np.where(gaussian_holds, gaussian_end, exponential_end)
@@ -222,10 +223,12 @@ def tabulated_power(waveforms, supports, added_power):
     log_tail = np.log(amplitude * np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
 
     power = np.empty(waveforms.shape, dtype=dtype)
-    share = waveforms.line_share
+    shares = np.ones((kept.size, 1), dtype=dtype)
+    if waveforms.line_share is not None:
+        shares = waveforms.line_share[kept].astype(dtype)
     _add_layers(
         waveforms.centre_bins[kept],
-        np.ones((kept.size, 1), dtype=dtype) if share is None else share[kept].astype(dtype),
+        shares,
         np.stack([first, tail, last, decay, log_tail], axis=1),
         np.stack([n_phases, first_node, n_nodes, table_start, tail_start], axis=1),
         table,

@@ -26,7 +26,8 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, *, n_looks=100):
     layer = np.arange(n_layers)
     depth_bins = np.linspace(0.2, 0.9, n_layers)[:, None] * n_range_bins
     spacing_bins = 0.7 * n_range_bins / max(n_layers - 1, 1)
-    phase = 2 * np.pi * np.arange(n_range_lines) / 64 + 2.4 * layer[:, None]
+    along = 2 * np.pi * np.arange(n_range_lines) / 64
+    phase = along + 2.4 * layer[:, None]
     fading = 0.1 * 0.85 ** np.arange(1, max(n_layers - 4, 1))
     parameters = {
         "peak_power": np.concatenate([[1, 0.3, 0.2, 0.15, 0.1], fading])[:n_layers],
@@ -71,8 +72,9 @@ def quantile_distance(n_looks):
     table = quantile_table(float(n_looks)).astype(float)
     exact = gammainc(n_looks, n_looks * table)
     before = np.arange(table.size) / table.size
-    distance = max(np.abs(exact - before).max(), np.abs(exact - before - 1 / table.size).max())
-    return float(distance)
+    above_start = exact - before
+    above_end = above_start - 1 / table.size
+    return float(max(np.abs(above_start).max(), np.abs(above_end).max()))
 
 
 def correlated_distance(n_looks):
@@ -172,7 +174,8 @@ def fit_waveform(x_bins, power, tail_db):
         msg += f"{x_bins.shape} and {power.shape}"
         raise ValueError(msg)
     top = int(power.argmax())
-    below = np.flatnonzero(power[top:] < power[top] * 10 ** (-tail_db / 10))
+    least = power[top] * 10 ** (-tail_db / 10)
+    below = np.flatnonzero(power[top:] < least)
     if not below.size or below[0] < 6:
         has = below[0] if below.size else "no end"
         msg = f"the tail must have six samples and fall by {tail_db:g} dB, has {has}"
@@ -184,13 +187,13 @@ def fit_waveform(x_bins, power, tail_db):
     best = _least_squares(x, level_db, tail_db)
     offset, log_variance, log_decay, amplitude_db = best.x
     return WaveformFit(
-        offset_bins=float(x_bins[top] + offset),
-        variance_bins2=float(np.exp(log_variance)),
-        decay_rate=float(np.exp(log_decay)),
-        amplitude=float(power[top] * 10 ** (amplitude_db / 10)),
-        rms_db=float(np.sqrt(np.mean(best.fun**2))),
-        largest_db=float(np.abs(best.fun).max()),
-        n_bins=float(x[-1] - x[0]),
+        offset_bins=x_bins[top] + offset,
+        variance_bins2=np.exp(log_variance),
+        decay_rate=np.exp(log_decay),
+        amplitude=power[top] * 10 ** (amplitude_db / 10),
+        rms_db=np.sqrt(np.mean(best.fun**2)),
+        largest_db=np.abs(best.fun).max(),
+        n_bins=x[-1] - x[0],
     )
 
 

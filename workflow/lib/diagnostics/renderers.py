@@ -95,7 +95,8 @@ def position_rows(name, scenes, is_outside):
         smoothed = gaussian_filter1d(image, SMOOTHED_LINES, axis=1)
         error = layer_position_error(smoothed, buried)["error_bins"]
         found = error[np.isfinite(error)]
-        below = image[int(np.nanmax(buried)) + 15 :].mean(axis=1) - image[:40].mean()
+        first_below = int(np.nanmax(buried)) + 15
+        below = image[first_below:].mean(axis=1) - image[:40].mean()
         row = {
             "renderer": name,
             "scene": scene.name,
