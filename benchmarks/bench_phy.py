@@ -124,7 +124,7 @@ def test_mean_power(benchmark, scene, way):
     limits = (
         () if way in (convolved_power, exact_power) else (parameters["noise_power"], TOLERANCE_DB)
     )
-    waveforms = waveforms_of(layer_bins, parameters, N_BINS, "peak", "peak")
+    waveforms = waveforms_of(layer_bins, parameters, N_BINS)
     power = benchmark(way, waveforms, *limits)
     exact = mean_power(layer_bins, *shapes, N_BINS)
     error_db = 10 * np.log10(

@@ -13,9 +13,10 @@ from snowsim.reference.firn import density_herron_langway80, depth_herron_langwa
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
-# Of undulations, as the reference flight's: log of a year's accumulation from place to place, and
-# lengths along track.
-DRIFT_SD, DRIFT_LENGTH_M, DENSITY_LENGTH_M = 0.1, 3000.0, 900.0
+# Of undulations, as the reference flight's.
+DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
+DRIFT_LENGTH_M = 3000.0  # along track
+DENSITY_LENGTH_M = 900.0
 # What a climate may be, far beyond what dry snow is known from: else the firn is ice, or layers
 # vanish, in rounding.
 CLIMATES = {
@@ -23,8 +24,9 @@ CLIMATES = {
     "variability": (0, 2),
     "n_years": (1, 1000),
     "temperature_k": (200, 273.15),
+    "surface_density_kg_m3": (50, 549),
+    "density_sd_kg_m3": (0, 200),
 }
-CLIMATES |= {"surface_density_kg_m3": (50, 549), "density_sd_kg_m3": (0, 200)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,8 +56,9 @@ class Radar:
     def __post_init__(self):
         most = {"bandwidth_hz": 2 * self.centre_hz, "beamwidth_deg": 120}
         for name, value in vars(self).items():
-            if name != "window" and not 0 < value < most.get(name, np.inf):
-                msg = f"radar: {name} must be positive and below {most.get(name, np.inf):g}, got {value}"
+            limit = most.get(name, np.inf)
+            if name != "window" and not 0 < value < limit:
+                msg = f"radar: {name} must be positive and below {limit:g}, got {value}"
                 raise ValueError(msg)
         self.speckle_correlation()
 
@@ -67,15 +70,16 @@ class Radar:
 
     @property
     def cell_s(self):
-        """Range cell [s]: equivalent width of the response to power, ``mean(w^2) / mean(w)^2 / B``, Hann 1.5 / B.
+        """Range cell [s]: equivalent width of the response to power.
 
-        Harris (1978), Proc. IEEE 66, 51-83.
+        ``mean(w^2) / mean(w)^2 / B``, Hann 1.5 / B: Harris (1978), Proc. IEEE 66, 51-83.
         """
         weight = get_window(self.window, N_FREQUENCIES)
-        return float(self.widening * (weight**2).mean() / weight.mean() ** 2 / self.bandwidth_hz)
+        widened = self.widening * (weight**2).mean() / weight.mean() ** 2
+        return float(widened / self.bandwidth_hz)
 
     def tail(self, slope, height_m):
-        """Decay rate [1/s] of the echo of an interface of Gaussian slopes, and the share of it that the beam takes in.
+        """Decay rate [1/s] of the echo off Gaussian slopes, and the share that the beam takes in.
 
         The chord over about `TAIL_DB` of the annuli that a pulse lights up, ``G^2 exp(-tan^2 / 2
         s^2) / (cos^4 R^3)`` with ``cos = H / R, R = H + c t / 2``: Brown (1977), IEEE Trans.
@@ -83,40 +87,39 @@ class Radar:
         2 s^2 - 1/2)``. Diffuse scattering is neglected. Over 20 dB the annuli leave it by 0.01 dB
         on slopes of 0.03, by 0.7 dB where slopes of 0.5 leave it to 40 degrees.
         """
-        beam, facets = (
-            8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2,
-            1 / (2 * np.square(slope, dtype=float)),
-        )
-        fall_s = TAIL_DB * np.log(10) / 10 / (SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5))
+        beam = 8 * np.log(2) / np.radians(self.beamwidth_deg) ** 2
+        facets = 1 / (2 * np.square(slope, dtype=float))
+        nadir_rate = SPEED_OF_LIGHT_M_S / height_m * (beam + facets - 0.5)
+        fall_s = TAIL_DB * np.log(10) / 10 / nadir_rate
         stretch = 1 + SPEED_OF_LIGHT_M_S * fall_s / (2 * height_m)
         fallen = beam * np.arccos(1 / stretch) ** 2 + facets * (stretch**2 - 1) - np.log(stretch)
         return fallen / fall_s, facets / (beam + facets)
 
     def speckle_correlation(self):
-        """Autocorrelation of power where scatterers are many and alike, (lag,): the squared transform of w^2."""
+        """Autocorrelation of power where scatterers are many and alike, (lag,).
+
+        The squared transform of w^2.
+        """
         weight = get_window(self.window, N_FREQUENCIES) ** 2
-        frequency_hz = (
-            (np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5) * self.bandwidth_hz / self.widening
-        )
-        turn = np.exp(2j * np.pi * self.bin_s * np.outer(np.arange(MOST_LAGS + 1), frequency_hz))
-        held = np.trim_zeros(
-            np.where((power := np.abs(turn @ weight / weight.sum()) ** 2) > 0.01, power, 0), "b"
-        )
+        place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
+        frequency_hz = place * self.bandwidth_hz / self.widening
+        phase = np.outer(np.arange(MOST_LAGS + 1), frequency_hz)
+        turn = np.exp(2j * np.pi * self.bin_s * phase)
+        power = np.abs(turn @ weight / weight.sum()) ** 2
+        held = np.trim_zeros(np.where(power > 0.01, power, 0), "b")
         if held.size > MOST_LAGS:
-            msg = f"radar: bin_s must be longer, such as {0.72 / self.bandwidth_hz:g} s, got {self.bin_s:g} s: "
+            longer_s = 0.72 / self.bandwidth_hz
+            msg = f"radar: bin_s must be longer, such as {longer_s:g} s, got {self.bin_s:g} s: "
             msg += f"speckle is alike over {MOST_LAGS} bins"
             raise ValueError(msg)
         return held
 
 
-def _sweep(start_hz, stop_hz, **others):
-    """`Radar` of a sweep, with two bins to the 3 dB width of its Hann window, 1.44 / B, where none are given."""
+def _sweep(start_hz, stop_hz, bin_s=None, **others):
+    """`Radar` of a sweep; by default two bins to the 3 dB width of its Hann window, 1.44 / B."""
     width_hz = stop_hz - start_hz
-    return Radar(
-        centre_hz=start_hz + width_hz / 2,
-        bandwidth_hz=width_hz,
-        **{"bin_s": 0.72 / width_hz} | others,
-    )
+    bin_s = bin_s or 0.72 / width_hz
+    return Radar(centre_hz=start_hz + width_hz / 2, bandwidth_hz=width_hz, bin_s=bin_s, **others)
 
 
 # Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the
@@ -157,22 +160,26 @@ class Snowpack:
     def __post_init__(self):
         held = {name: np.asarray(value, dtype=float) for name, value in vars(self).items()}
         for name in ("depth_m", "density_kg_m3"):
-            held[name] = held[name][:, None] if held[name].ndim == 1 else held[name]
+            if held[name].ndim == 1:
+                held[name] = held[name][:, None]
         shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
-        shapes = (shape, shape, shape[:1], shape[:1], ())
-        held = {
-            name: np.broadcast_to(value, to)
-            for (name, value), to in zip(held.items(), shapes, strict=True)
-        }
-        above = np.r_["0,2", np.full(shape, -np.inf)[:1], held["depth_m"][:-1]]
+        above_m = np.full(shape, -np.inf)
+        above_m[1:] = held["depth_m"][:-1]
         below_zero = np.nextafter(0, -1)
-        least = (above, below_zero, below_zero, 0, below_zero)
-        most = (np.inf, ICE_DENSITY_KG_M3, np.inf, 1, np.inf)
-        for (name, value), low, high in zip(held.items(), least, most, strict=True):
-            good = np.isfinite(value) & (value > low) & (value <= high)
-            if not good.all():
+        limits = {
+            "depth_m": (shape, above_m, np.inf),
+            "density_kg_m3": (shape, below_zero, ICE_DENSITY_KG_M3),
+            "roughness_m": (shape[:1], below_zero, np.inf),
+            "slope": (shape[:1], 0, 1),
+            "attenuation_db_m": ((), below_zero, np.inf),
+        }
+        for name, (to, low, high) in limits.items():
+            value = np.broadcast_to(held[name], to)
+            bad = ~(np.isfinite(value) & (value > low) & (value <= high))
+            if bad.any():
                 rule = "increase with layer" if name == "depth_m" else f"lie between 0 and {high:g}"
-                msg = f"snowpack: {name} must be finite and {rule}, got {value[~good][0]:g} at {np.argwhere(~good)[0]}"
+                msg = f"snowpack: {name} must be finite and {rule}, "
+                msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
                 raise ValueError(msg)
             object.__setattr__(self, name, value)
 
@@ -196,24 +203,28 @@ class Climate:
 
     def __post_init__(self):
         for name, (low, high) in CLIMATES.items():
-            if not low <= (value := getattr(self, name)) <= high:
+            value = getattr(self, name)
+            if not low <= value <= high:
                 msg = f"climate: {name} must lie between {low:g} and {high:g}, got {value}"
                 raise ValueError(msg)
 
     def draw(self, n_range_lines, line_spacing_m, *, rng):
-        """`Snowpack` of annual layers below a flat surface, depth and mean density by Herron & Langway (1980)."""
+        """`Snowpack` of annual layers below a flat surface.
+
+        Depth and mean density by Herron & Langway (1980).
+        """
         firn = (self.accumulation_m, self.temperature_k, self.surface_density_kg_m3)
-        drift = draw_along_track(
-            self.n_years, n_range_lines, DRIFT_LENGTH_M / line_spacing_m, rng=rng
-        )
+        drift_lines = DRIFT_LENGTH_M / line_spacing_m
+        drift = draw_along_track(self.n_years, n_range_lines, drift_lines, rng=rng)
         logs = self.variability * rng.standard_normal((self.n_years, 1)) + DRIFT_SD * drift
-        water_m = self.accumulation_m * np.exp(logs - (self.variability**2 + DRIFT_SD**2) / 2)
-        water_m = np.cumsum(np.r_[np.zeros((1, n_range_lines)), water_m], axis=0)
-        middle_m = np.r_[(water_m[:-1] + water_m[1:]) / 2, water_m[-1:]]
+        half_variance = (self.variability**2 + DRIFT_SD**2) / 2
+        year_m = self.accumulation_m * np.exp(logs - half_variance)
+        water_m = np.cumsum(np.r_[np.zeros((1, n_range_lines)), year_m], axis=0)
+        middle_m = water_m.copy()
+        middle_m[:-1] = (water_m[:-1] + water_m[1:]) / 2
         share = density_herron_langway80(middle_m, *firn) / ICE_DENSITY_KG_M3
-        anomaly = draw_along_track(
-            self.n_years + 1, n_range_lines, DENSITY_LENGTH_M / line_spacing_m, rng=rng
-        )
+        density_lines = DENSITY_LENGTH_M / line_spacing_m
+        anomaly = draw_along_track(self.n_years + 1, n_range_lines, density_lines, rng=rng)
         # In logits: of the s.d. asked for at the top, never below nothing or above ice.
         width = self.density_sd_kg_m3 / ICE_DENSITY_KG_M3 / (share[0] * (1 - share[0]))
         density = ICE_DENSITY_KG_M3 / (1 + (1 - share) / share * np.exp(-width * anomaly))
@@ -221,7 +232,7 @@ class Climate:
 
 
 def physical_parameters(snowpack, radar):
-    """What PHY renders of a snowpack: travel time [s] below the level of the mean surface, and parameters.
+    """What PHY renders of a snowpack: travel time [s] below the mean surface, and parameters.
 
     Travel times (layer, range_line); `peak_power` (layer, range_line) relative to a flat mirror at
     the radar's height, `variance_bins2` and `decay_rate` (layer,). They are meant for
@@ -234,27 +245,30 @@ def physical_parameters(snowpack, radar):
     Width: a Gaussian of the range response's height and area, wider by the roughness, ``2 n r /
     c``. Tail: `Radar.tail`.
     """
-    index = 1 + KOVACS_M3_KG * np.r_[0 * snowpack.density_kg_m3[:1], snowpack.density_kg_m3]
-    above, below = index[:-1], index[1:]
+    density = snowpack.density_kg_m3
+    index = 1 + KOVACS_M3_KG * np.r_[0 * density[:1], density]
+    above = index[:-1]
+    below = index[1:]
     depth_m = snowpack.depth_m
-    below_s = (
-        2
-        / SPEED_OF_LIGHT_M_S
-        * np.cumsum(np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)], axis=0)
-    )
+    optical_m = np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)]
+    below_s = 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)
 
     reflected = ((above - below) / (above + below)) ** 2
-    passed = np.cumprod(np.r_[np.ones_like(reflected[:1]), (1 - reflected[:-1]) ** 2], axis=0)
+    passed = np.ones_like(reflected)
+    passed[1:] = np.cumprod((1 - reflected[:-1]) ** 2, axis=0)
     buried_m = depth_m - depth_m[:1]
-    lost = (
-        10 ** (-snowpack.attenuation_db_m * buried_m / 10)
-        * (radar.height_m / (radar.height_m + depth_m)) ** 2
-    )
+    attenuated = 10 ** (-snowpack.attenuation_db_m * buried_m / 10)
+    spread = (radar.height_m / (radar.height_m + depth_m)) ** 2
 
     response = (radar.cell_s / radar.bin_s) ** 2 / (2 * np.pi)
-    rough = (2 * above.mean(axis=1) * snowpack.roughness_m / SPEED_OF_LIGHT_M_S / radar.bin_s) ** 2
+    rough_s = 2 * above.mean(axis=1) * snowpack.roughness_m / SPEED_OF_LIGHT_M_S
+    variance_bins2 = response + (rough_s / radar.bin_s) ** 2
     decay_per_s, share = radar.tail(snowpack.slope, radar.height_m + depth_m.mean(axis=1))
-    decay = decay_per_s * radar.bin_s
-    height = share * decay * np.sqrt(response / (response + rough))
-    power = reflected * passed * lost * height[:, None]
-    return below_s, {"peak_power": power, "variance_bins2": response + rough, "decay_rate": decay}
+    decay_rate = decay_per_s * radar.bin_s
+    height = share * decay_rate * np.sqrt(response / variance_bins2)
+    power = reflected * passed * (attenuated * spread) * height[:, None]
+    return below_s, {
+        "peak_power": power,
+        "variance_bins2": variance_bins2,
+        "decay_rate": decay_rate,
+    }

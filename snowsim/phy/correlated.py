@@ -1,4 +1,4 @@
-"""Speckle correlated down range: one filtered field of normals through the quantiles of Gamma(M) / M."""
+"""Speckle correlated down range: a filtered field of normals through quantiles of Gamma(M) / M."""
 
 from functools import lru_cache
 
@@ -11,19 +11,19 @@ HALF_TAPS = 16  # range bins to either side that the filter reaches, and the mos
 LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
 SMALLEST_TAP = 1e-6  # of the one in the middle; smaller ones at the ends are left out
 N_FREQUENCIES = 513  # of the spectrum whose root is the filter
-N_HERMITE = (
-    40  # terms of the quantile function: the last are below 1e-15 of its variance at one look
-)
+N_HERMITE = 40  # terms of the quantile function: the last are below 1e-15 of its variance
 CELLS = 65536  # of normals that are drawn, one for each value of 16 random bits
-REACH, PER_UNIT = 8, 256  # of the table of quantiles, in deviations of the normal
+# Of the table of quantiles, in deviations of the normal.
+REACH = 8
+PER_UNIT = 256
 
 
 def draw_correlated(mean_power, n_looks, correlation, rng):
-    """Power of Gamma(M) about `mean_power`, autocorrelated down range by `correlation (lag,)` where that is constant.
+    """Power of Gamma(M) about `mean_power`, autocorrelated down range by `correlation (lag,)`.
 
-    One normal per pixel, see `draw_normals`, and one for each bin that the filter reaches beyond
-    either end, so that speckle at the edges is like elsewhere. The distribution function is within
-    1e-5 of Gamma(M) / M up to 1000 looks.
+    Where the mean is constant. One normal per pixel, see `draw_normals`, and one for each bin that
+    the filter reaches beyond either end, so that speckle at the edges is like elsewhere. The
+    distribution function is within 1e-5 of Gamma(M) / M up to 1000 looks.
     """
     taps, _ = correlating_taps(correlation, n_looks)
     n_range_bins, n_range_lines = mean_power.shape
@@ -35,14 +35,14 @@ def draw_correlated(mean_power, n_looks, correlation, rng):
 
 
 def draw_normals(shape, rng):
-    """Normals to be filtered, float32: 16 random bits choose one of `CELLS` equally likely cells, each its own mean."""
+    """Normals to be filtered, float32.
+
+    16 random bits choose one of `CELLS` equally likely cells, each its own mean.
+    """
     normals = np.empty(shape, dtype=np.float32)
-    look_up(
-        _normal_cells(),
-        rng.integers(0, CELLS, shape, dtype=np.uint16),
-        np.empty((0, 0), np.float32),
-        normals,
-    )
+    cells = rng.integers(0, CELLS, shape, dtype=np.uint16)
+    no_factors = np.empty((0, 0), np.float32)
+    look_up(_normal_cells(), cells, no_factors, normals)
     return normals
 
 
@@ -55,23 +55,20 @@ def _normal_cells():
 
 
 def correlating_taps(correlation, n_looks):
-    """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes of a flight."""
+    """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes."""
     asked = np.asarray(correlation, dtype=float)
-    if (
-        asked.ndim != 1
-        or not 1 <= asked.size <= HALF_TAPS + 1
-        or asked[0] != 1
-        or not (np.abs(asked) <= 1).all()
-    ):
+    is_function = asked.ndim == 1 and 1 <= asked.size <= HALF_TAPS + 1
+    if not (is_function and asked[0] == 1 and (np.abs(asked) <= 1).all()):
         got = np.array2string(asked.ravel(), precision=3, threshold=8)
-        msg = f"speckle correlation must be 1 at lag 0 and in [-1, 1] at {HALF_TAPS} or fewer lags more, got {got}"
+        msg = "speckle correlation must be 1 at lag 0 and in [-1, 1] "
+        msg += f"at {HALF_TAPS} or fewer lags more, got {got}"
         raise ValueError(msg)
     return _correlating_taps(tuple(asked), n_looks)
 
 
 @lru_cache(maxsize=8)
 def _correlating_taps(correlation, n_looks):
-    """Filter of white normals, (tap,), that gives power this autocorrelation, and the largest error at any lag.
+    """Filter of white normals, (tap,), for this autocorrelation of power, and its largest error.
 
     `correlation (lag,)` is that of Gamma(M) power of constant mean, from lag 0 on, and zero beyond
     its end. Normals of correlation r give power of correlation ``sum_n a_n^2 r^n / sum_n a_n^2``,
@@ -85,21 +82,24 @@ def _correlating_taps(correlation, n_looks):
     shares = _hermite_shares(n_looks)
     grid = np.linspace(-1, 1, 4001)
     of_normals = np.interp(asked, polynomial.polyval(grid, shares), grid)
-    phase = (
-        np.pi * np.arange(N_FREQUENCIES)[:, None] / (N_FREQUENCIES - 1) * np.arange(1, asked.size)
-    )
+    frequency = np.pi * np.arange(N_FREQUENCIES) / (N_FREQUENCIES - 1)
+    phase = frequency[:, None] * np.arange(1, asked.size)
     spectrum = 1 + 2 * np.cos(phase) @ of_normals[1:]
     half = np.fft.irfft(np.sqrt(np.maximum(spectrum, 0)))[: HALF_TAPS + 1]
-    half = half[: np.flatnonzero(np.abs(half) > SMALLEST_TAP * half[0])[-1] + 1]
+    last = np.flatnonzero(np.abs(half) > SMALLEST_TAP * half[0])[-1]
+    half = half[: last + 1]
     taps = np.concatenate([half[:0:-1], half])
     taps /= np.sqrt((taps**2).sum())
-    given = polynomial.polyval(np.correlate(taps, taps, "full")[taps.size - 1 :], shares)
+    given_to_normals = np.correlate(taps, taps, "full")[taps.size - 1 :]
+    given = polynomial.polyval(given_to_normals, shares)
     n_lags = max(asked.size, given.size)
-    asked, given = (np.pad(values, (0, n_lags - values.size)) for values in (asked, given))
+    asked = np.pad(asked, (0, n_lags - asked.size))
+    given = np.pad(given, (0, n_lags - given.size))
     error = np.abs(given - asked)
     lag = int(error.argmax())
     if error[lag] > LARGEST_ERROR:
-        msg = f"speckle correlation {asked[lag]:.3g} at lag {lag} is not possible: the nearest is {given[lag]:.3g}"
+        msg = f"speckle correlation {asked[lag]:.3g} at lag {lag} is not possible: "
+        msg += f"the nearest is {given[lag]:.3g}"
         raise ValueError(msg)
     taps.flags.writeable = False
     return taps, float(error[lag])
@@ -107,9 +107,10 @@ def _correlating_taps(correlation, n_looks):
 
 @lru_cache(maxsize=8)
 def _hermite_shares(n_looks):
-    """Share of the variance of Gamma(M) in each Hermite polynomial of the normal behind it, (term,)."""
+    """Share of Gamma(M)'s variance in each Hermite polynomial of the normal behind it, (term,)."""
     node, weight = hermite_e.hermegauss(100)
-    scaled = hermite_e.hermevander(node, N_HERMITE) / np.sqrt(factorial(np.arange(N_HERMITE + 1)))
+    norm = np.sqrt(factorial(np.arange(N_HERMITE + 1)))
+    scaled = hermite_e.hermevander(node, N_HERMITE) / norm
     squares = ((weight * _quantile(node, n_looks)) @ scaled) ** 2
     squares[0] = 0
     return squares / squares.sum()
@@ -117,13 +118,13 @@ def _hermite_shares(n_looks):
 
 @lru_cache(maxsize=8)
 def normal_quantiles(n_looks):
-    """Quantile of Gamma(M) / M at each of the evenly spaced normals from -`REACH` to `REACH`, float32.
+    """Quantile of Gamma(M) / M at evenly spaced normals from -`REACH` to `REACH`, float32.
 
     Linear between them: with steps h the distribution function is off by less than 0.04 h^2 = 6e-7.
     """
-    table = _quantile(
-        np.arange(-REACH * PER_UNIT, REACH * PER_UNIT + 1) / PER_UNIT, n_looks
-    ).astype(np.float32)
+    n_steps = REACH * PER_UNIT
+    normal = np.arange(-n_steps, n_steps + 1) / PER_UNIT
+    table = _quantile(normal, n_looks).astype(np.float32)
     table.flags.writeable = False
     return table
 
@@ -131,14 +132,13 @@ def normal_quantiles(n_looks):
 def _quantile(normal, n_looks):
     """Quantile of Gamma(M) / M at the probability of a normal, exact in both tails."""
     below = gammaincinv(n_looks, ndtr(np.minimum(normal, 0)))
-    return (
-        np.where(normal < 0, below, gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))) / n_looks
-    )
+    above = gammainccinv(n_looks, ndtr(-np.maximum(normal, 0)))
+    return np.where(normal < 0, below, above) / n_looks
 
 
 @numba.njit(cache=True, nogil=True)
 def look_up(table, cells, factors, values):
-    """Fill `values`, (row, line), with the values in a table that `cells` number, times factors if there are any."""
+    """Fill `values`, (row, line), with those in a table that `cells` number, times any factors."""
     n_rows, n_lines = cells.shape
     for row in range(n_rows):
         if factors.size == 0:
@@ -151,10 +151,12 @@ def look_up(table, cells, factors, values):
 
 @numba.njit(cache=True, nogil=True)
 def filter_to_power(normals, taps, table, mean_power, power):
-    """Filter normals down range, look each up in the table of quantiles and scale by the mean, a row at a time."""
+    """Filter normals down range, look each up in the table of quantiles, scale by the mean."""
     n_range_bins, n_range_lines = mean_power.shape
-    first, per_unit = np.float32(table.size // 2), np.float32(PER_UNIT)
-    zero, last = np.float32(0), np.float32(table.size - 2)
+    first = np.float32(table.size // 2)
+    per_unit = np.float32(PER_UNIT)
+    zero = np.float32(0)
+    last = np.float32(table.size - 2)
     field = np.empty(n_range_lines, dtype=np.float32)
     for row in range(n_range_bins):
         field[:] = zero

@@ -56,10 +56,9 @@ def mean_power(
         If a power is negative or not finite, a variance, rate or tolerance not positive, a shape
         wrong, layers cross.
 
-    Notes
-    -----
-    ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved continuously in bins:
-    Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept: `snowsim.phy.tables`.
+    Notes ----- ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``,
+    convolved continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is
+    kept: `snowsim.phy.tables`.
 
     Examples
     --------
@@ -83,12 +82,13 @@ def mean_power(
         noise_power = 0.0
     else:
         noise_power = DEFAULT_RELATIVE_NOISE * _least_largest_power(waveforms)
-    return planned_power(plan_power(waveforms, noise_power, tolerance_db)).astype(float, copy=False)
+    power = planned_power(plan_power(waveforms, noise_power, tolerance_db))
+    return power.astype(float, copy=False)
 
 
 @np.errstate(under="ignore")
 def planned_power(scene_plan, added_power=0.0):
-    """Mean power of a planned scene plus `added_power`, (range_bin, range_line), in the type the plan chose."""
+    """Mean power of a planned scene plus `added_power`, (range_bin, range_line), in its type."""
     if scene_plan.supports is None:
         return exact_power(scene_plan.waveforms) + added_power
     return tabulated_power(scene_plan.waveforms, scene_plan.supports, added_power)
@@ -99,58 +99,53 @@ def exact_power(waveforms):
     """Mean power by the closed form on every pixel, float64 (range_bin, range_line)."""
     power = np.zeros(waveforms.shape)
     rows = np.arange(waveforms.n_range_bins)[:, None]
-    present = np.isfinite(waveforms.centre_bins)
-    for layer, lines in enumerate(present):
+    for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
         x_bins = rows - waveforms.centre_bins[layer, lines]
-        one = waveform_unchecked(
-            x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer]
-        )
-        power[:, lines] += _amplitude(waveforms, layer, lines) * one
+        power[:, lines] += _layer_power(waveforms, layer, lines, x_bins)
     return power
 
 
 @np.errstate(under="ignore")
 def tail_power(waveforms, layers, least=0.0):
-    """Power of some layers below their peak, taken as tail throughout, float32 (range_bin, range_line).
+    """Power of some layers below their peak, all of it tail, float32 (range_bin, range_line).
 
     Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, falls by one factor from bin
     to bin. A layer ends where it is below `least` on all range lines.
     """
-    variance, decay = (
-        getattr(waveforms, name)[layers, None] for name in ("variance_bins2", "decay_rate")
-    )
+    variance = waveforms.variance_bins2[layers, None]
+    decay = waveforms.decay_rate[layers, None]
     centre = waveforms.centre_bins[layers]
+    n_range_bins = waveforms.n_range_bins
     peak = np.ceil(centre + waveforms.peak_offset_bins[layers, None])
-    first = np.clip(np.nan_to_num(peak, nan=np.inf), 0, waveforms.n_range_bins).astype(int)
+    first = np.clip(np.nan_to_num(peak, nan=np.inf), 0, n_range_bins).astype(int)
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
-    scale = (
-        waveforms.amplitude[layers, None]
-        * np.sqrt(2 * np.pi * variance)
-        * np.exp(decay**2 * variance / 2)
-    )
-    start = np.where(
-        np.isfinite(centre), scale * share * np.exp(decay * (np.nan_to_num(centre) - first)), 0
-    )
+    scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance)
+    scale = scale * np.exp(decay**2 * variance / 2)
+    start = scale * share * np.exp(decay * (np.nan_to_num(centre) - first))
+    start = np.where(np.isfinite(centre), start, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         n_rows = np.log(start.max(axis=1, initial=0) / least) / decay[:, 0]
-    n_rows = np.clip(np.nan_to_num(n_rows), 0, waveforms.n_range_bins).astype(int)
+    n_rows = np.clip(np.nan_to_num(n_rows), 0, n_range_bins).astype(int)
+    factor = np.exp(-decay[:, 0]).astype(np.float32)
     power = np.zeros(waveforms.shape, dtype=np.float32)
-    _add_tails(
-        first, n_rows, start.astype(np.float32), np.exp(-decay[:, 0]).astype(np.float32), power
-    )
+    _add_tails(first, n_rows, start.astype(np.float32), factor, power)
     return power
 
 
 @numba.njit(cache=True, nogil=True)
 def _add_tails(first, n_rows, value, factor, power):
-    """Add to `power` tails of layers from row `first`, of `value`, both (layer, range_line), down by `factor` a row."""
+    """Add to `power` tails of layers from row `first`, of `value`, down by `factor` a row.
+
+    `first` and `value` are (layer, range_line), `value` is overwritten.
+    """
     n_range_bins, n_lines = power.shape
     for layer in range(first.shape[0]):
         last = -1
         for line in range(n_lines):
             if value[layer, line] > 0:
                 last = max(last, first[layer, line])
-        for row in range(first[layer].min(), min(last + n_rows[layer] + 1, n_range_bins)):
+        stop = min(last + n_rows[layer] + 1, n_range_bins)
+        for row in range(first[layer].min(), stop):
             for line in range(n_lines):
                 on = row >= first[layer, line]
                 power[row, line] += value[layer, line] if on else np.float32(0)
@@ -159,18 +154,16 @@ def _add_tails(first, n_rows, value, factor, power):
 
 @np.errstate(under="ignore")
 def _least_largest_power(waveforms):
-    """Lower bound of the scene's largest power: of each layer alone, at the pixel nearest to its peak."""
+    """Lower bound of the scene's largest power: a layer alone, at the pixel nearest to its peak."""
     peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]
-    x_bins = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1) - waveforms.centre_bins
-    present = np.isfinite(x_bins)
-    layer, line = np.nonzero(present)
-    one = waveform_unchecked(
-        x_bins[present], waveforms.variance_bins2[layer], waveforms.decay_rate[layer]
-    )
-    return float((_amplitude(waveforms, layer, line) * one).max(initial=0))
+    nearest = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1)
+    layer, line = np.nonzero(np.isfinite(peak_bins))
+    x_bins = nearest[layer, line] - waveforms.centre_bins[layer, line]
+    return float(_layer_power(waveforms, layer, line, x_bins).max(initial=0))
 
 
-def _amplitude(waveforms, layer, line):
-    """Amplitude of layers on range lines."""
+def _layer_power(waveforms, layer, line, x_bins):
+    """Power of layers on range lines, at `x_bins` below their centres."""
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layer, line]
-    return waveforms.amplitude[layer] * share
+    one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+    return waveforms.amplitude[layer] * share * one

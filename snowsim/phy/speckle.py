@@ -1,4 +1,4 @@
-"""Speckle, eqs (3)-(4): power of circular complex Gaussian signal and noise, averaged over M looks."""
+"""Speckle, eqs (3)-(4): power of complex Gaussian signal and noise, averaged over M looks."""
 
 from functools import lru_cache
 
@@ -42,26 +42,27 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         correlation, or if no process of Gamma(M) has the correlation: the nearest one differs by
         more than 0.05.
 
-    Notes
-    -----
-    A look of a pixel is exponential about its mean, being the squared modulus of a circular Gaussian; signal plus noise
-    is circular Gaussian too, so one draw replaces both.
+    Notes ----- A look of a pixel is exponential about its mean, being the squared modulus of a
+    circular Gaussian; signal plus noise is circular Gaussian too, so one draw replaces both.
 
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
     - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.
-    - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17, 684-688. Its
-      distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3`` low. From 10
-      looks.
-    - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact distribution; each gives its
-      own mean. The distribution function is within 1e-5 of exact up to 1000 looks and within 4e-5
-      up to 1e6, the most it takes; the mean is exact; the largest value is that of the last cell.
-      With a correlation, normals filtered down range go through a table of quantiles: as close.
+    - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17,
+      684-688. Its distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3``
+      low. From 10 looks.
+    - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact
+      distribution; each gives its own mean. The distribution function is within 1e-5 of exact up to
+      1000 looks and within 4e-5 up to 1e6, the most it takes; the mean is exact; the largest value
+      is that of the last cell. With a correlation, normals filtered down range go through a table
+      of quantiles: as close.
 
     Examples
     --------
     >>> power = draw_speckle(np.full((200, 200), 3.0), 16, rng=np.random.default_rng(1))
-    >>> float(power.mean().round(1)), float((power.mean() ** 2 / power.var()).round())  # mean, and looks
-    (3.0, 16.0)
+    >>> float(power.mean().round(1))
+    3.0
+    >>> float((power.mean() ** 2 / power.var()).round())  # looks
+    16.0
     """
     mean_power = np.asarray(mean_power)
     if mean_power.dtype != np.float32:
@@ -77,7 +78,8 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
         raise ValueError(msg)
     if method == "looks":
-        return draw_looks(np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape)), rng)
+        every_look = np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape))
+        return draw_looks(every_look, rng)
     if correlation is not None:
         return draw_correlated(mean_power, n_looks, correlation, rng)
     if method == "quantile":
@@ -100,7 +102,7 @@ def checked_looks(n_looks):
 
 
 def check_method(method, n_looks, correlation=None):
-    """Raise ValueError unless `method` exists and can draw this number of looks, correlated where asked."""
+    """ValueError unless `method` exists and can draw this number of looks, correlated if asked."""
     check_choice("speckle method", method, METHODS)
     if method == "looks" and n_looks != np.floor(n_looks):
         msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
@@ -109,9 +111,8 @@ def check_method(method, n_looks, correlation=None):
         msg = f"speckle method cube needs at least {MINIMUM_LOOKS_CUBE} looks, got {n_looks:g}"
         raise ValueError(msg)
     if method == "quantile" and n_looks > MOST_LOOKS_QUANTILE:
-        msg = (
-            f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, got {n_looks:g}"
-        )
+        msg = f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, "
+        msg += f"got {n_looks:g}"
         raise ValueError(msg)
     if correlation is not None and method != "quantile":
         msg = f"speckle method {method} draws independent range bins, a correlation needs quantile"
@@ -122,8 +123,7 @@ def check_method(method, n_looks, correlation=None):
 def quantile_table(n_looks):
     """Mean of each of 65536 equally likely cells of Gamma(M) / M, increasing, float32."""
     edges = gammaincinv(n_looks, np.arange(1, QUANTILES) / QUANTILES)
-    # The mean over a cell is QUANTILES / M times the integral of x p(x), and x p(x; M) = M p(x; M +
-    # 1).
+    # The mean over a cell is QUANTILES / M times the integral of x p(x; M) = M p(x; M + 1).
     below = np.concatenate([[0], gammainc(n_looks + 1, edges), [1]])
     table = (QUANTILES * np.diff(below)).astype(np.float32)
     table.flags.writeable = False
@@ -131,7 +131,7 @@ def quantile_table(n_looks):
 
 
 def draw_looks(mean_power, rng):
-    """Sum over the leading axis of `mean_power`, (look, range_bin, range_line), one look at a time."""
+    """Sum over looks of `mean_power`, (look, range_bin, range_line), one look at a time."""
     total = np.zeros(mean_power.shape[1:])
     for look in mean_power:
         in_phase, quadrature = rng.standard_normal((2, *look.shape))
@@ -148,9 +148,8 @@ def draw_gamma(mean_power, shape, rng):
 
 
 def _draw_cube(mean_power, shape, rng):
-    root = rng.standard_normal(mean_power.shape, dtype=np.float32).astype(
-        mean_power.dtype, copy=False
-    )
+    root = rng.standard_normal(mean_power.shape, dtype=np.float32)
+    root = root.astype(mean_power.dtype, copy=False)
     root *= 1 / (3 * np.sqrt(shape))
     root += 1 - 1 / (9 * shape)
     power = root * root

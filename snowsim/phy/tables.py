@@ -14,11 +14,12 @@ from snowsim.phy.waveform import waveform_unchecked
 DEGREE = 5  # of the Taylor polynomials about the nodes of a sub-bin table
 
 # How the relative error of P_s + P_n is shared out; the last eighth is for rounding.
-SHARE_TRUNCATION, SHARE_TABLE, SHARE_TAIL, SHARE_ROUNDING = 1 / 2, 1 / 4, 1 / 8, 1 / 8
-SMALLEST_RELATIVE_NOISE = {
-    np.float32: 1e-20,
-    np.float64: 1e-200,
-}  # far from underflow, products included
+SHARE_TRUNCATION = 1 / 2
+SHARE_TABLE = 1 / 4
+SHARE_TAIL = 1 / 8
+SHARE_ROUNDING = 1 / 8
+# Far from underflow, products included.
+SMALLEST_RELATIVE_NOISE = {np.float32: 1e-20, np.float64: 1e-200}
 FLOAT32_RANGE = (1e-20, 1e20)
 LARGEST_ERROR = 0.5  # looser tolerances gain nothing
 MOST_PHASES = 4096
@@ -36,12 +37,12 @@ def allowed_error(tolerance_db):
 
 @dataclass(frozen=True)
 class Supports:
-    """Where and how each layer is modelled, arrays (layer,); distances are in bins below the layer's Gaussian centre.
+    """Where and how each layer is modelled, arrays (layer,).
 
-    Layers that are `kept` are read from a sub-bin table of `n_phases` nodes per bin between
-    `first_bins` and `tail_bins`, are a plain exponential from there to `last_bins`, and are left
-    out elsewhere. `dtype` is that of tables and sums. No pixel's ``P_s + P_n`` is off by more than
-    the share `error`.
+    Distances are in bins below the layer's Gaussian centre. Layers that are `kept` are read from a
+    sub-bin table of `n_phases` nodes per bin between `first_bins` and `tail_bins`, are a plain
+    exponential from there to `last_bins`, and are left out elsewhere. `dtype` is that of tables and
+    sums. No pixel's ``P_s + P_n`` is off by more than the share `error`.
     """
 
     kept: np.ndarray
@@ -58,43 +59,47 @@ class Supports:
         return int((self.n_phases * length).sum())
 
     def n_rows(self, centre_bins, n_range_bins):
-        """Pixels times layers within the supports, read from tables and as exponentials: two int."""
-        centre_bins = centre_bins[self.kept]
-        first, tail, last = (
-            # fmin turns NaN into the bottom row, all three alike: absent layers count as zero.
-            np.fmax(np.fmin(np.ceil(centre_bins + edge[self.kept, None]), n_range_bins), 0).sum()
-            for edge in (self.first_bins, self.tail_bins, self.last_bins)
-        )
+        """Pixels times layers within the supports, from tables and as exponentials: two int."""
+
+        def rows_above(edge):
+            row = np.ceil(centre_bins[self.kept] + edge[self.kept, None])
+            # fmin turns NaN into the bottom row of every edge: absent layers count as zero.
+            return np.fmax(np.fmin(row, n_range_bins), 0).sum()
+
+        first = rows_above(self.first_bins)
+        tail = rows_above(self.tail_bins)
+        last = rows_above(self.last_bins)
         return int(tail - first), int(last - tail)
 
 
 @np.errstate(under="ignore")
 def find_supports(waveforms, noise_power, error):
-    """Smallest supports and coarsest tables that keep ``|P - P_s| <= error (P_s + P_n)`` at every pixel.
+    """Smallest supports and coarsest tables that keep ``|P - P_s| <= error (P_s + P_n)``.
 
-    `noise_power` is P_n, positive; `error` lies in (0, 0.5]. Returns `Supports`, or None where only
-    the closed form is safe: noise or tolerance too close to the resolution of float64.
+    At every pixel. `noise_power` is P_n, positive; `error` lies in (0, 0.5]. Returns `Supports`, or
+    None where only the closed form is safe: noise or tolerance too close to the resolution of
+    float64.
 
     Notes
     -----
     With ``w`` of variance d and rate a, its peak at x >= 0, L layers and ``b = error P_n / 2L``:
 
-    - Truncation. ``w(x) <= w(0) exp(-x^2 / 2d)`` for x <= 0, ``w(x) <= sqrt(pi d / 2) exp(-x^2 / 2d)`` for x <= a d,
-      and ``w(x) <= sqrt(2 pi d) exp(a^2 d / 2 - a x)`` everywhere. The support ends where these
-      fall below b; a pixel lies beyond at most one end of each layer, so all layers together leave
-      out at most ``error P_n / 2``.
+    - Truncation. ``w(x) <= w(0) exp(-x^2 / 2d)`` for x <= 0, ``w(x) <= sqrt(pi d / 2) exp(-x^2 /
+      2d)`` for x <= a d, and ``w(x) <= sqrt(2 pi d) exp(a^2 d / 2 - a x)`` everywhere. The support
+      ends where these fall below b; a pixel lies beyond at most one end of each layer, so all
+      layers together leave out at most ``error P_n / 2``.
     - Tail. ``w`` is that last exponential times ``1 - erfc(-z) / 2``, z = (a d - x) / sqrt(2 d).
-    - Table. Taylor polynomials of degree p = 5 about nodes h apart. Cauchy's estimate on a circle of radius R bounds
-      the remainder by ``max |w| r^(p+1) / (1 - r)``, r = h / 2R. There ``|w(x + u + iv)| <= w(x +
-      u) exp(v^2 / 2d)``, because it holds for the Gaussian, and ``w(x + u) <= w(x) exp(|u s(x)|)``,
-      because log w is concave with slope s. ``-1/d <= s' <= 0`` and ``s(x) >= -min(a, x / d)``. On
-      the rising edge s has no useful bound, but left of where w crosses P_n / L the noise hides the
-      layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with k = R + h / 2 and S
-      the largest of k / d, s at that crossing, and the trailing bound, the remainder is below
-      ``exp(R^2 / 2d + R h / 2d + k S) r^(p+1) / (1 - r)`` of ``w + P_n / L``.
-    - Powers that vary along track. Everything is worked out for a layer's largest power. Times a share s of 0 to 1 what
-      is left out only shrinks, and an error of ``e (w + P_n / L)`` stays below ``e (s w + P_n /
-      L)``.
+    - Table. Taylor polynomials of degree p = 5 about nodes h apart. Cauchy's estimate on a circle
+      of radius R bounds the remainder by ``max |w| r^(p+1) / (1 - r)``, r = h / 2R. There ``|w(x +
+      u + iv)| <= w(x + u) exp(v^2 / 2d)``, because it holds for the Gaussian, and ``w(x + u) <=
+      w(x) exp(|u s(x)|)``, because log w is concave with slope s. ``-1/d <= s' <= 0`` and ``s(x) >=
+      -min(a, x / d)``. On the rising edge s has no useful bound, but left of where w crosses P_n /
+      L the noise hides the layer: there ``w exp(k s)`` falls with -x as long as s > k / d. So with
+      k = R + h / 2 and S the largest of k / d, s at that crossing, and the trailing bound, the
+      remainder is below ``exp(R^2 / 2d + R h / 2d + k S) r^(p+1) / (1 - r)`` of ``w + P_n / L``.
+    - Powers that vary along track. Everything is worked out for a layer's largest power. Times a
+      share s of 0 to 1 what is left out only shrinks, and an error of ``e (w + P_n / L)`` stays
+      below ``e (s w + P_n / L)``.
     """
     n_layers = max(waveforms.amplitude.size, 1)
     reference = max(waveforms.peak_power.max(initial=0), noise_power)
@@ -106,12 +111,18 @@ def find_supports(waveforms, noise_power, error):
     edge = SHARE_TRUNCATION * error * noise_power / n_layers
     kept = waveforms.peak_power > edge
 
+    def reach(power, level):
+        """Distance at which a Gaussian of this largest power has fallen to a level."""
+        log_ratio = log_amplitude + np.log(power / level)
+        return deviation * np.sqrt(2 * np.maximum(log_ratio, 0))
+
     area = np.sqrt(np.pi / 2) * deviation  # of half the Gaussian
     at_centre = area * erfcx(decay * deviation / np.sqrt(2))
     log_amplitude = np.log(np.where(kept, waveforms.amplitude, 1))
-    first = -deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(at_centre / edge), 0))
-    gaussian_end = deviation * np.sqrt(2 * np.maximum(log_amplitude + np.log(area / edge), 0))
-    exponential_end = (log_amplitude + np.log(2 * area / edge)) / decay + decay * variance / 2
+    first = -reach(at_centre, edge)
+    gaussian_end = reach(area, edge)
+    log_exponential = log_amplitude + np.log(2 * area / edge)
+    exponential_end = log_exponential / decay + decay * variance / 2
     # The Gaussian bounds the trailing side only if that side, from peak to end, lies at x <= a d.
     gaussian_holds = np.maximum(gaussian_end, waveforms.peak_offset_bins) <= decay * variance
     last = np.where(gaussian_holds, gaussian_end, exponential_end)
@@ -119,15 +130,8 @@ def find_supports(waveforms, noise_power, error):
     clearance = erfcinv(2 * SHARE_TAIL * error * (1 - error))
     tail = np.minimum(decay * variance + np.sqrt(2) * deviation * clearance, last)
 
-    crossing = -deviation * np.sqrt(
-        2 * np.maximum(log_amplitude + np.log(at_centre * n_layers / noise_power), 0)
-    )
-    rising = (
-        np.sqrt(2 / np.pi)
-        / (deviation * erfcx((decay * variance - crossing) / (np.sqrt(2) * deviation)))
-        - decay
-    )
-    slope = np.maximum(rising, np.minimum(decay, tail / variance))
+    crossing = -reach(at_centre * n_layers, noise_power)
+    slope = np.maximum(_slope(crossing, variance, decay), np.minimum(decay, tail / variance))
     n_phases, table_error = _coarsest_table(variance, decay, slope, SHARE_TABLE * error, kept)
     if table_error > SHARE_TABLE * error:
         return None
@@ -137,29 +141,35 @@ def find_supports(waveforms, noise_power, error):
     return Supports(kept, first, tail, last, n_phases, np.dtype(dtype), float(total))
 
 
+def _slope(x, variance, decay):
+    """Slope of log w."""
+    deviation = np.sqrt(variance)
+    z = (decay * variance - x) / (np.sqrt(2) * deviation)
+    return np.sqrt(2 / np.pi) / (deviation * erfcx(z)) - decay
+
+
 def _coarsest_table(variance, decay, slope, error, kept):
     """Nodes per bin, a power of two for each layer, and the largest remainder of the kept ones."""
     order = DEGREE + 1
     # Minimises exp(R^2 / 2d + R S) / R^order.
     radius = variance / 2 * (np.sqrt(slope**2 + 4 * order / variance) - slope)
-    wanted = np.log(error) - radius**2 / (2 * variance) - radius * slope
-    enough = np.maximum(
-        np.log2(1 / (2 * radius)) - wanted / order / np.log(2), np.log2(decay / LARGEST_DECAY_STEP)
-    )
+    spread = radius**2 / (2 * variance)
+    wanted = np.log(error) - spread - radius * slope
+    enough_for_error = np.log2(1 / (2 * radius)) - wanted / order / np.log(2)
+    enough_for_decay = np.log2(decay / LARGEST_DECAY_STEP)
+    enough = np.maximum(enough_for_error, enough_for_decay)
     n_phases = 2 ** np.ceil(np.clip(enough, 0, np.log2(MOST_PHASES)))
     while True:
         step = 1 / n_phases
         ratio = step / (2 * radius)
         reach = radius + step / 2
-        exponent = (
-            radius * reach / variance
-            - radius**2 / (2 * variance)
-            + reach * np.maximum(slope, reach / variance)
-        )
+        steepest = np.maximum(slope, reach / variance)
+        exponent = radius * reach / variance - spread + reach * steepest
         # Refused rather than overflowing: far more phases are needed, or more than are allowed.
         usable = (ratio < 1) & (exponent < 100) & (decay <= LARGEST_DECAY_STEP * n_phases)
         remainder = np.full(variance.shape, np.inf)
-        remainder[usable] = np.exp(exponent[usable]) * ratio[usable] ** order / (1 - ratio[usable])
+        bound = np.exp(exponent[usable]) * ratio[usable] ** order
+        remainder[usable] = bound / (1 - ratio[usable])
         short = kept & (remainder > error) & (n_phases < MOST_PHASES)
         if not short.any():
             return n_phases.astype(np.int64), float(remainder[kept].max(initial=0))
@@ -167,14 +177,18 @@ def _coarsest_table(variance, decay, slope, error, kept):
 
 
 def _rounding(n_layers, dtype):
-    """Relative error of adding layers, each from 6 products and 3 factors; terms of a table may add up to e^2 of it."""
+    """Relative error of adding layers, each from 6 products and 3 factors.
+
+    Terms of a table may add up to e^2 of it.
+    """
     return (n_layers + 24) * float(np.finfo(dtype).eps) + TABLE_ROUNDING
 
 
 def _dtype(n_layers, noise_power, reference, error):
     """Shortest float type whose rounding and range do not affect the error, or None."""
+    smallest_power, largest_power = FLOAT32_RANGE
     for dtype, smallest in SMALLEST_RELATIVE_NOISE.items():
-        in_range = dtype is np.float64 or FLOAT32_RANGE[0] < reference < FLOAT32_RANGE[1]
+        in_range = dtype is np.float64 or smallest_power < reference < largest_power
         precise = _rounding(n_layers, dtype) <= SHARE_ROUNDING * error
         if in_range and precise and noise_power > smallest * reference:
             return dtype
@@ -183,12 +197,13 @@ def _dtype(n_layers, noise_power, reference, error):
 
 @np.errstate(under="ignore")  # to zero, far below what counts
 def tabulated_power(waveforms, supports, added_power):
-    """Mean power of a scene by its supports plus `added_power`, `supports.dtype` (range_bin, range_line)."""
+    """Mean power of a scene by its supports plus `added_power`, (range_bin, range_line)."""
     kept = np.flatnonzero(supports.kept)
-    variance, decay = waveforms.variance_bins2[kept], waveforms.decay_rate[kept]
-    first, tail, last = (
-        edge[kept] for edge in (supports.first_bins, supports.tail_bins, supports.last_bins)
-    )
+    variance = waveforms.variance_bins2[kept]
+    decay = waveforms.decay_rate[kept]
+    first = supports.first_bins[kept]
+    tail = supports.tail_bins[kept]
+    last = supports.last_bins[kept]
     n_phases = supports.n_phases[kept]
     # Powers near 1 keep float32 far from its limits.
     reference = max(waveforms.peak_power.max(initial=0), added_power) or 1.0
@@ -197,27 +212,25 @@ def tabulated_power(waveforms, supports, added_power):
 
     first_node = np.floor(first).astype(np.int64) - 1
     n_nodes = np.floor(tail).astype(np.int64) + 2 - first_node
-    table_start = np.concatenate([[0], np.cumsum(n_phases * n_nodes)])
-    layer = np.repeat(np.arange(kept.size), n_phases * n_nodes)
-    phase, node = np.divmod(np.arange(table_start[-1]) - table_start[layer], n_nodes[layer])
+    layer, table_start, place = _in_a_row(n_phases * n_nodes)
+    phase, node = np.divmod(place, n_nodes[layer])
     x_bins = first_node[layer] + node + phase / n_phases[layer]
     table = _taylor(x_bins, variance[layer], decay[layer], amplitude[layer], dtype)
 
     n_tail = np.clip(np.ceil(last - tail) + 1, 0, waveforms.n_range_bins).astype(np.int64)
-    tail_start = np.concatenate([[0], np.cumsum(n_tail)])
-    layer = np.repeat(np.arange(kept.size), n_tail)
-    exponential = np.exp(-decay[layer] * (np.arange(tail_start[-1]) - tail_start[layer])).astype(
-        dtype
-    )
+    layer, tail_start, place = _in_a_row(n_tail)
+    exponential = np.exp(-decay[layer] * place).astype(dtype)
     log_tail = np.log(amplitude * np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
 
     power = np.empty(waveforms.shape, dtype=dtype)
-    share = waveforms.line_share
+    shares = np.ones((kept.size, 1), dtype=dtype)
+    if waveforms.line_share is not None:
+        shares = waveforms.line_share[kept].astype(dtype)
     _add_layers(
-        waveforms.centre_bins if kept.size == supports.kept.size else waveforms.centre_bins[kept],
-        np.ones((kept.size, 1), dtype=dtype) if share is None else share[kept].astype(dtype),
+        waveforms.centre_bins[kept],
+        shares,
         np.stack([first, tail, last, decay, log_tail], axis=1),
-        np.stack([n_phases, first_node, n_nodes, table_start[:-1], tail_start[:-1]], axis=1),
+        np.stack([n_phases, first_node, n_nodes, table_start, tail_start], axis=1),
         table,
         exponential,
         dtype(added_power / reference),
@@ -227,19 +240,29 @@ def tabulated_power(waveforms, supports, added_power):
     return power
 
 
+def _in_a_row(counts):
+    """Layers' elements one layer after the other: layer of each, starts by layer, place in it."""
+    start = np.cumsum(counts) - counts
+    layer = np.repeat(np.arange(counts.size), counts)
+    return layer, start, np.arange(layer.size) - start[layer]
+
+
 def _taylor(x, variance, decay, amplitude, dtype):
-    """Taylor coefficients of waveforms about x, (degree + 1, node), from ``w' = g - a w`` and ``g' = -(x / d) g``."""
+    """Taylor coefficients of waveforms about x, (degree + 1, node).
+
+    From ``w' = g - a w`` and ``g' = -(x / d) g``.
+    """
     coefficients = np.empty((DEGREE + 1, x.size), dtype=dtype)
-    gaussian_before, gaussian = 0.0, amplitude * np.exp(-x * x / (2 * variance))
+    gaussian = amplitude * np.exp(-x * x / (2 * variance))
+    gaussian_before = 0.0
     waveform = amplitude * waveform_unchecked(x, variance, decay)
     coefficients[0] = waveform
     for n in range(DEGREE):
         waveform = (gaussian - decay * waveform) / (n + 1)
         coefficients[n + 1] = waveform
-        gaussian_before, gaussian = (
-            gaussian,
-            -(x * gaussian + gaussian_before) / (variance * (n + 1)),
-        )
+        gaussian_after = -(x * gaussian + gaussian_before) / (variance * (n + 1))
+        gaussian_before = gaussian
+        gaussian = gaussian_after
     return coefficients
 
 
@@ -247,7 +270,10 @@ def _taylor(x, variance, decay, amplitude, dtype):
 def _add_layers(
     centre_bins, shares, distances, indices, table, exponential, noise, reference, power
 ):
-    """Fill `power`, (range_bin, range_line), with reference * (noise + all layers); `shares` (layer, 1 or line)."""
+    """Fill `power`, (range_bin, range_line), with reference * (noise + all layers).
+
+    `shares` is (layer, 1 or line).
+    """
     n_range_bins, n_lines = power.shape
     lines = np.empty((LINES_AT_A_TIME, n_range_bins), dtype=power.dtype)
     for start in range(0, n_lines, LINES_AT_A_TIME):
@@ -274,14 +300,12 @@ def _add_layers(
                     _add_polynomials(column[int(first) : int(tail)], table, at, delta, share)
                 n_tail = int(last + 1 - tail)
                 if n_tail > 0:
-                    scale = power.dtype.type(
-                        np.exp(distances[layer, 4] - distances[layer, 3] * (tail - centre))
-                    )
+                    log_scale = distances[layer, 4] - distances[layer, 3] * (tail - centre)
+                    scale = power.dtype.type(np.exp(log_scale))
                     scale *= share
                     at = indices[layer, 4]
-                    _add_scaled(
-                        column[int(tail) : int(last) + 1], exponential[at : at + n_tail], scale
-                    )
+                    fall = exponential[at : at + n_tail]
+                    _add_scaled(column[int(tail) : int(last) + 1], fall, scale)
         for row in range(n_range_bins):
             for line in range(start, stop):
                 power[row, line] = reference * lines[line - start, row]
@@ -289,19 +313,21 @@ def _add_layers(
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})
 def _add_polynomials(column, table, at, delta, share):
-    """Add degree-5 polynomials in `delta`, one per row, from the nodes `at` onwards, times `share`."""
+    """Add degree-5 polynomials in `delta`, one per row, from nodes `at` onwards, times `share`."""
     stop = at + column.size
-    c0, c1, c2 = table[0, at:stop], table[1, at:stop], table[2, at:stop]
-    c3, c4, c5 = table[3, at:stop], table[4, at:stop], table[5, at:stop]
+    c0 = table[0, at:stop]
+    c1 = table[1, at:stop]
+    c2 = table[2, at:stop]
+    c3 = table[3, at:stop]
+    c4 = table[4, at:stop]
+    c5 = table[5, at:stop]
     for row in range(column.size):
-        column[row] += share * (
-            c0[row]
-            + delta
-            * (
-                c1[row]
-                + delta * (c2[row] + delta * (c3[row] + delta * (c4[row] + delta * c5[row])))
-            )
-        )
+        value = c4[row] + delta * c5[row]
+        value = c3[row] + delta * value
+        value = c2[row] + delta * value
+        value = c1[row] + delta * value
+        value = c0[row] + delta * value
+        column[row] += share * value
 
 
 @numba.njit(cache=True, nogil=True, fastmath={"contract"})

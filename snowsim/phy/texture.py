@@ -1,4 +1,4 @@
-"""Texture of unlayered snow, down range and along track, and gain of the receiver from line to line."""
+"""Texture of unlayered snow, down range and along track, and the receiver's gain by line."""
 
 import numba
 import numpy as np
@@ -10,14 +10,18 @@ REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Ga
 
 
 def checked_texture(texture):
-    """(variance, length down range, length along track), or None if there is none; ValueError if they are not valid."""
-    values = () if texture is None else tuple(map(float, texture))
-    if texture is not None and not (
-        len(values) == 3 and np.isfinite(values).all() and min(values) >= 0 < values[1]
-    ):
-        msg = f"texture must be a variance and lengths in range bins and range lines, not negative, got {texture}"
+    """(variance, length down range, length along track), None if there is none.
+
+    ValueError if they are not valid.
+    """
+    if texture is None:
+        return None
+    values = tuple(map(float, texture))
+    if len(values) != 3 or not (np.isfinite(values).all() and min(values) >= 0 < values[1]):
+        msg = "texture must be a variance and lengths in range bins and range lines, not negative, "
+        msg += f"got {texture}"
         raise ValueError(msg)
-    return values if values and values[0] > 0 else None
+    return values if values[0] > 0 else None
 
 
 def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
@@ -28,23 +32,24 @@ def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
     """
     variance, length_bins, length_lines = texture
     spread = np.sqrt(np.log1p(variance))
-    sigma_lines = max(
-        length_lines / 2, 1e-3
-    )  # white noise filtered by taps of this width has that autocorrelation
+    # White noise filtered by taps of this width has that autocorrelation.
+    sigma_lines = max(length_lines / 2, 1e-3)
     reach = int(np.ceil(REACH_LINES * sigma_lines))
-    taps = np.exp(-((np.arange(-reach, reach + 1) / sigma_lines) ** 2) / 2)
+    away = np.arange(-reach, reach + 1) / sigma_lines
+    taps = np.exp(-(away**2) / 2)
     taps *= spread / np.sqrt((taps**2).sum())
     white = draw_normals((n_range_bins, n_range_lines + 2 * reach), rng)
     kept = np.exp(-1 / length_bins)
+    fresh = np.sqrt(1 - kept**2)
     rough = np.empty((n_range_bins, n_range_lines), dtype=np.float32)
-    filter_texture(white, taps.astype(np.float32), *np.float32([kept, np.sqrt(1 - kept**2)]), rough)
+    filter_texture(white, taps.astype(np.float32), np.float32(kept), np.float32(fresh), rough)
     rough -= np.float32(spread**2 / 2)
     return np.exp(rough, out=rough)
 
 
 @numba.njit(cache=True, nogil=True)
 def filter_texture(white, taps, kept, fresh, rough):
-    """Filter white normals along track, then each row as a share of the one above and its own: fills `rough`."""
+    """Fill `rough`: white normals filtered along track, then mixed with the row above."""
     n_range_bins, n_range_lines = rough.shape
     for row in range(n_range_bins):
         rough[row] = np.float32(0)
@@ -59,4 +64,5 @@ def filter_texture(white, taps, kept, fresh, rough):
 def draw_gain(n_range_lines, spread_db, *, rng):
     """Factors of power by range line, lognormal of mean 1, float32 (range_line,)."""
     spread = NEPERS * spread_db
-    return np.exp(spread * rng.standard_normal(n_range_lines) - spread**2 / 2).astype(np.float32)
+    log_gain = spread * rng.standard_normal(n_range_lines) - spread**2 / 2
+    return np.exp(log_gain).astype(np.float32)

@@ -13,86 +13,90 @@ _SQRT_HALF_PI = np.sqrt(np.pi / 2)
 
 
 def waveform_exact(x_bins, variance_bins2, decay_rate):
-    """Mean waveform of one layer of unit power, not normalised, at `x_bins` below the Gaussian's centre; broadcasts.
+    """Mean waveform of one layer of unit power, not normalised.
 
-    A Gaussian of variance `variance_bins2` [bins^2] convolved with a one-sided exponential of rate
-    `decay_rate` [per bin]; zero where it underflows. Values that are not finite, or outside
-    `SAFE_RANGE`, are refused.
+    At `x_bins` below the Gaussian's centre; broadcasts. A Gaussian of variance `variance_bins2`
+    [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per bin]; zero where it
+    underflows. Values that are not finite, or outside `SAFE_RANGE`, are refused.
 
-    Notes
-    -----
-    Yari et al. (2021), eq. (1): ``w(x) = exp(-x^2 / 2d) (*) u(x) exp(-a x)
-    = sqrt(pi d / 2) exp(a^2 d / 2 - a x) erfc(z)`` with ``z = (a d - x) / sqrt(2 d)``, the exponentially modified
-    Gaussian. As written the exponential overflows; for z >= 0 it is instead ``sqrt(pi d / 2) exp(-x^2 / 2d)
-    erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. The relative error of both is below 5e-13.
+    Notes ----- Yari et al. (2021), eq. (1): ``w(x) = exp(-x^2 / 2d) (*) u(x) exp(-a x) = sqrt(pi d
+    / 2) exp(a^2 d / 2 - a x) erfc(z)`` with ``z = (a d - x) / sqrt(2 d)``, the exponentially
+    modified Gaussian. As written the exponential overflows; for z >= 0 it is instead ``sqrt(pi d /
+    2) exp(-x^2 / 2d) erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. The
+    relative error of both is below 5e-13.
     """
     x_bins = np.asarray(x_bins, dtype=float)
-    variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
-    if not np.isfinite(x_bins).all():
-        at = _first(~np.isfinite(x_bins))
-        msg = f"x_bins must be finite, got {x_bins[at]} at {at}"
-        raise ValueError(msg)
+    variance_bins2 = _checked("variance_bins2", variance_bins2)
+    decay_rate = _checked("decay_rate", decay_rate)
+    _refuse(~np.isfinite(x_bins), x_bins, "x_bins must be finite")
     return waveform_unchecked(x_bins, variance_bins2, decay_rate)
 
 
 @np.errstate(under="ignore")
 def waveform_peak(variance_bins2, decay_rate):
-    """How far the waveform peaks below the Gaussian's centre [bins] and its value there: two ndarray; broadcasts.
+    """How far the waveform peaks below the Gaussian's centre [bins] and its value there.
 
-    ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi d)) / a``, so ``value =
-    exp(-x^2 / 2d) / a``. Newton's method on ``log erfcx``, convex and decreasing, started on its
-    left, converges from one side, quadratically: a step below 1e-9 leaves rounding only.
+    Two ndarray; broadcasts. ``w' = exp(-x^2 / 2d) - a w`` vanishes where ``erfcx(z) = sqrt(2 / (pi
+    d)) / a``, so ``value = exp(-x^2 / 2d) / a``. Newton's method on ``log erfcx``, convex and
+    decreasing, started on its left, converges from one side, quadratically: a step below 1e-9
+    leaves rounding only.
     """
-    variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
+    variance_bins2 = _checked("variance_bins2", variance_bins2)
+    decay_rate = _checked("decay_rate", decay_rate)
     deviation = np.sqrt(variance_bins2)
-    in_deviations = _peak_in_deviations(decay_rate * deviation)
-    return deviation * in_deviations, np.exp(-(in_deviations**2) / 2) / decay_rate
+    peak = _peak_in_deviations(decay_rate * deviation)
+    return deviation * peak, np.exp(-(peak**2) / 2) / decay_rate
 
 
 def waveform_width(variance_bins2, decay_rate):
-    """Distance [bins] from the waveform's peak to where it has fallen to 1/e on the trailing side; broadcasts.
+    """Distance [bins] from the waveform's peak to where it has fallen to 1/e below; broadcasts.
 
     Newton's method on the concave ``log w``, started right of the root, converges from one side,
     quadratically.
     """
-    variance_bins2, decay_rate = _checked_shape(variance_bins2, decay_rate)
+    variance_bins2 = _checked("variance_bins2", variance_bins2)
+    decay_rate = _checked("decay_rate", decay_rate)
     deviation = np.sqrt(variance_bins2)
-    # The width in deviations depends on this product only, and by less than 1e-12 where it is
-    # large.
+    # The width in deviations depends on this product only, and by less than 1e-12 where large.
     product = np.minimum(decay_rate * deviation, 1e6)
     peak = _peak_in_deviations(product)
     target = _log_waveform(peak, product) - 1
-    # w <= sqrt(2 pi d) exp(a^2 d / 2 - a x) everywhere: where this bound meets the target lies to
-    # the right.
-    u = np.maximum((product**2 / 2 + np.log(2 * _SQRT_HALF_PI) - target) / product, peak)
+    # w <= sqrt(2 pi d) exp(a^2 d / 2 - a x) everywhere: this bound meets the target to the right.
+    bound = (product**2 / 2 + np.log(2 * _SQRT_HALF_PI) - target) / product
+    u = np.maximum(bound, peak)
     with np.errstate(under="ignore"):
         for _ in range(60):
             log_value = _log_waveform(u, product)
-            step = (log_value - target) / (product - np.exp(-(u**2) / 2 - log_value))
+            slope = product - np.exp(-(u**2) / 2 - log_value)
+            step = (log_value - target) / slope
             u = u + step
-            if np.all(np.abs(step) <= 1e-9 * (1 + np.abs(u))):
+            if _is_settled(step, u):
                 break
     return deviation * (u - peak)
+
+
+def _is_settled(step, value):
+    """Whether steps of Newton's method are so small that one more leaves rounding only."""
+    return np.all(np.abs(step) <= 1e-9 * (1 + np.abs(value)))
 
 
 def _peak_in_deviations(product):
     """Peak of the waveform in standard deviations, for decay times deviation `product`."""
     target = 1 / (_SQRT_HALF_PI * np.minimum(product, 1e4))
-    # Left of the root: erfcx(z) >= exp(z^2) for z <= 0, and >= 2 / sqrt(pi) / (z + sqrt(z^2 + 2))
-    # for z >= 0.
+    # Left of the root: erfcx(z) >= exp(z^2) for z <= 0,
+    negative = -np.sqrt(np.log(np.maximum(target, 1)))
+    # and >= 2 / sqrt(pi) / (z + sqrt(z^2 + 2)) for z >= 0.
     asymptote = 2 / (_SQRT_PI * target)
-    z = np.where(
-        target >= 1,
-        -np.sqrt(np.log(np.maximum(target, 1))),
-        np.maximum(asymptote / 2 - 1 / asymptote, 0),
-    )
+    positive = np.maximum(asymptote / 2 - 1 / asymptote, 0)
+    z = np.where(target >= 1, negative, positive)
     for _ in range(20):
         value = erfcx(z)
-        step = np.log(value / target) / (2 / (_SQRT_PI * value) - 2 * z)
+        slope = 2 / (_SQRT_PI * value) - 2 * z
+        step = np.log(value / target) / slope
         z = z + step
-        if np.all(np.abs(step) <= 1e-9 * (1 + np.abs(z))):
+        if _is_settled(step, z):
             break
-    # Where the two terms below cancel, the expansion of erfcx for large arguments is good to
+    # Where the difference cancels, the expansion of erfcx for large arguments is good to
     # product^-5.
     return np.where(product < 1e3, product - _SQRT2 * z, 1 / product - product**-3.0)
 
@@ -104,36 +108,39 @@ def waveform_unchecked(x, variance, decay):
     with np.errstate(under="ignore", over="ignore"):
         z = np.asarray(z)
         rises = z >= 0
+        rising = -x * x / (2 * variance)
         # Where z < 0 the exponent of the falling branch is negative; elsewhere it is not used.
-        exponent = np.where(
-            rises, -x * x / (2 * variance), np.minimum(decay * (decay * variance / 2 - x), 0)
-        )
+        falling = np.minimum(decay * (decay * variance / 2 - x), 0)
+        exponent = np.where(rises, rising, falling)
         factor = np.empty(rises.shape)
-        factor[rises], factor[~rises] = erfcx(z[rises]), erfc(z[~rises])
+        factor[rises] = erfcx(z[rises])
+        factor[~rises] = erfc(z[~rises])
         return _SQRT_HALF_PI * deviation * (np.exp(exponent) * factor)
 
 
 def _log_waveform(u, product):
-    """Logarithm of w / sqrt(d) at u standard deviations, for decay times deviation `product`; never underflows."""
+    """Logarithm of w / sqrt(d) at u standard deviations, for decay times deviation `product`.
+
+    It never underflows.
+    """
     z = (product - u) / _SQRT2
     rising = np.log(erfcx(np.maximum(z, 0))) - u**2 / 2
     falling = np.log(erfc(np.minimum(z, 0))) + product * (product / 2 - u)
     return np.log(_SQRT_HALF_PI) + np.where(z >= 0, rising, falling)
 
 
-def _first(bad):
-    """Index of the first true element, as a tuple of int."""
-    return tuple(int(i) for i in np.argwhere(bad)[0])
+def _checked(name, values):
+    """As float array; ValueError with name, value and position outside `SAFE_RANGE`."""
+    low, high = SAFE_RANGE[name]
+    values = np.asarray(values, dtype=float)
+    outside = ~((values >= low) & (values <= high))
+    _refuse(outside, values, f"{name} must be positive, from {low:g} to {high:g}")
+    return values
 
 
-def _checked_shape(variance_bins2, decay_rate):
-    """Both as float arrays; ValueError with name, value and position unless positive and within `SAFE_RANGE`."""
-    arrays = {"variance_bins2": variance_bins2, "decay_rate": decay_rate}
-    for name, (low, high) in SAFE_RANGE.items():
-        array = arrays[name] = np.asarray(arrays[name], dtype=float)
-        bad = ~((array >= low) & (array <= high))
-        if bad.any():
-            at = _first(bad)
-            msg = f"{name} must be positive, from {low:g} to {high:g}, got {array[at]} at {at}"
-            raise ValueError(msg)
-    return arrays.values()
+def _refuse(bad, values, rule):
+    """ValueError with the first of the bad values and its index, if there are any."""
+    if bad.any():
+        at = tuple(int(i) for i in np.argwhere(bad)[0])
+        msg = f"{rule}, got {values[at]} at {at}"
+        raise ValueError(msg)

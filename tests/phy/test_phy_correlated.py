@@ -30,9 +30,8 @@ SHAPES = [
 
 def correlated(shape, n_looks, correlation, rng):
     ones = np.ones(shape, dtype=np.float32)
-    return draw_speckle(ones, n_looks, method="quantile", correlation=correlation, rng=rng).astype(
-        float
-    )
+    power = draw_speckle(ones, n_looks, method="quantile", correlation=correlation, rng=rng)
+    return power.astype(float)
 
 
 @pytest.mark.parametrize("n_looks", [*LOOKS, 1000])
@@ -40,18 +39,18 @@ def test_law_is_as_close_to_gamma_as_stated(n_looks, rng):
     assert correlated_distance(n_looks) < 1e-5
     # The table's mean and looks, by trapezoids over the normal density: their error is below 1e-8
     # of steps 1/256.
-    normal = np.linspace(-8, 8, normal_quantiles(float(n_looks)).size)
-    weight = np.exp(-(normal**2) / 2) / np.exp(-(normal**2) / 2).sum()
-    mean = weight @ normal_quantiles(float(n_looks))
+    quantile = normal_quantiles(float(n_looks))
+    normal = np.linspace(-8, 8, quantile.size)
+    density = np.exp(-(normal**2) / 2)
+    weight = density / density.sum()
+    mean = weight @ quantile
+    variance = weight @ (quantile - mean) ** 2
     assert_allclose(mean, 1, atol=1e-5)
-    assert_allclose(
-        mean**2 / (weight @ (normal_quantiles(float(n_looks)) - mean) ** 2), n_looks, rtol=1e-5
-    )
+    assert_allclose(mean**2 / variance, n_looks, rtol=1e-5)
     # Of lag 1 alone, so every second bin is independent: beyond 1.95 / sqrt(n) once in 1000.
     drawn = correlated((1000, 1000), n_looks, [1, 0.3], rng)[::2].ravel()
-    assert kstest(drawn, gamma(n_looks, scale=1 / n_looks).cdf).statistic < 1.95 / np.sqrt(
-        drawn.size
-    )
+    distance = kstest(drawn, gamma(n_looks, scale=1 / n_looks).cdf).statistic
+    assert distance < 1.95 / np.sqrt(drawn.size)
 
 
 @pytest.mark.parametrize("n_looks", LOOKS)
@@ -60,16 +59,17 @@ def test_correlation_drawn_is_that_asked_for(correlation, n_looks, rng):
     n_lags = HALF_TAPS + 1
     asked = np.pad(correlation, (0, n_lags - len(correlation)))
     deviation = correlated((300, 4000), n_looks, correlation, rng) - 1
-    by_line = [
-        n_looks * (deviation[: 300 - lag] * deviation[lag:]).mean(axis=0) for lag in range(n_lags)
-    ]
+    by_line = []
+    for lag in range(n_lags):
+        product = deviation[: 300 - lag] * deviation[lag:]
+        by_line.append(n_looks * product.mean(axis=0))
     measured = np.mean(by_line, axis=1)
     # Lines are independent, so their scatter is the error; of 340 values in all, 4.5 errors are
     # exceeded once in 400. The filter's own error is largest, 6e-3, where one look leaves the
     # spectrum of normals a negative part.
-    bound = (
-        4.5 * np.std(by_line, axis=1) / np.sqrt(4000) + correlating_taps(correlation, n_looks)[1]
-    )
+    scatter = np.std(by_line, axis=1) / np.sqrt(4000)
+    _, filter_error = correlating_taps(correlation, n_looks)
+    bound = 4.5 * scatter + filter_error
     assert np.all(np.abs(measured - asked) < bound)
     assert bound[1:].max() < 0.02
 
@@ -78,19 +78,23 @@ def test_correlation_drawn_is_that_asked_for(correlation, n_looks, rng):
 def test_without_correlation_each_normal_gives_its_own_quantile(n_looks):
     drawn = correlated((40, 50), n_looks, [1, 0, 0], np.random.default_rng(4))
     normal = draw_normals((40, 50), np.random.default_rng(4)).astype(float)
-    upper = gammainccinv(n_looks, ndtr(-np.abs(normal))) / n_looks
-    expected = np.where(normal > 0, upper, gammaincinv(n_looks, ndtr(-np.abs(normal))) / n_looks)
+    in_tail = ndtr(-np.abs(normal))
+    upper = gammainccinv(n_looks, in_tail) / n_looks
+    lower = gammaincinv(n_looks, in_tail) / n_looks
+    expected = np.where(normal > 0, upper, lower)
     # Straight lines between nodes 1/256 apart are off by up to z^2 / 8 / 256^2 of the value: 3e-5
     # at four deviations.
     assert_allclose(drawn, expected, rtol=3e-5)
 
 
 def test_edges_are_as_anywhere_else(rng):
-    n_lines, n_looks, correlation = 100_000, 5, [1, 0.4, 0.1]
-    deviation = correlated((12, n_lines), n_looks, correlation, rng) - 1
+    n_lines = 100_000
+    n_looks = 5
+    deviation = correlated((12, n_lines), n_looks, [1, 0.4, 0.1], rng) - 1
     # Variances of Gamma(5) to sqrt((2 + 6 / 5) / n), products of neighbours to 1.6 / sqrt(n): four
     # and more of those.
-    assert_allclose(n_looks * (deviation**2).mean(axis=1), 1, atol=4 * np.sqrt(3.2 / n_lines))
+    variance = (deviation**2).mean(axis=1)
+    assert_allclose(n_looks * variance, 1, atol=4 * np.sqrt(3.2 / n_lines))
     neighbours = n_looks * (deviation[:-1] * deviation[1:]).mean(axis=1)
     assert_allclose(neighbours, 0.4, atol=4 * 1.6 / np.sqrt(n_lines))
     across = np.corrcoef(deviation[:, :-1].ravel(), deviation[:, 1:].ravel())[0, 1]
@@ -141,12 +145,14 @@ def test_a_plan_takes_the_correlation_of_its_parameters(tolerance_db, rng):
     layer_bins, parameters = planted_scene(3, 64, 200, n_looks=16)
     correlated_too = parameters | {"speckle_correlation": np.array([1, 0.4, 0.1])}
     options = {"n_range_bins": 200, "tolerance_db": tolerance_db, "speckle": "gamma"}
-    notes = json.loads(json.dumps(plan(layer_bins, correlated_too, **options).notes()))
+    planned = plan(layer_bins, correlated_too, **options)
+    notes = json.loads(json.dumps(planned.notes()))
     assert notes["plan_speckle"] == "quantile, correlated"
     assert notes["plan_correlation_error"] < 1e-3
     assert plan(layer_bins, parameters, **options).notes()["plan_speckle"] == "gamma"
     # In the noise above the layers: 64 lines of 20 bins give a correlation to 0.03.
     air = render(layer_bins, correlated_too, **options, rng=rng)[:20]
-    assert_allclose(np.corrcoef(air[:-1].ravel(), air[1:].ravel())[0, 1], 0.4, atol=4 * 0.03)
+    neighbours = np.corrcoef(air[:-1].ravel(), air[1:].ravel())[0, 1]
+    assert_allclose(neighbours, 0.4, atol=4 * 0.03)
     with pytest.raises(ValueError, match="speckle method looks draws independent range bins"):
         plan(layer_bins, correlated_too, 200, tolerance_db=tolerance_db, speckle="looks")

@@ -1,4 +1,4 @@
-"""Mean power: laws of eq. (1), an independent convolution, and tolerances that hold on every pixel."""
+"""Mean power: laws of eq. (1), an independent convolution, tolerances that hold on every pixel."""
 
 import numpy as np
 import pytest
@@ -14,23 +14,25 @@ from snowsim.phy.tables import allowed_error, find_supports, tabulated_power
 
 
 def scene_of(seed, n_layers, n_lines, n_range_bins, layout):
-    """Layers in one of four layouts: inside, reaching outside, nearly touching, on bin centres; some pixels absent."""
+    """Layers inside, reaching outside, nearly touching or on bin centres; some pixels absent."""
     rng = np.random.default_rng(seed)
+    shape = (n_layers, n_lines)
     reach = 0 if layout == "inside" else 200
-    layer_bins = np.sort(rng.uniform(-reach, n_range_bins + reach / 2, (n_layers, n_lines)), axis=0)
+    layer_bins = np.sort(rng.uniform(-reach, n_range_bins + reach / 2, shape), axis=0)
     if layout == "touching":
-        layer_bins = layer_bins[:1] + np.cumsum(
-            10 ** rng.uniform(-8, 1, (n_layers, n_lines)), axis=0
-        )
+        spacing = 10 ** rng.uniform(-8, 1, shape)
+        layer_bins = layer_bins[:1] + np.cumsum(spacing, axis=0)
     if layout == "on bins":
         layer_bins = np.rint(layer_bins)
     layer_bins[rng.random(layer_bins.shape) < 0.1] = np.nan
     layer_bins[crossing_layers(layer_bins)] = np.nan
     wide = rng.random() < 0.3
+    variances = (-6, 6) if wide else (-2, 4)
+    rates = (-6, 3) if wide else (-4, 1)
     parameters = {
         "peak_power": 10 ** rng.uniform(-12, 0, n_layers) * (rng.random(n_layers) < 0.95),
-        "variance_bins2": 10 ** rng.uniform(*((-6, 6) if wide else (-2, 4)), n_layers),
-        "decay_rate": 10 ** rng.uniform(*((-6, 3) if wide else (-4, 1)), n_layers),
+        "variance_bins2": 10 ** rng.uniform(*variances, n_layers),
+        "decay_rate": 10 ** rng.uniform(*rates, n_layers),
     }
     return layer_bins, parameters
 
@@ -47,13 +49,12 @@ SCENES = st.builds(
 
 def test_powers_that_vary_along_track_are_those_of_each_line_alone(rng):
     layer_bins, parameters = scene_of(3, 6, 17, 120, "outside")
-    power = parameters["peak_power"][:, None] * 10 ** rng.uniform(-3, 3, layer_bins.shape)
-    shapes = {name: parameters[name] for name in ("variance_bins2", "decay_rate")}
-    together = mean_power(layer_bins, power, **shapes, n_range_bins=120)
-    alone = [
-        mean_power(layer_bins[:, [i]], power[:, i], **shapes, n_range_bins=120)[:, 0]
-        for i in range(17)
-    ]
+    power = parameters.pop("peak_power")[:, None] * 10 ** rng.uniform(-3, 3, layer_bins.shape)
+    together = mean_power(layer_bins, power, **parameters, n_range_bins=120)
+    alone = []
+    for line in range(17):
+        one = mean_power(layer_bins[:, [line]], power[:, line], **parameters, n_range_bins=120)
+        alone.append(one[:, 0])
     # A layer's share of its largest power rounds twice.
     assert_allclose(together.T, alone, rtol=1e-14)
 
@@ -76,12 +77,11 @@ def test_tolerance_holds_on_every_pixel(scene, n_range_bins, varies_db, toleranc
     layer_bins, parameters = scene
     parameters = parameters | {"peak_power": parameters["peak_power"] * 10**unit}
     if varies_db:
-        varied = 10 ** (
-            np.random.default_rng(1).uniform(-varies_db, varies_db, layer_bins.shape) / 10
-        )
-        varied = np.where(np.isnan(layer_bins), np.nan, varied)
+        change_db = np.random.default_rng(1).uniform(-varies_db, varies_db, layer_bins.shape)
+        varied = np.where(np.isnan(layer_bins), np.nan, 10 ** (change_db / 10))
         parameters["peak_power"] = parameters["peak_power"][:, None] * varied
-    tolerance_db, noise_power = 10**tolerance, 10 ** (noise + unit)
+    tolerance_db = 10**tolerance
+    noise_power = 10 ** (noise + unit)
     exact = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins)
     tolerance = {"tolerance_db": tolerance_db, "noise_power": noise_power}
     planned = mean_power(layer_bins, **parameters, n_range_bins=n_range_bins, **tolerance)
@@ -120,7 +120,8 @@ def test_default_noise_is_1e_4_of_the_largest_power(rng):
     exact = mean_power(layer_bins, **parameters, n_range_bins=200)
     planned = mean_power(layer_bins, **parameters, n_range_bins=200, tolerance_db=0.1)
     noise_power = 1e-4 * exact.max()
-    assert 0 < np.abs(10 * np.log10((planned + noise_power) / (exact + noise_power))).max() <= 0.1
+    error_db = 10 * np.log10((planned + noise_power) / (exact + noise_power))
+    assert 0 < np.abs(error_db).max() <= 0.1
 
 
 @pytest.fixture
@@ -150,24 +151,26 @@ def test_power_is_the_convolution_of_eq_1(samples_per_bin, five_layers):
 
 def test_layers_add_and_powers_scale(rng):
     layer_bins = np.sort(rng.uniform(0, 80, (3, 7)), axis=0)
-    power, variance, decay = rng.uniform(0.1, 1, 3), rng.uniform(1, 20, 3), rng.uniform(0.01, 1, 3)
+    power = rng.uniform(0.1, 1, 3)
+    variance = rng.uniform(1, 20, 3)
+    decay = rng.uniform(0.01, 1, 3)
     together = mean_power(layer_bins, power, variance, decay, 80)
     apart = [
         mean_power(layer_bins[[i]], power[[i]], variance[[i]], decay[[i]], 80) for i in range(3)
     ]
     assert_allclose(together, np.sum(apart, axis=0), rtol=1e-14)
-    assert_allclose(
-        mean_power(layer_bins, 8 * power, variance, decay, 80), 8 * together, rtol=1e-15
-    )
+    stronger = mean_power(layer_bins, 8 * power, variance, decay, 80)
+    assert_allclose(stronger, 8 * together, rtol=1e-15)
 
 
 def test_scene_shifted_by_whole_bins_is_the_same_scene(rng):
     layer_bins = np.sort(rng.uniform(0, 50, (3, 7)), axis=0)
     parameters = (np.ones(3), np.full(3, 12.0), np.full(3, 0.07))
     high = mean_power(layer_bins - 30, *parameters, 40)
+    whole = mean_power(layer_bins, *parameters, 70)
     # Positions of up to 80 bins carry rounding of 1e-14 bins, where log w falls by at most 10 per
     # bin.
-    assert_allclose(high, mean_power(layer_bins, *parameters, 70)[30:], rtol=1e-12)
+    assert_allclose(high, whole[30:], rtol=1e-12)
 
 
 def test_normalised_and_aligned_waveform_peaks_at_its_power_on_its_layer():
@@ -187,11 +190,17 @@ def test_other_ways_agree_where_they_should(way, five_layers):
     waveforms, exact = five_layers
     other = way(waveforms, tolerance_db=0.05, noise_power=1e-3)
     # The support keeps 0.05 dB; Simpson's rule over one bin of such Gaussians adds less than that.
-    assert np.abs(10 * np.log10((other + 1e-3) / (exact + 1e-3))).max() < 0.1
+    error_db = 10 * np.log10((other + 1e-3) / (exact + 1e-3))
+    assert np.abs(error_db).max() < 0.1
 
 
-GOOD = {"layer_bins": [[10.0, 11.0], [20.0, 21.0]], "n_range_bins": 40}
-GOOD |= {"peak_power": [1.0, 0.5], "variance_bins2": [10.0, 12.0], "decay_rate": [0.05, 0.07]}
+GOOD = {
+    "layer_bins": [[10.0, 11.0], [20.0, 21.0]],
+    "n_range_bins": 40,
+    "peak_power": [1.0, 0.5],
+    "variance_bins2": [10.0, 12.0],
+    "decay_rate": [0.05, 0.07],
+}
 
 
 @pytest.mark.parametrize(

@@ -57,7 +57,7 @@ def test_render_draws_what_the_form_as_printed_draws(rng):
 
 def test_scatterers_carry_the_same_power(rng):
     layer_bins, parameters = planted(n_lines=32)
-    scattered = render_scatterers(layer_bins, parameters, N_RANGE_BINS, rng=rng, align="peak")
+    scattered = render_scatterers(layer_bins, parameters, N_RANGE_BINS, rng=rng)
     # 100 scatterers a layer and line with exponential power: the sum of 32 strongest is known to 3
     # %; sinc tails leave.
     mean = mean_of(layer_bins, parameters) + parameters["noise_power"]

@@ -37,11 +37,9 @@ def log_uniform(low, high):
 )  # and one so narrow that it leaves an exponential
 def test_waveform_agrees_with_80_digits(decay_rate, variance_bins2, where):
     around, distance = where
-    x_bins = distance
-    if around:
-        x_bins = (decay_rate * variance_bins2 if around == 1 else 0) + distance * np.sqrt(
-            variance_bins2
-        )
+    x_bins = distance * np.sqrt(variance_bins2) if around else distance
+    if around == 1:
+        x_bins += decay_rate * variance_bins2
     with np.errstate(over="raise", invalid="raise", divide="raise"):
         waveform = waveform_exact(x_bins, variance_bins2, decay_rate)
     expected = waveform_in_80_digits(x_bins, variance_bins2, decay_rate)
@@ -60,9 +58,8 @@ def test_peak_is_where_the_waveform_is_highest_and_width_where_it_has_fallen_to_
 ):
     offset_bins, value = waveform_peak(variance_bins2, decay_rate)
     deviation = np.sqrt(variance_bins2)
-    around = waveform_exact(
-        offset_bins + np.array([-0.01, 0, 0.01]) * deviation, variance_bins2, decay_rate
-    )
+    near = offset_bins + np.array([-0.01, 0, 0.01]) * deviation
+    around = waveform_exact(near, variance_bins2, decay_rate)
     assert_allclose(around[1], value, rtol=1e-12)
     # Slow decays leave a peak flat to the last place.
     assert around[[0, 2]].max() <= around[1] * (1 + 1e-15)

@@ -12,16 +12,12 @@ from snowsim.seeding import random_stream
 def draw_atlases(phy, phy_regions, statistics, *, seed, share):
     atlas = phy_atlas.draw_atlas(rng=random_stream(seed, "stress_phy"))
     public = atlas[atlas["method"].isin(phy_atlas.PUBLIC)]
-    logger.info(
-        "%d of %d outcomes of public functions are wrong",
-        (public["outcome"] == "wrong").sum(),
-        len(public),
-    )
+    n_wrong = (public["outcome"] == "wrong").sum()
+    logger.info("%d of %d outcomes of public functions are wrong", n_wrong, len(public))
     write_table(phy, atlas)
     write_table(phy_regions, phy_atlas.summarise_atlas(atlas))
-    sweeps = statistics_atlas.draw_atlas(
-        partial(random_stream, seed, "stress_statistics"), share=share
-    )
+    stream = partial(random_stream, seed, "stress_statistics")
+    sweeps = statistics_atlas.draw_atlas(stream, share=share)
     logger.info("outcomes of estimators: %s", sweeps["outcome"].value_counts().to_dict())
     write_table(statistics, sweeps)
 

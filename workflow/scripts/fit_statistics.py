@@ -1,4 +1,4 @@
-"""Statistics of the flight from the sums over its frames, with the Doppler spectrum of a complex segment if any."""
+"""Statistics of the flight from sums over its frames, and the Doppler spectrum of any segment."""
 
 from job import run
 
@@ -9,11 +9,13 @@ from snowsim.statistics import doppler_spectra, estimate, merge, summary_from_da
 
 def doppler(segment):
     """Variables of the Doppler spectrum under the layers of a complex segment."""
-    amplitude = (segment["Real"] + 1j * segment["Imaginary"]).transpose("twtt", "slow_time").values
+    amplitude = segment["Real"] + 1j * segment["Imaginary"]
     layer_twtt = segment["layer_twtt"].transpose("layer", "slow_time").values
     layer_bins = (layer_twtt - segment["twtt"].values[0]) / bin_size_s(segment)
     wavenumber, first, mean = doppler_spectra(
-        amplitude, layer_bins, segment.attrs["line_spacing_m"]
+        amplitude.transpose("twtt", "slow_time").values,
+        layer_bins,
+        segment.attrs["line_spacing_m"],
     )
     dim = "doppler_wavenumber"
     return {dim: wavenumber, "doppler_layer_1": (dim, first), "doppler_layer_mean": (dim, mean)}
@@ -21,9 +23,8 @@ def doppler(segment):
 
 def fit_statistics(summaries, segment, statistics, *, estimator):
     datasets = [read_dataset(path) for path in summaries]
-    fitted = estimate(
-        merge(summary_from_dataset(dataset) for dataset in datasets), estimator=estimator
-    )
+    summary = merge(summary_from_dataset(dataset) for dataset in datasets)
+    fitted = estimate(summary, estimator=estimator)
     for path in segment:
         fitted = fitted.assign(doppler(read_dataset(path)))
     write_dataset(statistics, fitted.assign_attrs(synthetic=datasets[0].attrs["synthetic"]))

@@ -1,4 +1,4 @@
-"""Speed and accuracy of PHY's parts and of whole scenes, and what the plans of all rendered label scenes left out."""
+"""Speed and accuracy of PHY's parts and of whole scenes, and what plans of label sets left out."""
 
 from functools import partial
 

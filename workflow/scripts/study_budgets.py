@@ -1,4 +1,4 @@
-"""Scores of one network on validation scenes, by settings that make its training cheaper or dearer."""
+"""Scores of a network on validation scenes, by settings that make training cheaper or dearer."""
 
 import pandas as pd
 from job import progress, run
@@ -12,39 +12,44 @@ from snowsim.seeding import random_stream
 from snowsim.tracker import Settings
 
 
-def study(
-    train, validation, phy, table,
-    *, seed, network, settings, changes, n_trainings, n_held,
-):  # fmt: skip
-    with SceneSet(train) as scenes, SceneSet(validation) as held, SceneSet(phy) as drawn:
-        observed, validated, rendered = list(scenes), list(held), list(drawn)
-    numbers = held_out(len(observed), n_held, seed=seed)
-    train_scenes, held_scenes = ([observed[number] for number in part] for part in numbers)
+def scenes_of(paths):
+    with SceneSet(paths) as scenes:
+        return list(scenes)
+
+
+def study(train, validation, phy, table, *, seed, network, settings, changes, n_trainings, n_held):
+    observed = scenes_of(train)
+    validated = scenes_of(validation)
+    rendered = scenes_of(phy)
+    shown, held = held_out(len(observed), n_held, seed=seed)
+    train_scenes = [observed[number] for number in shown]
+    held_scenes = [observed[number] for number in held]
 
     def scores_of(changed, number):
-        """Rows of one training: what it was trained on, and its scores."""
-        if network == "tracker":
-            for name, trained_on in (("rd", observed), ("pd", rendered)):
-                yield name, trained_alone(trained_on, validated, Settings(**changed), seed=number)
-        else:
-            yield "", train_and_examine(CganSettings(**changed), number, train_scenes, held_scenes)
+        """Scores of one training by what it was trained on."""
+        if network == "cgan":
+            changed = CganSettings(**changed)
+            return {"": train_and_examine(changed, number, train_scenes, held_scenes)}
+        changed = Settings(**changed)
+        return {
+            name: trained_alone(trained_on, validated, changed, seed=number)
+            for name, trained_on in (("rd", observed), ("pd", rendered))
+        }
 
     rows = []
     runs = [(changed, replica) for changed in changes for replica in range(n_trainings)]
     for changed, replica in progress(runs, "budgets"):
-        made = {**settings[network], **changed}
+        made = settings[network] | changed
         number = int(random_stream(seed, "study_budgets", network, replica).integers(2**31))
         label = ", ".join(f"{key} {value}" for key, value in changed.items())
-        for trained_on, scores in scores_of(made, number):
-            rows.append(
-                {
-                    "change": label,
-                    "n_steps": made["n_steps"],
-                    "trained_on": trained_on,
-                    "replica": replica,
-                    **scores,
-                }
-            )
+        for trained_on, scores in scores_of(made, number).items():
+            row = {
+                "change": label,
+                "n_steps": made["n_steps"],
+                "trained_on": trained_on,
+                "replica": replica,
+            }
+            rows.append(row | scores)
     write_table(table, pd.DataFrame(rows))
 
 

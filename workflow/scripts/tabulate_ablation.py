@@ -1,4 +1,4 @@
-"""Fused edge scores of trackers of the study against others, by pairs of setting and training set."""
+"""Fused edge scores of trackers against others, by pairs of setting and training set."""
 
 from job import run
 
@@ -10,11 +10,12 @@ from snowsim.seeding import random_stream
 
 def tabulate_ablation(counts, table, *, runs, pairs, replicas, n_bootstrap, seed):
     paths = iter(counts)
-    by_run = {
-        tuple(run): [counts_by_image(read_table(next(paths))) for _ in replicas] for run in runs
-    }
-    rng = random_stream(seed, "tabulate_ablation")
+    by_run = {}
+    for setting, training_set in runs:
+        of_replicas = [counts_by_image(read_table(next(paths))) for _ in replicas]
+        by_run[setting, training_set] = of_replicas
     pairs = [tuple(map(tuple, pair)) for pair in pairs]
+    rng = random_stream(seed, "tabulate_ablation")
     write_table(table, runs_table(by_run, pairs, n_bootstrap=n_bootstrap, rng=rng))
 
 

@@ -1,83 +1,90 @@
-"""Drawn scenes beside observed ones: whether a classifier tells their patches apart, and by what they differ."""
+"""Drawn scenes beside observed ones: can a classifier tell them apart, and by what they differ."""
 
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pandas as pd
 
 from lib.diagnostics.patch_network import fit_network
 from lib.diagnostics.renders import MARGIN_BINS, surface_regions
-from lib.diagnostics.two_sample import N_BOOTSTRAP, accuracy, decisions, textures
+from lib.diagnostics.two_sample import N_BOOTSTRAP, accuracy, decisions, fitted, textures
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, SURFACE_ROW
 from snowsim.metrics.texture import autocorrelation, equivalent_number_of_looks
 
 PATCH = 64  # [pixels] height and width
-FIRST_ROW = (
-    SURFACE_ROW - PATCH // 2
-)  # the uppermost patches hold the surface, deeper ones snow alone
+# The uppermost patches hold the surface, deeper ones snow alone.
+FIRST_ROW = SURFACE_ROW - PATCH // 2
 LAGS = (1, 2, 3, 5, 7, 10, 15, 20, 30, 50)  # [range lines or bins]
 LAYER_LAGS = (1, 2, 4, 8, 16, 32, 64, 128)  # [range lines]
 N_SLABS = 8  # the uppermost: deeper ones are rare among observed scenes
 N_LAYERS = 20
-PEAK_BINS, BESIDE_BINS = (
-    2,
-    12,
-)  # about a layer: where its peak is sought, and how far the snow beside it
+PEAK_BINS = 2  # about a layer: where its peak is sought
+BESIDE_BINS = 12  # and how far the snow beside it
 CUBIC = 3
 
 
 def patches_of(scenes, n_range_bins, n_range_lines):
-    """Patches of every scene, arrays (patch, range_bin, range_line): equal depths in all, row after row of patches."""
+    """Patches of every scene, arrays (patch, range_bin, range_line), row after row of patches.
+
+    At equal depths in all.
+    """
     rows = range(FIRST_ROW, n_range_bins - PATCH + 1, PATCH)
     lines = range(0, n_range_lines - PATCH + 1, PATCH)
     if not (rows and lines):
-        wanted, got = f"{FIRST_ROW + PATCH} x {PATCH}", f"{n_range_bins} x {n_range_lines}"
-        msg = f"two-sample test: expected scenes of {wanted} pixels or more, the smallest has {got}"
+        msg = f"two-sample test: expected scenes of {FIRST_ROW + PATCH} x {PATCH} pixels or more, "
+        msg += f"the smallest has {n_range_bins} x {n_range_lines}"
         raise ValueError(msg)
-    return [
-        np.array(
-            [s.image[row : row + PATCH, line : line + PATCH] for row in rows for line in lines]
-        )
-        for s in scenes
-    ]
+    corners = list(product(rows, lines))
+    patches = []
+    for scene in scenes:
+        of_scene = [scene.image[row : row + PATCH, line : line + PATCH] for row, line in corners]
+        patches.append(np.array(of_scene))
+    return patches
 
 
 def two_sample_table(sets, *, n_splits, n_steps, stream):
-    """How often two classifiers tell observed scenes from drawn ones, and one half of the observed from the other.
+    """How often two classifiers tell observed scenes from drawn ones, and one half from the other.
 
     `sets` maps names to lists of scenes, `observed` first, all of one length; `stream` gives a
     generator by keys. Rows: `scenes`, `classifier`, `first_row` of the patches (-1: all),
     `accuracy`, its 95 % interval over scenes, how many.
     """
     everything = [scene for scenes in sets.values() for scene in scenes]
-    size = [
-        min(getattr(scene, f"n_{name}") for scene in everything)
-        for name in ("range_bins", "range_lines")
-    ]
-    patches = {name: patches_of(scenes, *size) for name, scenes in sets.items()}
+    n_range_bins = min(scene.n_range_bins for scene in everything)
+    n_range_lines = min(scene.n_range_lines for scene in everything)
+    patches = {
+        name: patches_of(scenes, n_range_bins, n_range_lines) for name, scenes in sets.items()
+    }
     features = {name: textures(of_set) for name, of_set in patches.items()}
-    n_rows = (size[0] - FIRST_ROW) // PATCH
+    n_rows = (n_range_bins - FIRST_ROW) // PATCH
     rows = []
     for name in sets:
-        for classifier, given in (("network", patches), ("texture", features)):
-            pair = given["observed"], given[name]
+        network = partial(fit_network, n_steps=n_steps, rng=stream(name))
+        for classifier, given, fit in (
+            ("network", patches, network),
+            ("texture", features, fitted),
+        ):
+            observed = given["observed"]
+            drawn = given[name]
             if name == "observed":
-                pair = given[name][::2], given[name][1::2]
-            fit = (
-                {"fit": partial(fit_network, n_steps=n_steps, rng=stream(name))}
-                if given is patches
-                else {}
-            )
-            right = decisions(*pair, n_splits=min(n_splits, *map(len, pair)), **fit)
-            for place, chosen in ((-1, slice(None)), *enumerate(range(n_rows))):
-                shares = right and [
-                    [of.reshape(n_rows, -1)[chosen].mean() for of in side] for side in right
-                ]
-                found = accuracy(shares, rng=stream(name, classifier, place))
-                first_row = -1 if place < 0 else FIRST_ROW + PATCH * place
-                rows.append((name, classifier, first_row, *found, sum(map(len, pair))))
+                observed, drawn = drawn[::2], drawn[1::2]
+            n_used = min(n_splits, len(observed), len(drawn))
+            right = decisions(observed, drawn, n_splits=n_used, fit=fit)
+            n_scenes = len(observed) + len(drawn)
+            for number in range(-1, n_rows):
+                chosen = slice(None) if number < 0 else number
+                first_row = -1 if number < 0 else FIRST_ROW + PATCH * number
+                shares = right and [_shares(side, n_rows, chosen) for side in right]
+                found = accuracy(shares, rng=stream(name, classifier, number))
+                rows.append((name, classifier, first_row, *found, n_scenes))
     columns = ["scenes", "classifier", "first_row", "accuracy", "low", "high", "n_scenes"]
     return pd.DataFrame(rows, columns=columns)
+
+
+def _shares(right, n_rows, chosen):
+    """Share of right decisions on the chosen rows of patches, by scene."""
+    return [of_scene.reshape(n_rows, -1)[chosen].mean() for of_scene in right]
 
 
 def span_of(scene):
@@ -86,40 +93,42 @@ def span_of(scene):
 
 
 def describe_image(scene, span_db):
-    """Numbers of a scene's image by (quantity, lag or layer): looks of the air, autocorrelation, contrast of layers.
+    """Numbers of a scene's image by (quantity, lag or layer).
 
-    Snow is taken less the mean of its range bin along track, and less a cubic fall with depth down
-    range. `span_db` stands for 0 to 255; without looks and contrast where it is NaN.
+    Looks of the air, autocorrelation, contrast of layers. Snow is taken less the mean of its range
+    bin along track, and less a cubic fall with depth down range. `span_db` stands for 0 to 255;
+    without looks and contrast where it is NaN.
     """
     image_db = scene.image * (span_db / 255)
-    regions = surface_regions(scene.layer_bins, min(scene.n_range_bins, scene.image.shape[0]))
+    n_rows = min(scene.n_range_bins, scene.image.shape[0])
+    regions = surface_regions(scene.layer_bins, n_rows)
     found = {}
     if regions["above"].stop > MARGIN_BINS and np.isfinite(span_db):
-        found["looks of the air", 0] = equivalent_number_of_looks(
-            10 ** (image_db[regions["above"]] / 10)
-        )
-    below = scene.image[regions["below"]].astype(float)
-    depth = np.arange(len(below))
-    fall = np.polyval(np.polyfit(depth, below.mean(axis=1), CUBIC), depth)[:, None]
-    for along, part in (
-        ("range_line", below - below.mean(axis=1, keepdims=True)),
-        ("range_bin", below - fall),
-    ):
-        lags = [lag for lag in LAGS if lag < part.shape[along == "range_line"]]
-        values = autocorrelation(part, lags, along=along)
-        found |= {
-            (f"autocorrelation, {along}", lag): value
-            for lag, value in zip(lags, values, strict=True)
-        }
+        air = 10 ** (image_db[regions["above"]] / 10)
+        found["looks of the air", 0] = equivalent_number_of_looks(air)
+    snow = scene.image[regions["below"]].astype(float)
+    mean = snow.mean(axis=1, keepdims=True)
+    depth = np.arange(len(snow))
+    fall = np.polyval(np.polyfit(depth, snow.mean(axis=1), CUBIC), depth)
+    found |= _autocorrelations(snow - mean, "range_line", snow.shape[1])
+    found |= _autocorrelations(snow - fall[:, None], "range_bin", snow.shape[0])
     if np.isfinite(span_db):
         found |= contrast_of_layers(image_db, scene.layer_bins)
     return found
 
 
+def _autocorrelations(snow, along, length):
+    lags = [lag for lag in LAGS if lag < length]
+    values = autocorrelation(snow, lags, along=along)
+    quantity = f"autocorrelation, {along}"
+    return {(quantity, lag): value for lag, value in zip(lags, values, strict=True)}
+
+
 def contrast_of_layers(image_db, layer_bins):
-    """How far each layer's mean echo rises over the least on either side of it [dB], uppermost first."""
+    """How far each layer's mean echo rises over the least on either side [dB], uppermost first."""
     found = {}
-    lines, offsets = np.arange(image_db.shape[1]), np.arange(-BESIDE_BINS, BESIDE_BINS + 1)
+    lines = np.arange(image_db.shape[1])
+    offsets = np.arange(-BESIDE_BINS, BESIDE_BINS + 1)
     for number, layer in enumerate(layer_bins[1 : N_LAYERS + 1], start=1):
         known = np.isfinite(layer)
         rows = np.rint(layer[known]).astype(int) + offsets[:, None]
@@ -128,29 +137,31 @@ def contrast_of_layers(image_db, layer_bins):
             continue
         profile = image_db[rows, lines[known]].mean(axis=1)
         peak = profile[np.abs(offsets) <= PEAK_BINS].max()
-        sides = profile[offsets < -PEAK_BINS].min(), profile[offsets > PEAK_BINS].min()
-        found["contrast of layers", number] = peak - np.mean(sides)
+        above = profile[offsets < -PEAK_BINS].min()
+        below = profile[offsets > PEAK_BINS].min()
+        found["contrast of layers", number] = peak - np.mean([above, below])
     return found
 
 
 def describe_layers(layer_bins):
-    """Numbers of a scene's layers by (quantity, lag): roughness of layers and slabs along track, NaN left out.
+    """Numbers of a scene's layers by (quantity, lag): roughness along track, NaN left out.
 
-    Root mean square second difference [bins], and structure function, the mean square difference at
-    a lag [bins^2].
+    Of layers and slabs: root mean square second difference [bins], and structure function, the mean
+    square difference at a lag [bins^2].
     """
+    layers = layer_bins[: N_SLABS + 1]
+    return _roughness(layers, "layers") | _roughness(np.diff(layers, axis=0), "slabs")
+
+
+def _roughness(series, name):
     found = {}
-    for name, series in (
-        ("layers", layer_bins[: N_SLABS + 1]),
-        ("slabs", np.diff(layer_bins[: N_SLABS + 1], axis=0)),
-    ):
-        second = np.diff(series, n=2, axis=1)
-        if np.isfinite(second).any():
-            found[f"second difference, {name}", 0] = np.sqrt(np.nanmean(second**2))
-        for lag in (lag for lag in LAYER_LAGS if lag < series.shape[1]):
-            change = series[:, lag:] - series[:, :-lag]
-            if np.isfinite(change).any():
-                found[f"structure function, {name}", lag] = np.nanmean(change**2)
+    second = np.diff(series, n=2, axis=1)
+    if np.isfinite(second).any():
+        found[f"second difference, {name}", 0] = np.sqrt(np.nanmean(second**2))
+    for lag in LAYER_LAGS:
+        change = series[:, lag:] - series[:, :-lag]
+        if np.isfinite(change).any():
+            found[f"structure function, {name}", lag] = np.nanmean(change**2)
     return found
 
 
@@ -162,20 +173,20 @@ def scenes_table(numbers, *, rng):
     """
     rows = []
     for name, of_scenes in numbers.items():
-        keys = list(dict.fromkeys(key for of_scene in of_scenes for key in of_scene))
+        keys = dict.fromkeys(key for of_scene in of_scenes for key in of_scene)
         values = np.array([[of_scene.get(key, np.nan) for key in keys] for of_scene in of_scenes])
         known = np.isfinite(values)
-        drawn = rng.multinomial(len(values), np.full(len(values), 1 / len(values)), N_BOOTSTRAP)
+        n_scenes = len(values)
+        drawn = rng.multinomial(n_scenes, np.full(n_scenes, 1 / n_scenes), N_BOOTSTRAP)
         n_drawn = drawn @ known
+        means = drawn @ np.nan_to_num(values) / np.maximum(n_drawn, 1)
         # A number of a single scene may be missing from a resample.
-        means = np.where(n_drawn, drawn @ np.nan_to_num(values) / np.maximum(n_drawn, 1), np.nan)
-        columns = (
-            np.nanmean(values, axis=0),
-            *np.nanpercentile(means, [2.5, 97.5], axis=0),
-            known.sum(axis=0),
-        )
-        rows += [(*key, name, *of_key) for key, *of_key in zip(keys, *columns, strict=True)]
-    table = pd.DataFrame(
-        rows, columns=["quantity", "at", "scenes", "mean", "low", "high", "n_scenes"]
-    )
-    return table.sort_values(["quantity", "at"], kind="stable")
+        means = np.where(n_drawn, means, np.nan)
+        mean = np.nanmean(values, axis=0)
+        low, high = np.nanpercentile(means, [2.5, 97.5], axis=0)
+        n_known = known.sum(axis=0)
+        for place, (quantity, at) in enumerate(keys):
+            of_key = (mean[place], low[place], high[place], n_known[place])
+            rows.append((quantity, at, name, *of_key))
+    columns = ["quantity", "at", "scenes", "mean", "low", "high", "n_scenes"]
+    return pd.DataFrame(rows, columns=columns).sort_values(["quantity", "at"], kind="stable")

@@ -1,4 +1,4 @@
-"""Studies of the tracker: what the settings of its training do to its scores, and where it fails."""
+"""Studies of the tracker: what settings of its training do to its scores, and where it fails."""
 
 import dataclasses
 from functools import partial
@@ -16,7 +16,10 @@ N_LAST = 50  # steps whose loss is averaged: what a training has come to
 
 
 def runs_table(counts, pairs, *, n_bootstrap, rng):
-    """Scores of runs against others, by pairs; `counts` maps (setting, training set) to counts by image and replica."""
+    """Scores of runs against others, by pairs.
+
+    `counts` maps (setting, training set) to counts by image and replica.
+    """
     table = compare(counts, pairs, n_bootstrap=n_bootstrap, rng=rng)
     named = pd.DataFrame(table.pop("name").tolist(), columns=["setting", "training_set"])
     named[["base", "base_training_set"]] = table.pop("base").tolist()
@@ -24,70 +27,70 @@ def runs_table(counts, pairs, *, n_bootstrap, rng):
 
 
 def training_atlas(real, settings, learning_rates, n_seeds):
-    """What short trainings come to at several rates and seeds, and one on a scene without labels: rows of a table."""
+    """What short trainings come to at some rates and seeds, and one on a scene without labels."""
     for rate in learning_rates:
         changed = dataclasses.replace(settings, learning_rate=rate)
         for replica in range(n_seeds):
             work = partial(short_training, real, changed, replica)
             yield row("loss", rate, work, replica, failure=FloatingPointError, status="diverged")
-    empty = dataclasses.replace(real[0], layer_bins=np.full_like(real[0].layer_bins, np.nan))
+    first = real[0]
+    empty = dataclasses.replace(first, layer_bins=np.full_like(first.layer_bins, np.nan))
     yield row("empty labels", 0, partial(short_training, [empty], changed, 0))
 
 
 def short_training(real, settings, seed):
     """Mean loss of the last steps of a short training."""
-    losses = [
-        step["total"]
-        for _, step in train_steps(Training(settings, seed=seed), TrainingSet(real, seed=seed))
-    ]
+    training = Training(settings, seed=seed)
+    steps = train_steps(training, TrainingSet(real, seed=seed))
+    losses = [losses["total"] for _, losses in steps]
     return float(np.mean(losses[-N_LAST:]))
 
 
+def fused_counts(network, image, mask, *, precision, where="image"):
+    """Counts of the fused edges that a network finds in an image, against its mask."""
+    probabilities = track(network, image, precision=precision)
+    edges = suppress(probabilities[OUTPUTS.index("fuse")], where=where)
+    return match_counts(edges, mask, THRESHOLDS, where=where)
+
+
 def tracking_atlas(network, precision, scenes, atlas, render_level):
-    """Fused ODS on changed (image, mask) pairs and on pairs of level layers of `render_level`: rows of a table."""
+    """Fused ODS on changed (image, mask) pairs, and on pairs of level layers by `render_level`."""
 
     def ods(pairs):
-        edges = [
-            suppress(track(network, image, precision=precision)[OUTPUTS.index("fuse")])
-            for image, _ in pairs
-        ]
-        counts = [
-            match_counts(found, mask, THRESHOLDS)
-            for found, (_, mask) in zip(edges, pairs, strict=True)
-        ]
-        return score(counts)["ods"]
+        return score([fused_counts(network, *pair, precision=precision) for pair in pairs])["ods"]
 
-    yield row("flat image", 0, partial(ods, [(scenes[0][0] * 0, scenes[0][1])]))
+    image, mask = scenes[0]
+    yield row("flat image", 0, partial(ods, [(image * 0, mask)]))
     for shift in atlas["brightness_shifts"]:
-        shifted = [
-            (np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8), mask)
-            for image, mask in scenes
-        ]
+        shifted = [(_brighter(image, shift), mask) for image, mask in scenes]
         yield row("brightness", shift, partial(ods, shifted))
     for cut in atlas["rows_cut"]:
-        # From the bottom, where no layer lies.
-        rows = [image.shape[0] // 16 * 16 - cut for image, _ in scenes]
-        lower = [
-            (image[:n_rows], mask[:n_rows])
-            for (image, mask), n_rows in zip(scenes, rows, strict=True)
-        ]
+        lower = [(_lower(image, cut), _lower(mask, cut)) for image, mask in scenes]
         yield row("rows cut", cut, partial(ods, lower))
     for n_layers in atlas["n_layers"]:
         yield row("layers", n_layers, partial(ods, [render_level(n_layers)]))
 
 
+def _brighter(image, shift):
+    return np.clip(image.astype(int) + shift, 0, 255).astype(np.uint8)
+
+
+def _lower(image, cut):
+    """Whole sixteens of rows but for some, cut from the bottom, where no layer lies."""
+    return image[: len(image) // 16 * 16 - cut]
+
+
 def row(panel, value, work, replica=0, *, failure=ValueError, status="refused"):
-    """Result of work, or NaN and a status where this kind of failure says that it cannot be done."""
-    about = {"panel": panel, "value": value, "replica": replica}
+    """Result of work, or NaN and a status where this kind of failure says that it cannot be."""
+    found = {"panel": panel, "value": value, "replica": replica, "result": np.nan}
     try:
-        return about | {"result": work(), "status": "ok"}
+        return found | {"result": work(), "status": "ok"}
     except failure:
-        return about | {"result": np.nan, "status": status}
+        return found | {"status": status}
 
 
 def level_scene(n_layers, n_range_lines=256):
     """Level layers, to be rendered."""
-    layer_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)[:, None] * np.ones(
-        n_range_lines
-    )
+    level_bins = SURFACE_ROW + LAYER_SPACING_BINS * np.arange(n_layers + 1.0)
+    layer_bins = np.repeat(level_bins[:, None], n_range_lines, axis=1)
     return Scene(f"{n_layers} level layers", scene_height(layer_bins), layer_bins)
