@@ -42,18 +42,6 @@ def test_every_value_that_moved_is_named_with_its_size(folders):
     ]
 
 
-def test_moved_files_columns_and_small_differences_are_followed(folders, monkeypatch):
-    old, new = folders
-    (new / "tables/zones.csv").unlink()
-    moved = ZONES.assign(mean=[1 + 1e-13, np.nan]).rename(columns={"mean": "average"})
-    moved.to_csv(new / "tables/by_zone.csv", index=False)
-    assert len(reproducible.compare(old, new)) == 2
-    monkeypatch.setitem(reproducible.MOVED_FILES, "tables/zones.csv", "tables/by_zone.csv")
-    monkeypatch.setitem(reproducible.MOVED_COLUMNS, "mean", "average")
-    monkeypatch.setitem(reproducible.ALLOWED, "tables/by_zone.csv: average", 5e-13)
-    assert reproducible.compare(old, new) == []
-
-
 def test_what_one_core_makes_again_has_the_bytes_of_two(tiny_run, tmp_path):
     # Labels, both renders of them, both networks; the flight is not made again, nor all that
     # follows it.
