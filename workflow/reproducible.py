@@ -54,7 +54,7 @@ def digests(results):
 
 
 def compare(old, new):
-    """Differences between two results folders, a line each: every value of every file that both must hold."""
+    """Differences between two results folders, a line each: every value that both must hold."""
     before = {path.relative_to(old) for path in reproducible_files(old)}
     after = {path.relative_to(new) for path in reproducible_files(new)}
     differences = [f"{name}: only in {new}" for name in sorted(after - before)]
@@ -81,7 +81,7 @@ def compare_files(old, new, name):
 
 
 def contents(path):
-    """Values of a file by the names of its variables, columns or tensors; a figure's are the numbers it draws."""
+    """Values of a file by variable, column or tensor; a figure's are the numbers it draws."""
     if path.suffix == ".nc":
         import xarray as xr
 
@@ -111,7 +111,7 @@ def contents(path):
 
 
 def largest_difference(before, after):
-    """Largest difference of two arrays; infinite where shapes differ, or what is no number or NaN in one of them."""
+    """Largest difference of two arrays; infinite if shapes, text or places of NaN differ."""
     if before.shape != after.shape:
         return np.inf
     missing = pd.isna(before)
