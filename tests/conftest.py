@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def pytest_collection_modifyitems(items):
-    """Tests of reruns go first: of two workers one makes the tiny run, the other takes files that do not need it."""
+    """Tests of reruns go first: one worker makes the tiny run while the others take other files."""
     items.sort(key=lambda item: item.path.name != "test_reruns.py")
 
 
@@ -22,8 +22,10 @@ def rng():
 @pytest.fixture
 def layer_bins(rng):
     """Eight wavy layers 12 to 30 bins apart."""
-    phase, amplitude = rng.uniform(0, 2 * np.pi, (8, 1)), rng.uniform(0, 3, (8, 1))
-    base = 30 + np.cumsum(rng.uniform(18, 30, (8, 1)), axis=0)
+    phase = rng.uniform(0, 2 * np.pi, (8, 1))
+    amplitude = rng.uniform(0, 3, (8, 1))
+    spacing = rng.uniform(18, 30, (8, 1))
+    base = 30 + np.cumsum(spacing, axis=0)
     return base + amplitude * np.sin(np.arange(120) / 25 + phase)
 
 

@@ -5,6 +5,10 @@ import mpmath
 
 def waveform_in_80_digits(x_bins, variance_bins2, decay_rate):
     with mpmath.workdps(80):
-        x, d, a = (mpmath.mpf(float(value)) for value in (x_bins, variance_bins2, decay_rate))
+        x = mpmath.mpf(float(x_bins))
+        d = mpmath.mpf(float(variance_bins2))
+        a = mpmath.mpf(float(decay_rate))
         z = (a * d - x) / mpmath.sqrt(2 * d)
-        return mpmath.sqrt(mpmath.pi * d / 2) * mpmath.exp(a * a * d / 2 - a * x) * mpmath.erfc(z)
+        area = mpmath.sqrt(mpmath.pi * d / 2)
+        decay = mpmath.exp(a * a * d / 2 - a * x)
+        return area * decay * mpmath.erfc(z)

@@ -18,31 +18,37 @@ BARE_RADAR = {
     "missing_rate": 0.0,
     "saturated_rate": 0.0,
     "surface_to_noise_db": 60.0,
-}
-BARE_RADAR |= {
     "sidelobe_db": -200.0,
     "band_noise_db": -200.0,
     "line_gain_sd_db": 0.0,
     "quantisation_db": 0.0,
 }
-BARE = {"firn": BARE_FIRN, "radar": BARE_RADAR}  # interfaces alone: nothing that moves a peak
+# Interfaces alone: nothing that moves a peak.
+BARE = {"firn": BARE_FIRN, "radar": BARE_RADAR}
 
 
 def climate_of(reference, seed=1):
-    return draw_climate(checked_settings(reference), rng=random_stream(seed, "climate"))
+    settings = checked_settings(reference)
+    return draw_climate(settings, rng=random_stream(seed, "climate"))
 
 
 def column_at(climate, km, n_lines, n_bins_below, *, rng):
     """Column under range lines of the flight from a position on."""
-    return draw_column(climate, "flight", km + np.arange(n_lines) * 5.47e-3, n_bins_below, rng=rng)
+    position_km = km + np.arange(n_lines) * 5.47e-3
+    return draw_column(climate, "flight", position_km, n_bins_below, rng=rng)
 
 
 def peak_rows(echo, line, rows):
-    """Rows of the maxima of one line's mean echo next to given rows, at sub-bins, refined by parabolas."""
+    """Rows of the maxima of a line's mean echo next to given rows, by parabolas of sub-bins."""
     n_sub = echo.radar.n_sub_bins
     response = range_response(echo.radar).astype(float) ** 2
-    received = np.convolve(echo.sub_bin_power[line].astype(float), response, "same")
-    near = echo.margin + np.rint(rows * n_sub).astype(int)[:, None] + np.arange(-4, 5)
+    power = echo.sub_bin_power[line].astype(float)
+    received = np.convolve(power, response, "same")
+    centre = echo.margin + np.rint(rows * n_sub).astype(int)
+    near = centre[:, None] + np.arange(-4, 5)
     top = near[np.arange(len(rows)), received[near].argmax(axis=1)]
-    left, middle, right = (received[top + step] for step in (-1, 0, 1))
-    return (top + 0.5 * (left - right) / (left - 2 * middle + right) - echo.margin) / n_sub
+    left = received[top - 1]
+    middle = received[top]
+    right = received[top + 1]
+    vertex = top + 0.5 * (left - right) / (left - 2 * middle + right)
+    return (vertex - echo.margin) / n_sub

@@ -5,47 +5,51 @@ from itertools import product
 import pandas as pd
 
 SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
-OUTPUTS = (*(f"side_{side}" for side in range(1, 6)), "fuse")
+METRICS = ("ods", "ois", "ap")
+OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")
 
 
 def table2(cgan, phy):
     """Table II of the same lowest, mean and highest value for every metric."""
-    rows = product(("ssim", "psnr", "rmse"), zip(("min", "mean", "max"), cgan, phy, strict=True))
-    return pd.DataFrame(
-        [(metric, *row) for metric, row in rows], columns=["metric", "statistic", "cgan", "phy"]
-    )
+    of_metric = pd.DataFrame({"statistic": ["min", "mean", "max"], "cgan": cgan, "phy": phy})
+    metrics = pd.DataFrame({"metric": ["ssim", "psnr", "rmse"]})
+    return metrics.merge(of_metric, how="cross")
 
 
 def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
     """Table III's intervals, the differences to RD planted by (output, training set) or none."""
-    table = pd.DataFrame(
-        product(outputs, SETS, ("ods", "ois", "ap")), columns=["output", "training_set", "metric"]
-    )
-    keys = zip(table["output"], table["training_set"], strict=True)
-    difference = pd.Series([(differences or {}).get(key, 0.0) for key in keys])
-    table = table.assign(
-        mean=0.8 + difference, low=0.78, high=0.82, n_replicas=2, n_images=60, difference=difference
-    )
-    return table.assign(
-        difference_low=difference - half_width, difference_high=difference + half_width
-    )
+    keys = product(outputs, SETS, METRICS)
+    table = pd.DataFrame(keys, columns=["output", "training_set", "metric"])
+    planted = differences or {}
+    of_rows = zip(table["output"], table["training_set"], strict=True)
+    difference = pd.Series([planted.get(row, 0.0) for row in of_rows])
+    table["mean"] = 0.8 + difference
+    table["low"] = 0.78
+    table["high"] = 0.82
+    table["n_replicas"] = 2
+    table["n_images"] = 60
+    table["difference"] = difference
+    table["difference_low"] = difference - half_width
+    table["difference_high"] = difference + half_width
+    return table
 
 
 def worth(n_replicas, **values):
     """The tracker study's scores beside those of RD, the same for every training set and metric."""
-    rows = [
-        ("default", name, "default", "rd", metric)
-        for name, metric in product(SETS[1:], ("ods", "ois", "ap"))
-    ]
+    rows = product(["default"], SETS[1:], ["default"], ["rd"], METRICS)
     names = ["setting", "training_set", "base", "base_training_set", "metric"]
-    return pd.DataFrame(rows, columns=names).assign(n_replicas=n_replicas, **values)
+    table = pd.DataFrame(rows, columns=names)
+    return table.assign(n_replicas=n_replicas, **values)
 
 
 def picks():
     """Errors of picks of two trainings a set: 0.5 and 1.5 bins, the same counts."""
-    rows = [
-        (name, replica, 0.5 + replica, 0.9, 0.75, 40, 5, 7)
-        for name, replica in product(SETS, range(2))
-    ]
-    names = ["training_set", "replica", "mean_absolute_error_bins", "share_within", "share_found"]
-    return pd.DataFrame(rows, columns=[*names, "n_layers", "n_missed_layers", "n_false_layers"])
+    table = pd.DataFrame(product(SETS, range(2)), columns=["training_set", "replica"])
+    return table.assign(
+        mean_absolute_error_bins=0.5 + table["replica"],
+        share_within=0.9,
+        share_found=0.75,
+        n_layers=40,
+        n_missed_layers=5,
+        n_false_layers=7,
+    )

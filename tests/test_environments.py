@@ -6,28 +6,31 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 CONDA_NAMES = {"matplotlib-base": "matplotlib", "pytorch": "torch"}
-CONDA = dict(
-    entry.split("=")
-    for entry in yaml.safe_load((ROOT / "envs/cpu.yaml").read_text())["dependencies"]
-)
-PINS = {CONDA_NAMES.get(name, name): version for name, version in CONDA.items()}
+
+
+def read_text(name):
+    return (ROOT / name).read_text()
+
+
+def conda_pins():
+    """Versions in the conda environment, by the names of PyPI."""
+    entries = yaml.safe_load(read_text("envs/cpu.yaml"))["dependencies"]
+    pins = dict(entry.split("=") for entry in entries)
+    return {CONDA_NAMES.get(name, name): version for name, version in pins.items()}
 
 
 def test_conda_pins_equal_the_lock_file_and_hold_every_dependency():
-    pins = re.findall(
-        r"^([a-z0-9-]+)==([^ ]+)", (ROOT / "requirements.lock").read_text(), flags=re.MULTILINE
-    )
-    torch = re.search(
-        r"^TORCH_VERSION := (\S+)", (ROOT / "Makefile").read_text(), flags=re.MULTILINE
-    )
+    pins = conda_pins()
+    lock = re.findall(r"^([a-z0-9-]+)==([^ ]+)", read_text("requirements.lock"), flags=re.MULTILINE)
+    torch = re.search(r"^TORCH_VERSION := (\S+)", read_text("Makefile"), flags=re.MULTILINE)
     # A post-release rebuilds the same source; conda numbers builds apart.
-    locked = {name: version.split(".post")[0] for name, version in pins} | {
-        "torch": torch[1],
-        "python": "3.11",
-    }
-    assert {name: locked[name] for name in {*PINS, "python"}} == PINS
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    locked = {name: version.split(".post")[0] for name, version in lock}
+    locked["torch"] = torch[1]
+    locked["python"] = "3.11"
+    assert "python" in pins
+    assert {name: locked[name] for name in pins} == pins
+    project = tomllib.loads(read_text("pyproject.toml"))["project"]
     extras = project["optional-dependencies"]
     declared = [*project["dependencies"], *extras["learn"], *extras["workflow"]]
-    names = {re.match(r"[A-Za-z0-9-]+", entry)[0].lower() for entry in declared} - {"snakemake"}
-    assert names <= set(PINS)
+    names = {re.match(r"[A-Za-z0-9-]+", entry)[0].lower() for entry in declared}
+    assert names - {"snakemake"} <= set(pins)

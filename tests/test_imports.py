@@ -11,31 +11,32 @@ import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echogram", "seeding", "patches", "training"}
-FRONT = {
-    "cli",
-    "front",
-    "scoring",
-}  # for people who script: may import any stage; nothing imports them
+# For people who script: they may import any stage, and nothing imports them.
+FRONT = {"cli", "front", "scoring"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
-    *(
-        ("io", "frames"),
-        ("statistics", "phy.waveform"),
-        ("cgan", "metrics"),
-        ("tracker", "metrics"),
-    ),
-    *(
-        ("physical", "reference.firn"),
-        ("physical", "reference.climate"),
-    ),  # the firn's physics is written once
-    *(
-        ("labels", "phy.power"),
-        ("labels", "phy.parameters"),
-    ),  # a layer is labelled where its mean power shows it
+    ("io", "frames"),
+    ("statistics", "phy.waveform"),
+    ("cgan", "metrics"),
+    ("tracker", "metrics"),
+    # The firn's physics is written once.
+    ("physical", "reference.firn"),
+    ("physical", "reference.climate"),
+    # A layer is labelled where its mean power shows it.
+    ("labels", "phy.power"),
+    ("labels", "phy.parameters"),
 }
-ONLY = {"torch": {"cgan", "tracker", "patches", "training"}}
-ONLY |= dict.fromkeys(("netCDF4", "h5py", "PIL", "safetensors"), {"io"})
-ONLY |= dict.fromkeys(("matplotlib", "snakemake", "lib"), set())
+# What only some stages may import.
+ONLY = {
+    "torch": {"cgan", "tracker", "patches", "training"},
+    "netCDF4": {"io"},
+    "h5py": {"io"},
+    "PIL": {"io"},
+    "safetensors": {"io"},
+    "matplotlib": set(),
+    "snakemake": set(),
+    "lib": set(),
+}
 MODULES = sorted(path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py"))
 
 
@@ -67,20 +68,14 @@ def test_module_imports_only_what_its_place_allows(module):
         other = parts[1]
         if other in CORE | {stage, "__version__"} or stage in FRONT:
             continue
-        allowed = any(
-            stage == a and (name == f"snowsim.{b}" or name.startswith(f"snowsim.{b}."))
-            for a, b in ALLOWED
-        )
-        assert allowed, f"{module} imports {name}"
+        allowed = [f"snowsim.{target}." for source, target in ALLOWED if source == stage]
+        assert f"{name}.".startswith(tuple(allowed)), f"{module} imports {name}"
 
 
 def test_only_io_opens_files():
     for module in MODULES:
-        calls = {
-            node.func.id
-            for node in nodes(module)
-            if isinstance(node, ast.Call) and hasattr(node.func, "id")
-        }
+        functions = [node.func for node in nodes(module) if isinstance(node, ast.Call)]
+        calls = {function.id for function in functions if isinstance(function, ast.Name)}
         assert module.parts[0] == "io" or "open" not in calls, f"{module} opens a file"
 
 
@@ -98,22 +93,25 @@ print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagno
 def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themselves_and_core_alone(
     stage,
 ):
-    names = [".".join(("snowsim", *module.parts)) for module in MODULES if module.parts[0] == stage]
-    command = [sys.executable, "-c", CHILD, *(names or ["lib.diagnostics.coherent"])]
+    of_stage = [module for module in MODULES if module.parts[0] == stage]
+    names = [".".join(("snowsim", *module.parts)) for module in of_stage]
+    if stage == "coherent":
+        names = ["lib.diagnostics.coherent"]
+    command = [sys.executable, "-c", CHILD, *names]
     done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
-    loaded = {
-        "coherent" if name.startswith("lib.") else name.split(".")[1]
-        for name in done.stdout.split()
-    }
+    loaded = set()
+    for name in done.stdout.split():
+        loaded.add("coherent" if name.startswith("lib.") else name.split(".")[1])
     assert stage in loaded
     assert loaded - {stage, "__init__"} <= CORE
 
 
 def test_settings_are_checked_without_what_draws():
     # Every start of the workflow checks them, dry runs included.
-    check = "import sys; from snowsim.reference import checked_settings; checked_settings({}); print(*sys.modules)"
-    command = [sys.executable, "-c", check]
-    loaded = set(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split())
+    check = "import sys; from snowsim.reference import checked_settings; checked_settings({}); "
+    command = [sys.executable, "-c", f"{check}print(*sys.modules)"]
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    loaded = set(done.stdout.split())
     assert "snowsim.reference.settings" in loaded
     assert not loaded & {
         "scipy",
@@ -125,8 +123,7 @@ def test_settings_are_checked_without_what_draws():
 
 
 def test_the_reference_flight_has_the_names_it_promises_and_no_other():
-    assert all(
-        getattr(snowsim.reference, name).__name__ == name for name in snowsim.reference.__all__
-    )
+    for name in snowsim.reference.__all__:
+        assert getattr(snowsim.reference, name).__name__ == name
     with pytest.raises(AttributeError, match="has no attribute 'draw_nothing'"):
         _ = snowsim.reference.draw_nothing

@@ -1,4 +1,4 @@
-"""The package builds, installs bare, and does there what its examples and the README's scripts show."""
+"""The package builds, installs bare, and does there what its examples and README's scripts show."""
 
 import re
 import shutil
@@ -17,7 +17,8 @@ from snowsim.io.files import write_dataset
 from snowsim.io.images import write_image
 from snowsim.reference import checked_settings, draw_climate, draw_frame
 
-EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+EXTRAS = PROJECT["optional-dependencies"]
 SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]
 NETWORKS = (
     "snowsim.cgan",
@@ -50,9 +51,8 @@ sys.exit(runner.summarize().failed)
 
 
 def run_in(folder, *command):
-    done = subprocess.run(
-        [str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False
-    )
+    words = [str(word) for word in command]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{command}:\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
     return done.stdout
 
@@ -92,9 +92,34 @@ def test_what_is_built_works_in_a_bare_environment(built, tmp_path, monkeypatch,
     python = bare(tmp_path, next(built.glob(f"*.{ending}")))
     assert "torch" not in run_in(tmp_path, python, "-m", "pip", "list")
     run_in(tmp_path, python, "-I", "-c", examples())
-    assert "all 1 images" in run_in(
-        tmp_path, "bare/bin/snowsim", "score", "map.npy", "truth.npy"
-    )  # of an example
+    # Files of an example.
+    scored = run_in(tmp_path, "bare/bin/snowsim", "score", "map.npy", "truth.npy")
+    assert "all 1 images" in scored
+
+
+def write_predictions(folder):
+    """Three true masks of four layers, and predictions of a bin below."""
+    waves = np.round(3 * np.sin(np.arange(256) / 20))
+    layers = 60 + 30 * np.arange(4)[:, None] + waves
+    truth = layer_mask(layers, 300)
+    predicted = 200 * layer_mask(layers + 1, 300)
+    for name in "abc":
+        write_image(folder / f"test/layer_binary_{name}.png", truth)
+        write_image(folder / f"predictions/fuse/data_{name}.png", predicted.astype("u1"))
+
+
+def write_frames(folder):
+    """Two frames of the reference flight with their table."""
+    settings = checked_settings({"radar": {"n_range_bins": 1000}})
+    climate = draw_climate(settings, rng=np.random.default_rng(1))
+    rows = ["frame\techogram\tlayers\trole"]
+    for index, role in enumerate(("statistics", "test")):
+        rng = np.random.default_rng(index)
+        echogram, layers = draw_frame(index, 2, 1024, climate=climate, settings=settings, rng=rng)
+        write_dataset(folder / f"{role}_e.nc", echogram)
+        write_dataset(folder / f"{role}_l.nc", layers)
+        rows.append(f"{role}\t{role}_e.nc\t{role}_l.nc\t{role}")
+    (folder / "frames.tsv").write_text("\n".join(rows))
 
 
 @pytest.mark.slow
@@ -106,25 +131,8 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(
     needed, *lines = SCRIPTS[number].splitlines()
     assert sum(bool(line.strip()) for line in lines) <= 10
     extra = re.fullmatch(r"# pip install \"?\.(\[\w+\])?\"?", needed)[1] or ""
-    layers = 60 + 30 * np.arange(4)[:, None] + np.round(3 * np.sin(np.arange(256) / 20))
-    for name in "abc":
-        write_image(tmp_path / f"test/layer_binary_{name}.png", layer_mask(layers, 300))
-        write_image(
-            tmp_path / f"predictions/fuse/data_{name}.png",
-            (200 * layer_mask(layers + 1, 300)).astype("u1"),
-        )
-    settings = checked_settings({"radar": {"n_range_bins": 1000}})
-    common = {"climate": draw_climate(settings, rng=np.random.default_rng(1)), "settings": settings}
-    rows = ["frame\techogram\tlayers\trole"]
-    for index, role in enumerate(("statistics", "test")):
-        for kind, drawn in zip(
-            "el",
-            draw_frame(index, 2, 1024, **common, rng=np.random.default_rng(index)),
-            strict=True,
-        ):
-            write_dataset(tmp_path / f"{role}_{kind}.nc", drawn)
-        rows.append(f"{role}\t{role}_e.nc\t{role}_l.nc\t{role}")
-    (tmp_path / "frames.tsv").write_text("\n".join(rows))
+    write_predictions(tmp_path)
+    write_frames(tmp_path)
     python = bare(tmp_path, f"{next(built.glob('*.whl'))}{extra}")
     (tmp_path / "script.py").write_text(SCRIPTS[number])
     assert run_in(tmp_path, python, "-I", "script.py").strip()

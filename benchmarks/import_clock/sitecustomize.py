@@ -1,4 +1,4 @@
-"""Seconds that each job of a run spends on imports, wherever they stand, in logs/imports.tsv of the run.
+"""Seconds that each job of a run spends on imports, wherever they stand, in its logs/imports.tsv.
 
 ``PYTHONPATH=benchmarks/import_clock make run``: Python executes this file in every process before
 anything else. A row is the life of a process and the imports in it [s].

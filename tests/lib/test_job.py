@@ -1,4 +1,4 @@
-"""A script is handed what its rule names; its log ends with the error, and bad input is one line."""
+"""A script is handed what its rule names; its log ends with the error; bad input is one line."""
 
 import ast
 import os
@@ -18,12 +18,16 @@ def some_job(folder, mem_mb=0):
 
 
 def items(*unnamed, **of_names):
-    """Inputs, outputs or params as Snakemake hands them over: files under a name are a list of their own."""
+    """Inputs, outputs or params as Snakemake hands them over: files of a name are a list."""
     given = Namedlist(list(unnamed))
     for name, value in of_names.items():
-        start, files = len(given), value if isinstance(value, list) else [value]
-        given.extend(files)
-        given._set_name(name, start, end=len(given) if files is value else None)
+        start = len(given)
+        if isinstance(value, list):
+            given.extend(value)
+            given._set_name(name, start, end=len(given))
+        else:
+            given.append(value)
+            given._set_name(name, start)
     return given
 
 
@@ -40,8 +44,13 @@ def test_inputs_outputs_and_params_are_handed_over_by_their_names():
         params=Namedlist(fromdict={"seed": 1, "span": [0, 2]}),
     )
     assert named(snakemake) == {
-        "scenes": ["a.nc", "b.nc"], "none": [], "statistics": "s.nc", "table": "t.csv", "seed": 1, "span": [0, 2]
-    }  # fmt: skip
+        "scenes": ["a.nc", "b.nc"],
+        "none": [],
+        "statistics": "s.nc",
+        "table": "t.csv",
+        "seed": 1,
+        "span": [0, 2],
+    }
 
 
 @pytest.mark.parametrize(
@@ -87,9 +96,8 @@ def test_a_job_that_needs_more_memory_than_there_is_does_not_start(tmp_path, cap
     with pytest.raises(SystemExit), job(some_job(tmp_path, mem_mb=10**9)):
         pytest.fail("the job started")
     printed = capsys.readouterr().err
-    assert printed.startswith(
-        "error: some_rule: memory: expected at least 1000000000 MB available, got "
-    )
+    refusal = "error: some_rule: memory: expected at least 1000000000 MB available, got "
+    assert printed.startswith(refusal)
 
 
 @pytest.mark.parametrize("error", [ValueError, OSError, ZeroDivisionError])

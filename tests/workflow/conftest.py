@@ -1,4 +1,4 @@
-"""A finished run of the tiny configuration, made once for all tests, and the rules as they are declared."""
+"""A finished run of the tiny configuration, made once for all tests, and the rules as declared."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,24 +19,25 @@ def shared_folder(tmp_path_factory, worker_id):
 
 @pytest.fixture(scope="session")
 def tiny_source(shared_folder, worker_id):
-    """What the tiny run is made from; workers share a copy that is no other run's: only tests of its reruns edit it."""
-    return (
-        source_tree() if worker_id == "master" else made_once(shared_folder / "source", copy_source)
-    )
+    """What the tiny run is made from; workers share a copy that only tests of its reruns edit."""
+    if worker_id == "master":
+        return source_tree()
+    return made_once(shared_folder / "source", copy_source)
 
 
 @pytest.fixture(scope="session")
 def tiny_run(shared_folder, tiny_source):
     """Folder of a finished run of the tiny configuration on two cores, the same for all workers."""
-    return made_once(
-        shared_folder / "tiny_run",
-        lambda folder: run_snakemake(folder, source=tiny_source, timeout=3600),
-    )
+
+    def make(folder):
+        run_snakemake(folder, source=tiny_source, timeout=3600)
+
+    return made_once(shared_folder / "tiny_run", make)
 
 
 @pytest.fixture(scope="session")
 def reproducible_targets(tiny_run):
-    """Every file of the finished run that another run must make byte for byte: as targets they leave out timings.
+    """Every file of the finished run that another run must make byte for byte: no timings.
 
     The PNG beside a figure is no target of its own: the rule that makes the SVG writes both.
     """
@@ -46,23 +47,24 @@ def reproducible_targets(tiny_run):
 
 @pytest.fixture(scope="session")
 def load_rules(tmp_path_factory):
-    """Function that gives the rules as they are declared for the tiny configuration and a dict of further settings."""
+    """Function that gives the rules as declared for the tiny configuration and further settings."""
 
     def load(**settings):
-        return [
-            SimpleNamespace(
-                name=rule.name,
-                script=SCRIPTS / Path(str(rule.script)).name if rule.script else None,
-                # An input function that asks for no wildcards.
-                code={Path(path).relative_to(ROOT) for path in rule.input.code(None)}
-                if rule.script
-                else set(),
-                declared=rule,
-            )
-            for rule in parsed(tmp_path_factory.mktemp("rules"), **settings).rules
-        ]
+        workflow = parsed(tmp_path_factory.mktemp("rules"), **settings)
+        return [described(rule) for rule in workflow.rules]
 
     return load
+
+
+def described(rule):
+    """A rule as it is declared, with its script and the code that this imports."""
+    script = None
+    code = set()
+    if rule.script:
+        script = SCRIPTS / Path(str(rule.script)).name
+        # An input function that asks for no wildcards.
+        code = {Path(path).relative_to(ROOT) for path in rule.input.code(None)}
+    return SimpleNamespace(name=rule.name, script=script, code=code, declared=rule)
 
 
 @pytest.fixture(scope="session")

@@ -26,9 +26,8 @@ from snakemake.settings.types import (
 
 from lib.imports import ROOT
 
-CONFIG, SCHEMA = (
-    yaml.safe_load(path.read_text()) for path in (configuration.CONFIG, configuration.SCHEMA)
-)
+CONFIG = yaml.safe_load(configuration.CONFIG.read_text())
+SCHEMA = yaml.safe_load(configuration.SCHEMA.read_text())
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")
@@ -52,7 +51,7 @@ def source_tree():
 
 
 def made_once(path, make):
-    """`path` as `make` made it, by the first process to ask; others wait for it. A half-made one is made anew."""
+    """`path` as `make` made it for the first process to ask; a half-made one is made anew."""
     with path.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not path.with_suffix(".made").exists():
@@ -67,15 +66,12 @@ def command(
 ):
     """Words of a call of Snakemake with results in `folder`."""
     source = source or source_tree()
-    words = [
-        SNAKEMAKE,
-        *("--snakefile", source / snakefile),
-        *("--directory", folder),
-        *("--workflow-profile", source / "profiles" / profile),
-        *(("--cores", cores) if profile == "default" else ()),
-        *("--configfile", *[source / "config" / config for config in configs]),
-        *arguments,
-    ]
+    words = [SNAKEMAKE, "--snakefile", source / snakefile, "--directory", folder]
+    words += ["--workflow-profile", source / "profiles" / profile]
+    if profile == "default":
+        words += ["--cores", cores]
+    words += ["--configfile", *[source / "config" / config for config in configs]]
+    words += arguments
     return [str(word) for word in words]
 
 
@@ -85,42 +81,39 @@ def environment(**changes):
 
 
 def call(*words, cwd=None, timeout=300, env=None):
-    """The finished process of some words with its output as text, by default in the copied source."""
-    words, folder, variables = (
-        [str(word) for word in words],
-        cwd or source_tree(),
-        env or environment(),
-    )
+    """The finished process of some words with its output, by default in the copied source."""
     return subprocess.run(
-        words,
+        [str(word) for word in words],
         capture_output=True,
         text=True,
         timeout=timeout,
         check=False,
-        cwd=folder,
-        env=variables,
+        cwd=cwd or source_tree(),
+        env=env or environment(),
     )
 
 
 def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source=None, **options):
-    """The finished run of the workflow in `folder`, well unless it `fails`; options are those of `command`."""
-    words, env = command(folder, *arguments, source=source, **options), env or environment()
-    done = call(
-        *words,
-        timeout=timeout,
-        cwd=source,
-        env=env | ({"PYTHONPATH": str(source)} if source else {}),
-    )
+    """The finished run of the workflow in `folder`, well unless it `fails`; see `command`."""
+    words = command(folder, *arguments, source=source, **options)
+    env = env or environment()
+    if source:
+        env = env | {"PYTHONPATH": str(source)}
+    done = call(*words, timeout=timeout, cwd=source, env=env)
     assert (done.returncode != 0) == fails, text_of(done)[-4000:]
     return done
 
 
 def parsed(folder, configs=TINY, targets=(), **config):
-    """The workflow as Snakemake reads it in this process, for a run in `folder`, with plans for targets if any."""
+    """The workflow as Snakemake reads it for a run in `folder`; targets are planned."""
     files = [ROOT / "config" / name for name in configs]
     with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
-        settings = ResourceSettings(cores=1), ConfigSettings(config=config, configfiles=files)
-        workflow = api.workflow(*settings, snakefile=ROOT / "Snakefile", workdir=folder)
+        workflow = api.workflow(
+            ResourceSettings(cores=1),
+            ConfigSettings(config=config, configfiles=files),
+            snakefile=ROOT / "Snakefile",
+            workdir=folder,
+        )
         dag = workflow.dag(DAGSettings(targets=set(targets)))
         if targets:
             dag.execute_workflow(executor="dryrun")
@@ -139,8 +132,9 @@ def refused(folder, *configs, **config):
 def settings(folder, text):
     """Configuration files of the tiny run with what differs, YAML."""
     folder.mkdir(exist_ok=True)
-    (folder / "settings.yaml").write_text(f"{text}\n")
-    return *TINY, folder / "settings.yaml"
+    path = folder / "settings.yaml"
+    path.write_text(f"{text}\n")
+    return *TINY, path
 
 
 def text_of(done):
@@ -166,5 +160,7 @@ def rules_to_run(dry_run):
     """Names of the rules in the job table of a dry run, that of the default target left out."""
     if "Nothing to be done" in text_of(dry_run):
         return set()
-    lines = dry_run.stdout.split("Job stats:")[1].split("\n\n")[0].splitlines()[3:]
-    return {line.split()[0] for line in lines} - {"all", "total"}
+    after = dry_run.stdout.split("Job stats:")[1]
+    table = after.split("\n\n")[0]
+    names = {line.split()[0] for line in table.splitlines()[3:]}
+    return names - {"all", "total"}

@@ -1,4 +1,4 @@
-"""A SLURM cluster of one node on this machine's loopback, in a folder of its own, without touching the system's."""
+"""A SLURM cluster of one node on the loopback, in a folder of its own, beside the system's."""
 
 import os
 import shutil
@@ -48,7 +48,7 @@ def find(name):
 
 @contextmanager
 def one_node_cluster(folder, cpus=2, memory_mb=8000):
-    """Start the cluster; gives the folder of its client programs, to be put first on the path; stops it at the end."""
+    """A running cluster: the folder of its client programs, to be put first on the path."""
     for name in ("state", "spool", "bin"):
         (folder / name).mkdir(parents=True)
     host = socket.gethostname().split(".")[0]
@@ -68,10 +68,9 @@ def one_node_cluster(folder, cpus=2, memory_mb=8000):
     for name in CLIENTS:
         # Programs that know the cluster's configuration: job steps are started without SLURM's
         # variables.
-        (folder / "bin" / name).write_text(
-            f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n'
-        )
-        (folder / "bin" / name).chmod(0o755)
+        program = folder / "bin" / name
+        program.write_text(f'#!/bin/sh\nSLURM_CONF="{conf}" exec {find(name)} "$@"\n')
+        program.chmod(0o755)
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
     daemons = [
         subprocess.Popen([find("slurmctld"), "-D", "-f", conf, "-c"], **quiet),

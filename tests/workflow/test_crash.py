@@ -28,20 +28,23 @@ def processes_in(folder):
 
 
 def live_and_die(folder, n_jobs, seconds, targets):
-    """Start the run and kill its process group some seconds after it finished some jobs; False if it ended before."""
+    """Start the run, kill its processes some seconds after some jobs; False if it ended before."""
     folder.mkdir(exist_ok=True)
-    with (folder / "output.txt").open("w") as output:
-        place = {
-            "stdout": output,
-            "stderr": subprocess.STDOUT,
-            "cwd": source_tree(),
-            "env": environment(),
-        }
-        process = subprocess.Popen(command(folder, "--", *targets), start_new_session=True, **place)
-        while (
-            process.poll() is None
-            and (folder / "output.txt").read_text().count("Finished jobid") < n_jobs
-        ):
+    path = folder / "output.txt"
+
+    def n_finished():
+        return path.read_text().count("Finished jobid")
+
+    with path.open("w") as output:
+        process = subprocess.Popen(
+            command(folder, "--", *targets),
+            start_new_session=True,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            cwd=source_tree(),
+            env=environment(),
+        )
+        while process.poll() is None and n_finished() < n_jobs:
             time.sleep(0.05)
         try:
             process.wait(timeout=seconds)
@@ -49,7 +52,7 @@ def live_and_die(folder, n_jobs, seconds, targets):
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             return True
-    assert process.returncode == 0, (folder / "output.txt").read_text()[-3000:]
+    assert process.returncode == 0, path.read_text()[-3000:]
     return False
 
 
@@ -62,7 +65,8 @@ def test_twenty_kills_leave_the_results_of_a_run_that_was_left_alone(
 ):
     expected = reproducible.digests(tiny_run / "results")
     moments = random.Random(20120429)
-    n_killed, n_finished = 0, 0
+    n_killed = 0
+    n_finished = 0
     # Lives are counted in jobs, not seconds, so that a slow machine gets on as well; should the run
     # end before it was killed often enough, it starts anew.
     while n_killed < N_KILLS or n_finished == 0:

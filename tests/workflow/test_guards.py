@@ -1,4 +1,4 @@
-"""A run or a job that cannot end well stops early, in one line that says why, and leaves nothing behind."""
+"""A run or job that cannot end well stops early, says why in one line and leaves nothing behind."""
 
 import re
 import shutil
@@ -15,9 +15,8 @@ from lib.sources import check_disk, check_folders
 
 def test_a_run_that_the_disk_has_no_room_for_is_refused(tmp_path):
     check_disk(1, tmp_path / "results")
-    with pytest.raises(
-        ValueError, match=rf"^disk: this run writes about 10{{12}} MB, {tmp_path} has \d+ MB left$"
-    ):
+    message = rf"^disk: this run writes about 10{{12}} MB, {tmp_path} has \d+ MB left$"
+    with pytest.raises(ValueError, match=message):
         check_disk(1e18, tmp_path / "results")
 
 
@@ -25,9 +24,8 @@ def test_a_folder_is_checked_by_the_first_that_is_there(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     check_folders("results/a/b", "logs")
     monkeypatch.setattr("os.access", lambda folder, mode: folder != tmp_path)
-    with pytest.raises(
-        ValueError, match=rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"
-    ):
+    message = rf"^disk: logs/ cannot be written: {tmp_path} is read-only$"
+    with pytest.raises(ValueError, match=message):
         check_folders("logs")
 
 
@@ -86,7 +84,7 @@ def broken_run(tiny_run, tmp_path):
 
 
 def error_from_the_flight(folder, target):
-    """The one line of error when a target is made from the flight as it lies there, however old or broken."""
+    """The one line of error when a target is made from the flight as it lies there."""
     done = run_snakemake(folder, "--rerun-triggers", "mtime", "--quiet", "--", target, fails=True)
     assert not (folder / target).exists()
     (line,) = lines_with(done, "error: ")

@@ -1,4 +1,4 @@
-"""The workflow on files that are not the embedded flight's: every source, worked examples, export and back."""
+"""The workflow on files of other flights: every source, worked examples, export and back."""
 
 import shutil
 from copy import deepcopy
@@ -50,11 +50,9 @@ def test_worked_examples_pass_the_schema_and_explain_every_setting(path):
     config = deepcopy(CONFIG)
     update_config(config, yaml.safe_load(path.read_text()))
     jsonschema.validate(config, SCHEMA)
-    lines = [
-        line
-        for line in path.read_text().splitlines()
-        if ": " in line and not line.startswith(("#", "source"))
-    ]
+    others = ("#", "source")
+    lines = [line for line in path.read_text().splitlines() if not line.startswith(others)]
+    lines = [line for line in lines if ": " in line]
     assert lines
     assert all("#" in line for line in lines)
 
@@ -65,7 +63,7 @@ def test_the_example_table_lacks_nothing_but_the_files():
 
 
 def write_own(folder, source, **own):
-    """Configuration files of a run on own data of the tiny sizes, `own` the settings of the import."""
+    """Configuration files of a tiny run on own data, `own` the settings of the import."""
     return settings(folder, yaml.safe_dump({"source": source, "import": own}))
 
 
@@ -82,9 +80,8 @@ def test_a_bad_table_stops_before_any_job(tmp_path, table, expected):
     if table is not None:
         (tmp_path / "frames.tsv").write_text(formats.TABLE_HEADER + table)
     (tmp_path / "a").touch()
-    assert expected in refused(
-        tmp_path, write_own(tmp_path, "nsidc", frames=str(tmp_path / "frames.tsv"))
-    )
+    configs = write_own(tmp_path, "nsidc", frames=str(tmp_path / "frames.tsv"))
+    assert expected in refused(tmp_path, configs)
 
 
 def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path):
@@ -106,9 +103,8 @@ def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
         (tmp_path / f"{split}.lst").write_text(f"data_{name}.png\n")
     configs = write_own(tmp_path, "png_pairs", pairs={"folder": str(tmp_path)})
     for target in ("realism", "results/figures/echogram.svg", "results/figures/pixel_grid.svg"):
-        with pytest.raises(
-            WorkflowError, match="source png_pairs: there are no frames: images hold no positions"
-        ):
+        message = "source png_pairs: there are no frames: images hold no positions"
+        with pytest.raises(WorkflowError, match=message):
             parsed(tmp_path, configs, [target])
 
 
@@ -119,9 +115,8 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
     run_snakemake(tmp_path / "run", "--", "flight", configs=configs)
 
     def again():
-        return rules_to_run(
-            run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs)
-        )
+        plan = run_snakemake(tmp_path / "run", "--dry-run", "--", "flight", configs=configs)
+        return rules_to_run(plan)
 
     assert again() == set()
     imports = {"check_frames", "import_frame", "import_blocks", "flight"}
@@ -135,10 +130,9 @@ def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path,
 
 def check_own(results):
     """No result says of itself that it is of the synthetic flight."""
-    for path in (
-        file for ending in ("svg", "csv", "nc", "html") for file in results.rglob(f"*.{ending}")
-    ):
-        assert b"synthetic reference flight" not in path.read_bytes(), path
+    for ending in ("svg", "csv", "nc", "html"):
+        for path in results.rglob(f"*.{ending}"):
+            assert b"synthetic reference flight" not in path.read_bytes(), path
 
 
 def check_statistics(found, expected, rtol):
@@ -168,55 +162,53 @@ def test_exported_sets_are_those_of_the_run(exported, name):
             dataset = xr.load_dataset(exported / f"export/netcdf/{name}/scene_{scene.name}.nc")
             assert_array_equal(dataset["image"], scene.image)
             assert_array_equal(dataset["layer_bins"], scene.layer_bins)
-        assert (
-            f"{part}.lst: n_scenes {len(scenes)}"
-            in (exported / f"export/pairs/{name}/about.txt").read_text()
-        )
+        about = (exported / f"export/pairs/{name}/about.txt").read_text()
+        assert f"{part}.lst: n_scenes {len(scenes)}" in about
 
 
 @pytest.mark.slow
 def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exported, tmp_path):
     pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
-    done = run_snakemake(
-        tmp_path, configs=write_own(tmp_path, "png_pairs", pairs=pairs), timeout=1800
-    )
-    assert "left out: realism: it compares the synthetic flight with observed values" in text_of(
-        done
-    )
+    configs = write_own(tmp_path, "png_pairs", pairs=pairs)
+    done = run_snakemake(tmp_path, configs=configs, timeout=1800)
+    reason = "left out: realism: it compares the synthetic flight with observed values"
+    assert reason in text_of(done)
     results = tmp_path / "results"
     # Images and masks are those of the reference run, so what never saw the statistics scores the
     # same. Renders did.
     for table, same in {"table2": [], "table3": ["rd_ods", "rd_ois", "rd_ap"]}.items():
-        ours, theirs = (
-            pd.read_csv(folder / f"tables/{table}.csv") for folder in (results, exported)
-        )
+        ours = pd.read_csv(results / f"tables/{table}.csv")
+        theirs = pd.read_csv(exported / f"tables/{table}.csv")
         assert list(ours.columns) == list(theirs.columns)
         assert len(ours) == len(theirs)
-        assert ours.drop(columns=ours.columns[0]).select_dtypes("number").notna().all(axis=None)
+        numbers = ours.drop(columns=ours.columns[0]).select_dtypes("number")
+        assert numbers.notna().all(axis=None)
         assert_allclose(ours[same], theirs[same], rtol=1e-9)
     assert (results / "report.html").is_file()
     check_own(results)
     assert "source: png_pairs" in (results / "figures/labels.svg").read_text()
     assert not (results / "figures/flight_line.svg").exists()
     changed = write_own(tmp_path, "png_pairs", pairs={**pairs, "data_scale": "db"})
-    assert {"check_pairs", "import_pairs"} <= rules_to_run(
-        run_snakemake(tmp_path, "--dry-run", configs=changed)
-    )
+    plan = run_snakemake(tmp_path, "--dry-run", configs=changed)
+    assert {"check_pairs", "import_pairs"} <= rules_to_run(plan)
 
 
 @pytest.fixture
 def tiny_flight(tiny_run):
     """Echogram and layers of every frame of the tiny flight."""
-    pairs = [
-        [tiny_run / f"results/flight/{i:04d}{part}.nc" for part in ("", "_layers")]
-        for i in range(3)
-    ]
-    return [tuple(map(xr.load_dataset, pair)) for pair in pairs]
+    flight = tiny_run / "results/flight"
+
+    def frame(number):
+        echogram = xr.load_dataset(flight / f"{number:04d}.nc")
+        layers = xr.load_dataset(flight / f"{number:04d}_layers.nc")
+        return echogram, layers
+
+    return [frame(number) for number in range(3)]
 
 
 @pytest.fixture
 def own_flight(tiny_flight, tmp_path):
-    """A function that writes the tiny flight's frames as files of a source, with a table; gives settings."""
+    """A function that writes the tiny flight as files of a source, with a table; gives settings."""
 
     def write(source, kinds, old):
         rows = []
@@ -227,16 +219,16 @@ def own_flight(tiny_flight, tmp_path):
             name = f"20120330_04_{number + 1:03d}"
             file = own_files.write_echogram(tmp_path, f"echogram_{number}", content, kind)
             picks = own_files.write_layers(tmp_path, name, layers, content, old=old)
-            rows += [
-                (name if role != "train" else f"{name}t", file.name, picks.name, role)
-                for role in roles
-            ]
-        lines = [formats.TABLE_HEADER, *("\t".join(row) for row in rows)]
-        (tmp_path / "frames.tsv").write_text("".join(f"{line}\n" for line in lines))
-        own = {"frames": str(tmp_path / "frames.tsv"), "description": "own frames"}
+            for role in roles:
+                frame = f"{name}t" if role == "train" else name
+                rows.append(f"{frame}\t{file.name}\t{picks.name}\t{role}\n")
+        table = tmp_path / "frames.tsv"
+        table.write_text("".join([f"{formats.TABLE_HEADER}\n", *rows]))
+        own = {"frames": str(table), "description": "own frames"}
         # One frame has no pick of the first horizon: only names tell that its first layer is the
         # second one.
-        names = own_files.layer_names(max(layers.sizes["layer"] for _, layers in tiny_flight))
+        n_layers = max(layers.sizes["layer"] for _, layers in tiny_flight)
+        names = own_files.layer_names(n_layers)
         return write_own(tmp_path, source, **own, layer_names=names)
 
     return write
@@ -255,9 +247,8 @@ def own_flight(tiny_flight, tmp_path):
 def test_other_formats_give_the_flight_s_statistics_and_scenes(
     tiny_flight, tmp_path, own_flight, source, kinds, old
 ):
-    run_snakemake(
-        tmp_path / "run", "--", "flight", "charts", "labels", configs=own_flight(source, kinds, old)
-    )
+    configs = own_flight(source, kinds, old)
+    run_snakemake(tmp_path / "run", "--", "flight", "charts", "labels", configs=configs)
     results = tmp_path / "run/results"
     expected, found = fit(tiny_flight[:2]), xr.load_dataset(results / "statistics.nc")
     assert found.attrs["synthetic"] == "no"
@@ -271,8 +262,9 @@ def test_other_formats_give_the_flight_s_statistics_and_scenes(
         for scene in scenes:
             assert_allclose(np.nanmedian(scene.layer_bins[0]), 50, atol=0.5)
             # The surface is bright where the layers say it is: nothing slipped against anything.
-            rows = np.rint(scene.layer_bins[0]).astype(int)
-            lines = np.flatnonzero(np.isfinite(scene.layer_bins[0]))
+            surface = scene.layer_bins[0]
+            rows = np.rint(surface).astype(int)
+            lines = np.flatnonzero(np.isfinite(surface))
             on = scene.image[rows[lines], lines].mean()
             assert on > scene.image[rows[lines] - 12, lines].mean() + 50
     assert pd.read_csv(results / "tables/frames.csv")["n_scenes"].tolist() == [0, 2, 0, 2]

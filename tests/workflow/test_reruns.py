@@ -16,8 +16,9 @@ EDITED += ["workflow/lib/diagnostics/phy_atlas.py", "workflow/scripts/tabulate_r
 
 @contextmanager
 def edited(path):
-    """A line more in a file of the copied source, undone at the end; the file's time then is as before, too."""
-    text, times = path.read_text(), path.stat()
+    """A line more in a file of the copied source, undone at the end, the file's time with it."""
+    text = path.read_text()
+    times = path.stat()
     path.write_text(text + "\n# edited\n")
     try:
         yield
@@ -28,19 +29,17 @@ def edited(path):
 
 @pytest.fixture(scope="module")
 def plan(tiny_run, tiny_source):
-    """Function that runs Snakemake dry or otherwise in the folder of the finished run, from the source of that run."""
+    """Function that runs Snakemake in the folder of the finished run, from its source."""
     return partial(run_snakemake, tiny_run, source=tiny_source)
 
 
 @pytest.fixture(scope="module")
 def downstream(plan):
-    """For each rule of the finished run: itself and the rules that use what it makes, directly or not."""
+    """For each rule of the finished run: itself and all rules that use what it makes."""
     graph = plan("--rulegraph", "dot").stdout
     names = dict(re.findall(r'^\t(\d+)\[label = "(\w+)"', graph, flags=re.MULTILINE))
-    arrows = [
-        (names[a], names[b])
-        for a, b in re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)
-    ]
+    found = re.findall(r"^\t(\d+) -> (\d+)$", graph, flags=re.MULTILINE)
+    arrows = [(names[before], names[after]) for before, after in found]
     assert arrows
     downstream = {name: {name} for name in names.values()}
     for _ in names:

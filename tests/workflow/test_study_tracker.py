@@ -1,4 +1,4 @@
-"""The studies of the tracker from start to end in the tiny configuration, and its tables of picks."""
+"""The studies of the tracker in the tiny configuration, and its tables of picks."""
 
 import shutil
 
@@ -14,11 +14,11 @@ def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
     assert set(picks["training_set"]) == set(SETS)
     zones = pd.read_csv(tiny_run / "results/tables/picks_by_zone.csv")
     depths = pd.read_csv(tiny_run / "results/tables/picks_by_depth.csv")
+    counts = ["n_layers", "n_true", "n_found", "n_false_layers"]
+    expected = picks.groupby("training_set")[counts].sum()
     for parts in (zones, depths):
-        whole = parts.groupby("training_set")[
-            ["n_layers", "n_true", "n_found", "n_false_layers"]
-        ].sum()
-        assert whole.equals(picks.groupby("training_set")[list(whole.columns)].sum())
+        whole = parts.groupby("training_set")[counts].sum()
+        assert whole.equals(expected)
     scores = pd.read_csv(tiny_run / "results/tables/table3_zones.csv")
     assert scores.groupby(["training_set", "metric"])["n_images"].sum().eq(3).all()
     tests = pd.read_csv(tiny_run / "results/tables/table3_tests.csv")
@@ -37,11 +37,7 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     )
     assert np.isfinite(ablation["mean"]).all()
     worth = pd.read_csv(folder / "worth.csv")
-    row = worth[
-        (worth["training_set"] == "pd")
-        & (worth["base_training_set"] == "rd")
-        & (worth["metric"] == "ods")
-    ]
+    row = worth.query("training_set == 'pd' and base_training_set == 'rd' and metric == 'ods'")
     assert len(row) == 1
     assert (worth["low"] <= worth["difference"]).all()
     assert (worth["bootstrap_low"] <= worth["bootstrap_high"]).all()

@@ -1,4 +1,4 @@
-"""The tiny configuration through every rule: its tables, its figures, and a report that is whole and stands alone."""
+"""The tiny configuration through every rule: tables, figures, and a report that stands alone."""
 
 import base64
 import re
@@ -70,14 +70,11 @@ def test_every_sweep_of_estimators_runs_its_ends_and_no_flight_gives_a_number_th
     refused = atlas["outcome"] == "refused"
     assert (refused == (atlas["quantity"] == "all")).all()
     assert (atlas.loc[refused, "note"].str.len() > 20).all()
-    assert np.isfinite(
-        atlas.loc[~refused, ["error", "largest", "standard_error"]].to_numpy(float)
-    ).all()
+    numbers = atlas.loc[~refused, ["error", "largest", "standard_error"]]
+    assert np.isfinite(numbers.to_numpy(float)).all()
     for panel, (values, _) in SWEEPS.items():
-        assert set(atlas.loc[atlas["panel"] == panel, "value"].astype(float)) == {
-            float(values[0]),
-            float(values[-1]),
-        }
+        run = atlas.loc[atlas["panel"] == panel, "value"]
+        assert set(run.astype(float)) == {float(values[0]), float(values[-1])}
 
 
 @pytest.fixture(scope="module")
@@ -86,9 +83,7 @@ def page(tiny_run):
     return (tiny_run / "results/report.html").read_text()
 
 
-def test_the_page_is_of_a_synthetic_flight_small_names_nothing_outside_and_has_every_figure_of_the_paper(
-    page,
-):
+def test_the_page_is_of_a_synthetic_flight_stands_alone_and_has_every_figure_of_the_paper(page):
     assert "No observed radar data were used" in page
     outside = re.findall(r"""(?:src|href|action)\s*=\s*["'](?!data:|#)([^"']+)""", page)
     assert outside == []

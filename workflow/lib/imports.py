@@ -1,4 +1,4 @@
-"""What a script depends on: the files of this project that it imports, and that those import in turn.
+"""What a script depends on: the files of this project that it imports, and those that they import.
 
 Snakemake does not follow imports, so rules name these files. That importing a module executes the
 ``__init__`` of its folder does not count: a script takes nothing from it.
@@ -43,21 +43,20 @@ def imported_files(path):
         if isinstance(node, ast.Import):
             files += [module_file(alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
+            # What is imported from a package may be a module of it, or a name in its __init__.
             own = module_file(node.module)
-            files += (
-                [module_file(f"{node.module}.{alias.name}") or own for alias in node.names]
-                if own
-                else []
-            )
-    return sorted(set(filter(None, files)) - WITHOUT)
+            files += [module_file(f"{node.module}.{alias.name}") or own for alias in node.names]
+    return sorted(set(files) - WITHOUT - {None})
 
 
 @functools.cache
 def closure(path):
     """Files of this project on which the result of a file depends, itself left out, sorted."""
-    found, waiting = set(), [Path(path)]
+    path = Path(path)
+    found = set()
+    waiting = [path]
     while waiting:
         new = set(imported_files(waiting.pop())) - found
         found |= new
         waiting += new
-    return sorted(found - {Path(path)})
+    return sorted(found - {path})

@@ -1,4 +1,4 @@
-"""Checks before the first job: the source's data, and space for results; a ValueError says what is wrong.
+"""Checks before the first job: the source's data, space for results; ValueErrors say what is wrong.
 
 Readers are imported where they are used: every start of the workflow comes by here, and needs those
 of one source.
@@ -12,7 +12,7 @@ ROLES = ("statistics", "train", "test")  # each needs a frame; validation may ha
 
 
 def check_reference(reference, flight):
-    """Refuse settings of the reference flight that contradict each other, or more frames than its line holds."""
+    """Refuse settings of the reference flight that contradict each other, or too many frames."""
     from snowsim.reference import checked_settings
     from snowsim.reference.line import line_length_km
 
@@ -21,11 +21,15 @@ def check_reference(reference, flight):
     except ValueError as error:
         msg = f"config: reference.{str(error).removeprefix('reference.')}"
         raise ValueError(msg) from None
-    n_frames, n_range_lines = flight["n_frames"], flight["n_range_lines"]
+    n_frames = flight["n_frames"]
+    n_range_lines = flight["n_range_lines"]
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
-    if length_km > line_length_km():
-        msg = f"config: flight.n_frames: expected frames that fit on the line of {line_length_km():.0f} km, "
-        msg += f"got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
+    longest_km = line_length_km()
+    if length_km > longest_km:
+        msg = (
+            f"config: flight.n_frames: expected frames that fit on the line of {longest_km:.0f} km"
+        )
+        msg += f", got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
         raise ValueError(msg)
 
 
@@ -34,23 +38,26 @@ def own_frames(path_to_table):
     from snowsim.io.frame_table import read_frames
 
     table = read_frames(path_to_table)
+    frames = {role: rows.to_dict("records") for role, rows in table.groupby("role")}
     for role in ROLES:
-        if role not in set(table["role"]):
+        if role not in frames:
             msg = f"{path_to_table}: role: expected at least one frame for {role}, found none"
             raise ValueError(msg)
-    return {role: rows.to_dict("records") for role, rows in table.groupby("role")}
+    return frames
 
 
 def frame_files(row, source):
-    """Files of a row of the table: echogram, layers and, beside an echogram of NSIDC, its quality flags if any."""
+    """Files of a row of the table: echogram, layers and, where NSIDC has any, quality flags."""
     from snowsim.io.nsidc import find_supplement
 
-    found = find_supplement(row["echogram"]) if source == "nsidc" else None
-    return [row["echogram"], row["layers"], *([] if found is None else [str(found)])]
+    files = [row["echogram"], row["layers"]]
+    if source == "nsidc" and (supplement := find_supplement(row["echogram"])):
+        files.append(str(supplement))
+    return files
 
 
 def own_pairs(folder, lists, data_scale):
-    """Scenes of each split by its list file (null: none), a `PairSet` each; no scene may be in two lists."""
+    """A `PairSet` for each split with a list file; no scene may be in two lists."""
     from snowsim.io.png_pairs import PairSet
 
     if folder is None:
@@ -73,7 +80,7 @@ def own_pairs(folder, lists, data_scale):
 
 
 def check_lists(lists, *, data_scale, contrast_db):
-    """Table of every scene of the lists, split by split; one ValueError names all that cannot be read.
+    """Table of every scene of the lists, by split; one ValueError names all that cannot be read.
 
     All scenes must be of one width; without `contrast_db` train scenes must tell what their grey
     levels stand for.
@@ -82,21 +89,21 @@ def check_lists(lists, *, data_scale, contrast_db):
 
     from snowsim.io.png_pairs import PairSet
 
-    rows, failed = [], []
+    rows = []
+    failed = []
     for split, path in lists.items():
         try:
-            rows += [
-                {"split": split, **row} for row in PairSet(path, data_scale=data_scale).check()
-            ]
+            checked = PairSet(path, data_scale=data_scale).check()
+            rows += [{"split": split, **row} for row in checked]
         except ValueError as error:
             failed.append(f"{path}: {error}")
     if failed:
         raise ValueError("\n".join(failed))
     table = pd.DataFrame(rows)
-    mute = table[(table["split"] == "train") & ~table["tells_db"]]
+    mute = table.loc[(table["split"] == "train") & ~table["tells_db"], "name"]
     if contrast_db is None and len(mute):
-        msg = f"{len(mute)} train scenes, {mute['name'].iloc[0]} the first, do not hold their "
-        msg += "decibels: import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
+        msg = f"{len(mute)} train scenes, {mute.iloc[0]} the first, do not hold their decibels: "
+        msg += "import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
         raise ValueError(msg)
     widths = table.groupby("split")["n_range_lines"].first()
     if widths.nunique() > 1:
@@ -123,5 +130,6 @@ def check_disk(needed_bytes, name="results"):
     folder = folder if folder.exists() else folder.parent
     free_bytes = shutil.disk_usage(folder).free
     if free_bytes < needed_bytes:
-        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, {folder} has {free_bytes / 1e6:.0f} MB left"
+        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, "
+        msg += f"{folder} has {free_bytes / 1e6:.0f} MB left"
         raise ValueError(msg)

@@ -3,10 +3,8 @@
 
 PRINTED = copy.deepcopy(config)
 update_config(PRINTED, read_yaml("config/as_printed.yaml"))
-PRINTED["checkpoints"] |= {
-    "folder": "results/as_printed/checkpoints",
-    "events": "logs/as_printed/tensorboard",
-}
+PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"
+PRINTED["checkpoints"]["events"] = "logs/as_printed/tensorboard"
 
 
 module printed:
@@ -18,13 +16,14 @@ module printed:
     replace_prefix:
         {
             "logs/": "logs/as_printed/",
-            **{
-                f"results/{name}": f"results/as_printed/{name}"
-                for name in (
-                    *("statistics.nc", "labels/", "phy/", "cgan/"),
-                    *("similarity", "tracker/", "tables/", "benchmarks/"),
-                )
-            },
+            "results/statistics.nc": "results/as_printed/statistics.nc",
+            "results/labels/": "results/as_printed/labels/",
+            "results/phy/": "results/as_printed/phy/",
+            "results/cgan/": "results/as_printed/cgan/",
+            "results/similarity": "results/as_printed/similarity",
+            "results/tracker/": "results/as_printed/tracker/",
+            "results/tables/": "results/as_printed/tables/",
+            "results/benchmarks/": "results/as_printed/benchmarks/",
         }
 
 

@@ -19,7 +19,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
 from lib.sources import check_disk, check_folders
-from lib.imports import closure
+from lib.imports import SCRIPTS, closure
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
 for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
@@ -39,10 +39,6 @@ def or_refused(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
-# Settings of earlier versions and what they are called now.
-RENAMED = {"unfit_flags": "flagged_by", "stability": "atlas", "beyond": "nonstationary"}
-
-
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
     schema = read_yaml("workflow/schemas/config.schema.yaml")
@@ -53,12 +49,9 @@ def check_config(config):
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
         expected = error.schema.get("description", "")
         if error.validator == "additionalProperties":
-            new = [RENAMED[name] for name in error.instance if name in RENAMED]
-            expected = ", ".join(new or error.schema["properties"])
-        raise WorkflowError(
-            f"config: {key}: {error.message}"
-            + (f" (expected: {expected})" if expected else "")
-        )
+            expected = ", ".join(error.schema["properties"])
+        hint = f" (expected: {expected})" if expected else ""
+        raise WorkflowError(f"config: {key}: {error.message}{hint}")
     labels = config["labels"]
     if labels["n_layers_min"] > labels["n_layers_max"]:
         raise WorkflowError(
@@ -81,17 +74,21 @@ include: "sources.smk"
 
 
 # What is added to the train scenes in Table III's training sets; then what is trained on alone, without them.
-TRAINING_SETS = {"rd": [], "rd_gd": ["cgan"], "rd_pd": ["phy"]}
-TRAINING_SETS["rd_pd_gd"] = ["phy", "cgan"]
+TRAINING_SETS = {
+    "rd": [],
+    "rd_gd": ["cgan"],
+    "rd_pd": ["phy"],
+    "rd_pd_gd": ["phy", "cgan"],
+}
 ALONE = {"gd": ["cgan"], "pd": ["phy"]}
 METHODS = ("cgan", "phy")
-CGAN_SETTINGS = {
-    **config["cgan"]["training"],
-    "statistics": config["cgan"]["statistics"],
+CGAN_SETTINGS = config["cgan"]["training"] | {
+    "statistics": config["cgan"]["statistics"]
 }
 N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
-SHARD_SIZE = dict.fromkeys(SPLITS, OBSERVED_PER_SHARD)
-SHARD_SIZE["labels"] = config["labels"]["shard_size"]
+SHARD_SIZE = dict.fromkeys(SPLITS, OBSERVED_PER_SHARD) | {
+    "labels": config["labels"]["shard_size"]
+}
 SEEDS = list(range(config["tracker"]["n_seeds"]))
 
 
@@ -109,6 +106,11 @@ def shards(scenes):
     return numbered(math.ceil(N_SCENES[scenes] / SHARD_SIZE[scenes]))
 
 
+def first_shards(n_scenes):
+    """Names of the files that hold the first label sets."""
+    return shards("labels")[: math.ceil(n_scenes / SHARD_SIZE["labels"])]
+
+
 def shard_range(scenes, shard):
     """First scene of a shard and the one after its last."""
     first = int(shard) * SHARD_SIZE[scenes]
@@ -120,7 +122,7 @@ def flight_files(pattern):
 
     def files(wildcards):
         if not FRAMES:
-            reason = LEFT_OUT[SOURCE]["map and echogram of the flight"]
+            reason = LEFT_OUT["map and echogram of the flight"]
             raise WorkflowError(f"source {SOURCE}: there are no frames: {reason}")
         return expand(pattern, frame=FRAMES)
 
@@ -183,18 +185,18 @@ def finished(paths):
 
 
 # Where trainings keep what is no output of theirs.
-CHECKPOINTS, EVENTS = (config["checkpoints"][name] for name in ("folder", "events"))
+CHECKPOINTS = config["checkpoints"]["folder"]
+EVENTS = config["checkpoints"]["events"]
 # What the run as printed leaves for the report.
 PRINTED_TABLES = [
-    f"results/as_printed/tables/{name}.csv" for name in ("table2", "table3_intervals")
+    "results/as_printed/tables/table2.csv",
+    "results/as_printed/tables/table3_intervals.csv",
 ]
 
 
 def imported_by(script):
     """Input function: files that a script imports, and that those import; asked for jobs that are planned alone."""
-    return lambda wildcards: [
-        str(file) for file in closure(ROOT / "workflow/scripts" / script)
-    ]
+    return lambda wildcards: list(map(str, closure(SCRIPTS / script)))
 
 
 FIGURES = read_yaml("workflow/figures.yaml")
@@ -205,7 +207,7 @@ def figure_files(stage):
     return [
         f"results/figures/{file}"
         for file, figure in FIGURES[stage].items()
-        if figure.get("needs") not in LEFT_OUT[SOURCE]
+        if figure.get("needs") not in LEFT_OUT
     ]
 
 
@@ -238,27 +240,18 @@ def describe_targets():
     )
 
 
-# What scenes and frames take on disk [bytes], from a run of the default configuration: see docs/scale.md. The rest is small.
-BYTES_PER_SCENE = {"render_phy": 220e3, "render_cgan": 220e3}
-BYTES_PER_SCENE |= {"draw_labels": 18e3, "reference_scenes": 110e3}
-BYTES_PER_FRAME_LINE = 3.7e3
-SMALL_FILES_BYTES = 20e6
+# Frames and scenes take nearly all of a run's disk: their rules say how much, by the sizes in docs/scale.md.
+SMALL_FILES_MB = 20
 
 
-def bytes_of(job):
-    """About what one job writes."""
-    name = job.rule.name.removeprefix("printed_")
-    if name in BYTES_PER_SCENE:
-        scenes = job.wildcards.get("scenes", job.wildcards.get("split", "labels"))
-        first, end = shard_range(scenes, job.wildcards.shard)
-        return (end - first) * BYTES_PER_SCENE[name]
-    if name.startswith("reference_frames_"):
-        n_lines = len(job.output.echograms) * config["flight"]["n_range_lines"]
-        return n_lines * BYTES_PER_FRAME_LINE
-    return 0
+def scenes_mb(scenes, shard, kb_per_scene):
+    """What the scenes of a shard take on disk [MB], for the resource `results_mb` of the rule that writes them."""
+    first, end = shard_range(scenes, shard)
+    return math.ceil((end - first) * kb_per_scene / 1e3)
 
 
 onstart:
     or_refused(check_folders, "results", "logs")
-    needed = SMALL_FILES_BYTES + sum(map(bytes_of, workflow.dag.needrun_jobs()))
-    or_refused(check_disk, needed)
+    jobs = workflow.dag.needrun_jobs()
+    results_mb = sum(job.resources.get("results_mb", 0) for job in jobs)
+    or_refused(check_disk, 1e6 * (results_mb + SMALL_FILES_MB))

@@ -69,8 +69,7 @@ rule compare_renders:
         "../scripts/compare_renders.py"
 
 
-DRAWN = config["drawn_scenes"]
-DRAWN_SHARDS = shards("labels")[: math.ceil(DRAWN["n_scenes"] / SHARD_SIZE["labels"])]
+DRAWN_SHARDS = first_shards(config["drawn_scenes"]["n_scenes"])
 
 
 rule compare_scenes:
@@ -89,7 +88,9 @@ rule compare_scenes:
     resources:
         mem_mb=2000,
     params:
-        **DRAWN,
+        n_scenes=config["drawn_scenes"]["n_scenes"],
+        n_splits=config["drawn_scenes"]["n_splits"],
+        n_steps=config["drawn_scenes"]["n_steps"],
         seed=config["seed"],
     message:
         "drawn scenes beside observed ones: can they be distinguished, and by what"
@@ -110,35 +111,31 @@ rule claims:
 
 # One in so many averaged range lines of a scene is kept: six of twelve still follow fading along the scene.
 LOOP_STRIDE = 2
-# The convention PHY uses goes through all label sets. All conventions are tried on the first scenes, in two jobs.
+# The convention PHY uses goes through all label sets. All conventions are tried on the first scenes.
 LOOP_TRIED = min(200, N_SCENES["labels"])
-LOOP_SHARDS = shards("labels")[: math.ceil(LOOP_TRIED / SHARD_SIZE["labels"])]
-LOOP_DEFAULT = "{}_{normalise}_{align}_{width}".format(
-    config["statistics"]["estimator"], **config["phy"]
-)
-LOOP_CONVENTIONS = list(
-    dict.fromkeys(
-        [
-            LOOP_DEFAULT,
-            "deblended_peak_peak_fitted",
-            "deblended_none_peak_fitted",
-            "deblended_peak_gaussian_fitted",
-            "deblended_peak_peak_paper",
-            "paper_none_gaussian_paper",  # as printed, estimates and all
-        ]
-    )
-)
-TRIED = "results/closed_loop/{name}_first.{ending}"
-TRIED_PARTS = [LOOP_CONVENTIONS[::2], LOOP_CONVENTIONS[1::2]]
+LOOP_SHARDS = first_shards(LOOP_TRIED)
+ESTIMATOR = config["statistics"]["estimator"]
+PHY = config["phy"]
+LOOP_DEFAULT = f"{ESTIMATOR}_{PHY['normalise']}_{PHY['align']}_{PHY['width']}"
+CONVENTIONS = [
+    "deblended_peak_peak_fitted",
+    "deblended_none_peak_fitted",
+    "deblended_peak_gaussian_fitted",
+    "deblended_peak_peak_paper",
+    "paper_none_gaussian_paper",  # as printed, estimates and all
+]
+TRIED = [LOOP_DEFAULT, *[c for c in CONVENTIONS if c != LOOP_DEFAULT]]
 # The flight's statistics by every estimator.
 STATISTICS = {
-    estimator: f"results/closed_loop/flight_{estimator}.nc"
-    for estimator in ("deblended", "paper")
-} | {config["statistics"]["estimator"]: "results/statistics.nc"}
+    "deblended": "results/closed_loop/flight_deblended.nc",
+    "paper": "results/closed_loop/flight_paper.nc",
+    ESTIMATOR: "results/statistics.nc",
+}
 
 
 wildcard_constraints:
     estimator="|".join(STATISTICS),
+    convention="|".join(TRIED),
 
 
 use rule fit_statistics as fit_other_statistics with:
@@ -177,41 +174,39 @@ rule render_closed_loop:
         "../scripts/render_closed_loop.py"
 
 
-for part, conventions in enumerate(TRIED_PARTS):
-
-    rule:
-        name:
-            f"try_conventions_{part}"
-        input:
-            layers=[f"results/labels/{shard}.nc" for shard in LOOP_SHARDS],
-            statistics=[STATISTICS[name.split("_")[0]] for name in conventions],
-            code=imported_by("try_conventions.py"),
-        output:
-            recovered=expand(TRIED, name=conventions, ending="nc"),
-            tables=expand(TRIED, name=conventions, ending="csv"),
-        log:
-            f"logs/try_conventions/{part}.log",
-        benchmark:
-            f"results/benchmarks/try_conventions/{part}.tsv"
-        params:
-            conventions=conventions,
-            seed=config["seed"],
-            phy=config["phy"],
-            n_scenes=LOOP_TRIED,
-            stride=3 * LOOP_STRIDE,  # of shapes, which do not fade
-            varies=config["labels"]["radiometry"] == "measured",
-        message:
-            "statistics of renders by {params.conventions}"
-        script:
-            "../scripts/try_conventions.py"
+rule try_conventions:
+    input:
+        layers=expand("results/labels/{shard}.nc", shard=LOOP_SHARDS),
+        statistics=lambda w: [STATISTICS[w.convention.split("_")[0]]],
+        code=imported_by("try_conventions.py"),
+    output:
+        recovered=["results/closed_loop/{convention}_first.nc"],
+        tables=["results/closed_loop/{convention}_first.csv"],
+    log:
+        "logs/try_conventions/{convention}.log",
+    benchmark:
+        "results/benchmarks/try_conventions/{convention}.tsv"
+    params:
+        conventions=lambda w: [w.convention],
+        seed=config["seed"],
+        phy=config["phy"],
+        n_scenes=LOOP_TRIED,
+        stride=3 * LOOP_STRIDE,  # of shapes, which do not fade
+        varies=config["labels"]["radiometry"] == "measured",
+    message:
+        "statistics of renders by {wildcards.convention}"
+    script:
+        "../scripts/try_conventions.py"
 
 
 rule tabulate_closed_loop:
     input:
         summaries=expand("results/closed_loop/parts/{shard}.nc", shard=shards("labels")),
         statistics="results/statistics.nc",
-        tried_tables=expand(TRIED, name=LOOP_CONVENTIONS, ending="csv"),
-        tried_statistics=expand(TRIED, name=LOOP_CONVENTIONS, ending="nc"),
+        tried_tables=expand(rules.try_conventions.output.tables, convention=TRIED),
+        tried_statistics=expand(
+            rules.try_conventions.output.recovered, convention=TRIED
+        ),
         code=imported_by("tabulate_closed_loop.py"),
     output:
         recovered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
@@ -226,7 +221,7 @@ rule tabulate_closed_loop:
     resources:
         mem_mb=2000,
     params:
-        tried=LOOP_CONVENTIONS,
+        tried=TRIED,
         varies=config["labels"]["radiometry"] == "measured",
     message:
         "statistics of renders of all label sets, tables of the closed loop"

@@ -4,7 +4,7 @@ from lib import registry
 
 # What the names in braces stand for in paths of the list.
 N_SHOWN = FIGURES["renders"]["synthetic.svg"]["settings"]["n_labels"]
-SHOWN = shards("labels")[: math.ceil(N_SHOWN / SHARD_SIZE["labels"])]
+SHOWN = first_shards(N_SHOWN)
 FILES_OF = {
     "frame": flight_files,
     "middle": lambda path: middle_frame(path.replace("{middle}", "{frame}")),
@@ -18,7 +18,7 @@ CAPTIONS = Path(".snakemake/captions").absolute()
 if workflow.is_main_process:
     registry.write_captions(FIGURES, CAPTIONS)
 
-for (plot, stage), figures in registry.plots(FIGURES, LEFT_OUT[SOURCE]).items():
+for (plot, stage), figures in registry.plots(FIGURES, LEFT_OUT).items():
 
     rule:
         name:

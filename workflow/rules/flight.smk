@@ -3,7 +3,7 @@
 
 if SOURCE == "reference":
 
-    # A rule for each shard of frames: starting a job takes longer than drawing a frame.
+    # A rule for each shard: a job of one frame takes longer to start than to draw it, and no wildcard names many outputs.
     for shard, frames in FRAME_SHARDS.items():
 
         rule:
@@ -21,11 +21,15 @@ if SOURCE == "reference":
                 f"results/benchmarks/reference_frames/{shard}.tsv"
             resources:
                 mem_mb=1500,
+                results_mb=math.ceil(
+                    len(frames) * config["flight"]["n_range_lines"] * 3.7e-3
+                ),
             params:
                 frames=[int(frame) for frame in frames],
                 seed=config["seed"],
                 flight={
-                    key: config["flight"][key] for key in ("n_frames", "n_range_lines")
+                    "n_frames": config["flight"]["n_frames"],
+                    "n_range_lines": config["flight"]["n_range_lines"],
                 },
                 reference=config["reference"],
             message:
@@ -44,6 +48,7 @@ if SOURCE == "reference":
             "results/benchmarks/reference_scenes/{split}/{shard}.tsv"
         resources:
             mem_mb=1500,
+            results_mb=lambda w: scenes_mb(w.split, w.shard, 110),
         params:
             seed=config["seed"],
             reference=config["reference"],
@@ -66,12 +71,8 @@ elif SOURCE == "png_pairs":
     rule check_pairs:
         input:
             unread=[
-                *LISTS.values(),
-                *[
-                    file
-                    for pairs in OBSERVED.values()
-                    for file in pairs.files(slice(None))
-                ],
+                list(LISTS.values()),
+                [pairs.files(slice(None)) for pairs in OBSERVED.values()],
             ],
             code=imported_by("check_pairs.py"),
         output:
@@ -136,17 +137,21 @@ elif SOURCE == "png_pairs":
 else:
 
     # Own frames are the flight and, cut into blocks, the benchmark.
+    READING = {
+        "source": SOURCE,
+        "bin_s": OWN["bin_s"],
+        "flattening": OWN["flattening"],
+        "layer_names": OWN["layer_names"],
+        "flagged_by": OWN["flagged_by"],
+    }
+    FILES = [
+        sources.frame_files(row, SOURCE) for rows in OBSERVED.values() for row in rows
+    ]
+
     rule check_frames:
         input:
             frames=OWN["frames"],
-            unread=sorted(
-                {
-                    file
-                    for rows in OBSERVED.values()
-                    for row in rows
-                    for file in sources.frame_files(row, SOURCE)
-                }
-            ),
+            unread=sorted(set(sum(FILES, []))),
             code=imported_by("check_frames.py"),
         output:
             table=CHECK,

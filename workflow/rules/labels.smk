@@ -41,6 +41,8 @@ rule draw_labels:
         "logs/draw_labels/{shard}.log",
     benchmark:
         "results/benchmarks/draw_labels/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 18),
     params:
         seed=config["seed"],
         span=lambda wildcards: shard_range("labels", wildcards.shard),

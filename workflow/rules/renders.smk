@@ -12,6 +12,8 @@ rule render_phy:
         "logs/render_phy/{scenes}/{shard}.log",
     benchmark:
         "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
     params:
         seed=config["seed"],
         phy=config["phy"],
@@ -70,6 +72,7 @@ rule render_cgan:
     priority: 90
     resources:
         mem_mb=3000,
+        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
         gpu=int(config["cgan"]["device"] == "cuda"),
     params:
         seed=config["seed"],
@@ -83,11 +86,10 @@ rule render_cgan:
 
 rule renders:
     input:
-        [
-            rendered_files(method, scenes)
-            for method in METHODS
-            for scenes in ("labels", "test")
-        ],
+        rendered_files("cgan", "labels"),
+        rendered_files("cgan", "test"),
+        rendered_files("phy", "labels"),
+        rendered_files("phy", "test"),
         figure_files("renders"),
     message:
         "label sets and test masks rendered by both methods"

@@ -5,18 +5,33 @@ from snakemake.logging import logger
 
 SOURCE = config["source"]
 OWN = config["import"]
-# What a source cannot give, and why.
+
+# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
+REAL = config["realism"]["real_snow_radar"]
+REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
+if REAL and not REAL_FILES:
+    raise WorkflowError(
+        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
+    )
+
+# What the source cannot give, and why.
 NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
-NO_PHASE = {"Doppler spectra": "files of detected power hold no phase"}
-LEFT_OUT = {
-    "reference": {},
-    **dict.fromkeys(("nsidc", "cresis", "opr"), {**NOT_SYNTHETIC, **NO_PHASE}),
-    "png_pairs": {
-        **NOT_SYNTHETIC,
-        "Doppler spectra": "images hold no phase",
-        "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
-    },
+DETECTED = NOT_SYNTHETIC | {"Doppler spectra": "files of detected power hold no phase"}
+IMAGES = NOT_SYNTHETIC | {
+    "Doppler spectra": "images hold no phase",
+    "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
 }
+LACKING = {
+    "reference": {},
+    "nsidc": DETECTED,
+    "cresis": DETECTED,
+    "opr": DETECTED,
+    "png_pairs": IMAGES,
+}
+for what, reason in LACKING[SOURCE].items():
+    logger.info(f"source {SOURCE}: left out: {what}: {reason}")
+NO_CROPS = {"crops of real Snow Radar": "no folder of it is given"}
+LEFT_OUT = LACKING[SOURCE] | ({} if REAL and SOURCE == "reference" else NO_CROPS)
 
 
 def frame_inputs(row_of):
@@ -35,18 +50,16 @@ def numbered(n):
 
 # N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. How many scenes an own frame gives is known when it
 # is cut: there a file holds one frame, and frames are counted. CHECK is the table of the check of own files.
-OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
 if SOURCE == "reference":
     or_refused(sources.check_reference, config["reference"], config["flight"])
     SYNTHETIC = "synthetic reference flight, not observed data"
     NOTE = "synthetic reference flight"
     N_OBSERVED = config["benchmark"]["n_scenes"]
+    OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
     FRAMES = numbered(config["flight"]["n_frames"])
     SEGMENT = ["results/flight/segment.nc"]
     CHECK = []
 else:
-    for what, reason in LEFT_OUT[SOURCE].items():
-        logger.info(f"source {SOURCE}: left out: {what}: {reason}")
     SYNTHETIC = "no"
     NOTE = OWN["description"] or f"source: {SOURCE}"
     SEGMENT = []
@@ -55,6 +68,7 @@ else:
         OBSERVED = or_refused(
             sources.own_pairs, PAIRS["folder"], PAIRS["lists"], PAIRS["data_scale"]
         )
+        OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
         FRAMES = []
         CHECK = "results/tables/scenes.csv"
     else:
@@ -62,13 +76,6 @@ else:
         OBSERVED_PER_SHARD = 1
         FRAMES = numbered(len(OBSERVED["statistics"]))
         CHECK = "results/tables/frames.csv"
-        READING = {
-            "source": SOURCE,
-            **{
-                key: OWN[key]
-                for key in ("bin_s", "flattening", "layer_names", "flagged_by")
-            },
-        }
     N_OBSERVED = {split: len(OBSERVED.get(split, [])) for split in SPLITS}
 
 # Frames that one job draws or sums up, by the number of the shard.
@@ -77,13 +84,3 @@ FRAME_SHARDS = {
     f"{first // FRAMES_PER_JOB:04d}": FRAMES[first : first + FRAMES_PER_JOB]
     for first in range(0, len(FRAMES), FRAMES_PER_JOB)
 }
-
-# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
-REAL = config["realism"]["real_snow_radar"]
-REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
-if REAL and not REAL_FILES:
-    raise WorkflowError(
-        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
-    )
-if not REAL or SOURCE != "reference":
-    LEFT_OUT[SOURCE]["crops of real Snow Radar"] = "no folder of it is given"

@@ -37,6 +37,8 @@ use rule render_phy as render_study_phy with:
         "logs/render_study_phy/{setting}/{shard}.log",
     benchmark:
         "results/benchmarks/render_study_phy/{setting}/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 220),
     params:
         phy=lambda w: tracker_runs.phy_of(ABLATION[w.setting], config["phy"]),
         by_other_statistics=True,
@@ -223,7 +225,10 @@ rule study_renderers:
         n_drawn=CGAN_STUDY["n_drawn"],
         n_trainings=CGAN_STUDY["n_trainings"],
         tracker=TRACKER["training"],
-        two_sample={key: DRAWN[key] for key in ("n_splits", "n_steps")},
+        two_sample={
+            "n_splits": config["drawn_scenes"]["n_splits"],
+            "n_steps": config["drawn_scenes"]["n_steps"],
+        },
     message:
         "cost and worth of every renderer, positions of layers"
     script:

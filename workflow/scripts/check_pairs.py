@@ -1,4 +1,4 @@
-"""Read every scene of the lists once: all that fail are reported together, before anything is computed from one."""
+"""Read every scene of the lists before anything is computed from one; report all that fail."""
 
 from job import run
 

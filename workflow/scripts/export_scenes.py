@@ -1,4 +1,4 @@
-"""One scene set in one format for other people's code: a folder with a list for each of its parts."""
+"""One scene set in one format for other people's code: a folder with a list for each part."""
 
 from pathlib import Path
 
@@ -14,15 +14,16 @@ def export(folder, *, wanted, lists, layers, what):
     for name, paths in lists.items():
         list_name = f"{name}.lst"
         with SceneSet(paths) as scenes:
-            scenes = progress(scenes, f"export of {name}")
+            shown = progress(scenes, f"export of {name}")
             if wanted == "pairs":
-                counts = export_pairs(folder, scenes, list_name=list_name, layers=layers)
+                counts = export_pairs(folder, shown, list_name=list_name, layers=layers)
             else:
-                counts = export_netcdf(folder, scenes, list_name=list_name)
+                counts = export_netcdf(folder, shown, list_name=list_name)
         text = ", ".join(f"{key} {count}" for key, count in counts.items())
         lines.append(f"{list_name}: {text}")
+    about = "".join(f"{line}\n" for line in lines)
     with written_whole(Path(folder) / "about.txt") as aside:
-        aside.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
+        aside.write_text(about, encoding="utf-8")
 
 
 run(export)

@@ -10,7 +10,8 @@ from snowsim.io.scenes import write_scenes
 
 def import_blocks(echogram, layers, scenes, *, name, reading):
     row = SimpleNamespace(frame=name, echogram=echogram, layers=layers)
-    cut, skipped = scenes_of_frame(row, *read_frame(row, **reading))
+    observed, picked = read_frame(row, **reading)
+    cut, skipped = scenes_of_frame(row, observed, picked)
     for block, reason in skipped.items():
         logger.info("%s is no scene: %s", block, reason)
     write_scenes(scenes, cut, {"frame": name, "source": reading["source"], "synthetic": "no"})

@@ -11,18 +11,16 @@ from snowsim.io.frame_table import read_frame
 
 
 def import_frame(echogram, layers, frame, frame_layers, *, name, reading):
-    observed, picked = read_frame(SimpleNamespace(echogram=echogram, layers=layers), **reading)
+    row = SimpleNamespace(echogram=echogram, layers=layers)
+    observed, picked = read_frame(row, **reading)
     n_flagged, flags = count_flagged(observed)
     if flags:
-        logger.info(
-            "%s: %d of %d range lines left out; flags: %s",
-            name,
-            n_flagged,
-            observed.sizes["slow_time"],
-            flags,
-        )
+        n_lines = observed.sizes["slow_time"]
+        logger.info("%s: %d of %d range lines left out; flags: %s", name, n_flagged, n_lines, flags)
     kept = observed[["Data", *ECHOGRAM_ALONG_TRACK]]
-    kept.attrs = picked.attrs = {"frame": name, "source": reading["source"], "synthetic": "no"}
+    attributes = {"frame": name, "source": reading["source"], "synthetic": "no"}
+    kept.attrs = attributes
+    picked.attrs = attributes
     write_dataset(frame, kept)
     write_dataset(frame_layers, picked)
 

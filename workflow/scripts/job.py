@@ -1,4 +1,4 @@
-"""What every script shares: a log that ends with the error, one line for bad input, progress of long work."""
+"""What scripts share: a log that ends with the error, one line for bad input, progress of work."""
 
 import atexit
 import gc
@@ -26,7 +26,7 @@ atexit.register(gc.freeze)
 
 @contextmanager
 def job(snakemake):
-    """Log to the rule's log file; bad input or a full disk ends the job with one plain line on stderr."""
+    """Log to the rule's log file; bad input or a full disk ends the job with one line on stderr."""
     path = Path(str(snakemake.log))
     path.parent.mkdir(parents=True, exist_ok=True)
     logging.basicConfig(
@@ -59,7 +59,7 @@ NOT_HANDED = {"code", "unread"}
 
 
 def run(function):
-    """Call a script's one function with what its rule names; nothing happens where the script is imported.
+    """Call a script's one function with what its rule names; nothing happens on import.
 
     Inputs, outputs and params reach it by their names in the rule, those of `NOT_HANDED` left out.
     """
@@ -70,20 +70,25 @@ def run(function):
 
 
 def named(snakemake):
-    """Inputs, outputs and params of a job by name; ValueError where one has no name, or two have the same."""
+    """Inputs, outputs and params of a job by name; each must have one, no two the same."""
     given = {}
     for kind in ("input", "output", "params"):
         items = getattr(snakemake, kind)
-        n_named = sum(1 if end is None else end - start for _, (start, end) in items._get_names())
-        if n_named < len(items):
-            msg = f"{kind}: expected a name for every item, found {len(items) - n_named} of {len(items)} without"
+        spans = [span for _, span in items._get_names()]
+        n_named = sum(1 if end is None else end - start for start, end in spans)
+        n_unnamed = len(items) - n_named
+        if n_unnamed > 0:
+            msg = f"{kind}: expected a name for every item, "
+            msg += f"found {n_unnamed} of {len(items)} without"
             raise ValueError(msg)
         for name, value in items.items():
             if name in given:
                 msg = f"expected each name once in input, output and params, found {name} twice"
                 raise ValueError(msg)
             given[name] = value
-    return {name: value for name, value in given.items() if name not in NOT_HANDED}
+    for name in NOT_HANDED:
+        given.pop(name, None)
+    return given
 
 
 def check_memory(mem_mb):
