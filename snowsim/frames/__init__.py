@@ -10,5 +10,13 @@ from snowsim.frames.flatten import (
     resample_range,
 )
 
-__all__ = ["FLAGGED_BY", "align_layers", "count_flagged", "cut_blocks", "flatten", "frame_of_scene"]
-__all__ += ["leave_out_flagged", "resample_range"]
+__all__ = [
+    "FLAGGED_BY",
+    "align_layers",
+    "count_flagged",
+    "cut_blocks",
+    "flatten",
+    "frame_of_scene",
+    "leave_out_flagged",
+    "resample_range",
+]
