@@ -14,8 +14,8 @@ def load_weights(network, weights, name):
     expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
     got = {key: tuple(value.shape) for key, value in weights.items()}
     for key in sorted(expected | got):
-        shapes = f"expected {key} of shape {expected.get(key)}, got {got.get(key)}"
         if expected.get(key) != got.get(key):
+            shapes = f"expected {key} of shape {expected.get(key)}, got {got.get(key)}"
             msg = f"{name}: {shapes}: other settings made it"
             raise ValueError(msg)
     network.load_state_dict({key: torch.as_tensor(value) for key, value in weights.items()})

@@ -44,13 +44,13 @@ def align_layers(layers, echogram, where="layers"):
         rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
     _check_window(twtt, echogram, where)
-    of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
-    aligned = xr.Dataset(coords={"slow_time": ours, **of_layers}, attrs=layers.attrs)
-    aligned["twtt"] = (("layer", "slow_time"), twtt, {"units": "s"})
+    variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
     for name in ("quality", "type"):
         flags = layers[name].transpose("layer", "slow_time")
-        aligned[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
-    aligned["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
+        variables[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
+    variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
+    of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
+    aligned = xr.Dataset(variables, {"slow_time": ours, **of_layers}, layers.attrs)
     check_layers(aligned, where)
     return aligned
 

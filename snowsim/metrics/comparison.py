@@ -86,10 +86,9 @@ def paired_difference(differences, image_error, n_images):
     spread = float(differences.std(ddof=1)) if n > 1 else float("nan")
     errors = Errors(spread, image_error, n_images)
     reach = float(errors.reach([1 - LEVEL / 2], n))
+    outcome = "higher" if mean > 0 else "lower"
     if abs(mean) <= reach:
         outcome = "not resolved"
-    else:
-        outcome = "higher" if mean > 0 else "lower"
     return {
         "difference": mean,
         "low": mean - reach,

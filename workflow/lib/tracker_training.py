@@ -22,10 +22,7 @@ def compose(
     if labels == "complete":
         real = Completed(real)
     if zones is not None:
-        places = (
-            [place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added
-        )
-        added = list(map(Subset, added, places))
+        added = [_of_zones(scenes, zones) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
         n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies
@@ -36,3 +33,8 @@ def compose(
             real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
         )
     return scenes, settings
+
+
+def _of_zones(scenes, zones):
+    places = [place for place, zone in enumerate(scenes.zones) if zone in zones]
+    return Subset(scenes, places)

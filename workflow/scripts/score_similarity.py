@@ -26,12 +26,10 @@ def score_method(observed, path_to_rendered, method):
 
 def score_similarity(observed, rendered, images, rows, *, methods):
     with SceneSet(observed) as scenes:
-        for method, path, path_to_images, path_to_rows in zip(
-            methods, rendered, images, rows, strict=True
-        ):
-            of_images, of_rows = score_method(scenes, path, method)
-            write_table(path_to_images, of_images)
-            write_table(path_to_rows, of_rows)
+        for i, method in enumerate(methods):
+            of_images, of_rows = score_method(scenes, rendered[i], method)
+            write_table(images[i], of_images)
+            write_table(rows[i], of_rows)
 
 
 run(score_similarity)
