@@ -1,4 +1,4 @@
-"""Command `snowsim`: a click command for each function here; what takes time is imported when it runs."""
+"""Command `snowsim`, a function for each of its own; what takes time is imported when it runs."""
 
 import json
 import os
@@ -27,7 +27,7 @@ SHOWN = {"show_default": True}
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__)
 def commands():
-    """Simulate airborne snow radar, and score what tracks its layers; the workflow itself is Snakemake's.
+    """Simulate airborne snow radar, and score what tracks its layers; the workflow is Snakemake's.
 
     Errors are one line; exit codes 1 bad data or no room, 2 bad usage, 130 interrupted.
     """
@@ -41,8 +41,9 @@ def commands():
 )
 @click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
 def export(sources, folder, layers, netcdf):
-    """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image pairs, or of one
-    echogram with its --layers, which is levelled and cut into blocks of 256 range lines.
+    """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image
+    pairs, or of one echogram with its --layers, which is levelled and cut into blocks of 256 range
+    lines.
 
     \b
     Examples:
@@ -74,8 +75,8 @@ def export(sources, folder, layers, netcdf):
 @commands.command(short_help="What a file is: its axes, layers, and the traps found in it.")
 @click.argument("file", type=EXISTING)
 def info(file):
-    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes, an image or an array, or
-    a folder of image pairs; its axes and layers, and the traps found in it.
+    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes, an
+    image or an array, or a folder of image pairs; its axes and layers, and the traps found in it.
 
     \b
     Examples:
@@ -106,8 +107,8 @@ def info(file):
 )
 @seed_option
 def scenes(folder, n, statistics, form, seed, **settings):
-    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER: as image pairs in
-    the published benchmark's layout, or as NetCDF or Zarr.
+    """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER:
+    as image pairs in the published benchmark's layout, or as NetCDF or Zarr.
 
     \b
     Examples:
@@ -153,9 +154,10 @@ def scenes(folder, n, statistics, form, seed, **settings):
 @click.option("-j", "--processes", type=COUNT, default=1)
 @click.option("--format", "form", type=click.Choice(["table", "csv", "json"]), default="table")
 def score(predictions, truth, form, **settings):
-    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of PNG, NPY or NetCDF
-    files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins, missed and false layers,
-    of every image and, with 95 % intervals by the bootstrap over images, of all.
+    """Score the edge maps (or --picks) of a tracker in PREDICTIONS against TRUTH, two folders of
+    PNG, NPY or NetCDF files: ODS, OIS, AP, mean absolute error of picks, share within 2 bins,
+    missed and false layers, of every image and, with 95 % intervals by the bootstrap over images,
+    of all.
 
     Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask,
     layer numbers, or layers in range bins. To data_NAME or NAME belongs layer_binary_NAME,
@@ -219,8 +221,8 @@ def echo_scores(table):
 @click.option("--range-lines", "n_range_lines", type=COUNT, default=256)
 @seed_option
 def simulate(echogram, radar, changes, n_range_lines, seed, **climate):
-    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar dataset (NetCDF), and
-    its layers beside it, as NAME_layers.nc.
+    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar
+    dataset (NetCDF), and its layers beside it, as NAME_layers.nc.
 
     \b
     Examples:

@@ -1,4 +1,7 @@
-"""Scenes as network inputs: full-resolution crops, flips, scaled copies, and 8-bit values as tensors."""
+"""Scenes as network inputs.
+
+Full-resolution crops, flips, scaled copies, and 8-bit values as tensors.
+"""
 
 from functools import lru_cache
 
@@ -11,7 +14,7 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """ValueError, naming the `Scene`, unless its image has contrast, fits its layers and, not `empty`, shows one."""
+    """ValueError unless an image has contrast, fits its layers and shows one, or is `empty`."""
     image = scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
     if image is None or image.shape != shape or image.dtype != np.uint8:
@@ -29,7 +32,9 @@ def check_trainable(scene, *, empty=False):
 
 
 def draw_index(n, position, seed, *keys):
-    """Which of `n` items the draw at `position` gives: every one once, in random order, before any comes again.
+    """Which of `n` items the draw at `position` gives.
+
+    Every one once, in random order, before any comes again.
 
     `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training
     that resumes at a position needs no saved sampler.
@@ -83,7 +88,7 @@ def scaled(image, layer_bins, scale):
 
 
 def whole_copy(scene, scale, mirrored):
-    """Image (uint8) and mask (bool) of a whole scene, (range_bin, range_line), resized alike or turned left to right.
+    """Image (uint8) and mask (bool) of a whole scene, resized alike or turned left to right.
 
     As the published tracker code does it with OpenCV: sizes are truncated, values interpolated
     between the nearest two by two pixels without averaging (within a grey level of OpenCV's
@@ -149,7 +154,7 @@ def draw_patches(
 
 
 def _draw_patch(maps, size, flip, rng):
-    """Cut one window of `size` out of image, mask and so on, around a drawn pixel of the mask, mirrored or not."""
+    """Cut a window out of image, mask and so on, around a drawn pixel of the mask."""
     mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
@@ -164,7 +169,7 @@ def _draw_patch(maps, size, flip, rng):
 
 
 def to_signed(array):
-    """Float32 tensor (patch, 1, range_bin, range_line) in [-1, 1] of a stack of images (0 to 255) or masks."""
+    """Float32 (patch, 1, range_bin, range_line) in [-1, 1] of images (0 to 255) or masks."""
     array = np.asarray(array)
     full = 1 if array.dtype == bool else 255
     signed = array.astype(np.float32) * np.float32(2 / full) - np.float32(1)
@@ -172,6 +177,9 @@ def to_signed(array):
 
 
 def from_signed(tensor):
-    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line); the inverse of `to_signed`."""
+    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line).
+
+    The inverse of `to_signed`.
+    """
     grey = torch.round((tensor[:, 0].float() + 1) * 127.5)
     return grey.to(torch.uint8).cpu().numpy()

@@ -26,9 +26,21 @@ PICK_SCORES = [
 
 
 def score_folders(
-    predictions, truth, *, output=None, picks=False, suppressed=False, tolerance=0.0075, tolerance_bins=None,
-    max_distance_bins=10.0, within_bins=2.0, n_bootstrap=1000, seed=0, processes=1, progress=lambda steps, total: steps,
-):  # fmt: skip
+    predictions,
+    truth,
+    *,
+    output=None,
+    picks=False,
+    suppressed=False,
+    tolerance=0.0075,
+    tolerance_bins=None,
+    max_distance_bins=10.0,
+    within_bins=2.0,
+    n_bootstrap=1000,
+    seed=0,
+    processes=1,
+    progress=lambda steps, total: steps,
+):
     """Edge scores and errors of picks of a tracker, from two folders of files.
 
     Parameters
@@ -77,7 +89,8 @@ def score_folders(
     >>> np.save("truth.npy", truth)
     >>> np.save("map.npy", np.exp(-((near / 2) ** 2)))
     >>> table = score_folders("map.npy", "truth.npy")
-    >>> [round(float(table[column][0]), 2) for column in ("ods", "mean_absolute_error_bins", "n_missed_layers")]
+    >>> columns = ["ods", "mean_absolute_error_bins", "n_missed_layers"]
+    >>> [round(float(table[column][0]), 2) for column in columns]
     [1.0, 1.0, 0.0]
     """
     pairs = pair_files(predictions, truth, output=output, picks=picks)
@@ -130,7 +143,10 @@ def _count(pair, *, suppressed, **tolerance):
 
 
 def _pick(pair, *, suppressed, threshold, **limits):
-    """What became of the layers of one image; without a threshold, in picks that are the tracker's own."""
+    """What became of the layers of one image.
+
+    Without a threshold, in picks that are the tracker's own.
+    """
     _, prediction, truth = pair
     if threshold is None:
         _, picks = read_labels(prediction)
@@ -148,7 +164,7 @@ def _pick(pair, *, suppressed, threshold, **limits):
 
 
 def _tabulated(names, counts, picks, *, n_bootstrap, rng):
-    """Table of `score_folders` from what `match_counts` (or None) and `layer_rows` give of each image.
+    """Table of `score_folders` from the `match_counts` (or None) and `layer_rows` of each image.
 
     `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with
     replacement, NaN for one image alone, whose `ods` and `ois` are its best F.

@@ -1,16 +1,25 @@
-"""What the trainings of both networks share: arithmetic, and weights and moments that are kept and taken over again."""
+"""What the trainings of both networks share.
+
+Arithmetic, and weights and moments that are kept and taken over again.
+"""
 
 import torch
 
 
 def arithmetic(device, precision):
-    """Context in which networks compute in `precision`, `float32` or `bfloat16`; weights are float32 in both."""
+    """Context in which networks compute in `precision`, `float32` or `bfloat16`.
+
+    Weights are float32 in both.
+    """
     kind = torch.device(device).type
     return torch.autocast(kind, torch.bfloat16, enabled=precision == "bfloat16")
 
 
 def load_weights(network, weights, name):
-    """Copy weights (dict of arrays) into a network; ValueError, with `name`, where names or shapes differ."""
+    """Copy weights (dict of arrays) into a network.
+
+    ValueError, with `name`, where names or shapes differ.
+    """
     expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
     got = {key: tuple(value.shape) for key, value in weights.items()}
     for key in sorted(expected | got):
@@ -22,12 +31,17 @@ def load_weights(network, weights, name):
 
 
 def moments_of(optimiser):
-    """What an optimiser keeps of each weight, by the weight's number; to be given to `load_moments`."""
+    """What an optimiser keeps of each weight, by the weight's number.
+
+    To be given to `load_moments`.
+    """
     return optimiser.state_dict()["state"]
 
 
 def load_moments(optimiser, moments, name):
-    """Copy moments (by number of the weight, dicts of arrays) into an optimiser; none are there before the first step.
+    """Copy moments (by number of the weight, dicts of arrays) into an optimiser.
+
+    None are there before the first step.
 
     ValueError, with `name`, if they are those of another number of weights.
     """

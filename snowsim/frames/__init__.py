@@ -1,4 +1,7 @@
-"""Observed frames made comparable: layers on its lines, flagged lines left out, one bin size, level, blocks of 256."""
+"""Observed frames made comparable.
+
+Layers on its lines, flagged lines left out, one bin size, level, blocks of 256.
+"""
 
 from snowsim.frames.blocks import cut_blocks, frame_of_scene
 from snowsim.frames.flatten import (

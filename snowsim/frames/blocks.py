@@ -23,7 +23,7 @@ METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180
 
 
 def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):
-    """Scenes of a level frame by the rule of the published benchmark, and why other blocks are none, by name.
+    """Scenes of a level frame, as in the published benchmark, and why other blocks are none.
 
     Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50,
     and ends 100 rows below its last layer but holds 300 rows at least; each is scaled to 8 bits by
@@ -84,7 +84,7 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
 
 
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
-    """Echogram and layers of a scene with an image, so that statistics can be fitted to a benchmark of images.
+    """Echogram and layers of a scene with an image, for statistics of a benchmark of images.
 
     `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range
     lines [m]: images tell neither. Scenes that do not tell their decibels need `contrast_db`, from
@@ -115,7 +115,7 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
 
 
 def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
-    """Power and layers as datasets of the Open Polar Radar convention, due north, one line a millisecond.
+    """Power and layers as Open Polar Radar datasets, due north, one line a millisecond.
 
     `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent.
     Times and positions are placeholders: frames sort by `minute`, their lines have the distance

@@ -1,4 +1,7 @@
-"""Frames made comparable: layers on the lines of an echogram, flagged lines out, level, one bin size."""
+"""Frames made comparable.
+
+Layers on the lines of an echogram, flagged lines out, level, one bin size.
+"""
 
 import numpy as np
 import xarray as xr
@@ -13,7 +16,8 @@ METHODS = ("surface", "elevation", "none")
 # product; `low_SNR`, weak, but measured: without such lines the mean power would come out too high;
 # `land_ice`, what is on the ground, no defect.
 FLAGGED_BY = (
-    "coh_noise_removal_artifact",  # power that is no echo, in the air that gives the noise and under the picks
+    # Power that is no echo, in the air that gives the noise and under the picks.
+    "coh_noise_removal_artifact",
     "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
     "missing_data",  # the range gate clips the echogram
     "no_good_data",  # not to be trusted
@@ -22,7 +26,9 @@ FLAGGED_BY = (
 
 
 def align_layers(layers, echogram, where="layers"):
-    """Layers on the range lines of an echogram, and as seen from its antenna; `where` names them in messages.
+    """Layers on the range lines of an echogram, and as seen from its antenna.
+
+    `where` names them in messages.
 
     `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type`
     are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
@@ -94,7 +100,7 @@ def _check_window(twtt, echogram, where):
 
 
 def flatten(echogram, layers, *, method="surface"):
-    """Echogram and layers with traces shifted by whole bins, so that the surface, or the aircraft, stays level.
+    """Echogram and layers, shifted by whole bins to keep the surface, or the aircraft, level.
 
     Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line
     between its neighbours where it is not picked, into the row of its median; "elevation" takes out
@@ -219,7 +225,7 @@ def _interpolated(power, centres):
 
 
 def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
-    """Echogram, with `flagged (slow_time)`, and layers without the power and picks of lines that have one of `flags`.
+    """Echogram, with `flagged (slow_time)`, and layers, without the lines that have one of `flags`.
 
     Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines
     stay, so that their neighbours keep their distance. The echogram's `quality_mask (slow_time)`
@@ -242,7 +248,10 @@ def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
 
 
 def flagged_lines(echogram):
-    """Which range lines have each flag, {name: bool (range_line,)}; None for an echogram without a mask of flags."""
+    """Which range lines have each flag, {name: bool (range_line,)}.
+
+    None for an echogram without a mask of flags.
+    """
     mask = echogram.get("quality_mask")
     if mask is None or mask.dtype.kind not in "iu":
         return None
@@ -254,7 +263,7 @@ def flagged_lines(echogram):
 
 
 def count_flagged(echogram):
-    """How many range lines `leave_out_flagged` left out, and all flags in words, such as "low_SNR 12; land_ice 512".
+    """How many lines `leave_out_flagged` left out, and all flags: "low_SNR 12; land_ice 512".
 
     Words are "none" where there is a mask without a flag, and empty where there is no mask.
     """

@@ -1,4 +1,7 @@
-"""Edge scores of two ways to train, paired by image and by replica: difference, interval, what could be resolved."""
+"""Edge scores of two ways to train, paired by image and by replica.
+
+Difference, interval, what could be resolved.
+"""
 
 from dataclasses import dataclass
 
@@ -65,7 +68,7 @@ def compare(counts, pairs, *, n_bootstrap, rng):
 
 
 def paired_difference(differences, image_error, n_images):
-    """Mean of paired differences, (replica,), with 95 % interval and test, and what such a comparison could resolve.
+    """Mean of paired differences, (replica,), its 95 % interval and test, and what is resolvable.
 
     `image_error` is the standard error of the mean that comes from the choice of images; of a
     single replica it is all that is known. Returns `difference`, `low`, `high`, `p_value`
@@ -121,14 +124,20 @@ def holm(p_values):
 
 @dataclass(frozen=True)
 class Errors:
-    """What makes the mean of paired differences uncertain; `spread` is NaN where one replica leaves it unknown."""
+    """What makes the mean of paired differences uncertain.
+
+    `spread` is NaN where one replica leaves it unknown.
+    """
 
     spread: float
     image_error: float
     n_images: int
 
     def reach(self, probabilities, n):
-        """Half width of an interval for `n` replicas: its quantiles, added up, times both errors."""
+        """Half width of an interval for `n` replicas.
+
+        Its quantiles, added up, times both errors.
+        """
 
         def quantiles(freedom):
             return sum(student.ppf(probability, freedom) for probability in probabilities)
@@ -154,7 +163,10 @@ def _p_value(difference, errors, n):
 
 
 def _seeds_to_resolve(difference, errors):
-    """Least number of replicas, from 2, whose detectable difference is at most `difference`; -1 for none."""
+    """Least number of replicas, from 2, whose detectable difference is at most `difference`.
+
+    -1 for none.
+    """
     if not np.isfinite(errors.spread):
         return -1
     n = np.arange(2, MOST_SEEDS + 1)

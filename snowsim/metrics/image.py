@@ -28,8 +28,8 @@ def similarity(image, reference):
     Notes
     -----
     RMSE eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14:
-    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels, whose windows reach
-    over the border.
+    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels,
+    whose windows reach over the border.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def similarity(image, reference):
 
 
 def ssim_map(image, reference):
-    """Structural similarity around every pixel of two uint8 images, float64 (range_bin, range_line), at most 1.
+    """Structural similarity around every pixel of two uint8 images, float64, at most 1.
 
     Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh &
     Simoncelli (2004), IEEE TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``,

@@ -1,4 +1,7 @@
-"""Picks of many scenes in sums that can be pooled: by training set, by accumulation zone, against depth."""
+"""Picks of many scenes in sums that can be pooled.
+
+By training set, by accumulation zone, against depth.
+"""
 
 import numpy as np
 import pandas as pd
@@ -24,7 +27,7 @@ SUMS = (
 
 
 def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
-    """What became of every true layer of a scene, and every picked layer that is none, as sums over range lines.
+    """What became of every true layer of a scene, and every false layer, as sums over range lines.
 
     `picks` and `layer_bins` are those of `match_picks`, layer 0 the surface, which must be present.
     Columns `layer` (-1: a picked layer of which less than half belongs to any true one),
@@ -82,7 +85,7 @@ def _finite(values):
 
 
 def pool_picks(rows, by, *, bin_size_m):
-    """Errors of picks, from rows of `layer_rows`, pooled over all pixels of each group of the columns `by`.
+    """Errors of picks, from `layer_rows`, pooled over all pixels of each group of the columns `by`.
 
     Columns of `by`, in order of first appearance, then `mean_absolute_error_bins`, `bias_bins`, the
     same of the thickness and all four as `_m`, with range bins of `bin_size_m` in snow;
@@ -118,14 +121,14 @@ def errors_of_sums(sums, bin_size_m):
 
 
 def snow_per_bin_m(bin_size_s, density_kg_m3):
-    """Thickness of snow [m] that a pulse crosses and comes back through in one range bin, ``c t / (2 n)``."""
+    """Thickness of snow [m] that one range bin spans, there and back, ``c t / (2 n)``."""
     return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + KOVACS_M3_KG * density_kg_m3))
 
 
 def zone_of(first_thickness_bins, zone_edge_bins):
-    """Accumulation zone, 0 to 3, of thicknesses of the first slab [range bins], by the flight's quartiles; -1 for NaN.
+    """Accumulation zone, 0 to 3, of thicknesses of the first slab [range bins]; -1 for NaN.
 
-    Thicknesses beyond the flight's fall in the outermost zones.
+    Zones are the flight's quartiles; thicknesses beyond them fall in the outermost ones.
     """
     thickness = np.asarray(first_thickness_bins, dtype=float)
     zone = np.searchsorted(np.asarray(zone_edge_bins)[1:-1], thickness, side="right")

@@ -1,4 +1,7 @@
-"""Layers as a glaciologist reads them: picks from an edge map, and which true layer each pick belongs to."""
+"""Layers as a glaciologist reads them.
+
+Picks from an edge map, and which true layer each pick belongs to.
+"""
 
 from dataclasses import dataclass
 
@@ -68,7 +71,7 @@ def pick_layers(
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
-    """Assign picks to true layers, both (row, range_line), in every range line by itself and keeping their order.
+    """Assign picks to true layers, both (row, range_line), line by line and keeping their order.
 
     Of all assignments that keep the order, the one with the least sum of distances, where a layer
     without a pick counts `max_distance_bins`; found by dynamic programming. Returns the error of
@@ -100,7 +103,7 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
 
 
 def _line_picks(strength, threshold):
-    """Centroid of every run of one range line at or above the threshold, ascending, (pick,) [range bins]."""
+    """Centroid of every run of a range line at or above the threshold, (pick,) [range bins]."""
     rows = np.flatnonzero(strength >= threshold)
     if rows.size == 0:
         return np.empty(0)
@@ -111,7 +114,10 @@ def _line_picks(strength, threshold):
 
 @njit(cache=True)
 def _align(expected, found, max_distance):
-    """Index of what was found for each entry expected, -1 for none: the order-keeping assignment of least distance."""
+    """Index of what was found for each entry expected, -1 for none.
+
+    The order-keeping assignment of least distance.
+    """
     n = expected.size
     m = found.size
     # gain[i, j]: the most that the first i expected and j found can save of max_distance each.

@@ -1,4 +1,7 @@
-"""Texture of echograms: number of looks, autocorrelation, radial spectrum, and where layers' peaks lie."""
+"""Texture of echograms.
+
+Number of looks, autocorrelation, radial spectrum, and where layers' peaks lie.
+"""
 
 import numpy as np
 from scipy.ndimage import correlate1d
@@ -6,11 +9,11 @@ from scipy.signal import savgol_coeffs
 
 
 def equivalent_number_of_looks(power):
-    """Equivalent number of looks of a homogeneous region of linear power, ``mean^2 / variance`` (unbiased variance).
+    """Equivalent number of looks of a homogeneous region of linear power, ``mean^2 / variance``.
 
-    Infinite where the power is constant. It is the M of Gamma(M) speckle if pixels are independent;
-    structure in the region makes it smaller. Refused: fewer than two pixels, negative or infinite
-    power, and nothing but zeros.
+    The variance is the unbiased one; infinite where the power is constant. It is the M of Gamma(M)
+    speckle if pixels are independent; structure in the region makes it smaller. Refused: fewer than
+    two pixels, negative or infinite power, and nothing but zeros.
     """
     power = np.asarray(power, dtype=float)
     valid = np.isfinite(power) & (power >= 0)
@@ -75,7 +78,9 @@ def _hann(length):
 
 
 def radial_psd_distance_db(image, reference, n_bands=32):
-    """Root mean square over the rings of the ratio of two radial spectra [dB]; images may differ in size.
+    """Root mean square over the rings of the ratio of two radial spectra [dB].
+
+    Images may differ in size.
 
     0 means equal spectra, contrast included: an image of twice the contrast is 6 dB away.
     """
@@ -86,7 +91,7 @@ def radial_psd_distance_db(image, reference, n_bands=32):
 
 
 def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
-    """Distance from every layer to the peak that an image shows near it, with the layer's slope and curvature.
+    """Distance from every layer to the peak of an image near it; its slope and curvature.
 
     The peak is the brightest pixel of the range line within `search_bins` of the layer and not
     beyond half way to the next layer; of equals their mean. Where the brightest is the first or
@@ -124,7 +129,7 @@ def layer_position_error(image, layer_bins, *, search_bins=10, window_lines=9):
 
 
 def _peak_bins(image, layer_bins, search_bins):
-    """Bin of the brightest pixel in reach of each layer, NaN where it lies at an end of the reach."""
+    """Bin of the brightest pixel in reach of each layer, NaN where it ends the reach."""
     above, below = _half_way(layer_bins)
     last_row = image.shape[0] - 1
     highest = np.maximum(np.maximum(layer_bins - search_bins, above), 0)
@@ -146,7 +151,7 @@ def _peak_bins(image, layer_bins, search_bins):
 
 
 def _half_way(layer_bins):
-    """Bins half way to the nearest layer present above and below each layer, -inf and inf where there is none."""
+    """Bins half way to the nearest layer above and below each, -inf and inf where there is none."""
     present = np.isfinite(layer_bins)
     above = np.full(layer_bins.shape, -np.inf)
     below = np.full(layer_bins.shape, np.inf)

@@ -1,4 +1,7 @@
-"""The multi-scale network: a VGG16-shaped encoder with a side output per stage and their fusion; tracking with it."""
+"""The multi-scale network, and tracking with it.
+
+A VGG16-shaped encoder with a side output per stage, and their fusion.
+"""
 
 import numpy as np
 import torch
@@ -43,7 +46,7 @@ class MultiScaleNetwork(nn.Module):
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
 
     def forward(self, image):
-        """Logits of `OUTPUTS`, (output, patch, 1, range_bin, range_line), of images (patch, 1, ...) as `to_input`."""
+        """Logits, (output, patch, 1, range_bin, range_line), of images as from `to_input`."""
         x = image
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
@@ -64,11 +67,14 @@ class MultiScaleNetwork(nn.Module):
 
     @staticmethod
     def enlarged(logit, factor, size):
-        """A side map as many times as large, about pixel centres, and cut to `size` on the right and below."""
+        """A side map as many times as large, about pixel centres, cut on the right and below."""
         return _enlarged(logit, factor)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw the weights: He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse."""
+        """Draw the weights.
+
+        He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse.
+        """
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):
@@ -83,7 +89,10 @@ class MultiScaleNetwork(nn.Module):
 
 
 class PublishedNetwork(MultiScaleNetwork):
-    """The multi-scale network as the published code has it: other input, first weights and place of side maps."""
+    """The multi-scale network as the published code has it.
+
+    Other input, first weights and place of side maps.
+    """
 
     @staticmethod
     def to_input(images):
@@ -102,7 +111,7 @@ class PublishedNetwork(MultiScaleNetwork):
         return logit[:, :, top : top + n_rows, left : left + n_lines]
 
     def initialise(self, *, rng):
-        """Draw the weights as PyTorch does, uniform within +-1 / sqrt(number of inputs), biases too; a mean fuses."""
+        """Draw weights and biases as PyTorch does, within +-1 / sqrt(n inputs); a mean fuses."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 is_bias = name.endswith("bias")
@@ -127,7 +136,7 @@ NETWORKS = {"multi_scale": MultiScaleNetwork, "published": PublishedNetwork}
 
 
 def track(network, image, *, precision="float32"):
-    """Probability of a layer in each pixel by each of `OUTPUTS`, float32 (output, range_bin, range_line) in [0, 1].
+    """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
     `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if
     it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
@@ -147,7 +156,7 @@ def track(network, image, *, precision="float32"):
 
 
 def trained_network(weights, settings, *, device="cpu"):
-    """Network for `track`, of weights (dict of arrays) and the `Settings` they were trained with."""
+    """Network for `track`, of weights (dict of arrays) and the `Settings` of their training."""
     network = NETWORKS[settings.network](settings.width)
     load_weights(network, weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()

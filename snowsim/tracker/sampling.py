@@ -10,7 +10,7 @@ N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
 
 
 class Completed:
-    """Scenes with their `complete_layer_bins`, where they hold them, as layers, and no longer marked as incomplete."""
+    """Scenes whose `complete_layer_bins`, where they hold them, are their layers."""
 
     def __init__(self, scenes):
         self._scenes = scenes
@@ -79,7 +79,10 @@ class TrainingSet:
             self._n_first = round(n_synthetic / self.n_per_epoch)
 
     def source(self, position):
-        """Which scene the draw at `position` shows, as (set, scene): set 0 is real, then the added ones."""
+        """Which scene the draw at `position` shows, as (set, scene).
+
+        Set 0 is real, then the added ones.
+        """
         if self._n_first is not None:
             return self._source_in_turn(position)
         epoch = position // self.n_per_epoch
@@ -93,7 +96,7 @@ class TrainingSet:
         return number, self._drawn(len(self._sets[number]), draw, number)
 
     def _source_in_turn(self, position):
-        """Source of a draw where synthetic scenes come first, one of each added set in turn, and real ones after."""
+        """Source where synthetic scenes come first, one of each set in turn, then real ones."""
         if position >= self._n_first:
             return 0, self._drawn(len(self._sets[0]), position - self._n_first, "real")
         draw, before = divmod(position, len(self._sets) - 1)
@@ -109,7 +112,10 @@ class TrainingSet:
 
 
 def copy_shown(position, n_per_epoch, n_copies, seed):
-    """What a training on copies shows at `position`: a draw of its `TrainingSet`, and which copy, in random order."""
+    """What a training on copies shows at `position`.
+
+    A draw of its `TrainingSet`, and which copy, in random order.
+    """
     n_gradients = n_copies * n_per_epoch
     slot = draw_index(n_gradients, position, seed, "training set", "copies")
     copy, within = divmod(slot, n_per_epoch)

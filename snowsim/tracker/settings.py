@@ -17,7 +17,9 @@ CHOICES = {
 
 @dataclass(frozen=True)
 class Settings:
-    """Network and training of the tracker; the defaults are the small recipe, `published` gives the other.
+    """Network and training of the tracker.
+
+    The defaults are the small recipe, `published` gives the other.
 
     Attributes
     ----------

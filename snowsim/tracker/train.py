@@ -1,4 +1,4 @@
-"""Training of the multi-scale tracker, by the published recipe or a modern one, resumable to the byte."""
+"""Training of the tracker, by the published recipe or a modern one, resumable to the byte."""
 
 import math
 
@@ -81,7 +81,7 @@ class Training:
         self._optimiser = _optimiser(self.network, settings)
 
     def state(self):
-        """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
+        """All that a step changes but `step`, as nested dicts of CPU tensors, for `restore`."""
         gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
         state = {
             "network": self.network.state_dict(),
@@ -91,7 +91,10 @@ class Training:
         return on_cpu(state)
 
     def restore(self, state, step):
-        """Take over a `state`, read back as arrays, after `step` steps; ValueError if other settings made it."""
+        """Take over a `state`, read back as arrays, after `step` steps.
+
+        ValueError if other settings made it.
+        """
         load_weights(self.network, state.get("network", {}), "tracker")
         load_moments(self._optimiser, state.get("optimiser", {}), "tracker")
         gradients = state.get("gradient", {})
@@ -141,7 +144,10 @@ def train_steps(training, scenes):
 
 
 def _check_copies(settings, n_per_epoch):
-    """Refuse what copies cannot be: cut, several a gradient, masked, or too few in an epoch for an update."""
+    """Refuse what copies cannot be.
+
+    Cut, several a gradient, masked, or too few in an epoch for an update.
+    """
     cut = settings.n_range_bins or settings.n_range_lines
     if settings.batch_size > 1 or cut or settings.mask_unannotated:
         msg = "augmentation copies: expected batch_size 1, no crop and mask_unannotated false"
@@ -153,7 +159,7 @@ def _check_copies(settings, n_per_epoch):
 
 
 def _patches(training, scenes):
-    """Crops of the next scenes, of one drawn scale, with their masks and, where wanted, what is known of them."""
+    """Crops of the next scenes, of one drawn scale; their masks and, if wanted, what is known."""
     settings = training.settings
     first = training.step * settings.batch_size
     rng = random_stream(training.seed, "tracker", "step", training.step)
@@ -179,7 +185,7 @@ def _copy(training, scenes):
 
 
 def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_share=None):
-    """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
+    """Class-balanced cross-entropy of each output, summed over pixels, mean of images, (output,).
 
     `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool
     (patch, range_bin, range_line): pixels that count. Layers weigh by the share of background,
@@ -205,7 +211,7 @@ def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_sh
 
 
 def rate_factor(settings, step):
-    """Learning rate of the step after `step` others (updates, where the schedule counts those), of the highest."""
+    """Rate, of the highest, of the step after `step` others, or updates where these count."""
     if settings.schedule != "one_cycle":
         return 0.1 ** (step // settings.n_steps_per_tenth)
     done = (step + 1) / settings.n_steps
@@ -250,7 +256,10 @@ def _update(training, step):
 
 
 def _optimiser(network, settings):
-    """Optimiser with one group per rate and decay: a call a group costs more than the step of a small network."""
+    """Optimiser with one group per rate and decay.
+
+    A call a group costs more than the step of a small network.
+    """
     groups = {}
     for name, parameter in network.named_parameters():
         rate = settings.learning_rate

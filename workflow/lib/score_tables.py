@@ -1,4 +1,7 @@
-"""Scores of images and trainings to the paper's tables: Table II, SSIM against depth, Table III with intervals."""
+"""Scores of images and trainings to the paper's tables.
+
+Table II, SSIM against depth, Table III with intervals.
+"""
 
 from itertools import product
 
@@ -11,7 +14,7 @@ from snowsim.metrics.edges import COUNTS, score, stack_counts
 
 
 def similarity_table(images):
-    """Table II: minimum, mean and maximum of each metric over the images, a column a method, in alphabetical order.
+    """Table II: minimum, mean and maximum of each metric over the images, a column a method.
 
     `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and
     the methods.
@@ -25,7 +28,7 @@ def similarity_table(images):
 
 
 def ssim_against_depth(rows, window_rows):
-    """Mean SSIM of every row over the depth that all images share, and its moving average (Fig. 12).
+    """Mean SSIM of every row that all images share, and its moving average (Fig. 12).
 
     `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is
     centred over `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim,
@@ -43,13 +46,13 @@ def ssim_against_depth(rows, window_rows):
 
 
 def counts_by_image(table):
-    """One output's per-threshold counts as the list that `snowsim.metrics.edges.score` takes, images sorted by name."""
+    """Counts of one output as `snowsim.metrics.edges.score` takes them, images sorted by name."""
     by_scene = table.sort_values(["scene", "threshold"]).groupby("scene", sort=True)
     return [{name: group[name].to_numpy() for name in COUNTS} for _, group in by_scene]
 
 
 def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
-    """Counts of trainings as `tracker_intervals` takes them, replicas of the first training set first.
+    """Counts of trainings for `tracker_intervals`, replicas of the first training set first.
 
     Each table has columns `scene, output, threshold` and the counts.
     """
@@ -62,7 +65,10 @@ def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
 
 
 def tracker_table(intervals):
-    """Table III in the paper's layout from the long table of `tracker_intervals`: a row per output."""
+    """Table III in the paper's layout from the long table of `tracker_intervals`.
+
+    A row per output.
+    """
     columns = intervals["training_set"] + "_" + intervals["metric"]
     wide = intervals.assign(column=columns).pivot_table(
         index="output", columns="column", values="mean"
@@ -72,7 +78,7 @@ def tracker_table(intervals):
 
 
 def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
-    """Scores of every training set and output, with intervals, and their differences to the first set.
+    """Scores of every training set and output, with intervals, and differences to the first set.
 
     `counts` maps (training set, output) to a list over replicas of lists over images, in one order,
     of count dicts. Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and

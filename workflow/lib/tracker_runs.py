@@ -1,4 +1,6 @@
-"""Which trainings the study of the tracker is made of: settings, and how each differs from the default.
+"""Which trainings the study of the tracker is made of.
+
+Settings, and how each differs from the default.
 
 A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`,
 `steps` (a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting,
@@ -19,7 +21,7 @@ def ablation_of(study, training_sets):
 
 
 def check_names(study):
-    """Raise ValueError where two settings share a name, or a worth is asked for of a setting that there is not."""
+    """ValueError where two settings share a name, or a worth is that of an unknown setting."""
     names = [each["name"] for each in study["ablation"]]
     for name, times in Counter(names).items():
         if times > 1:
@@ -45,7 +47,10 @@ def _run(name):
 
 
 def pairs_of(runs):
-    """Every run and its base: of a default that of RD, of another setting the default of the same training set."""
+    """Every run and its base.
+
+    Of a default that of RD, of another setting the default of the same training set.
+    """
     pairs = []
     for setting, training_set in runs:
         base = "rd" if setting == "default" else training_set
@@ -76,7 +81,10 @@ def epochs_of(changes, tracker):
 
 
 def phy_of(changes, phy):
-    """Conventions of PHY in a setting, from those of the configuration; the estimator of the statistics is none."""
+    """Conventions of PHY in a setting, from those of the configuration.
+
+    The estimator of the statistics is no convention of PHY.
+    """
     conventions = phy | changes["phy"]
     conventions.pop("estimator", None)
     return conventions
@@ -88,7 +96,10 @@ def estimator_of(changes, config):
 
 
 def renders_of(setting, changes, files):
-    """Label sets as PHY of a setting renders them: of its own where it changes PHY, else `files`, the default's."""
+    """Label sets as PHY of a setting renders them.
+
+    Of its own where it changes PHY, else `files`, the default's.
+    """
     if "phy" not in changes:
         return files
     return [f"results/studies/tracker/{setting}/phy/{Path(file).name}" for file in files]

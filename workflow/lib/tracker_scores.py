@@ -1,4 +1,4 @@
-"""A trained tracker on a set of scenes: its edge counts, and the layers picked from its fused output."""
+"""Edge counts of a trained tracker on a set of scenes, and picks from its fused output."""
 
 from dataclasses import dataclass
 

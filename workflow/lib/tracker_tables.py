@@ -1,4 +1,7 @@
-"""Scores and picks of all trackers to tables: curves, tests, scores by accumulation zone, errors of picks."""
+"""Scores and picks of all trackers to tables.
+
+Curves, tests, scores by accumulation zone, errors of picks.
+"""
 
 import numpy as np
 import pandas as pd
@@ -13,7 +16,10 @@ RUN = ["training_set", "replica"]
 
 
 def fused_curves(counts, training_sets):
-    """Precision and recall of the fused output at every threshold, means over replicas; counts of `counts_of_runs`."""
+    """Precision and recall of the fused output at every threshold, means over replicas.
+
+    Counts of `counts_of_runs`.
+    """
     frames = []
     for training_set in training_sets:
         curves = [precision_recall(images) for images in counts[training_set, "fuse"]]
@@ -29,7 +35,10 @@ def fused_curves(counts, training_sets):
 
 
 def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Fused scores of training sets against others, by pairs; `p_holm`: corrected for the number of rows."""
+    """Fused scores of training sets against others, by pairs.
+
+    `p_holm` is corrected for the number of rows.
+    """
     fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
     table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng)
     table = table.rename(columns={"name": "training_set"})
@@ -39,7 +48,10 @@ def paired_tests(counts, pairs, *, n_bootstrap, rng):
 
 
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):
-    """`tracker_intervals` of the fused output for the images of every zone; `zones` in the order of the images."""
+    """`tracker_intervals` of the fused output for the images of every zone.
+
+    `zones` in the order of the images.
+    """
     tables = []
     for number, name in enumerate(ZONES, start=-1):
         places = np.flatnonzero(np.asarray(zones) == number)

@@ -1,4 +1,4 @@
-"""What a tracker is trained on in a setting of the configuration or of a study, and for how many steps."""
+"""What a tracker is trained on in a setting, and for how many steps."""
 
 import dataclasses
 
@@ -18,7 +18,10 @@ def compose(
     labels="picked",
     zones=None,
 ):
-    """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
+    """Training set of opened scene sets, and settings with its steps.
+
+    What differs from the default is an ablation.
+    """
     if labels == "complete":
         real = Completed(real)
     if zones is not None:

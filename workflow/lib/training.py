@@ -1,4 +1,4 @@
-"""Trainings that go on from their last checkpoint when they were killed, to the same bytes, with logs and validations.
+"""Trainings that go on from their last checkpoint, to the same bytes, with logs and validations.
 
 A checkpoint is no declared output, for Snakemake removes those of a failed job.
 """
@@ -24,7 +24,9 @@ logger = logging.getLogger("snowsim")
 
 
 class TrainingRun:
-    """One training with its checkpoint, losses, validations and logs: a context in which its files are written.
+    """One training with its checkpoint, losses, validations and logs.
+
+    A context in which its files are written.
 
     `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint
     (`.safetensors`, every `every_steps`) says something else or is truncated; it goes when the
@@ -74,7 +76,10 @@ class TrainingRun:
             self._path.unlink(missing_ok=True)
 
     def discard(self):
-        """Forget the checkpoint: what is to come of the training is known, and no better for another try."""
+        """Forget the checkpoint.
+
+        What is to come of the training is known, and no better for another try.
+        """
         self._path.unlink(missing_ok=True)
 
     def losses(self):
@@ -98,7 +103,7 @@ class TrainingRun:
         return n_since_best >= self.validation.patience
 
     def take(self, steps, n_steps, description):
-        """Take the `steps` left of `n_steps`, or fewer if validation stalls, beside a progress bar so described."""
+        """Take the `steps` left of `n_steps`, fewer if validation stalls, beside a progress bar."""
         bar = progress(None, description, total=n_steps, initial=self.training.step)
         while not self.has_stalled:
             step, losses = next(steps, (None, None))
@@ -191,7 +196,10 @@ def enough_memory(what):
 
 
 def check_memory(n_bytes, what):
-    """Raise ValueError in one line if the machine cannot hold `n_bytes` now; machines that do not say pass."""
+    """Raise ValueError in one line if the machine cannot hold `n_bytes` now.
+
+    Machines that do not say pass.
+    """
     available_mb = available_memory_mb()
     if available_mb is None:
         return

@@ -1,4 +1,7 @@
-"""Where the tracker fails: rates, seeds, brightness, odd heights, few and many layers, labels and images of nothing."""
+"""Where the tracker fails.
+
+Rates, seeds, brightness, odd heights, few and many layers, labels and images of nothing.
+"""
 
 import pandas as pd
 from job import progress, run

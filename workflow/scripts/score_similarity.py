@@ -1,4 +1,4 @@
-"""Score renders of test scenes by every method against the observed ones, image by image and row by row."""
+"""Score renders of test scenes against the observed ones, image by image and row by row."""
 
 import pandas as pd
 from job import progress, run
@@ -9,7 +9,10 @@ from snowsim.metrics.image import similarity, ssim_map
 
 
 def score_method(observed, path_to_rendered, method):
-    """Tables of one method: scores, a row an image, and mean SSIM, a row a range bin of each image."""
+    """Tables of one method.
+
+    Scores, a row an image, and mean SSIM, a row a range bin of each image.
+    """
     images, rows = [], []
     with SceneSet(path_to_rendered) as rendered:
         pairs = zip(observed, rendered, strict=True)

@@ -1,4 +1,7 @@
-"""Edge counts of trackers on a set of scenes, every output, every threshold; picks from their fused outputs."""
+"""Edge counts of trackers on a set of scenes, every output, every threshold.
+
+Picks from their fused outputs.
+"""
 
 from job import progress, run
 

@@ -1,4 +1,4 @@
-"""Table III with its intervals, tests and curves, fused scores by accumulation zone, and errors of picks."""
+"""Table III with its intervals, tests and curves; scores by zone; errors of picks."""
 
 from job import run
 
@@ -10,7 +10,8 @@ from snowsim.seeding import random_stream
 
 
 def tabulate(
-    counts, picks, statistics, table3, intervals, tests, curves, zones, pick_errors, picks_by_zone, picks_by_depth,
+    counts, picks, statistics,
+    table3, intervals, tests, curves, zones, pick_errors, picks_by_zone, picks_by_depth,
     *, runs, n_bootstrap, depth_step_bins, snow_density_kg_m3, seed,
 ):  # fmt: skip
     flight = read_dataset(statistics)

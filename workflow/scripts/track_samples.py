@@ -13,7 +13,7 @@ N_ROWS = 300  # the least height of a scene: panels then have one scale
 
 
 def choose_scenes(scenes, n_scenes):
-    """Places of scenes at evenly spaced ranks of the number of layers, neither the fewest nor the most; each once."""
+    """Places of scenes at even ranks of the number of layers, neither the fewest nor the most."""
     n_layers = [scene.layer_bins.shape[0] for scene in scenes]
     ranked = sorted(range(len(scenes)), key=n_layers.__getitem__)
     ranks = np.linspace(0, len(ranked) - 1, n_scenes + 2)[1:-1]

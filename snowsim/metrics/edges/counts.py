@@ -64,10 +64,11 @@ def match_counts(
 
     Notes
     -----
-    The protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26), whose minimum-cost assignment
-    with outliers is replaced by the exact maximum-cardinality matching: the largest number of pairs with ``d^2 <=
-    (max_dist diagonal)^2``. Thresholds are worked through from the highest down and the matching is repaired, not begun
-    again, so a map in which nothing is thinned away costs little more than its lowest threshold.
+    The protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI
+    26), whose minimum-cost assignment with outliers is replaced by the exact maximum-cardinality
+    matching: the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are
+    worked through from the highest down and the matching is repaired, not begun again, so a map in
+    which nothing is thinned away costs little more than its lowest threshold.
 
     Examples
     --------
@@ -109,7 +110,7 @@ def match_counts(
 
 
 def _changes(framed, levels, thin, early):
-    """Yield, from the highest level down, level, pixels that leave the map and pixels that join it (flat indices)."""
+    """Yield, from the highest level down, level, pixels that leave and that join (flat indices)."""
     above_lowest = framed >= levels[0]
     # The frame is no part of the map, not even where it reaches a level of 0 or less.
     above_lowest[[0, -1]] = False

@@ -1,4 +1,4 @@
-"""Largest one-to-one matching of predicted to true pixels, kept exact while predicted pixels come and go.
+"""Largest one-to-one matching of predicted to true pixels, exact while these come and go.
 
 `State` holds the arrays that the kernels change in place. Those that make up the matching:
 
@@ -42,7 +42,7 @@ class State(NamedTuple):
 
 
 class Matching:
-    """Maximum-cardinality matching of a changing set of predicted pixels to true pixels within `radius` [pixels]."""
+    """Largest matching of a changing set of predicted to true pixels within `radius` [pixels]."""
 
     def __init__(self, truth, radius):
         n_lines = truth.shape[1]
@@ -65,7 +65,7 @@ class Matching:
         )
 
     def update(self, removed, added):
-        """Take predicted pixels away, then add others (flat indices), and return the number of matched pairs."""
+        """Take predicted pixels away, add others (flat indices), and return the number of pairs."""
         removed = removed.astype(np.int32)
         added = added.astype(np.int32)
         self.n_matched += _update(removed, added, self._n_searches, *self._state)
@@ -74,7 +74,7 @@ class Matching:
 
 
 def reach_by_column(radius, n_lines):
-    """How many rows a pixel reaches up and down in its own column, the next, ..., int (column offset,)."""
+    """Rows that a pixel reaches up and down in its column, the next ..., int (column offset,)."""
     columns = np.arange(min(int(radius), n_lines - 1) + 1)
     reach = np.floor(np.sqrt(np.maximum(radius * radius - columns**2, 0))).astype(np.int32)
     reach += (reach + 1) ** 2 + columns**2 <= radius * radius  # the root may have been rounded down
@@ -110,7 +110,10 @@ def _update(
 
 @njit(cache=True, inline="always")
 def _match_truth(freed, search, state):
-    """Find a new mate for a true pixel that lost its own: 1 where an augmenting path leads to one, else 0."""
+    """Find a new mate for a true pixel that lost its own.
+
+    1 where an augmenting path leads to one, else 0.
+    """
     state.seen[freed] = search
     state.back[freed] = FREE
     state.queue[0] = freed
@@ -135,7 +138,10 @@ def _match_truth(freed, search, state):
 
 @njit(cache=True, inline="always")
 def _free_pixel_near(here, tail, search, state):
-    """An unmatched predicted pixel in reach of a true one, or `ABSENT`; mates of matched ones join the queue."""
+    """An unmatched predicted pixel in reach of a true one, or `ABSENT`.
+
+    Mates of matched ones join the queue.
+    """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = state.pixel_of_truth[here] // n_lines, state.pixel_of_truth[here] % n_lines
     for offset in range(1 - state.reach.size, state.reach.size):
@@ -157,7 +163,10 @@ def _free_pixel_near(here, tail, search, state):
 
 @njit(cache=True, inline="always")
 def _match_pixel(pixel, search, state):
-    """Find a mate for a predicted pixel that came: 1 where an augmenting path leads to one, else 0."""
+    """Find a mate for a predicted pixel that came.
+
+    1 where an augmenting path leads to one, else 0.
+    """
     here = pixel
     head = tail = 0
     while True:
@@ -181,7 +190,10 @@ def _match_pixel(pixel, search, state):
 
 @njit(cache=True, inline="always")
 def _free_truth_near(here, tail, search, state):
-    """An unmatched true pixel in reach of a predicted one, or `ABSENT`; matched ones join the queue."""
+    """An unmatched true pixel in reach of a predicted one, or `ABSENT`.
+
+    Matched ones join the queue.
+    """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = here // n_lines, here % n_lines
     for turn in range(2 * state.reach.size - 1):

@@ -7,7 +7,9 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 
 
 def stack_counts(counts):
-    """Counts of the images of a set as a dict of arrays (image, threshold); what is stacked already is passed through.
+    """Counts of the images of a set as a dict of arrays (image, threshold).
+
+    What is stacked already is passed through.
 
     `counts` is of every image what `match_counts` gives. Refused: no image, missing counts, unlike
     lengths, and matched pixels that outnumber the pixels.
@@ -77,10 +79,11 @@ def score(counts, thresholds=None):
 
     Notes
     -----
-    ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R = matched_truth / n_truth``, 0 where
-    there is no pixel. At equal F the lowest threshold counts as best. An image without truth, like one of which
-    nothing is found, has F = 0 everywhere: it so puts its false positives at the lowest threshold, the most there are,
-    into OIS (and those of the common threshold into ODS). It is counted in `n_without_truth`.
+    ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R =
+    matched_truth / n_truth``, 0 where there is no pixel. At equal F the lowest threshold counts as
+    best. An image without truth, like one of which nothing is found, has F = 0 everywhere: it so
+    puts its false positives at the lowest threshold, the most there are, into OIS (and those of the
+    common threshold into ODS). It is counted in `n_without_truth`.
 
     AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest
     threshold stays, precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the
@@ -121,7 +124,10 @@ def score(counts, thresholds=None):
 
 
 def precision_recall(counts):
-    """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,); counts as for `score`."""
+    """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,).
+
+    Counts as for `score`.
+    """
     pooled = {name: values.sum(axis=0) for name, values in stack_counts(counts).items()}
     precision, recall = _precision_and_recall(pooled)
     return {"precision": precision, "recall": recall, "f": f_measure(precision, recall)}

@@ -11,10 +11,14 @@ MARGIN = 1.01  # an edge survives neighbours up to this factor stronger
 
 
 def check_prediction(prediction, where):
-    """Edge map as float64 (range_bin, range_line); ValueError, naming `where`, unless it lies in [0, 1]."""
+    """Edge map as float64 (range_bin, range_line).
+
+    ValueError, naming `where`, unless it lies in [0, 1].
+    """
     prediction = np.asarray(prediction)
     if prediction.ndim != 2 or prediction.size == 0:
-        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, got shape {prediction.shape}"
+        got = f"got shape {prediction.shape}"
+        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, {got}"
         raise ValueError(msg)
     if prediction.dtype.kind not in "fiub":
         msg = f"{where}: prediction must hold real numbers, got {prediction.dtype}"
@@ -52,12 +56,13 @@ def suppress(prediction, *, where="image"):
 
     Notes
     -----
-    The practice of HED (Xie & Tu 2015, ICCV), from the structured edge detector of Dollar & Zitnick (2015), IEEE
-    TPAMI 37. ``E`` is the map under a triangle filter of radius 1, ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)``
-    the orientation of its ridges from second differences after a further triangle filter of radius 4; a pixel falls
-    where ``1.01 E`` is less than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``. As ``sign(0) =
-    0``, a ridge that lies exactly in one range bin over a dozen range lines gets ``O = 0`` and is not suppressed there;
-    it is left to the thinning. Kept, so that scores compare with published ones.
+    The practice of HED (Xie & Tu 2015, ICCV), from the structured edge detector of
+    Dollar & Zitnick (2015), IEEE TPAMI 37. ``E`` is the map under a triangle filter of radius 1,
+    ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` the orientation of its ridges from second
+    differences after a further triangle filter of radius 4; a pixel falls where ``1.01 E`` is less
+    than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``. As ``sign(0) = 0``,
+    a ridge that lies exactly in one range bin over a dozen range lines gets ``O = 0`` and is not
+    suppressed there; it is left to the thinning. Kept, so that scores compare with published ones.
 
     Examples
     --------
@@ -65,7 +70,8 @@ def suppress(prediction, *, where="image"):
 
     >>> from_ridge = np.arange(40)[:, None] - 10 - 0.3 * np.arange(60)
     >>> ridge = np.exp(-((from_ridge / 2) ** 2))
-    >>> [round(float((edges[:, 10:50] > 0.2).sum(axis=0).mean())) for edges in (ridge, suppress(ridge))]
+    >>> n_bins = [(edges[:, 10:50] > 0.2).sum(axis=0) for edges in (ridge, suppress(ridge))]
+    >>> [round(float(n.mean())) for n in n_bins]
     [5, 1]
     """
     smoothed = triangle_filter(check_prediction(prediction, where), SMOOTHING_RADIUS)
@@ -77,7 +83,7 @@ def suppress(prediction, *, where="image"):
 
 
 def triangle_filter(image, radius):
-    """Image under a separable triangle filter of unit sum, its border mirrored with the edge pixel repeated."""
+    """Image under a separable triangle filter of unit sum, mirrored at its border."""
     steps = np.arange(-radius, radius + 1)
     weights = (radius + 1 - np.abs(steps)) / (radius + 1) ** 2
     by_bin = correlate1d(image, weights, axis=0, mode="reflect")
@@ -85,7 +91,7 @@ def triangle_filter(image, radius):
 
 
 def orientation(smoothed):
-    """Direction across the ridges of a smoothed map, (range_bin, range_line) [rad, 0 to pi, 0 along range lines]."""
+    """Direction across the ridges of a smoothed map [rad, 0 to pi, 0 along range lines]."""
     slope_bin, slope_line = _gradient(triangle_filter(smoothed, ORIENTATION_RADIUS))
     line_line = _gradient(slope_line)[1]
     bin_bin, bin_line = _gradient(slope_bin)
@@ -94,7 +100,10 @@ def orientation(smoothed):
 
 
 def _gradient(image):
-    """Central differences along both axes, one-sided at the border; 0 along an axis of one pixel."""
+    """Central differences along both axes, one-sided at the border.
+
+    0 along an axis of one pixel.
+    """
     return [
         np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image)
         for axis, length in enumerate(image.shape)

@@ -1,4 +1,4 @@
-"""Thinning of binary maps to one-pixel lines by look-up table, visiting only pixels whose surroundings changed."""
+"""Thinning of binary maps by look-up table, visiting only pixels whose surroundings changed."""
 
 import numpy as np
 from numba import njit
@@ -9,7 +9,10 @@ NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 
 
 
 def _deletable():
-    """For both half-steps and every code, whether a pixel falls, bool (2, 256): conditions G1-G3 of the method."""
+    """For both half-steps and every code, whether a pixel falls, bool (2, 256).
+
+    Conditions G1-G3 of the method.
+    """
     on = (np.arange(256) >> np.arange(8)[:, None]) & 1 == 1
     x1, x2, x3, x4, x5, x6, x7, x8 = on
     sides = on[::2]  # x1, x3, x5, x7, each followed by a corner
@@ -52,7 +55,10 @@ def thin(mask, *, early=False):
 
 
 def check_thin(thin, where):
-    """Whether thinning stops early; ValueError, naming `where`, unless `thin` is True, False or "full"."""
+    """Whether thinning stops early.
+
+    ValueError, naming `where`, unless `thin` is True, False or "full".
+    """
     if isinstance(thin, bool | np.bool_):
         return True
     if not (isinstance(thin, str) and thin == "full"):
@@ -72,7 +78,10 @@ def switch_on(pixels, on, codes, steps):
 
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
-    """Thin a flattened, framed map whose pixels that are on are listed; `on` and `codes` change in place."""
+    """Thin a flattened, framed map whose pixels that are on are listed.
+
+    `on` and `codes` change in place.
+    """
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)  # by half-step: to look at (again)
     queues[:] = pixels
     lengths = np.array([pixels.size, pixels.size])
