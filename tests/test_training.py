@@ -1,4 +1,4 @@
-"""Trainings of both networks repeat to the byte, resume to the byte, and refuse what is not theirs."""
+"""Trainings of both networks repeat and resume to the byte, and refuse what is not theirs."""
 
 from dataclasses import asdict, replace
 from itertools import islice

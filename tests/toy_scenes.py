@@ -1,4 +1,7 @@
-"""Scenes for network tests: bright curved layers with decaying tails and speckle, made here from nothing else."""
+"""Scenes for network tests.
+
+Bright curved layers with decaying tails and speckle, made here from nothing else.
+"""
 
 import numpy as np
 
@@ -7,7 +10,10 @@ from snowsim.echogram import Scene
 
 
 def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
-    """One scene, the same for the same number: wavy layers 3 rows wide over a dim, speckled ground."""
+    """One scene, the same for the same number.
+
+    Wavy layers 3 rows wide over a dim, speckled ground.
+    """
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
     wave = rng.uniform(2, 5) * np.sin(

@@ -1,4 +1,7 @@
-"""What trainings of the tracker's study are; zones and depths of its tables divide what is scored and lose nothing."""
+"""What trainings of the tracker's study are.
+
+Zones and depths of its tables divide what is scored and lose nothing.
+"""
 
 import numpy as np
 import pandas as pd

@@ -63,7 +63,7 @@ def test_rows_below_the_image_change_nothing_far_above(network, noise):
 
 
 def test_side_outputs_upsample_about_pixel_centres():
-    """A side map that is a ramp in its own pixels comes out as the same ramp in pixels of the image."""
+    """A side map that is a ramp in its own pixels comes out as that ramp in pixels of the image."""
     network = MultiScaleNetwork(1)
     for parameter in network.parameters():
         parameter.zero_()
