@@ -74,10 +74,10 @@ def rescaled(picture, rate):
     if rate == 1:
         return picture
     size = [int(n * rate) for n in picture.shape]
-    at = [
-        np.clip((np.arange(m) + 0.5) * n / m - 0.5, 0, n - 1)
-        for m, n in zip(size, picture.shape, strict=True)
-    ]
+    at = []
+    for m, n in zip(size, picture.shape, strict=True):
+        centres = (np.arange(m) + 0.5) * n / m - 0.5
+        at.append(np.clip(centres, 0, n - 1))
     values = map_coordinates(picture.astype(float), np.meshgrid(*at, indexing="ij"), order=1)
     return np.floor(np.round(values, 6) + 0.5).astype(np.uint8)
 

@@ -18,7 +18,8 @@ from snowsim.io.export import layer_numbers
 from snowsim.io.images import write_image
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 
-LAYERS = 60.0 + 40 * np.arange(3)[:, None] + np.round(6 * np.sin(np.arange(64) / 12))
+WAVE = np.round(6 * np.sin(np.arange(64) / 12))
+LAYERS = 60.0 + 40 * np.arange(3)[:, None] + WAVE
 N_BINS = 200
 MASK = layer_mask(LAYERS, N_BINS)
 

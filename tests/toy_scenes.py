@@ -16,13 +16,15 @@ def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
     """
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
-    wave = rng.uniform(2, 5) * np.sin(
-        2 * np.pi * (line / n_range_lines * rng.uniform(0.5, 1.5) + rng.random())
-    )
+    height_bins = rng.uniform(2, 5)
+    n_waves = rng.uniform(0.5, 1.5)
+    phase = line / n_range_lines * n_waves + rng.random()
+    wave = height_bins * np.sin(2 * np.pi * phase)
     depths = np.cumsum(rng.uniform(12, 18, n_layers))
     layer_bins = depths[:, None] + wave * np.linspace(0.3, 1, n_layers)[:, None]
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None, :]
-    level = 40 + 140 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
+    decay = np.where(below < 0, 4 * below**2, below / 3)
+    level = 40 + 140 * np.exp(-decay).max(axis=0)
     image = level * rng.gamma(16, 1 / 16, level.shape)
     return Scene(
         f"toy {number}", n_range_bins, layer_bins, np.minimum(np.rint(image), 255).astype(np.uint8)
@@ -39,7 +41,8 @@ def toy_guides(n):
     guides = []
     for scene in toy_scenes(n):
         below = np.arange(scene.n_range_bins)[:, None] - scene.layer_bins[:, None, :]
-        mean = 1 + 50 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
+        decay = np.where(below < 0, 4 * below**2, below / 3)
+        mean = 1 + 50 * np.exp(-decay).max(axis=0)
         guides.append(
             guide_of(scene, mean, mean * np.random.default_rng(7).gamma(16, 1 / 16, mean.shape))
         )

@@ -164,7 +164,8 @@ def test_larger_bins_equal_the_slow_area_average(rng, ratio):
     power = echogram["Data"].values.astype(float)
     found = resample_range(echogram, ratio * BIN_S)["Data"].values
     for row in (0, 1, 7, 30):
-        low, high = max(ratio * row - ratio / 2 + 0.5, 0), ratio * row + ratio / 2 + 0.5
+        low = max(ratio * row - ratio / 2 + 0.5, 0)
+        high = ratio * row + ratio / 2 + 0.5
         shares = np.clip(
             np.minimum(np.arange(200) + 1, high) - np.maximum(np.arange(200), low), 0, None
         )

@@ -76,9 +76,8 @@ def test_side_outputs_upsample_about_pixel_centres():
     # and last centres.
     for k, side in enumerate(logits[:5, 0, 0]):
         inside = slice(2 ** (k - 1) if k else 0, 64 - 2 ** (k - 1) if k else 64)
-        assert_allclose(
-            side[:, inside], np.tile(np.arange(64)[inside] + (2**k - 1) / 2, (64, 1)), rtol=1e-6
-        )
+        ramp = np.arange(64)[inside] + (2**k - 1) / 2
+        assert_allclose(side[:, inside], np.tile(ramp, (64, 1)), rtol=1e-6)
 
 
 def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor_explode(
