@@ -12,9 +12,8 @@ def ramp_scene(n_range_bins=60, n_range_lines=40, name="ramp"):
     """Image that spells out where each pixel came from: 4 x row + column, one layer through it."""
     rows, lines = np.indices((n_range_bins, n_range_lines))
     image = (3 * rows + lines).astype(np.uint8)
-    layer_bins = np.array(
-        [10 + 0.25 * np.arange(n_range_lines), 30 + 0.5 * np.arange(n_range_lines)]
-    )
+    line = np.arange(n_range_lines)
+    layer_bins = np.array([10 + 0.25 * line, 30 + 0.5 * line])
     return Scene(name, n_range_bins, layer_bins, image)
 
 

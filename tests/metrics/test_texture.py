@@ -55,7 +55,8 @@ def test_white_noise_has_a_flat_spectrum_at_its_variance(rng):
 
 def test_a_wave_appears_in_the_ring_of_its_wavenumber():
     rows = np.arange(256)[:, None]
-    wavenumber, psd = texture.radial_psd(np.cos(2 * np.pi * 0.21 * rows) * np.ones(200), 20)
+    wave = np.cos(2 * np.pi * 0.21 * rows) * np.ones(200)
+    wavenumber, psd = texture.radial_psd(wave, 20)
     assert abs(wavenumber[np.argmax(psd)] - 0.21) <= 0.0125
 
 
