@@ -140,7 +140,7 @@ def _keep_maxima(smoothed, direction):
     return kept
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True)
 def _between_pixels(image, y, x):
     """Bilinear value of an image at row y and column x, inside the last pixel of each."""
     n_rows, n_lines = image.shape
