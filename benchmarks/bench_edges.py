@@ -1,4 +1,6 @@
-"""Cost of edge scores: against the reference's seconds, against sparse assignment, and for a whole Table III.
+"""Cost of edge scores.
+
+Against the reference's seconds, against sparse assignment, and for a whole Table III.
 
 Run as ``python benchmarks/bench_edges.py``; it prints ratios and fails where one misses its target.
 Maps are made here, so no other file is needed.
@@ -38,7 +40,7 @@ log = logging.getLogger(__name__)
 
 
 def draw_map(shape, n_layers, *, rng):
-    """An edge map such as a tracker makes (fading, displaced, noisy, 3 pixels wide) and its truth."""
+    """An edge map as of a tracker (fading, displaced, noisy, 3 pixels wide) and its truth."""
     n_rows, n_lines = shape
     wave = gaussian_filter1d(rng.standard_normal((n_layers, n_lines)), 15, axis=1)
     spacing = (
@@ -124,7 +126,7 @@ def compare_with_reference():
 
 
 def compare_with_sparse_assignment():
-    """Smallest ratio of sparse assignment's seconds to ours, at every ninth threshold scaled to all."""
+    """Smallest ratio of seconds, sparse assignment's to ours, from every ninth threshold."""
     ratios = []
     for shape, n_layers in [((128, 256), 10), ((400, 256), 12)]:
         prediction, truth = draw_map(
@@ -163,7 +165,10 @@ def score_run(run, n_images=60, n_outputs=6):
 
 
 def score_files(n_images=40):
-    """CPU seconds an image of 300 x 256 of `score_folders`: reading, suppression, 99 thresholds, picks, bootstrap."""
+    """CPU seconds an image of 300 x 256 of `score_folders`.
+
+    Reading, suppression, 99 thresholds, picks, bootstrap.
+    """
     with tempfile.TemporaryDirectory() as folder:
         maps, masks = Path(folder, "predictions/fuse"), Path(folder, "truth")
         for image in range(n_images):

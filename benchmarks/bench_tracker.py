@@ -1,4 +1,6 @@
-"""Cost of training the tracker: against a plain PyTorch loop and the arithmetic alone, and at the paper's scale.
+"""Cost of training the tracker.
+
+Against a plain PyTorch loop and the arithmetic alone, and at the paper's scale.
 
 ``python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn
 (eager, float32, contiguous layout, AdamW as it comes, loss and fusion as usually written) on the
@@ -53,7 +55,10 @@ class PlainNetwork(MultiScaleNetwork):
 
 
 def plain_steps(settings, scenes):
-    """The same training as anyone would write it down: draws, losses and schedule as in the package."""
+    """The same training as anyone would write it down.
+
+    Draws, losses and schedule as in the package.
+    """
     network = PlainNetwork(settings.width)
     network.initialise(rng=random_stream(SEED, "tracker", "network"))
     optimiser = torch.optim.AdamW(
@@ -98,7 +103,7 @@ def n_products(settings):
 
 
 def compare(settings):
-    """Ratio of a plain step's cost to the package's, beside the arithmetic of a step as one product of matrices."""
+    """Ratio of a plain step's cost to the package's, beside a step as one product of matrices."""
     scenes = TrainingSet([draw_scene(number, 300) for number in range(8)], seed=SEED)
     steps = {
         "package": train_steps(Training(settings, seed=SEED), scenes),
@@ -114,10 +119,11 @@ def compare(settings):
     # Processor time: other work on the machine does not count.
     runs = time_rounds(works, N_ROUNDS, clock=time.process_time)
     cost = {name: np.median([s for run, _, s in runs if run == name]) / N_STEPS for name in works}
-    log.info("width %d: %.1f ms a step, plain %.1f ms (ratio %.2f), its arithmetic %.1f ms (ratio %.2f)",
-             settings.width, 1e3 * cost["package"], 1e3 * cost["plain"], cost["plain"] / cost["package"],
-             1e3 * cost["product"], cost["product"] / cost["package"])  # fmt: skip
-    return cost["plain"] / cost["package"]
+    log.info("width %d: %.1f ms a step", settings.width, 1e3 * cost["package"])
+    ratio = {name: cost[name] / cost["package"] for name in cost}
+    log.info("plain %.1f ms (ratio %.2f)", 1e3 * cost["plain"], ratio["plain"])
+    log.info("its arithmetic %.1f ms (ratio %.2f)", 1e3 * cost["product"], ratio["product"])
+    return ratio["plain"]
 
 
 def paper_settings():

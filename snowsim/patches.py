@@ -1,4 +1,7 @@
-"""Scenes as network inputs: full-resolution crops, flips, scaled copies, and 8-bit values as tensors."""
+"""Scenes as network inputs.
+
+Full-resolution crops, flips, scaled copies, and 8-bit values as tensors.
+"""
 
 from functools import lru_cache
 
@@ -11,26 +14,27 @@ from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """ValueError, naming the `Scene`, unless its image has contrast, fits its layers and, not `empty`, shows one."""
+    """ValueError unless an image has contrast, fits its layers and shows one, or is `empty`."""
+    image = scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
-    if scene.image is None or scene.image.shape != shape or scene.image.dtype != np.uint8:
-        got = (
-            "no image"
-            if scene.image is None
-            else f"{scene.image.dtype} of shape {scene.image.shape}"
-        )
-        msg = f"scene {scene.name}: expected a uint8 image of shape {shape}, as its layers have, got {got}"
+    if image is None or image.shape != shape or image.dtype != np.uint8:
+        wanted = f"a uint8 image of shape {shape}, as its layers have"
+        got = "no image" if image is None else f"{image.dtype} of shape {image.shape}"
+        msg = f"scene {scene.name}: expected {wanted}, got {got}"
         raise ValueError(msg)
-    if scene.image.min() == scene.image.max():
-        msg = f"scene {scene.name}: image without contrast, every pixel is {scene.image.min()}"
+    if image.min() == image.max():
+        msg = f"scene {scene.name}: image without contrast, every pixel is {image.min()}"
         raise ValueError(msg)
     if not empty and not scene.mask().any():
-        msg = f"scene {scene.name}: mask without layers, expected at least one annotated pixel inside the window"
+        wanted = "at least one annotated pixel inside the window"
+        msg = f"scene {scene.name}: mask without layers, expected {wanted}"
         raise ValueError(msg)
 
 
 def draw_index(n, position, seed, *keys):
-    """Which of `n` items the draw at `position` gives: every one once, in random order, before any comes again.
+    """Which of `n` items the draw at `position` gives.
+
+    Every one once, in random order, before any comes again.
 
     `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training
     that resumes at a position needs no saved sampler.
@@ -69,22 +73,22 @@ def scaled(image, layer_bins, scale):
         raise ValueError(msg)
     if scale == 1:
         return image, layer_bins
-    n_range_bins, n_range_lines = (max(1, round(n * scale)) for n in image.shape)
+    size = tuple(max(1, round(n * scale)) for n in image.shape)
+    n_range_bins, n_range_lines = size
     tensor = torch.from_numpy(np.ascontiguousarray(image))[None, None]
-    smaller = functional.interpolate(
-        tensor, size=(n_range_bins, n_range_lines), mode="bilinear", antialias=True
-    )
+    smaller = functional.interpolate(tensor, size=size, mode="bilinear", antialias=True)
     # Pixel centres: bin b of n lies at (b + 1/2) / n of the height, whatever n is.
     line = (np.arange(n_range_lines) + 0.5) * (image.shape[1] / n_range_lines) - 0.5
     left = np.floor(line).astype(int)
     right = np.minimum(left + 1, image.shape[1] - 1)
     weight = line - left
     at_line = (1 - weight) * layer_bins[:, left] + weight * layer_bins[:, right]
-    return smaller[0, 0].numpy(), (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
+    bins = (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
+    return smaller[0, 0].numpy(), bins
 
 
 def whole_copy(scene, scale, mirrored):
-    """Image (uint8) and mask (bool) of a whole scene, (range_bin, range_line), resized alike or turned left to right.
+    """Image (uint8) and mask (bool) of a whole scene, resized alike or turned left to right.
 
     As the published tracker code does it with OpenCV: sizes are truncated, values interpolated
     between the nearest two by two pixels without averaging (within a grey level of OpenCV's
@@ -95,11 +99,10 @@ def whole_copy(scene, scale, mirrored):
     both = np.stack([scene.image, np.uint8(255) * scene.mask()])
     if scale != 1:
         size = [int(n * scale) for n in both.shape[1:]]
-        values = functional.interpolate(
-            torch.from_numpy(both)[None].double(), size=size, mode="bilinear"
-        )[0]
+        values = torch.from_numpy(both)[None].double()
+        resized = functional.interpolate(values, size=size, mode="bilinear")[0]
         # Half a level goes up, however it was rounded.
-        both = torch.floor(values + (0.5 + 1e-6)).to(torch.uint8).numpy()
+        both = torch.floor(resized + (0.5 + 1e-6)).to(torch.uint8).numpy()
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
 
@@ -137,41 +140,46 @@ def draw_patches(
         if not mask.any():
             msg = f"scene {scene.name}: mask without layers once scaled by {scale}"
             raise ValueError(msg)
-        whole.append(
-            (image, mask)
-            if known is None
-            else (image, mask, known(scene, layer_bins, image.shape[0]))
-        )
-    size = tuple(
-        min([maps[0].shape[axis] for maps in whole] + ([] if wanted is None else [wanted]))
-        for axis, wanted in enumerate((n_range_bins, n_range_lines))
-    )
+        maps = [image, mask]
+        if known is not None:
+            maps.append(known(scene, layer_bins, image.shape[0]))
+        whole.append(maps)
+    size = np.min([maps[0].shape for maps in whole], axis=0)
+    if n_range_bins is not None:
+        size[0] = min(size[0], n_range_bins)
+    if n_range_lines is not None:
+        size[1] = min(size[1], n_range_lines)
     patches = [_draw_patch(maps, size, flip, rng) for maps in whole]
     return tuple(np.stack(arrays) for arrays in zip(*patches, strict=True))
 
 
 def _draw_patch(maps, size, flip, rng):
-    """Cut one window of `size` out of image, mask and so on, around a drawn pixel of the mask, mirrored or not."""
+    """Cut a window out of image, mask and so on, around a drawn pixel of the mask."""
     mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
     window = []
     for at, length, whole in zip(pixel, size, mask.shape, strict=True):
-        first = int(rng.integers(max(0, at - length + 1), min(at, whole - length) + 1))
+        earliest = max(0, at - length + 1)
+        latest = min(at, whole - length)
+        first = int(rng.integers(earliest, latest + 1))
         window.append(slice(first, first + length))
     step = -1 if flip and rng.random() < 0.5 else 1
     return tuple(array[tuple(window)][:, ::step] for array in maps)
 
 
 def to_signed(array):
-    """Float32 tensor (patch, 1, range_bin, range_line) in [-1, 1] of a stack of images (0 to 255) or masks."""
+    """Float32 (patch, 1, range_bin, range_line) in [-1, 1] of images (0 to 255) or masks."""
     array = np.asarray(array)
     full = 1 if array.dtype == bool else 255
-    return torch.from_numpy(array.astype(np.float32) * np.float32(2 / full) - np.float32(1))[
-        :, None
-    ]
+    signed = array.astype(np.float32) * np.float32(2 / full) - np.float32(1)
+    return torch.from_numpy(signed)[:, None]
 
 
 def from_signed(tensor):
-    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line); the inverse of `to_signed`."""
-    return torch.round((tensor[:, 0].float() + 1) * 127.5).to(torch.uint8).cpu().numpy()
+    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line).
+
+    The inverse of `to_signed`.
+    """
+    grey = torch.round((tensor[:, 0].float() + 1) * 127.5)
+    return grey.to(torch.uint8).cpu().numpy()

@@ -14,14 +14,33 @@ from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts,
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
 from snowsim.metrics.picks import pick_layers
 
-PICK_SCORES = ["mean_absolute_error_bins", "bias_bins", "share_within", "share_found"]
-PICK_SCORES += ["n_layers", "n_missed_layers", "n_false_layers"]
+PICK_SCORES = [
+    "mean_absolute_error_bins",
+    "bias_bins",
+    "share_within",
+    "share_found",
+    "n_layers",
+    "n_missed_layers",
+    "n_false_layers",
+]
 
 
 def score_folders(
-    predictions, truth, *, output=None, picks=False, suppressed=False, tolerance=0.0075, tolerance_bins=None,
-    max_distance_bins=10.0, within_bins=2.0, n_bootstrap=1000, seed=0, processes=1, progress=lambda steps, total: steps,
-):  # fmt: skip
+    predictions,
+    truth,
+    *,
+    output=None,
+    picks=False,
+    suppressed=False,
+    tolerance=0.0075,
+    tolerance_bins=None,
+    max_distance_bins=10.0,
+    within_bins=2.0,
+    n_bootstrap=1000,
+    seed=0,
+    processes=1,
+    progress=lambda steps, total: steps,
+):
     """Edge scores and errors of picks of a tracker, from two folders of files.
 
     Parameters
@@ -70,7 +89,8 @@ def score_folders(
     >>> np.save("truth.npy", truth)
     >>> np.save("map.npy", np.exp(-((near / 2) ** 2)))
     >>> table = score_folders("map.npy", "truth.npy")
-    >>> [round(float(table[column][0]), 2) for column in ("ods", "mean_absolute_error_bins", "n_missed_layers")]
+    >>> columns = ["ods", "mean_absolute_error_bins", "n_missed_layers"]
+    >>> [round(float(table[column][0]), 2) for column in columns]
     [1.0, 1.0, 0.0]
     """
     pairs = pair_files(predictions, truth, output=output, picks=picks)
@@ -82,58 +102,69 @@ def score_folders(
 
         threshold = counts = None
         if not picks:
-            how = {"max_dist": tolerance, "max_dist_pixels": tolerance_bins}
-            counts = each(_count, suppressed=suppressed, how=how)
+            counts = each(
+                _count, suppressed=suppressed, max_dist=tolerance, max_dist_pixels=tolerance_bins
+            )
             threshold = score(counts, THRESHOLDS)["ods_threshold"]
-        follow = {"max_distance_bins": max_distance_bins, "within_bins": within_bins}
-        rows = each(_pick, suppressed=suppressed, threshold=threshold, follow=follow)
-    names, rng = [name for name, _, _ in pairs], np.random.default_rng(seed)
+        rows = each(
+            _pick,
+            suppressed=suppressed,
+            threshold=threshold,
+            max_distance_bins=max_distance_bins,
+            within_bins=within_bins,
+        )
+    names = [name for name, _, _ in pairs]
+    rng = np.random.default_rng(seed)
     return _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
 
 
 def _edges_and_truth(prediction, truth, suppressed):
+    """Edge map of an image, suppressed; its mask and its layers."""
     probability = read_map(prediction)
     mask, layer_bins = read_labels(truth, probability.shape)
     if not mask.any():
         raise refusal(truth, "truth", "at least one layer in the image", "none")
-    on, off = probability[mask], probability[~mask]
-    if off.size and np.median(probability) > 0.5 and on.mean() < off.mean():
-        found = f"a mean of {on.mean():.2g} on them and {off.mean():.2g} off"
-        msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
-        raise ValueError(msg)
-    return (
-        probability if suppressed else suppress(probability, where=str(prediction)),
-        mask,
-        layer_bins,
-    )
+    if not mask.all() and np.median(probability) > 0.5:
+        on = probability[mask].mean()
+        off = probability[~mask].mean()
+        if on < off:
+            found = f"a mean of {on:.2g} on them and {off:.2g} off"
+            msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
+            raise ValueError(msg)
+    edges = probability if suppressed else suppress(probability, where=str(prediction))
+    return edges, mask, layer_bins
 
 
-def _count(pair, *, suppressed, how):
+def _count(pair, *, suppressed, **tolerance):
     """Counts of one image."""
-    edges, mask, _ = _edges_and_truth(*pair[1:], suppressed)
-    return match_counts(edges, mask, THRESHOLDS, **how, where=str(pair[1]))
+    _, prediction, truth = pair
+    edges, mask, _ = _edges_and_truth(prediction, truth, suppressed)
+    return match_counts(edges, mask, THRESHOLDS, **tolerance, where=str(prediction))
 
 
-def _pick(pair, *, suppressed, threshold, follow):
-    """What became of the layers of one image; without a threshold, in picks that are the tracker's own."""
+def _pick(pair, *, suppressed, threshold, **limits):
+    """What became of the layers of one image.
+
+    Without a threshold, in picks that are the tracker's own.
+    """
     _, prediction, truth = pair
     if threshold is None:
-        picks, layer_bins = read_labels(prediction)[1], read_labels(truth)[1]
+        _, picks = read_labels(prediction)
+        _, layer_bins = read_labels(truth)
     else:
         edges, _, layer_bins = _edges_and_truth(prediction, truth, suppressed)
         picks = pick_layers(edges, threshold=threshold, where=str(prediction))
     layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
     if layer_bins.size == 0:
         raise refusal(truth, "truth", "at least one layer", "none")
-    if picks.shape[1] != layer_bins.shape[1]:
-        raise refusal(
-            prediction, "size", f"{layer_bins.shape[1]} range lines as {truth} has", picks.shape[1]
-        )
-    return layer_rows(picks, layer_bins, **follow)
+    n_lines = layer_bins.shape[1]
+    if picks.shape[1] != n_lines:
+        raise refusal(prediction, "size", f"{n_lines} range lines as {truth} has", picks.shape[1])
+    return layer_rows(picks, layer_bins, **limits)
 
 
 def _tabulated(names, counts, picks, *, n_bootstrap, rng):
-    """Table of `score_folders` from what `match_counts` (or None) and `layer_rows` give of each image.
+    """Table of `score_folders` from the `match_counts` (or None) and `layer_rows` of each image.
 
     `low` and `high` are the 2.5 and 97.5 percentiles of resamples of the images, drawn with
     replacement, NaN for one image alone, whose `ods` and `ois` are its best F.
@@ -141,26 +172,29 @@ def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     sums = pd.DataFrame([rows[list(SUMS)].sum() for rows in picks])
     draws = rng.integers(len(names), size=(n_bootstrap, len(names)))
     times = np.array([np.bincount(draw, minlength=len(names)) for draw in draws])
-    # Every image once, all of them, and each as often as a resample has it.
-    parts = [
-        sums,
-        sums.sum().to_frame().T,
-        pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns),
-    ]
-    parts = [errors_of_sums(part, bin_size_m=1)[PICK_SCORES] for part in parts]
+    images = _errors(sums)
+    whole = _errors(sums.sum().to_frame().T)
+    resampled = _errors(pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns))
     if counts is not None:
         stacked = stack_counts(counts)
-        edges = [[_of_edges([image]) for image in counts], [_of_edges(stacked)]]
-        edges.append(
-            [dict(zip(METRICS, replica_scores([stacked], draw)[0], strict=True)) for draw in draws]
-        )
-        parts = [
-            pd.concat([pd.DataFrame(e), part], axis=1) for e, part in zip(edges, parts, strict=True)
-        ]
-    ends = parts[2].quantile([0.025, 0.975]) if len(names) > 1 else pd.DataFrame(index=range(2))
-    table = pd.concat([*parts[:2], ends], ignore_index=True)
+        scores = [replica_scores([stacked], draw)[0] for draw in draws]
+        images = _beside([_of_edges([image]) for image in counts], images)
+        whole = _beside([_of_edges(stacked)], whole)
+        resampled = _beside([dict(zip(METRICS, row, strict=True)) for row in scores], resampled)
+    ends = pd.DataFrame(index=range(2))
+    if len(names) > 1:
+        ends = resampled.quantile([0.025, 0.975])
+    table = pd.concat([images, whole, ends], ignore_index=True)
     table.insert(0, "image", [*names, "all", "low", "high"])
     return table
+
+
+def _errors(sums):
+    return errors_of_sums(sums, bin_size_m=1)[PICK_SCORES]
+
+
+def _beside(edges, errors):
+    return pd.concat([pd.DataFrame(edges), errors], axis=1)
 
 
 def _of_edges(counts):

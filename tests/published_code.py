@@ -1,4 +1,4 @@
-"""The published tracker code written again from its description, in plain PyTorch and SciPy, on plain arrays.
+"""The published tracker code written again from its description, in plain PyTorch and SciPy.
 
 github.com/BinaLab/MultiScale (`train.py`, `msnet/`, `modules/`): Rahnemoonfar et al. (2021).
 Nothing of the package.
@@ -46,7 +46,10 @@ class Net(nn.Module):
 
 
 def parameter_groups(net, lr, decay):
-    """Rates of `tune_lrs`; the key of the decay of stage 5's biases is misspelt, so they have the optimiser's."""
+    """Rates of `tune_lrs`.
+
+    The key of the decay of stage 5's biases is misspelt, so they have the optimiser's.
+    """
     groups = []
     for modules, factor in (
         (net.down[:4], 1),
@@ -64,14 +67,17 @@ def parameter_groups(net, lr, decay):
 
 
 def rescaled(picture, rate):
-    """OpenCV's bilinear resize of 8-bit values to a truncated size; beyond centres of edge pixels nothing changes."""
+    """OpenCV's bilinear resize of 8-bit values to a truncated size.
+
+    Beyond centres of edge pixels nothing changes.
+    """
     if rate == 1:
         return picture
     size = [int(n * rate) for n in picture.shape]
-    at = [
-        np.clip((np.arange(m) + 0.5) * n / m - 0.5, 0, n - 1)
-        for m, n in zip(size, picture.shape, strict=True)
-    ]
+    at = []
+    for m, n in zip(size, picture.shape, strict=True):
+        centres = (np.arange(m) + 0.5) * n / m - 0.5
+        at.append(np.clip(centres, 0, n - 1))
     values = map_coordinates(picture.astype(float), np.meshgrid(*at, indexing="ij"), order=1)
     return np.floor(np.round(values, 6) + 0.5).astype(np.uint8)
 

@@ -23,7 +23,7 @@ TRUTH[[10, 30]] = True
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """Folder to work in, with an image's map, its truth, a scene set, and what is wrong with others."""
+    """Folder to work in, with an image's map, its truth, a scene set, and faulty files."""
     monkeypatch.chdir(tmp_path)
     for folder in ("made/fuse", "made/merge", "true", "empty"):
         (tmp_path / folder).mkdir(parents=True)

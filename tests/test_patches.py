@@ -12,9 +12,8 @@ def ramp_scene(n_range_bins=60, n_range_lines=40, name="ramp"):
     """Image that spells out where each pixel came from: 4 x row + column, one layer through it."""
     rows, lines = np.indices((n_range_bins, n_range_lines))
     image = (3 * rows + lines).astype(np.uint8)
-    layer_bins = np.array(
-        [10 + 0.25 * np.arange(n_range_lines), 30 + 0.5 * np.arange(n_range_lines)]
-    )
+    line = np.arange(n_range_lines)
+    layer_bins = np.array([10 + 0.25 * line, 30 + 0.5 * line])
     return Scene(name, n_range_bins, layer_bins, image)
 
 
@@ -23,10 +22,8 @@ def test_a_crop_is_a_window_of_image_and_mask_alike(rng):
     for _ in range(50):
         images, masks = draw_patches([scene], 20, 15, flip=False, rng=rng)
         assert images.shape == masks.shape == (1, 20, 15)
-        windows = [
-            np.s_[row : row + 20, line : line + 15]
-            for row, line in np.ndindex(60 - 20 + 1, 40 - 15 + 1)
-        ]
+        corners = np.ndindex(60 - 20 + 1, 40 - 15 + 1)
+        windows = [np.s_[row : row + 20, line : line + 15] for row, line in corners]
         found = [window for window in windows if np.array_equal(scene.image[window], images[0])]
         # 3 row + column names several corners; the mask must fit one of them.
         assert any(np.array_equal(scene.mask()[window], masks[0]) for window in found)
@@ -64,14 +61,12 @@ def test_patches_of_scenes_of_unlike_size_share_the_smallest(rng):
 @pytest.mark.parametrize("scale", [0.75, 0.5, 0.25])
 def test_a_scaled_layer_is_one_pixel_thick_and_where_the_image_shows_it(scale, rng):
     n_range_bins, n_range_lines = 240, 160
-    layer_bins = (80 + 0.3 * np.arange(n_range_lines) + 12 * np.sin(np.arange(n_range_lines) / 25))[
-        None
-    ]
+    line = np.arange(n_range_lines)
+    layer_bins = (80 + 0.3 * line + 12 * np.sin(line / 25))[None]
     # Dark above the layer, bright below, the pixel it crosses in proportion: darkness of a column
     # measures its depth.
-    image = np.rint(
-        200 * np.clip(np.arange(n_range_bins)[:, None] + 0.5 - layer_bins, 0, 1)
-    ).astype(np.uint8)
+    share_below = np.clip(np.arange(n_range_bins)[:, None] + 0.5 - layer_bins, 0, 1)
+    image = np.rint(200 * share_below).astype(np.uint8)
     small, small_bins = scaled(image, layer_bins, scale)
     assert small.shape == (round(n_range_bins * scale), round(n_range_lines * scale))
     assert_array_equal(layer_mask(small_bins, small.shape[0]).sum(axis=0), 1)

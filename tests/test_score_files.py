@@ -1,4 +1,7 @@
-"""Scores of a tracker's files: the published layout, the reference's maps, every form of truth, planted errors."""
+"""Scores of a tracker's files.
+
+The published layout, the reference's maps, every form of truth, planted errors.
+"""
 
 import json
 from itertools import product
@@ -15,7 +18,8 @@ from snowsim.io.export import layer_numbers
 from snowsim.io.images import write_image
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 
-LAYERS = 60.0 + 40 * np.arange(3)[:, None] + np.round(6 * np.sin(np.arange(64) / 12))
+WAVE = np.round(6 * np.sin(np.arange(64) / 12))
+LAYERS = 60.0 + 40 * np.arange(3)[:, None] + WAVE
 N_BINS = 200
 MASK = layer_mask(LAYERS, N_BINS)
 
@@ -28,7 +32,7 @@ def edge_map(offset_bins=0.0, layers=LAYERS):
 
 @pytest.fixture
 def folders(tmp_path):
-    """Predictions as the published predictor leaves them, and truth as the published benchmark has it."""
+    """Predictions as the published predictor leaves them, truth as the published benchmark does."""
     for number in range(3):
         for output, offset in (("fuse", 1), ("side_1", 4), ("merge", 0)):
             write_image(

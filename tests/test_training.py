@@ -1,4 +1,4 @@
-"""Trainings of both networks repeat to the byte, resume to the byte, and refuse what is not theirs."""
+"""Trainings of both networks repeat and resume to the byte, and refuse what is not theirs."""
 
 from dataclasses import asdict, replace
 from itertools import islice
@@ -61,7 +61,6 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
         (CGAN, {"precision": "float32"}),
         (CGAN, {"batch_size": 2}),
         (TRACKER, {"batch_size": 2}),
-        (TRACKER, {"network": "unet"}),
         (TRACKER, {"precision": "float32"}),
         (TRACKER, {"n_range_bins": None, "scales": (0.5, 0.25)}),
     ],

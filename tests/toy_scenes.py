@@ -1,4 +1,7 @@
-"""Scenes for network tests: bright curved layers with decaying tails and speckle."""
+"""Scenes for network tests.
+
+Bright curved layers with decaying tails and speckle, made here from nothing else.
+"""
 
 import numpy as np
 
@@ -6,16 +9,21 @@ from snowsim.echogram import Scene
 
 
 def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
-    """One scene, the same for the same number: wavy layers over a dim, speckled ground."""
+    """One scene, the same for the same number.
+
+    Wavy layers 3 rows wide over a dim, speckled ground.
+    """
     rng = np.random.default_rng(number)
     line = np.arange(n_range_lines)
-    wave = rng.uniform(2, 5) * np.sin(
-        2 * np.pi * (line / n_range_lines * rng.uniform(0.5, 1.5) + rng.random())
-    )
+    height_bins = rng.uniform(2, 5)
+    n_waves = rng.uniform(0.5, 1.5)
+    phase = line / n_range_lines * n_waves + rng.random()
+    wave = height_bins * np.sin(2 * np.pi * phase)
     depths = np.cumsum(rng.uniform(12, 18, n_layers))
     layer_bins = depths[:, None] + wave * np.linspace(0.3, 1, n_layers)[:, None]
     below = np.arange(n_range_bins)[:, None] - layer_bins[:, None, :]
-    level = 40 + 140 * np.exp(-np.where(below < 0, 4 * below**2, below / 3)).max(axis=0)
+    decay = np.where(below < 0, 4 * below**2, below / 3)
+    level = 40 + 140 * np.exp(-decay).max(axis=0)
     image = level * rng.gamma(16, 1 / 16, level.shape)
     return Scene(
         f"toy {number}", n_range_bins, layer_bins, np.minimum(np.rint(image), 255).astype(np.uint8)

@@ -1,4 +1,7 @@
-"""What tests of both networks' trainings share: taking steps, comparing states, killing a script midway."""
+"""What tests of both networks' trainings share.
+
+Taking steps, comparing states, killing a script midway.
+"""
 
 import os
 import signal
@@ -53,12 +56,18 @@ def same(a, b):
 
 
 def paths_in(folder, **files):
-    """Arguments of a script that name its files in `folder`: those of every training, and others."""
+    """Arguments of a script that name its files in `folder`.
+
+    Those of every training, and others.
+    """
     return {name: str(folder / file) for name, file in (FILES | files).items()}
 
 
 def check_killed_training(script, arguments, whole):
-    """Kill the training of a script after 3.5 checkpoints and begin it again: its files are those in `whole`."""
+    """Kill the training of a script after 3.5 checkpoints and begin it again.
+
+    Its files are those in `whole`.
+    """
     checkpoint, every_steps = Path(arguments["checkpoint"]), arguments["checkpoint_steps"]
     n_steps = arguments["settings"]["n_steps"]
     names = {path.name for path in whole.iterdir() if path.is_file()}

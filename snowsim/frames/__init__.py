@@ -1,4 +1,7 @@
-"""Observed frames made comparable: layers on its lines, flagged lines left out, one bin size, level, blocks of 256."""
+"""Observed frames made comparable.
+
+Layers on its lines, flagged lines left out, one bin size, level, blocks of 256.
+"""
 
 from snowsim.frames.blocks import cut_blocks, frame_of_scene
 from snowsim.frames.flatten import (
@@ -10,5 +13,13 @@ from snowsim.frames.flatten import (
     resample_range,
 )
 
-__all__ = ["FLAGGED_BY", "align_layers", "count_flagged", "cut_blocks", "flatten", "frame_of_scene"]
-__all__ += ["leave_out_flagged", "resample_range"]
+__all__ = [
+    "FLAGGED_BY",
+    "align_layers",
+    "count_flagged",
+    "cut_blocks",
+    "flatten",
+    "frame_of_scene",
+    "leave_out_flagged",
+    "resample_range",
+]

@@ -18,13 +18,12 @@ from snowsim.echogram import (
 
 OVERLAP_LINES = 6
 FLAGGED = "range lines flagged"  # how the reason of a block with such lines ends
-METRES_PER_DEGREE = (
-    EARTH_RADIUS_M * np.pi / 180
-)  # of latitude, on the sphere of `echogram.along_track_m`
+# Of latitude, on the sphere of `echogram.along_track_m`.
+METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180
 
 
 def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):
-    """Scenes of a level frame by the rule of the published benchmark, and why other blocks are none, by name.
+    """Scenes of a level frame, as in the published benchmark, and why other blocks are none.
 
     Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50,
     and ends 100 rows below its last layer but holds 300 rows at least; each is scaled to 8 bits by
@@ -42,21 +41,20 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     if power.shape[1] < n_range_lines:
         msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
         raise ValueError(msg)
-    first_s, bin_s = float(echogram["twtt"].values[0]), bin_size_s(echogram)
-    flagged = (
-        echogram["flagged"].values
-        if "flagged" in echogram
-        else np.zeros(power.shape[1], dtype=bool)
-    )
-    scenes, skipped = [], {}
+    first_s = float(echogram["twtt"].values[0])
+    bin_s = bin_size_s(echogram)
+    scenes = []
+    skipped = {}
     starts = range(0, power.shape[1] - n_range_lines + 1, n_range_lines - overlap)
     for block, start in enumerate(starts):
         lines = slice(start, start + n_range_lines)
         scene_name = f"{name}_{block:03d}"
+        if "flagged" in echogram:
+            n_flagged = int(echogram["flagged"].values[lines].sum())
+            if n_flagged:
+                skipped[scene_name] = f"{n_flagged} of {n_range_lines} {FLAGGED}"
+                continue
         bins = layer_bins[:, lines]
-        if flagged[lines].any():
-            skipped[scene_name] = f"{int(flagged[lines].sum())} of {n_range_lines} {FLAGGED}"
-            continue
         if not np.isfinite(bins[0]).any():
             skipped[scene_name] = "the surface is not picked"
             continue
@@ -67,19 +65,26 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
             skipped[scene_name] = f"rows {top} to {bottom} wanted of {power.shape[0]}"
             continue
         block_power = power[top:bottom, lines]
-        missing = ~((block_power > 0) & np.isfinite(block_power))
-        if missing.any():
-            skipped[scene_name] = f"{int(missing.sum())} pixels without a measurement"
+        measured = (block_power > 0) & np.isfinite(block_power)
+        if not measured.all():
+            skipped[scene_name] = f"{int((~measured).sum())} pixels without a measurement"
             continue
-        image, *scale = to_uint8(block_power)
-        shown = dict(zip(("noise_floor_db", "maximum_db"), scale, strict=True), image=image)
-        notes = {"first_line": start, "first_twtt_s": first_s + top * bin_s, "bin_size_s": bin_s}
-        scenes.append(Scene(scene_name, bottom - top, bins, **shown, notes=notes))
+        image, noise_floor_db, maximum_db = to_uint8(block_power)
+        scene = Scene(
+            scene_name,
+            bottom - top,
+            bins,
+            image=image,
+            noise_floor_db=noise_floor_db,
+            maximum_db=maximum_db,
+            notes={"first_line": start, "first_twtt_s": first_s + top * bin_s, "bin_size_s": bin_s},
+        )
+        scenes.append(scene)
     return scenes, skipped
 
 
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
-    """Echogram and layers of a scene with an image, so that statistics can be fitted to a benchmark of images.
+    """Echogram and layers of a scene with an image, for statistics of a benchmark of images.
 
     `bin_s` is the bin size in two-way travel time [s], `line_spacing_m` the distance between range
     lines [m]: images tell neither. Scenes that do not tell their decibels need `contrast_db`, from
@@ -89,14 +94,20 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     if scene.image is None:
         msg = f"{scene.name}: a frame needs an image, the scene has none"
         raise ValueError(msg)
-    noise_floor_db, maximum_db = scene.noise_floor_db, scene.maximum_db
+    noise_floor_db = scene.noise_floor_db
+    maximum_db = scene.maximum_db
     if not np.isfinite([noise_floor_db, maximum_db]).all():
         if contrast_db is None:
-            msg = f"{scene.name}: the image does not hold its decibels: contrast_db must be set, got None"
+            msg = (
+                f"{scene.name}: contrast_db must be set where the image holds no decibels, got None"
+            )
             raise ValueError(msg)
-        noise_floor_db, maximum_db = 0.0, float(contrast_db)
-    power = (10 ** (from_uint8(scene.image, noise_floor_db, maximum_db) / 10)).astype(np.float32)
-    latitude = 70 + np.arange(scene.n_range_lines) * line_spacing_m / METRES_PER_DEGREE
+        noise_floor_db = 0.0
+        maximum_db = float(contrast_db)
+    power_db = from_uint8(scene.image, noise_floor_db, maximum_db)
+    power = (10 ** (power_db / 10)).astype(np.float32)
+    north_m = np.arange(scene.n_range_lines) * line_spacing_m
+    latitude = 70 + north_m / METRES_PER_DEGREE
     echogram, layers = placeholder_frame(power, scene.layer_bins, latitude, bin_s=bin_s)
     check_echogram(echogram, scene.name)
     check_layers(layers, scene.name)
@@ -104,7 +115,7 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
 
 
 def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
-    """Power and layers as datasets of the Open Polar Radar convention, due north, one line a millisecond.
+    """Power and layers as Open Polar Radar datasets, due north, one line a millisecond.
 
     `power (range_bin, range_line)` is linear, `layer_bins (layer, range_line)` is NaN where absent.
     Times and positions are placeholders: frames sort by `minute`, their lines have the distance
@@ -114,23 +125,26 @@ def placeholder_frame(power, layer_bins, latitude, *, bin_s, minute=0):
     milliseconds = 60_000 * minute + np.arange(n_lines)
     slow_time = np.datetime64("2012-01-01", "ns") + milliseconds * np.timedelta64(1, "ms")
     twtt = layer_bins * bin_s
-    along = {
-        "Latitude": latitude,
-        "Longitude": np.full(n_lines, -40.0),
-        "Elevation": np.zeros(n_lines),
-    }
-    along["Surface"] = twtt[0]
     echogram = xr.Dataset(
         {
             "Data": (("twtt", "slow_time"), power),
-            **{key: ("slow_time", values) for key, values in along.items()},
+            "Latitude": ("slow_time", latitude),
+            "Longitude": ("slow_time", np.full(n_lines, -40.0)),
+            "Elevation": ("slow_time", np.zeros(n_lines)),
+            "Surface": ("slow_time", twtt[0]),
         },
         coords={
             "twtt": ("twtt", bin_s * np.arange(len(power)), {"units": "s"}),
             "slow_time": slow_time,
         },
     )
-    picks = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
-    for name, code in (("quality", 1), ("type", 2)):
-        picks[name] = (("layer", "slow_time"), np.full(twtt.shape, code, dtype=np.uint8))
-    return echogram, xr.Dataset(picks, {"slow_time": slow_time})
+    dims = ("layer", "slow_time")
+    layers = xr.Dataset(
+        {
+            "twtt": (dims, twtt, {"units": "s"}),
+            "quality": (dims, np.full(twtt.shape, 1, dtype=np.uint8)),
+            "type": (dims, np.full(twtt.shape, 2, dtype=np.uint8)),
+        },
+        {"slow_time": slow_time},
+    )
+    return echogram, layers

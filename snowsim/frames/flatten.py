@@ -1,4 +1,7 @@
-"""Frames made comparable: layers on the lines of an echogram, flagged lines out, level, one bin size."""
+"""Frames made comparable.
+
+Layers on the lines of an echogram, flagged lines out, level, one bin size.
+"""
 
 import numpy as np
 import xarray as xr
@@ -13,7 +16,8 @@ METHODS = ("surface", "elevation", "none")
 # product; `low_SNR`, weak, but measured: without such lines the mean power would come out too high;
 # `land_ice`, what is on the ground, no defect.
 FLAGGED_BY = (
-    "coh_noise_removal_artifact",  # power that is no echo, in the air that gives the noise and under the picks
+    # Power that is no echo, in the air that gives the noise and under the picks.
+    "coh_noise_removal_artifact",
     "vertical_stripes_artifact",  # the same: vertical stripes or raised noise floor
     "missing_data",  # the range gate clips the echogram
     "no_good_data",  # not to be trusted
@@ -22,7 +26,9 @@ FLAGGED_BY = (
 
 
 def align_layers(layers, echogram, where="layers"):
-    """Layers on the range lines of an echogram, and as seen from its antenna; `where` names them in messages.
+    """Layers on the range lines of an echogram, and as seen from its antenna.
+
+    `where` names them in messages.
 
     `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type`
     are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
@@ -30,9 +36,8 @@ def align_layers(layers, echogram, where="layers"):
     not cover the echogram's time span to within one of their own lines, if one lies outside the
     echogram's window, or if they cross.
     """
-    theirs, ours = layers["slow_time"].values, echogram["slow_time"].values
-    left, weight = _between(theirs, ours, where)
-    right = np.minimum(left + 1, theirs.size - 1)
+    ours = echogram["slow_time"].values
+    left, right, weight = _between(layers["slow_time"].values, ours, where)
     nearer = np.where(weight < 0.5, left, right)
 
     def at_lines(values):
@@ -45,51 +50,57 @@ def align_layers(layers, echogram, where="layers"):
         rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
     _check_window(twtt, echogram, where)
-    flags = {name: layers[name].transpose("layer", "slow_time") for name in ("quality", "type")}
     variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
-    variables |= {
-        name: (("layer", "slow_time"), f.values[:, nearer], f.attrs) for name, f in flags.items()
-    }
+    for name in ("quality", "type"):
+        flags = layers[name].transpose("layer", "slow_time")
+        variables[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
-    coordinates = {"slow_time": ours} | {
-        name: c for name, c in layers.coords.items() if c.dims == ("layer",)
-    }
-    aligned = xr.Dataset(variables, coordinates, layers.attrs)
+    of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
+    aligned = xr.Dataset(variables, {"slow_time": ours, **of_layers}, layers.attrs)
     check_layers(aligned, where)
     return aligned
 
 
 def _between(theirs, ours, where):
-    """For every line of ours, the line of theirs before it and the share of the way to the next."""
+    """For every line of ours, the lines of theirs before and after it, and the share of the way."""
     theirs_s = (theirs - theirs[0]) / np.timedelta64(1, "s")
     ours_s = (ours - theirs[0]) / np.timedelta64(1, "s")
     reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else 0.0
     if ours_s[0] < -reach_s or ours_s[-1] > theirs_s[-1] + reach_s:
-        msg = f"{where}: slow_time: expected to cover {ours[0]} to {ours[-1]}, found {theirs[0]} to {theirs[-1]}"
+        needed = f"{ours[0]} to {ours[-1]}"
+        found = f"{theirs[0]} to {theirs[-1]}"
+        msg = f"{where}: slow_time: expected to cover {needed}, found {found}"
         raise ValueError(msg)
     # Beyond the ends, by less than a line: the outermost picks hold.
     ours_s = np.clip(ours_s, 0, theirs_s[-1])
-    left = np.clip(
-        np.searchsorted(theirs_s, ours_s, side="right") - 1, 0, max(theirs_s.size - 2, 0)
-    )
     if theirs_s.size == 1:
-        return left, np.zeros(ours_s.size)
-    return left, (ours_s - theirs_s[left]) / (theirs_s[left + 1] - theirs_s[left])
+        left = np.zeros(ours_s.size, dtype=int)
+        return left, left, np.zeros(ours_s.size)
+    before = np.searchsorted(theirs_s, ours_s, side="right") - 1
+    left = np.clip(before, 0, theirs_s.size - 2)
+    right = left + 1
+    weight = (ours_s - theirs_s[left]) / (theirs_s[right] - theirs_s[left])
+    return left, right, weight
 
 
 def _check_window(twtt, echogram, where):
     window = echogram["twtt"].values
     half_bin = bin_size_s(echogram) / 2
-    outside = (twtt < window[0] - half_bin) | (twtt > window[-1] + half_bin)  # NaN is not outside
+    first = window[0] - half_bin
+    last = window[-1] + half_bin
+    outside = (twtt < first) | (twtt > last)  # NaN is not outside
     if outside.any():
         layer, line = np.argwhere(outside)[0]
-        msg = f"{where}: twtt: expected layers within the echogram's window, {window[0]:.6g} to {window[-1]:.6g} s, "
-        msg += f"found {twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
+        limits = f"{window[0]:.6g} to {window[-1]:.6g} s"
+        found = f"{twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
+        msg = (
+            f"{where}: twtt: expected layers within the echogram's window, {limits}, found {found}"
+        )
         raise ValueError(msg)
 
 
 def flatten(echogram, layers, *, method="surface"):
-    """Echogram and layers with traces shifted by whole bins, so that the surface, or the aircraft, stays level.
+    """Echogram and layers, shifted by whole bins to keep the surface, or the aircraft, level.
 
     Both are on the same range lines (`align_layers`). `method` "surface" puts layer 0, or the line
     between its neighbours where it is not picked, into the row of its median; "elevation" takes out
@@ -106,9 +117,11 @@ def flatten(echogram, layers, *, method="surface"):
         return echogram, layers
     bin_s = bin_size_s(echogram)
     if method == "surface":
-        shift = _level(layer_bins_of(layers, echogram)[0], "layer 0 (the snow surface)")
+        surface_bin = layer_bins_of(layers, echogram)[0]
+        shift = _level(surface_bin, "layer 0 (the snow surface)")
     else:
-        shift = _level(echogram["Elevation"].values / (SPEED_OF_LIGHT_M_S / 2 * bin_s), "Elevation")
+        bin_in_air_m = SPEED_OF_LIGHT_M_S / 2 * bin_s
+        shift = _level(echogram["Elevation"].values / bin_in_air_m, "Elevation")
     if not shift.any():
         return echogram, layers
     return _shifted(echogram, layers, shift, bin_s)
@@ -122,35 +135,33 @@ def _level(bins, what):
         raise ValueError(msg)
     lines = np.arange(bins.size)
     # Halves go up, not to even: a shift by whole bins must not change how a row is rounded.
-    rows = np.floor(np.interp(lines, lines[known], bins[known]) + 0.5).astype(int)
+    bridged = np.interp(lines, lines[known], bins[known])
+    rows = np.floor(bridged + 0.5).astype(int)
     return int(np.floor(np.median(rows))) - rows
 
 
 def _shifted(echogram, layers, shift, bin_s):
     power = echogram["Data"].transpose("twtt", "slow_time").values
     n_bins, n_lines = power.shape
-    lowest, highest = int(min(shift.min(), 0)), int(max(shift.max(), 0))
-    moved = np.full(
-        (n_bins + highest - lowest, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32)
-    )
-    for line, bins in enumerate(shift):
-        moved[bins - lowest : bins - lowest + n_bins, line] = power[:, line]
-    twtt = echogram["twtt"].values[0] + bin_s * (np.arange(moved.shape[0]) + lowest)
+    lowest = int(min(shift.min(), 0))
+    highest = int(max(shift.max(), 0))
+    n_rows = n_bins + highest - lowest
+    moved = np.full((n_rows, n_lines), np.nan, dtype=np.result_type(power.dtype, np.float32))
+    for line, top in enumerate(shift - lowest):
+        moved[top : top + n_bins, line] = power[:, line]
+    twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
     level = echogram.drop_vars(["Data", "twtt"]).assign_coords(twtt=("twtt", twtt, {"units": "s"}))
     level["Data"] = (("twtt", "slow_time"), moved, echogram["Data"].attrs)
     delay = xr.DataArray(shift * bin_s, dims="slow_time")
-    moved_layers = layers.copy()
-    for dataset, names in ((level, ("Surface", "Bottom")), (moved_layers, ("twtt",))):
-        for name in names:
-            if name in dataset:
-                dataset[name] = (
-                    (dataset[name] + delay).transpose(*dataset[name].dims).assign_attrs(units="s")
-                )
+    twtt = (layers["twtt"] + delay).transpose(*layers["twtt"].dims)
+    moved_layers = layers.assign(twtt=twtt.assign_attrs(units="s"))
+    for name in ("Surface", "Bottom"):
+        if name in level:
+            level[name] = (level[name] + delay).assign_attrs(units="s")
     for dataset in (level, moved_layers):
         if "Elevation" in dataset:
-            dataset["Elevation"] = (
-                dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2
-            ).assign_attrs(units="m")
+            height_m = dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2
+            dataset["Elevation"] = height_m.assign_attrs(units="m")
     return level, moved_layers
 
 
@@ -178,30 +189,28 @@ def resample_range(echogram, bin_s):
     centres = np.round(ratio * np.arange(n_rows), 6)
     resampled = _box_means(power, centres, ratio) if ratio > 1 else _interpolated(power, centres)
     first_s = float(echogram["twtt"].values[0])
+    twtt = first_s + bin_s * np.arange(n_rows)
     dataset = echogram.drop_vars(["Data", "twtt"]).assign_coords(
-        twtt=("twtt", first_s + bin_s * np.arange(n_rows), {"units": "s"})
+        twtt=("twtt", twtt, {"units": "s"})
     )
-    dataset["Data"] = (
-        ("twtt", "slow_time"),
-        resampled.astype(power.dtype, copy=False),
-        echogram["Data"].attrs,
-    )
+    resampled = resampled.astype(power.dtype, copy=False)
+    dataset["Data"] = (("twtt", "slow_time"), resampled, echogram["Data"].attrs)
     return dataset.assign_attrs(resampled_from_bin_size_s=present_s)
 
 
 def _box_means(power, centres, ratio):
     """Mean over boxes of `ratio` bins about `centres`, by differences of the running integral."""
     missing = ~np.isfinite(power)
-    edges = np.clip(
-        np.concatenate([centres - ratio / 2, [centres[-1] + ratio / 2]]) + 0.5, 0, power.shape[0]
-    )
+    n_bins, n_lines = power.shape
+    edges = np.append(centres - ratio / 2, centres[-1] + ratio / 2) + 0.5
+    edges = np.clip(edges, 0, n_bins)
+    whole = np.minimum(edges.astype(int), n_bins - 1)
+    rest = (edges - whole)[:, None]
 
     def between_edges(values):
-        integral = np.concatenate(
-            [np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=float)]
-        )
-        whole = np.minimum(edges.astype(int), values.shape[0] - 1)
-        return np.diff(integral[whole] + (edges - whole)[:, None] * values[whole], axis=0)
+        total = np.cumsum(values, axis=0, dtype=float)
+        integral = np.concatenate([np.zeros((1, n_lines)), total])
+        return np.diff(integral[whole] + rest * values[whole], axis=0)
 
     means = between_edges(np.where(missing, 0, power)) / np.diff(edges)[:, None]
     means[between_edges(missing.astype(float)) > 1e-9] = np.nan
@@ -216,7 +225,7 @@ def _interpolated(power, centres):
 
 
 def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
-    """Echogram, with `flagged (slow_time)`, and layers without the power and picks of lines that have one of `flags`.
+    """Echogram, with `flagged (slow_time)`, and layers, without the lines that have one of `flags`.
 
     Both become NaN, as where nothing was recorded, and nothing is put in their place; the lines
     stay, so that their neighbours keep their distance. The echogram's `quality_mask (slow_time)`
@@ -239,20 +248,22 @@ def leave_out_flagged(echogram, layers, *, flags=FLAGGED_BY):
 
 
 def flagged_lines(echogram):
-    """Which range lines have each flag, {name: bool (range_line,)}; None for an echogram without a mask of flags."""
+    """Which range lines have each flag, {name: bool (range_line,)}.
+
+    None for an echogram without a mask of flags.
+    """
     mask = echogram.get("quality_mask")
-    if (
-        mask is None
-        or mask.dtype.kind not in "iu"
-        or not {"flag_masks", "flag_meanings"} <= set(mask.attrs)
-    ):
+    if mask is None or mask.dtype.kind not in "iu":
         return None
-    names, bits = str(mask.attrs["flag_meanings"]).split(), np.atleast_1d(mask.attrs["flag_masks"])
+    if not {"flag_masks", "flag_meanings"} <= set(mask.attrs):
+        return None
+    names = str(mask.attrs["flag_meanings"]).split()
+    bits = np.atleast_1d(mask.attrs["flag_masks"])
     return {name: (mask.values & bit) != 0 for name, bit in zip(names, bits, strict=True)}
 
 
 def count_flagged(echogram):
-    """How many range lines `leave_out_flagged` left out, and all flags in words, such as "low_SNR 12; land_ice 512".
+    """How many lines `leave_out_flagged` left out, and all flags: "low_SNR 12; land_ice 512".
 
     Words are "none" where there is a mask without a flag, and empty where there is no mask.
     """

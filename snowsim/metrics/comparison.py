@@ -1,4 +1,9 @@
-"""Edge scores of two ways to train, paired by image and by replica: difference, interval, what could be resolved."""
+"""Edge scores of two ways to train, paired by image and by replica.
+
+Difference, interval, what could be resolved.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -8,7 +13,8 @@ from scipy.stats import t as student
 from snowsim.metrics.edges import score, stack_counts
 
 METRICS = ("ods", "ois", "ap")
-LEVEL, POWER = 0.05, 0.8  # of a two-sided test, as usual
+LEVEL = 0.05  # of a two-sided test, as usual
+POWER = 0.8
 MOST_SEEDS = 100
 
 
@@ -25,17 +31,17 @@ def compare(counts, pairs, *, n_bootstrap, rng):
     stacked = {
         name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()
     }
+    n_images_of = {
+        name: [replica["n_truth"].shape[0] for replica in replicas]
+        for name, replicas in stacked.items()
+    }
     for name, base in pairs:
-        sizes = [
-            [replica["n_truth"].shape[0] for replica in stacked[which]]
-            if which in stacked
-            else "no counts"
-            for which in (name, base)
-        ]
+        sizes = [n_images_of.get(name, "no counts"), n_images_of.get(base, "no counts")]
         if sizes[0] != sizes[1] or sizes[0] == "no counts":
-            msg = f"{name} and {base}: expected counts of the same images by as many replicas, got {sizes}"
+            wanted = "counts of the same images by as many replicas"
+            msg = f"{name} and {base}: expected {wanted}, got {sizes}"
             raise ValueError(msg)
-    n_images = next(iter(stacked.values()))[0]["n_truth"].shape[0]
+    n_images = next(iter(n_images_of.values()))[0]
     draws = rng.integers(n_images, size=(n_bootstrap, n_images))
     places = rng.random((n_bootstrap, max(map(len, stacked.values()))))
     points = {name: replica_scores(replicas) for name, replicas in stacked.items()}
@@ -46,28 +52,23 @@ def compare(counts, pairs, *, n_bootstrap, rng):
     rows = []
     for name, base in pairs:
         for index, metric in enumerate(METRICS):
-            here, there = points[name][:, index], points[base][:, index]
+            here = points[name][:, index]
+            there = points[base][:, index]
             differences = resampled[name][..., index] - resampled[base][..., index]
             image_error = float(np.std(differences.mean(axis=1), ddof=1))
             replicas = (places[:, : here.size] * here.size).astype(int)
             both = np.take_along_axis(differences, replicas, axis=1).mean(axis=1)
             low, high = np.percentile(both, [50 * LEVEL, 100 - 50 * LEVEL])
-            rows.append(
-                {
-                    "name": name,
-                    "base": base,
-                    "metric": metric,
-                    "mean": here.mean(),
-                    "base_mean": there.mean(),
-                }
-                | paired_difference(here - there, image_error, n_images)
-                | {"bootstrap_low": low, "bootstrap_high": high}
-            )
+            row = {"name": name, "base": base, "metric": metric}
+            row |= {"mean": here.mean(), "base_mean": there.mean()}
+            row |= paired_difference(here - there, image_error, n_images)
+            row |= {"bootstrap_low": low, "bootstrap_high": high}
+            rows.append(row)
     return pd.DataFrame(rows)
 
 
 def paired_difference(differences, image_error, n_images):
-    """Mean of paired differences, (replica,), with 95 % interval and test, and what such a comparison could resolve.
+    """Mean of paired differences, (replica,), its 95 % interval and test, and what is resolvable.
 
     `image_error` is the standard error of the mean that comes from the choice of images; of a
     single replica it is all that is known. Returns `difference`, `low`, `high`, `p_value`
@@ -86,19 +87,24 @@ def paired_difference(differences, image_error, n_images):
     n = differences.size
     mean = float(differences.mean())
     spread = float(differences.std(ddof=1)) if n > 1 else float("nan")
-    errors = spread, n, image_error, n_images
-    reach = float(_reach([1 - LEVEL / 2], *errors))
-    outcome = "not resolved" if abs(mean) <= reach else "higher" if mean > 0 else "lower"
-    found = {
+    errors = Errors(spread, image_error, n_images)
+    reach = float(errors.reach([1 - LEVEL / 2], n))
+    outcome = "higher" if mean > 0 else "lower"
+    if abs(mean) <= reach:
+        outcome = "not resolved"
+    return {
         "difference": mean,
         "low": mean - reach,
         "high": mean + reach,
-        "p_value": _p_value(abs(mean), *errors),
+        "p_value": _p_value(abs(mean), errors, n),
+        "outcome": outcome,
+        "seed_spread": spread,
+        "image_error": image_error,
+        "detectable": float(errors.reach([1 - LEVEL / 2, POWER], n)),
+        "seeds_to_resolve": _seeds_to_resolve(abs(mean), errors),
+        "n_replicas": n,
+        "n_images": n_images,
     }
-    found |= {"outcome": outcome, "seed_spread": spread, "image_error": image_error}
-    found["detectable"] = float(_reach([1 - LEVEL / 2, POWER], *errors))
-    found["seeds_to_resolve"] = _seeds_to_resolve(abs(mean), spread, image_error, n_images)
-    return found | {"n_replicas": n, "n_images": n_images}
 
 
 def holm(p_values):
@@ -109,50 +115,69 @@ def holm(p_values):
     """
     p_values = np.asarray(p_values, dtype=float)
     order = np.argsort(p_values)
+    n_left = np.arange(p_values.size, 0, -1)
+    at_least = np.maximum.accumulate(p_values[order] * n_left)
     corrected = np.empty_like(p_values)
-    corrected[order] = np.minimum(
-        np.maximum.accumulate(p_values[order] * np.arange(p_values.size, 0, -1)), 1
-    )
+    corrected[order] = np.minimum(at_least, 1)
     return corrected
 
 
-def _reach(probabilities, spread, n, image_error, n_images):
-    """Half width of an interval: quantiles at these probabilities, added up, times errors of seeds and of images."""
+@dataclass(frozen=True)
+class Errors:
+    """What makes the mean of paired differences uncertain.
 
-    def quantiles(freedom):
-        return sum(student.ppf(probability, freedom) for probability in probabilities)
+    `spread` is NaN where one replica leaves it unknown.
+    """
 
-    n = np.asarray(n)
-    of_seeds = np.where(
-        n > 1, quantiles(np.maximum(n - 1, 1)) * np.nan_to_num(spread) / np.sqrt(n), 0.0
-    )
-    return np.hypot(of_seeds, quantiles(max(n_images - 1, 1)) * image_error)
+    spread: float
+    image_error: float
+    n_images: int
+
+    def reach(self, probabilities, n):
+        """Half width of an interval for `n` replicas.
+
+        Its quantiles, added up, times both errors.
+        """
+
+        def quantiles(freedom):
+            return sum(student.ppf(probability, freedom) for probability in probabilities)
+
+        n = np.asarray(n)
+        of_seeds = quantiles(np.maximum(n - 1, 1)) * np.nan_to_num(self.spread) / np.sqrt(n)
+        of_images = quantiles(max(self.n_images - 1, 1)) * self.image_error
+        return np.hypot(np.where(n > 1, of_seeds, 0.0), of_images)
 
 
-def _p_value(difference, *errors):
+def _p_value(difference, errors, n):
     """Level at which the interval of a difference just reaches zero."""
 
     def beyond(level):
-        return float(_reach([1 - level / 2], *errors)) - difference
+        return float(errors.reach([1 - level / 2], n)) - difference
 
     least = 1e-12
-    return (
-        least if beyond(least) < 0 else 1.0 if difference == 0 else float(brentq(beyond, least, 1))
-    )
+    if beyond(least) < 0:
+        return least
+    if difference == 0:
+        return 1.0
+    return float(brentq(beyond, least, 1))
 
 
-def _seeds_to_resolve(difference, spread, image_error, n_images):
-    """Least number of replicas, from 2, whose detectable difference is at most `difference`; -1 for none."""
-    if not np.isfinite(spread):
+def _seeds_to_resolve(difference, errors):
+    """Least number of replicas, from 2, whose detectable difference is at most `difference`.
+
+    -1 for none.
+    """
+    if not np.isfinite(errors.spread):
         return -1
     n = np.arange(2, MOST_SEEDS + 1)
-    enough = _reach([1 - LEVEL / 2, POWER], spread, n, image_error, n_images) <= difference
+    enough = errors.reach([1 - LEVEL / 2, POWER], n) <= difference
     return int(n[np.argmax(enough)]) if enough.any() else -1
 
 
 def replica_scores(replicas, images=slice(None)):
     """`METRICS` of every replica, given its stacked counts, on some images, (replica, metric)."""
-    scores = [
-        score({name: values[images] for name, values in replica.items()}) for replica in replicas
-    ]
-    return np.array([[one[metric] for metric in METRICS] for one in scores])
+    rows = []
+    for replica in replicas:
+        scores = score({name: values[images] for name, values in replica.items()})
+        rows.append([scores[metric] for metric in METRICS])
+    return np.array(rows)

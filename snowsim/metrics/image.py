@@ -28,8 +28,8 @@ def similarity(image, reference):
     Notes
     -----
     RMSE eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14:
-    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels, whose windows reach
-    over the border.
+    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels,
+    whose windows reach over the border.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def similarity(image, reference):
 
 
 def ssim_map(image, reference):
-    """Structural similarity around every pixel of two uint8 images, float64 (range_bin, range_line), at most 1.
+    """Structural similarity around every pixel of two uint8 images, float64, at most 1.
 
     Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh &
     Simoncelli (2004), IEEE TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``,
@@ -62,26 +62,31 @@ def ssim_map(image, reference):
     edge pixel repeated. Refuses what `similarity` refuses.
     """
     _check_images(image, reference)
-    options = {
-        "gaussian_weights": True,
-        "sigma": WINDOW_SIGMA,
-        "use_sample_covariance": False,
-        "full": True,
-    }
-    return structural_similarity(
-        image, reference, data_range=DATA_RANGE, K1=0.01, K2=0.03, **options
-    )[1]
+    _, by_pixel = structural_similarity(
+        image,
+        reference,
+        data_range=DATA_RANGE,
+        K1=0.01,
+        K2=0.03,
+        gaussian_weights=True,
+        sigma=WINDOW_SIGMA,
+        use_sample_covariance=False,
+        full=True,
+    )
+    return by_pixel
 
 
 def _check_images(image, reference):
     for name, values in (("image", image), ("reference", reference)):
-        if getattr(values, "dtype", None) != np.uint8:
-            msg = f"{name} must be an array of uint8, got {getattr(values, 'dtype', type(values).__name__)}"
+        got = getattr(values, "dtype", type(values).__name__)
+        if got != np.uint8:
+            msg = f"{name} must be an array of uint8, got {got}"
             raise ValueError(msg)
     if image.shape != reference.shape:
         msg = f"image and reference must have one size, got {image.shape} and {reference.shape}"
         raise ValueError(msg)
     smallest = 2 * WINDOW_RADIUS + 1
     if image.ndim != 2 or min(image.shape) < smallest:
-        msg = f"images must be (range_bin, range_line) and at least {smallest} pixels each way, got {image.shape}"
+        wanted = f"(range_bin, range_line) and at least {smallest} pixels each way"
+        msg = f"images must be {wanted}, got {image.shape}"
         raise ValueError(msg)

@@ -1,4 +1,7 @@
-"""Layers as a glaciologist reads them: picks from an edge map, and which true layer each pick belongs to."""
+"""Layers as a glaciologist reads them.
+
+Picks from an edge map, and which true layer each pick belongs to.
+"""
 
 from dataclasses import dataclass
 
@@ -6,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from snowsim.echogram import check_layer_bins
+from snowsim.metrics.edges.suppression import check_prediction
 
 
 @dataclass(eq=False)
@@ -32,10 +36,7 @@ def pick_layers(
     layer index where present. Maps that leave [0, 1], named `where`, and thresholds not above 0 are
     refused.
     """
-    edges = np.asarray(edges, dtype=float)
-    if edges.ndim != 2 or edges.size == 0 or not (edges.min() >= 0 and edges.max() <= 1):
-        msg = f"{where}: edges must be (range_bin, range_line), not empty and in [0, 1], got shape {edges.shape}"
-        raise ValueError(msg)
+    edges = check_prediction(edges, where)
     if not threshold > 0:
         msg = f"{where}: threshold must be above 0, got {threshold}"
         raise ValueError(msg)
@@ -44,10 +45,9 @@ def pick_layers(
     for line in range(n_lines):
         found = _line_picks(edges[:, line], threshold)
         following = [layer for layer in layers if line - layer.last_line <= max_gap_lines + 1]
-        joined = _align(np.array([layer.last_bin for layer in following]), found, max_step_bins)
-        layer_of_pick = {
-            int(pick): layer for layer, pick in zip(following, joined, strict=True) if pick >= 0
-        }
+        last_bins = np.array([layer.last_bin for layer in following])
+        joined = _align(last_bins, found, max_step_bins)
+        layer_of_pick = dict(zip(joined, following, strict=True))  # and of -1, no pick, any
         place = 0
         for pick, position in enumerate(found):
             layer = layer_of_pick.get(pick)
@@ -55,23 +55,23 @@ def pick_layers(
                 layer = _Followed(np.full(n_lines, np.nan), line, position)
                 # Below all that are picked above it here, above all that are picked below it; else
                 # by depth.
-                stop = next(
-                    (layers.index(layer_of_pick[i]) for i in sorted(layer_of_pick) if i > pick),
-                    len(layers),
-                )
+                picked_below = [layer_of_pick[i] for i in joined if i > pick]
+                stop = layers.index(picked_below[0]) if picked_below else len(layers)
                 while place < stop and layers[place].last_bin < position:
                     place += 1
                 layers.insert(place, layer)
             else:
                 place = layers.index(layer)
-            layer.bins[line], layer.last_line, layer.last_bin = position, line, position
+            layer.bins[line] = position
+            layer.last_line = line
+            layer.last_bin = position
             place += 1
     kept = [layer.bins for layer in layers if np.isfinite(layer.bins).sum() >= min_lines]
     return np.array(kept) if kept else np.empty((0, n_lines))
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
-    """Assign picks to true layers, both (row, range_line), in every range line by itself and keeping their order.
+    """Assign picks to true layers, both (row, range_line), line by line and keeping their order.
 
     Of all assignments that keep the order, the one with the least sum of distances, where a layer
     without a pick counts `max_distance_bins`; found by dynamic programming. Returns the error of
@@ -79,7 +79,8 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
     where each pick was used. Layers that cross, unlike widths and distances not above 0 are
     refused.
     """
-    picks, layer_bins = np.asarray(picks, dtype=float), np.asarray(layer_bins, dtype=float)
+    picks = np.asarray(picks, dtype=float)
+    layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(picks, "picks")
     check_layer_bins(layer_bins)
     if picks.shape[1] != layer_bins.shape[1]:
@@ -94,14 +95,15 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
         layer = np.flatnonzero(np.isfinite(layer_bins[:, line]))
         pick = np.flatnonzero(np.isfinite(picks[:, line]))
         assigned = _align(layer_bins[layer, line], picks[pick, line], max_distance_bins)
-        layer, pick = layer[assigned >= 0], pick[assigned[assigned >= 0]]
+        layer = layer[assigned >= 0]
+        pick = pick[assigned[assigned >= 0]]
         error_bins[layer, line] = picks[pick, line] - layer_bins[layer, line]
         used[pick, line] = True
     return error_bins, used
 
 
 def _line_picks(strength, threshold):
-    """Centroid of every run of one range line at or above the threshold, ascending, (pick,) [range bins]."""
+    """Centroid of every run of a range line at or above the threshold, (pick,) [range bins]."""
     rows = np.flatnonzero(strength >= threshold)
     if rows.size == 0:
         return np.empty(0)
@@ -112,10 +114,13 @@ def _line_picks(strength, threshold):
 
 @njit(cache=True)
 def _align(expected, found, max_distance):
-    """Index of what was found for each entry expected, -1 for none: the order-keeping assignment of least distance."""
-    n, m = expected.size, found.size
-    # gain[i, j]: the most that the first i expected and the first j found can save of max_distance
-    # each.
+    """Index of what was found for each entry expected, -1 for none.
+
+    The order-keeping assignment of least distance.
+    """
+    n = expected.size
+    m = found.size
+    # gain[i, j]: the most that the first i expected and j found can save of max_distance each.
     gain = np.zeros((n + 1, m + 1))
     for i in range(1, n + 1):
         for j in range(1, m + 1):

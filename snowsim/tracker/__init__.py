@@ -2,7 +2,6 @@
 
 from snowsim.constants import OUTPUTS
 from snowsim.tracker.network import (
-    LightNetwork,
     MultiScaleNetwork,
     PublishedNetwork,
     track,
@@ -15,13 +14,10 @@ from snowsim.tracker.train import Training, annotated_pixels, train_steps
 __all__ = [
     "OUTPUTS",
     "Completed",
-    "LightNetwork",
     "MultiScaleNetwork",
     "PublishedNetwork",
     "Settings",
     "Training",
-]
-__all__ += [
     "TrainingSet",
     "annotated_pixels",
     "published",

@@ -1,4 +1,7 @@
-"""The multi-scale network: a VGG16-shaped encoder with a side output per stage and their fusion; tracking with it."""
+"""The multi-scale network, and tracking with it.
+
+A VGG16-shaped encoder with a side output per stage, and their fusion.
+"""
 
 import numpy as np
 import torch
@@ -8,13 +11,8 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic, load_weights
 
-STAGES = (
-    (1, 2),
-    (2, 2),
-    (4, 3),
-    (8, 3),
-    (8, 3),
-)  # channels in units of the width, convolutions: VGG16
+# Channels in units of the width, and number of convolutions: VGG16.
+STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
 # Mean grey level that the published code takes off: its means of red, green and blue, weighted as
 # for luminance.
 MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
@@ -39,16 +37,16 @@ class MultiScaleNetwork(nn.Module):
         n_in = 1
         for multiple, n_convolutions in STAGES:
             n_out = width * multiple
-            sizes = [n_in] + [n_out] * n_convolutions
-            self.stages.append(
-                nn.ModuleList(nn.Conv2d(a, b, 3, padding=1) for a, b in zip(sizes, sizes[1:]))
-            )  # noqa: B905
+            stage = nn.ModuleList()
+            for _ in range(n_convolutions):
+                stage.append(nn.Conv2d(n_in, n_out, 3, padding=1))
+                n_in = n_out
+            self.stages.append(stage)
             self.sides.append(nn.Conv2d(n_out, 1, 1))
-            n_in = n_out
         self.fuse = nn.Conv2d(len(STAGES), 1, 1)
 
     def forward(self, image):
-        """Logits of `OUTPUTS`, (output, patch, 1, range_bin, range_line), of images (patch, 1, ...) as `to_input`."""
+        """Logits, (output, patch, 1, range_bin, range_line), of images as from `to_input`."""
         x = image
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
@@ -57,7 +55,10 @@ class MultiScaleNetwork(nn.Module):
             for convolution in stage:
                 x = functional.relu(convolution(x))
             logits.append(self.enlarged(side(x).float(), 2**number, image.shape[2:]))
-        return with_fused(logits, self.fuse)
+        sides = torch.stack(logits)
+        # The 1x1 convolution, over maps that are stacked and not side by side.
+        fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
+        return torch.cat([sides, fused[None]])
 
     @staticmethod
     def to_input(images):
@@ -66,11 +67,14 @@ class MultiScaleNetwork(nn.Module):
 
     @staticmethod
     def enlarged(logit, factor, size):
-        """A side map as many times as large, about pixel centres, and cut to `size` on the right and below."""
+        """A side map as many times as large, about pixel centres, cut on the right and below."""
         return _enlarged(logit, factor)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw the weights: He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse."""
+        """Draw the weights.
+
+        He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse.
+        """
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):
@@ -85,90 +89,39 @@ class MultiScaleNetwork(nn.Module):
 
 
 class PublishedNetwork(MultiScaleNetwork):
-    """The multi-scale network as the published code has it: other input, first weights and place of side maps."""
+    """The multi-scale network as the published code has it.
+
+    Other input, first weights and place of side maps.
+    """
 
     @staticmethod
     def to_input(images):
         """Grey level less `MEAN_GREY`, float32 (patch, 1, range_bin, range_line)."""
-        return torch.from_numpy(np.asarray(images).astype(np.float32) - np.float32(MEAN_GREY))[
-            :, None
-        ]
+        grey = np.asarray(images).astype(np.float32)
+        return torch.from_numpy(grey - np.float32(MEAN_GREY))[:, None]
 
     @staticmethod
     def enlarged(logit, factor, size):
         """A side map as many times as large, corners on corners, and the middle of it."""
         logit = _enlarged(logit, factor, align_corners=True)
+        n_rows, n_lines = size
         # Half a pixel goes to the even one, as Python rounds.
-        top, left = (
-            round((whole - cut) / 2) for whole, cut in zip(logit.shape[2:], size, strict=True)
-        )
-        return logit[:, :, top : top + size[0], left : left + size[1]]
+        top = round((logit.shape[2] - n_rows) / 2)
+        left = round((logit.shape[3] - n_lines) / 2)
+        return logit[:, :, top : top + n_rows, left : left + n_lines]
 
     def initialise(self, *, rng):
-        """Draw the weights as PyTorch does, uniform within +-1 / sqrt(number of inputs), biases too; a mean fuses."""
-        n_inputs = 1
+        """Draw weights and biases as PyTorch does, within +-1 / sqrt(n inputs); a mean fuses."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
+                is_bias = name.endswith("bias")
                 if name.startswith("fuse"):
-                    parameter.fill_(0 if name.endswith("bias") else 1 / len(STAGES))
+                    parameter.fill_(0 if is_bias else 1 / len(STAGES))
                     continue
-                n_inputs = (
-                    n_inputs if name.endswith("bias") else parameter[0].numel()
-                )  # weights come first
+                if not is_bias:  # a bias follows its weights, and has their number of inputs
+                    n_inputs = parameter[0].numel()
                 drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
                 parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
-
-
-class LightNetwork(nn.Module):
-    """The same outputs from a light U-Net: one convolution a stage on the way down and one on the way up.
-
-    Side output k reads stage k on the way up, so that the finest has seen the coarsest; about the
-    cost of a `MultiScaleNetwork` of the same width, whose side outputs know their own scale and
-    finer ones alone. Ronneberger, Fischer & Brox (2015), MICCAI, with 1x1 projections added to the
-    skips instead of concatenation.
-    """
-
-    def __init__(self, width=8):
-        super().__init__()
-        if width < 1:
-            msg = f"width must be at least 1, got {width}"
-            raise ValueError(msg)
-        sizes = [multiple * width for multiple, _ in STAGES]
-        self.stages = nn.ModuleList(
-            nn.Conv2d(a, b, 3, padding=1) for a, b in zip([1, *sizes], sizes, strict=False)
-        )
-        self.stages_across = nn.ModuleList(
-            nn.Conv2d(b, a, 1) for a, b in zip(sizes, sizes[1:], strict=False)
-        )
-        self.stages_up = nn.ModuleList(nn.Conv2d(n, n, 3, padding=1) for n in sizes)
-        self.sides = nn.ModuleList(nn.Conv2d(n, 1, 1) for n in sizes)
-        self.fuse = nn.Conv2d(len(STAGES), 1, 1)
-
-    to_input = staticmethod(MultiScaleNetwork.to_input)
-    initialise = MultiScaleNetwork.initialise
-
-    def forward(self, image):
-        """Logits of `OUTPUTS`, as `MultiScaleNetwork.forward`."""
-        x, down = image, []
-        for number, convolution in enumerate(self.stages):
-            if number:
-                x = functional.max_pool2d(x, 2, stride=2, ceil_mode=True)
-            x = functional.relu(convolution(x))
-            down.append(x)
-        logits = []
-        for number in reversed(range(len(STAGES))):
-            skip = down[number]
-            if number + 1 < len(STAGES):
-                across = self.stages_across[number](x)
-                skip = skip + MultiScaleNetwork.enlarged(across, 2, skip.shape[2:])
-            x = functional.relu(self.stages_up[number](skip))
-            logits.insert(
-                0,
-                MultiScaleNetwork.enlarged(
-                    self.sides[number](x).float(), 2**number, image.shape[2:]
-                ),
-            )
-        return with_fused(logits, self.fuse)
 
 
 def _enlarged(x, factor, *, align_corners=False):
@@ -179,27 +132,19 @@ def _enlarged(x, factor, *, align_corners=False):
     )
 
 
-def with_fused(logits, fuse):
-    """Side maps (patch, 1, range_bin, range_line), stacked, and last their sum as the 1x1 convolution weighs it."""
-    sides = torch.stack(logits)
-    fused = torch.tensordot(fuse.weight.flatten(), sides, 1).float() + fuse.bias
-    return torch.cat([sides, fused[None]])
-
-
-NETWORKS = {"multi_scale": MultiScaleNetwork, "unet": LightNetwork, "published": PublishedNetwork}
+NETWORKS = {"multi_scale": MultiScaleNetwork, "published": PublishedNetwork}
 
 
 def track(network, image, *, precision="float32"):
-    """Probability of a layer in each pixel by each of `OUTPUTS`, float32 (output, range_bin, range_line) in [0, 1].
+    """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
     `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if
     it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
     """
     image = np.asarray(image)
     if image.dtype != np.uint8 or image.ndim != 2:
-        msg = (
-            f"image must be uint8 (range_bin, range_line), got {image.dtype} of shape {image.shape}"
-        )
+        got = f"{image.dtype} of shape {image.shape}"
+        msg = f"image must be uint8 (range_bin, range_line), got {got}"
         raise ValueError(msg)
     if image.size == 0 or image.min() == image.max():
         msg = f"image without contrast, of shape {image.shape}"
@@ -211,7 +156,7 @@ def track(network, image, *, precision="float32"):
 
 
 def trained_network(weights, settings, *, device="cpu"):
-    """Network for `track`, of weights (dict of arrays) and the `Settings` they were trained with."""
+    """Network for `track`, of weights (dict of arrays) and the `Settings` of their training."""
     network = NETWORKS[settings.network](settings.width)
     load_weights(network, weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()

@@ -10,7 +10,7 @@ N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
 
 
 class Completed:
-    """Scenes with their `complete_layer_bins`, where they hold them, as layers, and no longer marked as incomplete."""
+    """Scenes whose `complete_layer_bins`, where they hold them, are their layers."""
 
     def __init__(self, scenes):
         self._scenes = scenes
@@ -59,50 +59,52 @@ class TrainingSet:
         n_draws_synthetic_first=None,
         seed,
     ):
-        for number, scenes in enumerate((real, *added)):
-            if len(scenes) == 0:
-                msg = f"{'set of real scenes' if number == 0 else f'added set {number}'}: expected scenes, got none"
-                raise ValueError(msg)
         self._sets = (real, *added)
+        for number, scenes in enumerate(self._sets):
+            if len(scenes) == 0:
+                name = f"added set {number}" if number else "set of real scenes"
+                msg = f"{name}: expected scenes, got none"
+                raise ValueError(msg)
         self._held = lru_cache(maxsize=N_SCENES_HELD)(real.__getitem__)
         self._n_added = round(len(real) * added_per_real)
         if added and self._n_added < 1:
-            msg = f"added_per_real {added_per_real} of {len(real)} real scenes leaves none of the added sets"
+            share = f"added_per_real {added_per_real} of {len(real)} real scenes"
+            msg = f"{share} leaves none of the added sets"
             raise ValueError(msg)
         self._seed = seed
         self.n_per_epoch = len(real) + len(added) * self._n_added
-        self._n_first = 0
+        self._n_first = None
         if n_draws_synthetic_first is not None:
-            self._n_first = round(
-                n_draws_synthetic_first * len(added) * self._n_added / self.n_per_epoch
-            )
-        self._curriculum = n_draws_synthetic_first is not None
+            n_synthetic = n_draws_synthetic_first * len(added) * self._n_added
+            self._n_first = round(n_synthetic / self.n_per_epoch)
 
     def source(self, position):
-        """Which scene the draw at `position` shows, as (set, scene): set 0 is real, then the added ones."""
-        if self._curriculum:
+        """Which scene the draw at `position` shows, as (set, scene).
+
+        Set 0 is real, then the added ones.
+        """
+        if self._n_first is not None:
             return self._source_in_turn(position)
         epoch = position // self.n_per_epoch
-        slot = draw_index(self.n_per_epoch, position, self._seed, "training set", "order")
+        slot = self._drawn(self.n_per_epoch, position, "order")
         n_real = len(self._sets[0])
         if slot < n_real:
             return 0, slot
-        number, within = divmod(slot - n_real, self._n_added)
+        before, within = divmod(slot - n_real, self._n_added)
+        number = before + 1
         draw = epoch * self._n_added + within
-        return number + 1, draw_index(
-            len(self._sets[number + 1]), draw, self._seed, "training set", number + 1
-        )
+        return number, self._drawn(len(self._sets[number]), draw, number)
 
     def _source_in_turn(self, position):
-        """Source of a draw where synthetic scenes come first, one of each added set in turn, and real ones after."""
+        """Source where synthetic scenes come first, one of each set in turn, then real ones."""
         if position >= self._n_first:
-            return 0, draw_index(
-                len(self._sets[0]), position - self._n_first, self._seed, "training set", "real"
-            )
-        draw, number = divmod(position, len(self._sets) - 1)
-        return number + 1, draw_index(
-            len(self._sets[number + 1]), draw, self._seed, "training set", number + 1
-        )
+            return 0, self._drawn(len(self._sets[0]), position - self._n_first, "real")
+        draw, before = divmod(position, len(self._sets) - 1)
+        number = before + 1
+        return number, self._drawn(len(self._sets[number]), draw, number)
+
+    def _drawn(self, n, position, key):
+        return draw_index(n, position, self._seed, "training set", key)
 
     def __getitem__(self, position):
         number, scene = self.source(position)
@@ -110,7 +112,12 @@ class TrainingSet:
 
 
 def copy_shown(position, n_per_epoch, n_copies, seed):
-    """What a training on copies shows at `position`: a draw of its `TrainingSet`, and which copy, in random order."""
-    slot = draw_index(n_copies * n_per_epoch, position, seed, "training set", "copies")
+    """What a training on copies shows at `position`.
+
+    A draw of its `TrainingSet`, and which copy, in random order.
+    """
+    n_gradients = n_copies * n_per_epoch
+    slot = draw_index(n_gradients, position, seed, "training set", "copies")
     copy, within = divmod(slot, n_per_epoch)
-    return position // (n_copies * n_per_epoch) * n_per_epoch + within, copy
+    epoch = position // n_gradients
+    return epoch * n_per_epoch + within, copy

@@ -1,6 +1,6 @@
 """Settings of the tracker: a small modern recipe and the published one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from snowsim.echogram import check_choice
 
@@ -9,7 +9,7 @@ CHOICES = {
     "schedule": ("one_cycle", "steps", "updates"),
     "reduction": ("mean", "sum"),
     "precision": ("float32", "bfloat16"),
-    "network": ("multi_scale", "unet", "published"),
+    "network": ("multi_scale", "published"),
     "augmentation": ("drawn", "copies"),
     "loss": ("logits", "sigmoids"),
 }
@@ -17,7 +17,9 @@ CHOICES = {
 
 @dataclass(frozen=True)
 class Settings:
-    """Network and training of the tracker; the defaults are the small recipe, `published` gives the other.
+    """Network and training of the tracker.
+
+    The defaults are the small recipe, `published` gives the other.
 
     Attributes
     ----------
@@ -60,8 +62,8 @@ class Settings:
         Leave out of the loss what `annotated_pixels` calls unknown; else it counts as background,
         as published.
     network : str
-        `multi_scale`, `published` (the same with the input, first weights and up-sampling of the
-        published code), or `unet`: see `snowsim.tracker.network`.
+        `multi_scale`, or `published`: the same with the input, first weights and up-sampling of
+        the published code.
     """
 
     width: int = 4
@@ -89,11 +91,13 @@ class Settings:
     def __post_init__(self):
         object.__setattr__(self, "scales", tuple(self.scales))
         for name in ("n_steps", "batch_size", "n_accumulated", "n_steps_per_tenth"):
-            if getattr(self, name) < 1:
-                msg = f"{name} must be at least 1, got {getattr(self, name)}"
+            n = getattr(self, name)
+            if n < 1:
+                msg = f"{name} must be at least 1, got {n}"
                 raise ValueError(msg)
         if not self.learning_rate > 0 or self.weight_decay < 0:
-            msg = f"expected learning_rate > 0 and weight_decay >= 0, got {self.learning_rate} and {self.weight_decay}"
+            got = f"got {self.learning_rate} and {self.weight_decay}"
+            msg = f"expected learning_rate > 0 and weight_decay >= 0, {got}"
             raise ValueError(msg)
         if self.layer_share is not None and not 0 < self.layer_share < 1:
             msg = f"layer_share must lie between 0 and 1, got {self.layer_share}"
@@ -112,23 +116,24 @@ class Settings:
 
 def published(n_steps, width=64, **other):
     """Settings of the published tracker code, github.com/BinaLab/MultiScale; its epochs are 15."""
-    recipe = {
-        "n_accumulated": 10,
-        "n_range_bins": None,
-        "n_range_lines": None,
-        "scales": (1.0, 0.75, 0.5, 0.25),
-    }
-    recipe |= {
-        "optimiser": "sgd",
-        "learning_rate": 1e-6,
-        "weight_decay": 2e-4,
-        "schedule": "updates",
-    }
-    recipe |= {
-        "published_multipliers": True,
-        "reduction": "sum",
-        "precision": "float32",
-        "network": "published",
-    }
-    recipe |= {"augmentation": "copies", "batch_size": 1, "loss": "sigmoids", "layer_share": None}
-    return Settings(n_steps=n_steps, width=width, **(recipe | other))
+    recipe = Settings(
+        width=width,
+        n_steps=n_steps,
+        batch_size=1,
+        n_accumulated=10,
+        n_range_bins=None,
+        n_range_lines=None,
+        scales=(1.0, 0.75, 0.5, 0.25),
+        augmentation="copies",
+        optimiser="sgd",
+        learning_rate=1e-6,
+        weight_decay=2e-4,
+        schedule="updates",
+        published_multipliers=True,
+        reduction="sum",
+        loss="sigmoids",
+        layer_share=None,
+        precision="float32",
+        network="published",
+    )
+    return replace(recipe, **other)

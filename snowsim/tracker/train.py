@@ -1,4 +1,4 @@
-"""Training of the multi-scale tracker, by the published recipe or a modern one, resumable to the byte."""
+"""Training of the tracker, by the published recipe or a modern one, resumable to the byte."""
 
 import math
 
@@ -7,15 +7,15 @@ import torch
 from torch.nn import functional
 
 from snowsim.constants import OUTPUTS
+from snowsim.echogram import layer_mask
 from snowsim.patches import draw_patches, whole_copy
 from snowsim.seeding import random_stream
 from snowsim.tracker.network import NETWORKS
 from snowsim.tracker.sampling import copy_shown
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
-REACH_BINS = (
-    8.0  # a picked layer wanders this far along a gap; half the least first layer of the paper
-)
+# So far a picked layer wanders along a gap; half the least first layer of the paper.
+REACH_BINS = 8.0
 WARM_UP = 0.1  # share of the steps in which `one_cycle` rises
 # Published code: rate multipliers of the last stage, the sides and the fuse; biases have twice
 # their weights' rate, and no decay, but for those of the last stage, where its key is misspelt.
@@ -47,11 +47,7 @@ def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
         deepest = np.maximum(deepest, continued)
     known &= bins <= deepest + reach_bins
     # A pick is known even where it lies near the gap of another layer.
-    inside = np.isfinite(layer_bins) & (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
-    known[
-        np.rint(layer_bins[inside]).astype(int), np.broadcast_to(lines, layer_bins.shape)[inside]
-    ] = True
-    return known
+    return known | layer_mask(layer_bins, n_range_bins)
 
 
 class Training:
@@ -69,13 +65,15 @@ class Training:
 
     Attributes
     ----------
-    network : MultiScaleNetwork, PublishedNetwork or LightNetwork
+    network : MultiScaleNetwork or PublishedNetwork
     step : int
         Gradients taken.
     """
 
     def __init__(self, settings, *, seed, device="cpu"):
-        self.settings, self.seed, self.device = settings, seed, device
+        self.settings = settings
+        self.seed = seed
+        self.device = device
         self.step = 0
         self.network = NETWORKS[settings.network](settings.width)
         self.network.initialise(rng=random_stream(seed, "tracker", "network"))
@@ -83,15 +81,20 @@ class Training:
         self._optimiser = _optimiser(self.network, settings)
 
     def state(self):
-        """Everything that a step changes but `step`, as nested dicts of CPU tensors, to be given to `restore`."""
-        gradient = {
-            name: p.grad for name, p in self.network.named_parameters() if p.grad is not None
+        """All that a step changes but `step`, as nested dicts of CPU tensors, for `restore`."""
+        gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
+        state = {
+            "network": self.network.state_dict(),
+            "optimiser": moments_of(self._optimiser),
+            "gradient": {name: sums for name, sums in gradients.items() if sums is not None},
         }
-        networks = {"network": self.network.state_dict(), "optimiser": moments_of(self._optimiser)}
-        return on_cpu(networks | {"gradient": gradient})
+        return on_cpu(state)
 
     def restore(self, state, step):
-        """Take over a `state`, read back as arrays, after `step` steps; ValueError if other settings made it."""
+        """Take over a `state`, read back as arrays, after `step` steps.
+
+        ValueError if other settings made it.
+        """
         load_weights(self.network, state.get("network", {}), "tracker")
         load_moments(self._optimiser, state.get("optimiser", {}), "tracker")
         gradients = state.get("gradient", {})
@@ -123,11 +126,13 @@ def train_steps(training, scenes):
     """
     settings = training.settings
     copies = settings.augmentation == "copies"
+    n_per_epoch = settings.n_steps
     if copies:
-        _check_copies(settings, scenes.n_per_epoch)
-    n_per_epoch = settings.n_copies * scenes.n_per_epoch if copies else settings.n_steps
+        n_per_epoch = settings.n_copies * scenes.n_per_epoch
+        _check_copies(settings, n_per_epoch)
+    draw = _copy if copies else _patches
     while training.step < settings.n_steps:
-        images, *maps = (_copy if copies else _patches)(training, scenes)
+        images, *maps = draw(training, scenes)
         maps = (torch.from_numpy(array).to(training.device) for array in maps)
         images = training.network.to_input(images).to(training.device)
         losses = _step(training, images, *maps, n_per_epoch=n_per_epoch)
@@ -138,34 +143,35 @@ def train_steps(training, scenes):
         yield training.step, losses
 
 
-def _check_copies(settings, n_scenes):
-    """Refuse what copies cannot be: cut, several a gradient, masked, or too few in an epoch for an update."""
-    if (
-        settings.batch_size > 1
-        or settings.n_range_bins
-        or settings.n_range_lines
-        or settings.mask_unannotated
-    ):
+def _check_copies(settings, n_per_epoch):
+    """Refuse what copies cannot be.
+
+    Cut, several a gradient, masked, or too few in an epoch for an update.
+    """
+    cut = settings.n_range_bins or settings.n_range_lines
+    if settings.batch_size > 1 or cut or settings.mask_unannotated:
         msg = "augmentation copies: expected batch_size 1, no crop and mask_unannotated false"
         raise ValueError(msg)
-    if settings.n_copies * n_scenes < settings.n_accumulated:
-        msg = f"an epoch of {settings.n_copies * n_scenes} gradients never fills an update of {settings.n_accumulated}"
+    if n_per_epoch < settings.n_accumulated:
+        update = f"an update of {settings.n_accumulated}"
+        msg = f"an epoch of {n_per_epoch} gradients never fills {update}"
         raise ValueError(msg)
 
 
 def _patches(training, scenes):
-    """Crops of the next scenes, of one drawn scale, with their masks and, where wanted, what is known of them."""
+    """Crops of the next scenes, of one drawn scale; their masks and, if wanted, what is known."""
     settings = training.settings
-    drawn = range(training.step * settings.batch_size, (training.step + 1) * settings.batch_size)
-    batch = [scenes[position] for position in drawn]
+    first = training.step * settings.batch_size
     rng = random_stream(training.seed, "tracker", "step", training.step)
-    scale = settings.scales[rng.integers(len(settings.scales))]
-    how = {
-        "scale": scale,
-        "flip": settings.flip,
-        "known": annotated_pixels if settings.mask_unannotated else None,
-    }
-    return draw_patches(batch, settings.n_range_bins, settings.n_range_lines, **how, rng=rng)
+    return draw_patches(
+        [scenes[first + place] for place in range(settings.batch_size)],
+        settings.n_range_bins,
+        settings.n_range_lines,
+        scale=settings.scales[rng.integers(len(settings.scales))],
+        flip=settings.flip,
+        known=annotated_pixels if settings.mask_unannotated else None,
+        rng=rng,
+    )
 
 
 def _copy(training, scenes):
@@ -173,14 +179,13 @@ def _copy(training, scenes):
     settings = training.settings
     draw, copy = copy_shown(training.step, scenes.n_per_epoch, settings.n_copies, training.seed)
     mirrored = copy == len(settings.scales)
-    return [
-        array[None]
-        for array in whole_copy(scenes[draw], 1 if mirrored else settings.scales[copy], mirrored)
-    ]
+    scale = 1 if mirrored else settings.scales[copy]
+    image, mask = whole_copy(scenes[draw], scale, mirrored)
+    return image[None], mask[None]
 
 
 def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_share=None):
-    """Class-balanced cross-entropy of each output summed over the pixels of an image, averaged over images, (output,).
+    """Class-balanced cross-entropy of each output, summed over pixels, mean of images, (output,).
 
     `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool
     (patch, range_bin, range_line): pixels that count. Layers weigh by the share of background,
@@ -197,9 +202,8 @@ def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_sh
     weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
     if loss == "sigmoids":
         probability = torch.sigmoid(logits.float())
-        cost = functional.binary_cross_entropy(
-            probability, layer.expand_as(probability), reduction="none"
-        )
+        truth = layer.expand_as(probability)
+        cost = functional.binary_cross_entropy(probability, truth, reduction="none")
     else:
         cost = functional.softplus((1 - 2 * layer) * logits.float())
     # A product of matrices: nothing of the size of `logits` is made but the cost.
@@ -207,15 +211,13 @@ def balanced_cross_entropy(logits, masks, known=None, *, loss="logits", layer_sh
 
 
 def rate_factor(settings, step):
-    """Learning rate of the step after `step` others (updates, where the schedule counts those), of the highest."""
+    """Rate, of the highest, of the step after `step` others, or updates where these count."""
     if settings.schedule != "one_cycle":
         return 0.1 ** (step // settings.n_steps_per_tenth)
     done = (step + 1) / settings.n_steps
-    return (
-        done / WARM_UP
-        if done < WARM_UP
-        else 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
-    )
+    if done < WARM_UP:
+        return done / WARM_UP
+    return 0.5 * (1 + math.cos(math.pi * (done - WARM_UP) / (1 - WARM_UP)))
 
 
 def _step(training, images, masks, known=None, *, n_per_epoch):
@@ -224,7 +226,7 @@ def _step(training, images, masks, known=None, *, n_per_epoch):
     Gradients are counted anew after every `n_per_epoch`; those that filled no update stay in the
     sum.
     """
-    settings, optimiser = training.settings, training._optimiser
+    settings = training.settings
     with arithmetic(training.device, settings.precision):
         logits = training.network(images)
     per_output = balanced_cross_entropy(
@@ -235,32 +237,41 @@ def _step(training, images, masks, known=None, *, n_per_epoch):
     (per_output.sum() / share).backward()
     epoch, within = divmod(training.step, n_per_epoch)
     if (within + 1) % settings.n_accumulated == 0:
-        n_updates = (
-            epoch * (n_per_epoch // settings.n_accumulated) + within // settings.n_accumulated
-        )
-        factor = rate_factor(
-            settings, n_updates if settings.schedule == "updates" else training.step
-        )
-        for group in optimiser.param_groups:
-            group["lr"] = group["highest"] * factor
-        optimiser.step()
-        optimiser.zero_grad(set_to_none=True)
+        n_updates_per_epoch = n_per_epoch // settings.n_accumulated
+        n_updates = epoch * n_updates_per_epoch + within // settings.n_accumulated
+        _update(training, n_updates if settings.schedule == "updates" else training.step)
     per_pixel = (per_output.detach() / n_pixels).tolist()
-    return dict(zip(OUTPUTS, per_pixel, strict=True)) | {"total": sum(per_pixel)}
+    losses = dict(zip(OUTPUTS, per_pixel, strict=True))
+    return losses | {"total": sum(per_pixel)}
+
+
+def _update(training, step):
+    """Change the weights by the gradients summed, at the rate of this step of the schedule."""
+    optimiser = training._optimiser
+    factor = rate_factor(training.settings, step)
+    for group in optimiser.param_groups:
+        group["lr"] = group["highest"] * factor
+    optimiser.step()
+    optimiser.zero_grad(set_to_none=True)
 
 
 def _optimiser(network, settings):
-    """Optimiser with one group per rate and decay: a call a group costs more than the step of a small network."""
+    """Optimiser with one group per rate and decay.
+
+    A call a group costs more than the step of a small network.
+    """
     groups = {}
     for name, parameter in network.named_parameters():
-        rate, decay = settings.learning_rate, settings.weight_decay
+        rate = settings.learning_rate
+        decay = settings.weight_decay
         if settings.published_multipliers:
-            rate *= next(
-                (factor for part, factor in PUBLISHED_MULTIPLIERS.items() if name.startswith(part)),
-                1.0,
-            )
+            for part, factor in PUBLISHED_MULTIPLIERS.items():
+                if name.startswith(part):
+                    rate *= factor
             if name.endswith("bias"):
-                rate, decay = 2 * rate, decay if name.startswith(DECAYING_BIASES) else 0.0
+                rate *= 2
+                if not name.startswith(DECAYING_BIASES):
+                    decay = 0.0
         group = {"params": [], "lr": rate, "highest": rate, "weight_decay": decay}
         groups.setdefault((rate, decay), group)["params"].append(parameter)
     groups = list(groups.values())

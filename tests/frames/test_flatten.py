@@ -164,10 +164,10 @@ def test_larger_bins_equal_the_slow_area_average(rng, ratio):
     power = echogram["Data"].values.astype(float)
     found = resample_range(echogram, ratio * BIN_S)["Data"].values
     for row in (0, 1, 7, 30):
-        low, high = max(ratio * row - ratio / 2 + 0.5, 0), ratio * row + ratio / 2 + 0.5
-        shares = np.clip(
-            np.minimum(np.arange(200) + 1, high) - np.maximum(np.arange(200), low), 0, None
-        )
+        low = max(ratio * row - ratio / 2 + 0.5, 0)
+        high = ratio * row + ratio / 2 + 0.5
+        bins = np.arange(200)
+        shares = np.clip(np.minimum(bins + 1, high) - np.maximum(bins, low), 0, None)
         assert_allclose(found[row], shares @ power / shares.sum(), rtol=1e-6)
 
 

@@ -1,12 +1,18 @@
-"""What trainings of the tracker's study are; zones and depths of its tables divide what is scored and lose nothing."""
+"""What trainings of the tracker's study are.
+
+Zones and depths of its tables divide what is scored and lose nothing.
+"""
 
 import numpy as np
 import pandas as pd
 import pytest
+from toy_scenes import toy_scenes
 
 from lib.score_tables import COUNTS, tracker_intervals
 from lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
+from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
+from snowsim.constants import OUTPUTS
 from snowsim.metrics.pick_tables import SUMS
 from snowsim.seeding import random_stream
 
@@ -103,3 +109,31 @@ def test_zones_and_depths_hold_every_layer_once(rng):
     for table in (picks_by_zone(rows, 0.04), picks_by_depth(rows, 0.04)):
         assert table.groupby(["training_set", "replica"])["n_layers"].sum().tolist() == [5, 5, 5, 5]
     assert set(rows["zone"]) <= {"none", "shallow", "high", "very high"}
+
+
+class KnowsTheLayers:
+    """A tracker whose every output is a ridge on each layer of the scene that an image is of."""
+
+    def __init__(self, scenes):
+        self._scenes = scenes
+
+    def track(self, image):
+        [scene] = [each for each in self._scenes if each.image is image]
+        below = np.arange(scene.n_range_bins)[:, None] - scene.layer_bins[:, None, :]
+        ridge = np.exp(-((below / 2) ** 2)).max(axis=0)
+        return np.repeat(ridge[None].astype(np.float32), len(OUTPUTS), axis=0)
+
+
+def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
+    scenes = toy_scenes(2)
+    counts, edges = count_edges(KnowsTheLayers(scenes), scenes, ["side_1", "fuse"])
+    assert counts.groupby(["output", "scene"]).size().tolist() == [99] * 4
+    lowest = counts[counts["threshold"] == counts["threshold"].min()]
+    assert lowest["n_truth"].tolist() == [n for s in scenes for n in [s.mask().sum()] * 2]
+    rows = pick_scenes(scenes, edges, counts)
+    assert rows["scene"].unique().tolist() == [scene.name for scene in scenes]
+    assert not rows[["n_missed_layers", "n_false_layers"]].to_numpy().any()
+    # A pixel is a range bin: centroids of what the suppression leaves lie within one of the layer.
+    assert (rows["absolute_error"] < rows["n_found"]).all()
+    first = [np.diff(scene.layer_bins[:2], axis=0).mean() for scene in scenes]
+    assert rows["first_thickness_bins"].unique().tolist() == pytest.approx(first)

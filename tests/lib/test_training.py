@@ -1,4 +1,7 @@
-"""What a training leaves on disk is checked when it is taken up again; memory that is missing is named."""
+"""What a training leaves on disk is checked when it is taken up again.
+
+Memory that is missing is named.
+"""
 
 from types import SimpleNamespace
 

@@ -26,7 +26,7 @@ def test_without_image_error_it_is_the_paired_t_test():
 
 
 def typical(n_replicas, spread):
-    """Differences of this standard deviation, as evenly likely as those of so many replicas can be."""
+    """Differences of this standard deviation, as even as those of so many replicas can be."""
     ranks = norm.ppf((np.arange(n_replicas) + 0.5) / n_replicas)
     return spread / ranks.std(ddof=1) * ranks
 

@@ -77,9 +77,8 @@ def test_groups_without_picks_are_nan_and_miss_their_layers():
 
 def test_zones_are_quartiles_open_at_both_ends_and_a_bin_of_snow_is_thinner_than_of_air():
     edges = [10, 13, 16, 20, 30]
-    assert_array_equal(
-        zone_of([5, 10, 12.9, 13, 18, 20, 99, np.nan], edges), [0, 0, 0, 1, 2, 3, 3, -1]
-    )
+    thickness_bins = [5, 10, 12.9, 13, 18, 20, 99, np.nan]
+    assert_array_equal(zone_of(thickness_bins, edges), [0, 0, 0, 1, 2, 3, 3, -1])
     assert_allclose(snow_per_bin_m(2.886e-10, 0), SPEED_OF_LIGHT_M_S * 2.886e-10 / 2)
     # 4.33 cm in air (2012 product); index 1.2873 at 340 kg m-3.
     assert_allclose(snow_per_bin_m(2.886e-10, 340), 0.0433 / 1.2873, rtol=2e-3)

@@ -11,9 +11,8 @@ from snowsim.metrics.picks import match_picks, pick_layers
 
 def test_picks_of_a_blurred_and_suppressed_map_lie_within_a_bin(layer_bins):
     rows = np.arange(320)[:, None]
-    edges = suppress(
-        sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins).clip(0, 1)
-    )
+    ridges = sum(np.exp(-0.5 * ((rows - layer) / 2) ** 2) for layer in layer_bins)
+    edges = suppress(ridges.clip(0, 1))
     picks = pick_layers(edges, threshold=0.3)
     assert picks.shape == layer_bins.shape
     assert np.nanmax(np.abs(picks - layer_bins)) < 1

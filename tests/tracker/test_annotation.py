@@ -14,7 +14,10 @@ from snowsim.tracker.train import balanced_cross_entropy
 
 @pytest.fixture
 def picked():
-    """A scene of two level layers, bins 20 and 50; the lower one is picked on lines 10 to 39 of 64."""
+    """A scene of two level layers, bins 20 and 50.
+
+    The lower one is picked on lines 10 to 39 of 64.
+    """
     complete = np.array([[20.0], [50.0]]) * np.ones(64)
     layer_bins = complete.copy()
     layer_bins[1, :10] = layer_bins[1, 40:] = np.nan

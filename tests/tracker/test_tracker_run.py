@@ -1,4 +1,7 @@
-"""A training through its script survives kill -9; what a setting of the study changes is what is shown."""
+"""A training through its script survives kill -9.
+
+What a setting of the study changes is what is shown.
+"""
 
 from dataclasses import replace
 

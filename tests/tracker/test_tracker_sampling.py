@@ -30,9 +30,8 @@ def test_at_paper_scale_an_epoch_shows_every_scene_once(n_added):
     assert scenes.n_per_epoch == 2360 + 1500 * n_added
     shown = Counter(first(scenes, scenes.n_per_epoch))
     assert set(shown.values()) == {1}
-    assert Counter(number for number, _ in shown) == {0: 2360} | {
-        number: 1500 for number in range(1, n_added + 1)
-    }
+    of_added = {number: 1500 for number in range(1, n_added + 1)}
+    assert Counter(number for number, _ in shown) == {0: 2360} | of_added
 
 
 def test_fewer_real_scenes_keep_the_share_and_still_use_all_of_the_added_sets():
@@ -65,9 +64,9 @@ def test_the_order_depends_on_the_seed_alone_scenes_are_read_when_drawn_and_real
     assert first(scenes, 200) == first(again, 200) != first(other, 200)
     assert not real.read
     shown = [scenes[position] for position in range(5 * scenes.n_per_epoch)]
-    assert [(name == "added", number) for name, number in shown] == [
-        (which == 1, number) for which, number in first(scenes, 5 * scenes.n_per_epoch)
-    ]
+    drawn = first(scenes, 5 * scenes.n_per_epoch)
+    expected = [(which == 1, number) for which, number in drawn]
+    assert [(name == "added", number) for name, number in shown] == expected
     assert set(real.read.values()) == {1}
     assert sum(added.read.values()) == 15
 

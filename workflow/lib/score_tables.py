@@ -1,4 +1,7 @@
-"""Scores of images and trainings to the paper's tables: Table II, SSIM against depth, Table III with intervals."""
+"""Scores of images and trainings to the paper's tables.
+
+Table II, SSIM against depth, Table III with intervals.
+"""
 
 from itertools import product
 
@@ -11,23 +14,21 @@ from snowsim.metrics.edges import COUNTS, score, stack_counts
 
 
 def similarity_table(images):
-    """Table II: minimum, mean and maximum of each metric over the images, a column a method, in alphabetical order.
+    """Table II: minimum, mean and maximum of each metric over the images, a column a method.
 
     `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and
     the methods.
     """
+    by_method = images.groupby("method")
     rows = []
     for metric, statistic in product(("ssim", "psnr", "rmse"), ("min", "mean", "max")):
-        row = {
-            method: getattr(group[metric], statistic)()
-            for method, group in images.groupby("method")
-        }
-        rows.append({"metric": metric, "statistic": statistic, **row})
+        values = {method: getattr(group[metric], statistic)() for method, group in by_method}
+        rows.append({"metric": metric, "statistic": statistic, **values})
     return pd.DataFrame(rows)
 
 
 def ssim_against_depth(rows, window_rows):
-    """Mean SSIM of every row over the depth that all images share, and its moving average (Fig. 12).
+    """Mean SSIM of every row that all images share, and its moving average (Fig. 12).
 
     `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is
     centred over `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim,
@@ -36,23 +37,22 @@ def ssim_against_depth(rows, window_rows):
     common_depth = rows.groupby(["method", "scene"])["range_bin"].max().min()
     common = rows[rows["range_bin"] <= common_depth]
     mean = common.groupby(["method", "range_bin"], as_index=False)["ssim"].mean()
-    smooth = mean.groupby("method")["ssim"].transform(
-        lambda ssim: ssim.rolling(window_rows, center=True, min_periods=1).mean()
-    )
+
+    def moving_average(ssim):
+        return ssim.rolling(window_rows, center=True, min_periods=1).mean()
+
+    smooth = mean.groupby("method")["ssim"].transform(moving_average)
     return mean.assign(ssim_smooth=smooth)
 
 
 def counts_by_image(table):
-    """One output's per-threshold counts as the list that `snowsim.metrics.edges.score` takes, images sorted by name."""
-    ordered = table.sort_values(["scene", "threshold"])
-    return [
-        {name: group[name].to_numpy() for name in COUNTS}
-        for _, group in ordered.groupby("scene", sort=True)
-    ]
+    """Counts of one output as `snowsim.metrics.edges.score` takes them, images sorted by name."""
+    by_scene = table.sort_values(["scene", "threshold"]).groupby("scene", sort=True)
+    return [{name: group[name].to_numpy() for name in COUNTS} for _, group in by_scene]
 
 
 def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
-    """Counts of trainings as `tracker_intervals` takes them, replicas of the first training set first.
+    """Counts of trainings for `tracker_intervals`, replicas of the first training set first.
 
     Each table has columns `scene, output, threshold` and the counts.
     """
@@ -65,17 +65,20 @@ def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
 
 
 def tracker_table(intervals):
-    """Table III in the paper's layout from the long table of `tracker_intervals`: a row per output."""
-    wide = intervals.assign(column=intervals["training_set"] + "_" + intervals["metric"])
-    columns = list(dict.fromkeys(wide["column"]))
-    table = wide.pivot_table(index="output", columns="column", values="mean").reindex(
-        index=OUTPUTS, columns=columns
+    """Table III in the paper's layout from the long table of `tracker_intervals`.
+
+    A row per output.
+    """
+    columns = intervals["training_set"] + "_" + intervals["metric"]
+    wide = intervals.assign(column=columns).pivot_table(
+        index="output", columns="column", values="mean"
     )
+    table = wide.reindex(index=OUTPUTS, columns=columns.unique())
     return table.rename_axis(columns=None).reset_index()
 
 
 def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
-    """Scores of every training set and output, with intervals, and their differences to the first set.
+    """Scores of every training set and output, with intervals, and differences to the first set.
 
     `counts` maps (training set, output) to a list over replicas of lists over images, in one order,
     of count dicts. Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and
@@ -87,52 +90,51 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
     stacked = {
         key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()
     }
-    first = counts[training_sets[0], outputs[0]]
-    n_replicas, n_images = len(first), len(first[0])
-    sizes = {
-        "n_replicas": n_replicas,
-        "n_images": n_images,
-        "n_without_truth": score(first[0])["n_without_truth"],
-    }
+    base = training_sets[0]
+    first = counts[base, outputs[0]]
+    n_replicas = len(first)
+    n_images = len(first[0])
+    n_without_truth = score(first[0])["n_without_truth"]
     draws = [
         (rng.integers(n_replicas, size=n_replicas), rng.integers(n_images, size=n_images))
         for _ in range(n_bootstrap)
     ]
     rows = []
-    for output in outputs:
-        point = {s: replica_scores(stacked[s, output]) for s in training_sets}
-        resampled = {
-            s: [
-                replica_scores([stacked[s, output][i] for i in chosen], images)
-                for chosen, images in draws
-            ]
-            for s in training_sets
-        }
-        for training_set in training_sets:
-            for index, metric in enumerate(METRICS):
-                here, base = (_means(resampled[s], index) for s in (training_set, training_sets[0]))
-                mean, base_mean = _means([point[training_set], point[training_sets[0]]], index)
-                low, high = np.percentile(here, [2.5, 97.5])
-                ends = dict(
-                    zip(
-                        ("difference_low", "difference_high"),
-                        np.percentile(here - base, [2.5, 97.5]),
-                        strict=True,
-                    )
-                )
-                rows.append(
-                    {
-                        "output": output,
-                        "training_set": training_set,
-                        "metric": metric,
-                        "mean": mean,
-                        "low": low,
-                    }
-                    | {"high": high, "difference": mean - base_mean, **ends, **sizes}
-                )
+    means = {key: _means(replicas) for key, replicas in stacked.items()}
+    resampled = {key: _resampled(replicas, draws) for key, replicas in stacked.items()}
+    for output, training_set in product(outputs, training_sets):
+        mean = means[training_set, output]
+        base_mean = means[base, output]
+        here = resampled[training_set, output]
+        low, high = np.percentile(here, [2.5, 97.5], axis=0)
+        differences = here - resampled[base, output]
+        difference_low, difference_high = np.percentile(differences, [2.5, 97.5], axis=0)
+        for index, metric in enumerate(METRICS):
+            row = {
+                "output": output,
+                "training_set": training_set,
+                "metric": metric,
+                "mean": mean[index],
+                "low": low[index],
+                "high": high[index],
+                "difference": mean[index] - base_mean[index],
+                "difference_low": difference_low[index],
+                "difference_high": difference_high[index],
+                "n_replicas": n_replicas,
+                "n_images": n_images,
+                "n_without_truth": n_without_truth,
+            }
+            rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _means(scores, index):
-    """Mean over replicas of one metric, for each (replica, metric) array of scores."""
-    return np.array([one[:, index].mean() for one in scores])
+def _means(replicas, images=slice(None)):
+    """Mean over replicas of each of `METRICS`, on some images, (metric,)."""
+    scores = replica_scores(replicas, images)
+    # By metric: how sums are rounded depends on how values lie in memory.
+    return np.array([scores[:, index].mean() for index in range(len(METRICS))])
+
+
+def _resampled(replicas, draws):
+    """Those means for each draw of replicas and images, (draw, metric)."""
+    return np.array([_means([replicas[i] for i in chosen], images) for chosen, images in draws])

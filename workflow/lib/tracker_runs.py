@@ -1,53 +1,70 @@
-"""Which trainings the study of the tracker is made of: settings, and how each differs from the default.
+"""Which trainings the study of the tracker is made of.
+
+Settings, and how each differs from the default.
 
 A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`,
 `steps` (a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting,
 training set). `tracker` is the section of the configuration.
 """
 
+from collections import Counter
+from itertools import chain
 from pathlib import Path
 
 
 def ablation_of(study, training_sets):
     """Settings of the ablation by name, the default first."""
-    return {"default": {"training_sets": list(training_sets)}} | {
-        each["name"]: each for each in study["ablation"]
-    }
+    settings = {"default": {"training_sets": list(training_sets)}}
+    for each in study["ablation"]:
+        settings[each["name"]] = each
+    return settings
 
 
 def check_names(study):
-    """Raise ValueError where two settings share a name, or a worth is asked for of a setting that there is not."""
+    """ValueError where two settings share a name, or a worth is that of an unknown setting."""
     names = [each["name"] for each in study["ablation"]]
-    for name in names:
-        if names.count(name) > 1:
-            msg = f"config: studies.tracker: expected every name once, got {name} {names.count(name)} times"
+    for name, times in Counter(names).items():
+        if times > 1:
+            msg = f"config: studies.tracker: expected every name once, got {name} {times} times"
             raise ValueError(msg)
     known = ["default", *names]
-    for pair in worth_of(study):
-        for setting, _ in pair:
-            if setting not in known:
-                msg = f"config: studies.tracker.worth: expected a setting, one of {', '.join(known)}, got {setting}"
-                raise ValueError(msg)
+    for setting, _ in chain.from_iterable(worth_of(study)):
+        if setting not in known:
+            wanted = f"a setting, one of {', '.join(known)}"
+            msg = f"config: studies.tracker.worth: expected {wanted}, got {setting}"
+            raise ValueError(msg)
 
 
 def worth_of(study):
     """Pairs of runs, (setting, training set), whose difference is the worth of the first."""
-    return [
-        tuple(tuple(f"default/{name}".split("/")[-2:]) for name in pair) for pair in study["worth"]
-    ]
+    return [tuple(map(_run, pair)) for pair in study["worth"]]
+
+
+def _run(name):
+    """Run of a name, `setting/training set`, or of a training set alone: that of the default."""
+    setting, _, training_set = name.rpartition("/")
+    return setting or "default", training_set
 
 
 def pairs_of(runs):
-    """Every run and its base: of a default that of RD, of another setting the default of the same training set."""
-    return [(run, ("default", "rd" if run[0] == "default" else run[1])) for run in runs]
+    """Every run and its base.
+
+    Of a default that of RD, of another setting the default of the same training set.
+    """
+    pairs = []
+    for setting, training_set in runs:
+        base = "rd" if setting == "default" else training_set
+        pairs.append(((setting, training_set), ("default", base)))
+    return pairs
 
 
 def data_of(changes, tracker):
     """How scenes are put together in a setting."""
-    default = {key: tracker[key] for key in ("added_per_real", "order")}
-    return default | {
-        k: v for k, v in changes.items() if k in {"order", "labels", "zones", "added_per_real"}
-    }
+    data = {"added_per_real": tracker["added_per_real"], "order": tracker["order"]}
+    for key in ("order", "labels", "zones", "added_per_real"):
+        if key in changes:
+            data[key] = changes[key]
+    return data
 
 
 def training_of(changes, tracker):
@@ -64,8 +81,13 @@ def epochs_of(changes, tracker):
 
 
 def phy_of(changes, phy):
-    """Conventions of PHY in a setting, from those of the configuration; the estimator of the statistics is none."""
-    return {**phy, **{key: value for key, value in changes["phy"].items() if key != "estimator"}}
+    """Conventions of PHY in a setting, from those of the configuration.
+
+    The estimator of the statistics is no convention of PHY.
+    """
+    conventions = phy | changes["phy"]
+    conventions.pop("estimator", None)
+    return conventions
 
 
 def estimator_of(changes, config):
@@ -74,7 +96,10 @@ def estimator_of(changes, config):
 
 
 def renders_of(setting, changes, files):
-    """Label sets as PHY of a setting renders them: of its own where it changes PHY, else `files`, the default's."""
+    """Label sets as PHY of a setting renders them.
+
+    Of its own where it changes PHY, else `files`, the default's.
+    """
     if "phy" not in changes:
         return files
     return [f"results/studies/tracker/{setting}/phy/{Path(file).name}" for file in files]

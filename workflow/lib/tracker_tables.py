@@ -1,4 +1,7 @@
-"""Scores and picks of all trackers to tables: curves, tests, scores by accumulation zone, errors of picks."""
+"""Scores and picks of all trackers to tables.
+
+Curves, tests, scores by accumulation zone, errors of picks.
+"""
 
 import numpy as np
 import pandas as pd
@@ -13,41 +16,51 @@ RUN = ["training_set", "replica"]
 
 
 def fused_curves(counts, training_sets):
-    """Precision and recall of the fused output at every threshold, means over replicas; counts of `counts_of_runs`."""
+    """Precision and recall of the fused output at every threshold, means over replicas.
+
+    Counts of `counts_of_runs`.
+    """
     frames = []
     for training_set in training_sets:
         curves = [precision_recall(images) for images in counts[training_set, "fuse"]]
-        mean = {
-            name: np.mean([curve[name] for curve in curves], axis=0)
-            for name in ("precision", "recall")
-        }
-        frames.append(pd.DataFrame({"training_set": training_set, **mean}))
+        frame = pd.DataFrame(
+            {
+                "training_set": training_set,
+                "precision": np.mean([curve["precision"] for curve in curves], axis=0),
+                "recall": np.mean([curve["recall"] for curve in curves], axis=0),
+            }
+        )
+        frames.append(frame)
     return pd.concat(frames)
 
 
 def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Fused scores of training sets against others, by pairs; `p_holm`: corrected for the number of rows."""
+    """Fused scores of training sets against others, by pairs.
+
+    `p_holm` is corrected for the number of rows.
+    """
     fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
-    table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng).rename(
-        columns={"name": "training_set"}
-    )
-    table.insert(table.columns.get_loc("p_value") + 1, "p_holm", holm(table["p_value"]))
+    table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng)
+    table = table.rename(columns={"name": "training_set"})
+    after_p_value = table.columns.get_loc("p_value") + 1
+    table.insert(after_p_value, "p_holm", holm(table["p_value"]))
     return table
 
 
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):
-    """`tracker_intervals` of the fused output for the images of every zone; `zones` in the order of the images."""
+    """`tracker_intervals` of the fused output for the images of every zone.
+
+    `zones` in the order of the images.
+    """
     tables = []
     for number, name in enumerate(ZONES, start=-1):
         places = np.flatnonzero(np.asarray(zones) == number)
         if not places.size:
             continue
-        inside = {
-            (training_set, "fuse"): [
-                [images[place] for place in places] for images in counts[training_set, "fuse"]
-            ]
-            for training_set in training_sets
-        }
+        inside = {}
+        for training_set in training_sets:
+            replicas = counts[training_set, "fuse"]
+            inside[training_set, "fuse"] = [[images[p] for p in places] for images in replicas]
         rng = random_stream(seed, "tabulate_tracker_zones", number)
         table = tracker_intervals(
             inside, training_sets, outputs=["fuse"], n_bootstrap=n_bootstrap, rng=rng
@@ -63,14 +76,14 @@ def rows_of_picks(tables, runs, zone_edge_bins, depth_step_bins):
     for (training_set, replica), table in zip(runs, tables, strict=True):
         zone = zone_of(table["first_thickness_bins"], zone_edge_bins)
         # A false layer above the surface counts with the shallowest.
-        depth = (
-            np.maximum(np.floor(table["depth_bins"] / depth_step_bins), 0).astype(int)
-            * depth_step_bins
+        step = np.maximum(np.floor(table["depth_bins"] / depth_step_bins), 0).astype(int)
+        rows = table.assign(
+            training_set=training_set,
+            replica=replica,
+            zone=[ZONES[number + 1] for number in zone],
+            depth_from_bins=step * depth_step_bins,
         )
-        keys = {"training_set": training_set, "replica": replica}
-        found.append(
-            table.assign(**keys, zone=[ZONES[number + 1] for number in zone], depth_from_bins=depth)
-        )
+        found.append(rows)
     return pd.concat(found)
 
 

@@ -1,4 +1,4 @@
-"""What a tracker is trained on in a setting of the configuration or of a study, and for how many steps."""
+"""What a tracker is trained on in a setting, and for how many steps."""
 
 import dataclasses
 
@@ -18,14 +18,14 @@ def compose(
     labels="picked",
     zones=None,
 ):
-    """Training set of opened scene sets, and settings with its steps; what differs from the default is an ablation."""
+    """Training set of opened scene sets, and settings with its steps.
+
+    What differs from the default is an ablation.
+    """
     if labels == "complete":
         real = Completed(real)
     if zones is not None:
-        places = (
-            [place for place, zone in enumerate(scenes.zones) if zone in zones] for scenes in added
-        )
-        added = list(map(Subset, added, places))
+        added = [_of_zones(scenes, zones) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
         n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies
@@ -36,3 +36,8 @@ def compose(
             real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
         )
     return scenes, settings
+
+
+def _of_zones(scenes, zones):
+    places = [place for place, zone in enumerate(scenes.zones) if zone in zones]
+    return Subset(scenes, places)

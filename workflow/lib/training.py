@@ -1,4 +1,4 @@
-"""Trainings that go on from their last checkpoint when they were killed, to the same bytes, with logs and validations.
+"""Trainings that go on from their last checkpoint, to the same bytes, with logs and validations.
 
 A checkpoint is no declared output, for Snakemake removes those of a failed job.
 """
@@ -24,7 +24,9 @@ logger = logging.getLogger("snowsim")
 
 
 class TrainingRun:
-    """One training with its checkpoint, losses, validations and logs: a context in which its files are written.
+    """One training with its checkpoint, losses, validations and logs.
+
+    A context in which its files are written.
 
     `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint
     (`.safetensors`, every `every_steps`) says something else or is truncated; it goes when the
@@ -43,11 +45,17 @@ class TrainingRun:
         path_to_events=None,
         validation=None,
     ):
-        self.training, self.validation, self.every_steps = training, validation, every_steps
-        self.best, self.best_step, self.samples = None, 0, {}
-        self._path, self._events_path = Path(path_to_checkpoint), path_to_events
+        self.training = training
+        self.validation = validation
+        self.every_steps = every_steps
+        self.best = None
+        self.best_step = 0
+        self.samples = {}
+        self._path = Path(path_to_checkpoint)
+        self._events_path = path_to_events
         self._expected = {**expected, "version": __version__}
-        self._losses, self._scores = [], []
+        self._losses = []
+        self._scores = []
         self._events = None
 
     def __enter__(self):
@@ -68,7 +76,10 @@ class TrainingRun:
             self._path.unlink(missing_ok=True)
 
     def discard(self):
-        """Forget the checkpoint: what is to come of the training is known, and no better for another try."""
+        """Forget the checkpoint.
+
+        What is to come of the training is known, and no better for another try.
+        """
         self._path.unlink(missing_ok=True)
 
     def losses(self):
@@ -86,14 +97,13 @@ class TrainingRun:
     @property
     def has_stalled(self):
         """Whether the last `patience` validations brought nothing better."""
-        patience = None if self.validation is None else self.validation.patience
-        return (
-            patience is not None
-            and sum(row["step"] > self.best_step for row in self._scores) >= patience
-        )
+        if self.validation is None or self.validation.patience is None:
+            return False
+        n_since_best = sum(row["step"] > self.best_step for row in self._scores)
+        return n_since_best >= self.validation.patience
 
     def take(self, steps, n_steps, description):
-        """Take the `steps` left of `n_steps`, or fewer if validation stalls, beside a progress bar so described."""
+        """Take the `steps` left of `n_steps`, fewer if validation stalls, beside a progress bar."""
         bar = progress(None, description, total=n_steps, initial=self.training.step)
         while not self.has_stalled:
             step, losses = next(steps, (None, None))
@@ -102,38 +112,30 @@ class TrainingRun:
             self._losses.append({"step": step, **losses})
             self._log("loss", losses, step, every=LOGGED_EVERY)
             if step % SHOWN_EVERY == 0:
-                bar.set_postfix(
-                    {name: f"{value:.4g}" for name, value in losses.items()}, refresh=False
-                )
+                bar.set_postfix_str(_in_words(losses, "="), refresh=False)
             bar.update()
-            if self.validation is not None and (
-                step % self.validation.every_steps == 0 or step == n_steps
-            ):
-                self._validate(step)
+            if self.validation is not None:
+                is_due = step % self.validation.every_steps == 0
+                if is_due or step == n_steps:
+                    self._validate(step)
             if step % self.every_steps == 0 and step < n_steps:
                 self._save(step)
         bar.close()
         if self.has_stalled:
-            logger.info(
-                "stopped after %d steps: none better since step %d",
-                self.training.step,
-                self.best_step,
-            )
+            message = "stopped after %d steps: none better since step %d"
+            logger.info(message, self.training.step, self.best_step)
 
     def _validate(self, step):
         scores = self.validation.score()
         best_before = max((row[self.validation.by] for row in self._scores), default=-np.inf)
         self._scores.append({"step": step, **scores})
         self._log("validation", scores, step)
-        logger.info(
-            "step %d: %s", step, ", ".join(f"{name} {value:.4g}" for name, value in scores.items())
-        )
+        logger.info("step %d: %s", step, _in_words(scores, " "))
         self.samples[step] = self.validation.samples()
         if scores[self.validation.by] > best_before:
+            weights = on_cpu(self.validation.weights())
             # A copy: the weights go on changing.
-            self.best = {
-                name: np.asarray(w).copy() for name, w in on_cpu(self.validation.weights()).items()
-            }
+            self.best = {name: np.asarray(values).copy() for name, values in weights.items()}
             self.best_step = step
 
     def _save(self, step):
@@ -143,9 +145,8 @@ class TrainingRun:
             "best": self.best or {},
             "samples": self.samples,
         }
-        arrays |= {
-            kind: {name: np.array(table[name]) for name in table} for kind, table in tables.items()
-        }
+        for kind, table in tables.items():
+            arrays[kind] = {name: np.array(table[name]) for name in table}
         columns = {kind: list(table) for kind, table in tables.items()}  # the file sorts them
         metadata = {**self._expected, "step": step, "best_step": self.best_step, "columns": columns}
         write_model(self._path, arrays, metadata)
@@ -157,11 +158,11 @@ class TrainingRun:
             msg = f"{error}; an unfinished training is kept there: remove it to begin anew"
             raise ValueError(msg) from error
         self.training.restore(arrays["training"], metadata["step"])
-        self._losses, self._scores = (
-            pd.DataFrame(arrays.get(kind, {}), columns=metadata["columns"][kind]).to_dict("records")
-            for kind in ("losses", "scores")
-        )
-        self.best, self.best_step = arrays.get("best"), metadata["best_step"]
+        columns = metadata["columns"]
+        self._losses = _rows(arrays.get("losses", {}), columns["losses"])
+        self._scores = _rows(arrays.get("scores", {}), columns["scores"])
+        self.best = arrays.get("best")
+        self.best_step = metadata["best_step"]
         samples = {int(step): kept for step, kept in arrays.get("samples", {}).items()}
         self.samples = dict(sorted(samples.items()))
         logger.info("goes on from %s after %d steps", self._path, metadata["step"])
@@ -172,6 +173,14 @@ class TrainingRun:
                 self._events.add_scalar(f"{group}/{name}", value, step)
 
 
+def _rows(arrays, columns):
+    return pd.DataFrame(arrays, columns=columns).to_dict("records")
+
+
+def _in_words(values, between):
+    return ", ".join(f"{name}{between}{value:.4g}" for name, value in values.items())
+
+
 @contextmanager
 def enough_memory(what):
     """Turn a failed allocation into one line that names `what` was too large."""
@@ -179,19 +188,23 @@ def enough_memory(what):
         yield
     except (MemoryError, RuntimeError) as error:
         said = str(error).splitlines()[0] if str(error) else "no memory left"
-        out_of_memory = (
-            isinstance(error, MemoryError | torch.OutOfMemoryError) or "allocate memory" in said
-        )
-        if not out_of_memory:
+        known = isinstance(error, MemoryError | torch.OutOfMemoryError)
+        if not known and "allocate memory" not in said:
             raise
         msg = f"too little memory for {what}: {said[:200]}"
         raise ValueError(msg) from error
 
 
 def check_memory(n_bytes, what):
-    """Raise ValueError in one line if the machine cannot hold `n_bytes` now; machines that do not say pass."""
-    available = available_memory_mb()
-    if available is not None and n_bytes > available * 2**20:
-        needed, free = n_bytes / 1e9, available * 2**20 / 1e9
-        msg = f"too little memory for {what}: it needs at least {needed:.3g} GB, {free:.3g} GB are free"
+    """Raise ValueError in one line if the machine cannot hold `n_bytes` now.
+
+    Machines that do not say pass.
+    """
+    available_mb = available_memory_mb()
+    if available_mb is None:
+        return
+    n_free = available_mb * 2**20
+    if n_bytes > n_free:
+        needed = f"it needs at least {n_bytes / 1e9:.3g} GB, {n_free / 1e9:.3g} GB are free"
+        msg = f"too little memory for {what}: {needed}"
         raise ValueError(msg)

@@ -1,4 +1,4 @@
-"""Score renders of test scenes by every method against the observed ones, image by image and row by row."""
+"""Score renders of test scenes against the observed ones, image by image and row by row."""
 
 import pandas as pd
 from job import progress, run
@@ -9,7 +9,10 @@ from snowsim.metrics.image import similarity, ssim_map
 
 
 def score_method(observed, path_to_rendered, method):
-    """Tables of one method: scores, a row an image, and mean SSIM, a row a range bin of each image."""
+    """Tables of one method.
+
+    Scores, a row an image, and mean SSIM, a row a range bin of each image.
+    """
     images, rows = [], []
     with SceneSet(path_to_rendered) as rendered:
         pairs = zip(observed, rendered, strict=True)
@@ -26,12 +29,10 @@ def score_method(observed, path_to_rendered, method):
 
 def score_similarity(observed, rendered, images, rows, *, methods):
     with SceneSet(observed) as scenes:
-        for method, path, path_to_images, path_to_rows in zip(
-            methods, rendered, images, rows, strict=True
-        ):
-            of_images, of_rows = score_method(scenes, path, method)
-            write_table(path_to_images, of_images)
-            write_table(path_to_rows, of_rows)
+        for i, method in enumerate(methods):
+            of_images, of_rows = score_method(scenes, rendered[i], method)
+            write_table(images[i], of_images)
+            write_table(rows[i], of_rows)
 
 
 run(score_similarity)

@@ -11,9 +11,8 @@ def tabulate(images, rows, all_images, table2, ssim_depth, *, window_rows):
     scores = pd.concat([read_table(path) for path in images])
     write_table(all_images, scores)
     write_table(table2, similarity_table(scores))
-    write_table(
-        ssim_depth, ssim_against_depth(pd.concat([read_table(path) for path in rows]), window_rows)
-    )
+    by_row = pd.concat([read_table(path) for path in rows])
+    write_table(ssim_depth, ssim_against_depth(by_row, window_rows))
 
 
 run(tabulate)

@@ -4,19 +4,18 @@ import numpy as np
 import xarray as xr
 from job import progress, run
 
+from lib.tracker_scores import read_tracker
 from snowsim.io.files import write_dataset
-from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet
-from snowsim.tracker import OUTPUTS, Settings, track, trained_network
+from snowsim.tracker import OUTPUTS
 
 N_ROWS = 300  # the least height of a scene: panels then have one scale
 
 
 def choose_scenes(scenes, n_scenes):
-    """Places of scenes at evenly spaced ranks of the number of layers, neither the fewest nor the most; each once."""
-    ranked = sorted(
-        range(len(scenes)), key=lambda place: (scenes[place].layer_bins.shape[0], place)
-    )
+    """Places of scenes at even ranks of the number of layers, neither the fewest nor the most."""
+    n_layers = [scene.layer_bins.shape[0] for scene in scenes]
+    ranked = sorted(range(len(scenes)), key=n_layers.__getitem__)
     ranks = np.linspace(0, len(ranked) - 1, n_scenes + 2)[1:-1]
     return list(dict.fromkeys(ranked[round(rank)] for rank in ranks))
 
@@ -26,28 +25,26 @@ def track_samples(scenes, networks, samples, *, training_sets, device, n_scenes)
         chosen = [test_scenes[place] for place in choose_scenes(test_scenes, n_scenes)]
     maps = []
     for path in progress(networks, "side outputs"):
-        weights, metadata = read_model(path, {"kind": "tracker"})
-        settings = Settings(**metadata["settings"])
-        network = trained_network(weights, settings, device=device)
-        probabilities = [
-            track(network, scene.image, precision=settings.precision)[:, :N_ROWS]
-            for scene in chosen
-        ]
-        maps.append(np.rint(255 * np.stack(probabilities)).astype(np.uint8))
-    dims = ("training_set", "scene", "output", "range_bin", "range_line")
+        tracker = read_tracker(path, device)
+        probabilities = np.stack([tracker.track(scene.image)[:, :N_ROWS] for scene in chosen])
+        maps.append(np.rint(255 * probabilities).astype(np.uint8))
     images = np.stack([scene.image[:N_ROWS] for scene in chosen])
     masks = np.stack([scene.mask()[:N_ROWS] for scene in chosen]).astype(np.uint8)
-    found = {"probability": (dims, np.stack(maps), {"units": "1/255"})}
-    found |= {
-        name: (("scene", *dims[3:]), values)
-        for name, values in (("image", images), ("mask", masks))
-    }
-    names = {
-        "training_set": training_sets,
-        "scene": [scene.name for scene in chosen],
-        "output": list(OUTPUTS),
-    }
-    write_dataset(samples, xr.Dataset(found, names))
+    pixels = ("scene", "range_bin", "range_line")
+    of_outputs = ("training_set", "scene", "output", "range_bin", "range_line")
+    found = xr.Dataset(
+        {
+            "probability": (of_outputs, np.stack(maps), {"units": "1/255"}),
+            "image": (pixels, images),
+            "mask": (pixels, masks),
+        },
+        {
+            "training_set": training_sets,
+            "scene": [scene.name for scene in chosen],
+            "output": list(OUTPUTS),
+        },
+    )
+    write_dataset(samples, found)
 
 
 run(track_samples)

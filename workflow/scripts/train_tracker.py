@@ -23,30 +23,27 @@ def train(
     settings = Settings(**settings)
     with ExitStack() as opened:
         opened.enter_context(enough_memory(f"a tracker of width {settings.width}"))
-        observed, *added = (
-            opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan) if paths
-        )
+        given = [paths for paths in (real, phy, cgan) if paths]
+        observed, *added = (opened.enter_context(SceneSet(paths)) for paths in given)
         scenes, settings = compose(observed, added, settings, n_epochs, seed, **data)
         made_of = {
             "settings": dataclasses.asdict(settings),
             "seed": seed,
             "scenes": data,
             "skip": skip,
+            "data": fingerprint([*real, *phy, *cgan]),
         }
-        made_of["data"] = fingerprint([*real, *phy, *cgan])
         training = Training(settings, seed=seed, device=device)
         # A share of the schedule passes without a gradient: a control for what other trainings
         # begin with.
-        first = training.step = round(skip * settings.n_steps)
+        n_skipped = round(skip * settings.n_steps)
+        training.step = n_skipped
         unfinished = {"kind": "unfinished tracker training", **made_of}
         kept = {"every_steps": checkpoint_steps, "path_to_events": events}
         with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
             taken.take(train_steps(training, scenes), settings.n_steps, "tracker")
-            epochs = (
-                (training.step - first)
-                * settings.batch_size
-                / (settings.n_copies * scenes.n_per_epoch)
-            )
+            n_shown = (training.step - n_skipped) * settings.batch_size
+            epochs = n_shown / (settings.n_copies * scenes.n_per_epoch)
             metadata = {"kind": "tracker", **made_of, "step": training.step, "epochs": epochs}
             write_table(losses, taken.losses())
             write_model(network, training.state()["network"], metadata)

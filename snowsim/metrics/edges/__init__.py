@@ -1,4 +1,6 @@
-"""Edge scores of trackers: suppression to one-pixel edges, exact one-to-one matching, ODS, OIS and AP.
+"""Edge scores of trackers.
+
+Suppression to one-pixel edges, exact one-to-one matching, ODS, OIS and AP.
 
 The chain of one image is ``match_counts(suppress(prediction), truth, THRESHOLDS)``. Counts are
 plain integers, so images may be counted in any order, in shards, and pooled later by `score`.

@@ -64,10 +64,11 @@ def match_counts(
 
     Notes
     -----
-    The protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26), whose minimum-cost assignment
-    with outliers is replaced by the exact maximum-cardinality matching: the largest number of pairs with ``d^2 <=
-    (max_dist diagonal)^2``. Thresholds are worked through from the highest down and the matching is repaired, not begun
-    again, so a map in which nothing is thinned away costs little more than its lowest threshold.
+    The protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI
+    26), whose minimum-cost assignment with outliers is replaced by the exact maximum-cardinality
+    matching: the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are
+    worked through from the highest down and the matching is repaired, not begun again, so a map in
+    which nothing is thinned away costs little more than its lowest threshold.
 
     Examples
     --------
@@ -83,17 +84,15 @@ def match_counts(
     prediction = check_prediction(prediction, where)
     truth = _check_truth(truth, prediction.shape, where)
     thresholds = _check_thresholds(thresholds, where)
-    name, distance = (
-        ("max_dist", max_dist) if max_dist_pixels is None else ("max_dist_pixels", max_dist_pixels)
-    )
-    if not (np.isfinite(distance) and distance >= 0):
-        msg = f"{where}: {name} must be finite and not negative, got {distance}"
+    radius = max_dist * np.hypot(*truth.shape) if max_dist_pixels is None else max_dist_pixels
+    if not (np.isfinite(radius) and radius >= 0):
+        name = "max_dist" if max_dist_pixels is None else "max_dist_pixels"
+        got = max_dist if max_dist_pixels is None else max_dist_pixels
+        msg = f"{where}: {name} must be finite and not negative, got {got}"
         raise ValueError(msg)
-    radius = distance * np.hypot(*truth.shape) if max_dist_pixels is None else distance
     early = check_thin(thin, where)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
-    # One frame of empty pixels serves the thinning and, so that both count pixels alike, the
-    # matching.
+    # One frame of empty pixels serves the thinning and, to count pixels alike, the matching.
     matching = Matching(np.pad(truth, 1), radius)
     matched = np.zeros(levels.size, dtype=np.int64)
     n_prediction = np.zeros(levels.size, dtype=np.int64)
@@ -111,19 +110,20 @@ def match_counts(
 
 
 def _changes(framed, levels, thin, early):
-    """Yield, from the highest level down, level, pixels that leave the map and pixels that join it (flat indices)."""
-    values = framed.ravel()
-    inside = np.pad(
-        np.ones(np.subtract(framed.shape, 2), dtype=bool), 1
-    )  # all pixels but the frame
-    pixels = np.flatnonzero(framed >= levels[0] if levels[0] > 0 else inside)
-    n_levels_reached = np.searchsorted(levels, values[pixels], side="right").astype(np.uint16)
+    """Yield, from the highest level down, level, pixels that leave and that join (flat indices)."""
+    above_lowest = framed >= levels[0]
+    # The frame is no part of the map, not even where it reaches a level of 0 or less.
+    above_lowest[[0, -1]] = False
+    above_lowest[:, [0, -1]] = False
+    pixels = np.flatnonzero(above_lowest)
+    n_levels_reached = np.searchsorted(levels, framed.flat[pixels], side="right").astype(np.uint16)
     pixels = pixels[np.argsort(levels.size - n_levels_reached, kind="stable")]
-    ends = np.cumsum(
-        np.bincount(n_levels_reached, minlength=levels.size + 1)[::-1]
-    )  # [0]: those above every level
+    n_pixels_reaching = np.bincount(n_levels_reached, minlength=levels.size + 1)
+    ends = np.cumsum(n_pixels_reaching[::-1])  # [0]: those above every level
     steps = neighbour_steps(framed.shape[1])
-    on, codes, was_on = (np.zeros(values.size, dtype=np.uint8) for _ in range(3))
+    on = np.zeros(framed.size, dtype=np.uint8)
+    codes = np.zeros_like(on)
+    was_on = np.zeros_like(on)
     nothing = pixels[:0]
     start = 0
     for level, end in zip(range(levels.size)[::-1], ends, strict=False):
@@ -134,8 +134,9 @@ def _changes(framed, levels, thin, early):
             continue
         switch_on(joining, on, codes, steps)
         thinned = on.copy()
-        thin_pixels(pixels[:end], thinned, codes.copy(), steps, DELETABLE, early)
-        changed = pixels[:end][thinned[pixels[:end]] != was_on[pixels[:end]]]
+        reached = pixels[:end]
+        thin_pixels(reached, thinned, codes.copy(), steps, DELETABLE, early)
+        changed = reached[thinned[reached] != was_on[reached]]
         joined = thinned[changed] == 1
         was_on = thinned
         yield level, changed[~joined], changed[joined]
@@ -146,15 +147,18 @@ def _check_truth(truth, shape, where):
     if truth.shape != shape:
         msg = f"{where}: truth must have the prediction's shape {shape}, got {truth.shape}"
         raise ValueError(msg)
-    if truth.dtype != bool and not np.isin(truth, (0, 1)).all():
-        msg = f"{where}: truth must hold 0 and 1 alone, got {truth[~np.isin(truth, (0, 1))][0]}"
+    mask = truth.astype(bool)
+    wrong = mask != truth
+    if wrong.any():
+        msg = f"{where}: truth must hold 0 and 1 alone, got {truth[wrong][0]}"
         raise ValueError(msg)
-    return truth.astype(bool)
+    return mask
 
 
 def _check_thresholds(thresholds, where):
     thresholds = np.asarray(thresholds, dtype=float)
     if thresholds.ndim != 1 or thresholds.size == 0 or not np.isfinite(thresholds).all():
-        msg = f"{where}: thresholds must be one or more finite numbers in a row, got shape {thresholds.shape}"
+        got = f"got shape {thresholds.shape}"
+        msg = f"{where}: thresholds must be one or more finite numbers in a row, {got}"
         raise ValueError(msg)
     return thresholds

@@ -1,6 +1,6 @@
-"""Largest one-to-one matching of predicted to true pixels, kept exact while predicted pixels come and go.
+"""Largest one-to-one matching of predicted to true pixels, exact while these come and go.
 
-State of the matching, arrays that the kernel changes in place:
+`State` holds the arrays that the kernels change in place. Those that make up the matching:
 
 `mate_of_pixel` (pixel)
     Of every pixel of the flattened map: its true pixel, `FREE` or, where it is not predicted,
@@ -16,6 +16,8 @@ State of the matching, arrays that the kernel changes in place:
     takes what it saw out of S.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -23,35 +25,56 @@ FREE = -1
 ABSENT = -2
 
 
+class State(NamedTuple):
+    """The matching, see the module; the geometry; and what the search under way has seen."""
+
+    mate_of_pixel: np.ndarray
+    mate_of_truth: np.ndarray
+    saturated: np.ndarray
+    # (line, row): number of the first true pixel of the line at or below the row. True pixels are
+    # numbered column by column, so those of a column within reach of a pixel are consecutive.
+    first: np.ndarray
+    pixel_of_truth: np.ndarray
+    reach: np.ndarray
+    seen: np.ndarray  # (true pixel): number of the last search that saw it
+    back: np.ndarray  # (true pixel): the pixel, or true pixel, from which that search came
+    queue: np.ndarray  # true pixels in the order seen
+
+
 class Matching:
-    """Maximum-cardinality matching of a changing set of predicted pixels to true pixels within `radius` [pixels]."""
+    """Largest matching of a changing set of predicted to true pixels within `radius` [pixels]."""
 
     def __init__(self, truth, radius):
-        n_rows, n_lines = truth.shape
+        n_lines = truth.shape[1]
         self.n_truth = int(truth.sum())
         self.n_matched = 0
-        # True pixels are numbered column by column, so those of a column within reach of a pixel
-        # are consecutive: `first[line, row]` is the first one at or below a row.
+        self._n_searches = 0
         first_of_line = np.concatenate([[0], np.cumsum(truth.sum(axis=0))[:-1]])
         above = np.concatenate([np.zeros((1, n_lines), dtype=int), np.cumsum(truth, axis=0)])
-        first = np.ascontiguousarray((above + first_of_line).T.astype(np.int32))
         lines, rows = np.nonzero(truth.T)
-        pixel_of_truth = (rows * n_lines + lines).astype(np.int32)
-        mates = (
-            np.full(n, what, dtype=np.int32)
-            for n, what in ((truth.size, ABSENT), (self.n_truth, FREE))
+        self._state = State(
+            mate_of_pixel=np.full(truth.size, ABSENT, dtype=np.int32),
+            mate_of_truth=np.full(self.n_truth, FREE, dtype=np.int32),
+            saturated=np.zeros(self.n_truth, dtype=np.uint8),
+            first=np.ascontiguousarray((above + first_of_line).T.astype(np.int32)),
+            pixel_of_truth=(rows * n_lines + lines).astype(np.int32),
+            reach=reach_by_column(radius, n_lines),
+            seen=np.zeros(self.n_truth, dtype=np.int32),
+            back=np.empty(self.n_truth, dtype=np.int32),
+            queue=np.empty(self.n_truth, dtype=np.int32),
         )
-        saturated = np.zeros(self.n_truth, dtype=np.uint8)
-        self._state = (first, pixel_of_truth, reach_by_column(radius, n_lines), *mates, saturated)
 
     def update(self, removed, added):
-        """Take predicted pixels away, then add others (flat indices), and return the number of matched pairs."""
-        self.n_matched += _update(removed.astype(np.int32), added.astype(np.int32), *self._state)
+        """Take predicted pixels away, add others (flat indices), and return the number of pairs."""
+        removed = removed.astype(np.int32)
+        added = added.astype(np.int32)
+        self.n_matched += _update(removed, added, self._n_searches, *self._state)
+        self._n_searches += removed.size + added.size
         return self.n_matched
 
 
 def reach_by_column(radius, n_lines):
-    """How many rows a pixel reaches up and down in its own column, the next, ..., int (column offset,)."""
+    """Rows that a pixel reaches up and down in its column, the next ..., int (column offset,)."""
     columns = np.arange(min(int(radius), n_lines - 1) + 1)
     reach = np.floor(np.sqrt(np.maximum(radius * radius - columns**2, 0))).astype(np.int32)
     reach += (reach + 1) ** 2 + columns**2 <= radius * radius  # the root may have been rounded down
@@ -59,106 +82,135 @@ def reach_by_column(radius, n_lines):
 
 
 @njit(cache=True)
-def _update(removed, added, first, pixel_of_truth, reach, mate_of_pixel, mate_of_truth, saturated):
-    """Change of the number of matched pairs; see the module for the state."""
-    n_lines, n_rows = first.shape[0], first.shape[1] - 1
-    n_truth = mate_of_truth.size
+def _update(
+    removed, added, search,
+    mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue,
+):  # fmt: skip
+    """Change of the number of matched pairs; searches are numbered from the one after `search`."""
+    state = State(
+        mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue
+    )  # here, for a named tuple costs more to pass than all of a small update
     change = 0
-    seen = np.zeros(n_truth, dtype=np.int32)  # number of the last search that saw a true pixel
-    search = 0
-    queue = np.empty(n_truth + 1, dtype=np.int32)  # true pixels in the order seen
-    back = np.empty(
-        n_truth, dtype=np.int32
-    )  # where a search came from: a pixel, or a true pixel when removing
-
     for pixel in removed:
-        freed = mate_of_pixel[pixel]
-        mate_of_pixel[pixel] = ABSENT
+        freed = state.mate_of_pixel[pixel]
+        state.mate_of_pixel[pixel] = ABSENT
         if freed == FREE:
             continue
-        mate_of_truth[freed] = FREE
+        state.mate_of_truth[freed] = FREE
         change -= 1
-        if not saturated[freed]:
-            continue
-        search += 1
-        seen[freed] = search
-        back[freed] = FREE
-        queue[0] = freed
-        head, tail = 0, 1
-        rescuer = ABSENT
-        while head < tail and rescuer == ABSENT:
-            here = queue[head]
-            head += 1
-            row, line = pixel_of_truth[here] // n_lines, pixel_of_truth[here] % n_lines
-            for offset in range(1 - reach.size, reach.size):
-                if not 0 <= line + offset < n_lines:
-                    continue
-                height = reach[abs(offset)]
-                for near_row in range(max(row - height, 0), min(row + height, n_rows - 1) + 1):
-                    near = near_row * n_lines + line + offset
-                    mate = mate_of_pixel[near]
-                    if mate == FREE:
-                        rescuer = near
-                        break
-                    if mate != ABSENT and seen[mate] != search:
-                        seen[mate] = search
-                        back[mate] = here
-                        queue[tail] = mate
-                        tail += 1
-                if rescuer != ABSENT:
-                    break
-            if rescuer != ABSENT:
-                change += 1
-                while here != FREE:
-                    displaced = mate_of_truth[here]
-                    mate_of_truth[here] = rescuer
-                    mate_of_pixel[rescuer] = here
-                    rescuer = displaced
-                    here = back[here]
-                rescuer = FREE
-        if rescuer == ABSENT:
-            for i in range(tail):
-                saturated[queue[i]] = 0
-
+        if state.saturated[freed]:
+            search += 1
+            change += _match_truth(freed, search, state)
     for pixel in added:
-        mate_of_pixel[pixel] = FREE
+        state.mate_of_pixel[pixel] = FREE
         search += 1
-        head, tail = -1, 0
-        found = ABSENT
-        while head < tail and found == ABSENT:
-            here = pixel if head < 0 else mate_of_truth[queue[head]]
-            head += 1
-            row, line = here // n_lines, here % n_lines
-            for turn in range(
-                2 * reach.size - 1
-            ):  # nearest columns first: offsets 0, -1, 1, -2, 2 ...
-                offset = (turn + 1) // 2 * (1 - 2 * (turn % 2))
-                if not 0 <= line + offset < n_lines:
-                    continue
-                height = reach[abs(offset)]
-                start = first[line + offset, max(row - height, 0)]
-                stop = first[line + offset, min(row + height + 1, n_rows)]
-                for near in range(start, stop):
-                    if saturated[near] or seen[near] == search:
-                        continue
-                    seen[near] = search
-                    back[near] = here
-                    if mate_of_truth[near] == FREE:
-                        found = near
-                        break
-                    queue[tail] = near
-                    tail += 1
-                if found != ABSENT:
-                    break
-        if found == ABSENT:
-            for i in range(tail):
-                saturated[queue[i]] = 1
-            continue
-        change += 1
-        while found != FREE:
-            here = back[found]
-            left = mate_of_pixel[here]
-            mate_of_pixel[here] = found
-            mate_of_truth[found] = here
-            found = left
+        change += _match_pixel(pixel, search, state)
     return change
+
+
+@njit(cache=True, inline="always")
+def _match_truth(freed, search, state):
+    """Find a new mate for a true pixel that lost its own.
+
+    1 where an augmenting path leads to one, else 0.
+    """
+    state.seen[freed] = search
+    state.back[freed] = FREE
+    state.queue[0] = freed
+    head, tail = 0, 1
+    while head < tail:
+        here = state.queue[head]
+        head += 1
+        free, tail = _free_pixel_near(here, tail, search, state)
+        if free == ABSENT:
+            continue
+        while here != FREE:
+            displaced = state.mate_of_truth[here]
+            state.mate_of_truth[here] = free
+            state.mate_of_pixel[free] = here
+            free = displaced
+            here = state.back[here]
+        return 1
+    for i in range(tail):
+        state.saturated[state.queue[i]] = 0
+    return 0
+
+
+@njit(cache=True, inline="always")
+def _free_pixel_near(here, tail, search, state):
+    """An unmatched predicted pixel in reach of a true one, or `ABSENT`.
+
+    Mates of matched ones join the queue.
+    """
+    n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
+    row, line = state.pixel_of_truth[here] // n_lines, state.pixel_of_truth[here] % n_lines
+    for offset in range(1 - state.reach.size, state.reach.size):
+        if not 0 <= line + offset < n_lines:
+            continue
+        height = state.reach[abs(offset)]
+        for near_row in range(max(row - height, 0), min(row + height, n_rows - 1) + 1):
+            near = near_row * n_lines + line + offset
+            mate = state.mate_of_pixel[near]
+            if mate == FREE:
+                return near, tail
+            if mate != ABSENT and state.seen[mate] != search:
+                state.seen[mate] = search
+                state.back[mate] = here
+                state.queue[tail] = mate
+                tail += 1
+    return ABSENT, tail
+
+
+@njit(cache=True, inline="always")
+def _match_pixel(pixel, search, state):
+    """Find a mate for a predicted pixel that came.
+
+    1 where an augmenting path leads to one, else 0.
+    """
+    here = pixel
+    head = tail = 0
+    while True:
+        free, tail = _free_truth_near(here, tail, search, state)
+        if free != ABSENT:
+            break
+        if head == tail:
+            for i in range(tail):
+                state.saturated[state.queue[i]] = 1
+            return 0
+        here = state.mate_of_truth[state.queue[head]]
+        head += 1
+    while free != FREE:
+        here = state.back[free]
+        left = state.mate_of_pixel[here]
+        state.mate_of_pixel[here] = free
+        state.mate_of_truth[free] = here
+        free = left
+    return 1
+
+
+@njit(cache=True, inline="always")
+def _free_truth_near(here, tail, search, state):
+    """An unmatched true pixel in reach of a predicted one, or `ABSENT`.
+
+    Matched ones join the queue.
+    """
+    n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
+    row, line = here // n_lines, here % n_lines
+    for turn in range(2 * state.reach.size - 1):
+        # Nearest columns first: offsets 0, -1, 1, -2, 2 ...
+        offset = (turn + 1) // 2 * (1 - 2 * (turn % 2))
+        if not 0 <= line + offset < n_lines:
+            continue
+        height = state.reach[abs(offset)]
+        start = state.first[line + offset, max(row - height, 0)]
+        stop = state.first[line + offset, min(row + height + 1, n_rows)]
+        for near in range(start, stop):
+            if state.saturated[near] or state.seen[near] == search:
+                continue
+            state.seen[near] = search
+            state.back[near] = here
+            if state.mate_of_truth[near] == FREE:
+                return near, tail
+            state.queue[tail] = near
+            tail += 1
+    return ABSENT, tail

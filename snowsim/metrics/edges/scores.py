@@ -7,30 +7,16 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 
 
 def stack_counts(counts):
-    """Counts of the images of a set as a dict of arrays (image, threshold); what is stacked already is passed through.
+    """Counts of the images of a set as a dict of arrays (image, threshold).
+
+    What is stacked already is passed through.
 
     `counts` is of every image what `match_counts` gives. Refused: no image, missing counts, unlike
     lengths, and matched pixels that outnumber the pixels.
     """
-    if isinstance(counts, dict):
-        missing = [name for name in COUNTS if np.ndim(counts.get(name)) != 2]
-        if missing:
-            msg = f"counts of a set must be a list of dicts or hold arrays (image, threshold), {missing[0]} is neither"
-            raise ValueError(msg)
-        stacked = {name: np.asarray(counts[name]) for name in COUNTS}
-    else:
-        counts = list(counts)
-        missing = [
-            (i, name) for i, image in enumerate(counts) for name in COUNTS if name not in image
-        ]
-        if missing:
-            msg = f"counts of every image must hold {', '.join(COUNTS)}: image {missing[0][0]} has no {missing[0][1]}"
-            raise ValueError(msg)
-        shapes = {np.shape(image[name]) for image in counts for name in COUNTS}
-        if len(shapes) > 1 or not all(len(shape) == 1 for shape in shapes):
-            msg = f"counts of all images must be (threshold,) and of one length, got shapes {sorted(shapes)}"
-            raise ValueError(msg)
-        stacked = {name: np.array([image[name] for image in counts]) for name in COUNTS}
+    stacked = (
+        _arrays_of_set(counts) if isinstance(counts, dict) else _arrays_of_images(list(counts))
+    )
     if stacked["n_truth"].size == 0:
         msg = "counts of at least one image at one threshold are needed, got none"
         raise ValueError(msg)
@@ -38,9 +24,34 @@ def stack_counts(counts):
         wrong = (stacked[matched] < 0) | (stacked[matched] > stacked[n])
         if wrong.any():
             image, threshold = np.argwhere(wrong)[0]
-            msg = f"{matched} must lie between 0 and {n}, does not at image {image}, threshold {threshold}"
+            place = f"image {image}, threshold {threshold}"
+            msg = f"{matched} must lie between 0 and {n}, does not at {place}"
             raise ValueError(msg)
     return stacked
+
+
+def _arrays_of_set(counts):
+    for name in COUNTS:
+        if np.ndim(counts.get(name)) != 2:
+            wanted = "a list of dicts or hold arrays (image, threshold)"
+            msg = f"counts of a set must be {wanted}, {name} is neither"
+            raise ValueError(msg)
+    return {name: np.asarray(counts[name]) for name in COUNTS}
+
+
+def _arrays_of_images(counts):
+    for i, image in enumerate(counts):
+        missing = [name for name in COUNTS if name not in image]
+        if missing:
+            wanted = ", ".join(COUNTS)
+            msg = f"counts of every image must hold {wanted}: image {i} has no {missing[0]}"
+            raise ValueError(msg)
+    shapes = {np.shape(image[name]) for image in counts for name in COUNTS}
+    if len(shapes) > 1 or not all(len(shape) == 1 for shape in shapes):
+        got = f"got shapes {sorted(shapes)}"
+        msg = f"counts of all images must be (threshold,) and of one length, {got}"
+        raise ValueError(msg)
+    return {name: np.array([image[name] for image in counts]) for name in COUNTS}
 
 
 def score(counts, thresholds=None):
@@ -68,10 +79,11 @@ def score(counts, thresholds=None):
 
     Notes
     -----
-    ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R = matched_truth / n_truth``, 0 where
-    there is no pixel. At equal F the lowest threshold counts as best. An image without truth, like one of which
-    nothing is found, has F = 0 everywhere: it so puts its false positives at the lowest threshold, the most there are,
-    into OIS (and those of the common threshold into ODS). It is counted in `n_without_truth`.
+    ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R =
+    matched_truth / n_truth``, 0 where there is no pixel. At equal F the lowest threshold counts as
+    best. An image without truth, like one of which nothing is found, has F = 0 everywhere: it so
+    puts its false positives at the lowest threshold, the most there are, into OIS (and those of the
+    common threshold into ODS). It is counted in `n_without_truth`.
 
     AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest
     threshold stays, precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the
@@ -91,16 +103,14 @@ def score(counts, thresholds=None):
     stacked = stack_counts(counts)
     n_thresholds = stacked["n_truth"].shape[1]
     if thresholds is not None and np.shape(thresholds) != (n_thresholds,):
-        msg = (
-            f"thresholds must be {n_thresholds} as in the counts, got shape {np.shape(thresholds)}"
-        )
+        got = f"got shape {np.shape(thresholds)}"
+        msg = f"thresholds must be {n_thresholds} as in the counts, {got}"
         raise ValueError(msg)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
     f = f_measure(*_precision_and_recall(pooled))
     best = np.argmax(f_measure(*_precision_and_recall(stacked)), axis=1)
-    at_own_best = {
-        name: values[np.arange(best.size), best].sum() for name, values in stacked.items()
-    }
+    images = np.arange(best.size)
+    at_own_best = {name: values[images, best].sum() for name, values in stacked.items()}
     ods_index = int(np.argmax(f))
     return {
         "ods": float(f[ods_index]),
@@ -114,7 +124,10 @@ def score(counts, thresholds=None):
 
 
 def precision_recall(counts):
-    """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,); counts as for `score`."""
+    """Precision, recall and F of the pooled counts of a set, dict of ndarray (threshold,).
+
+    Counts as for `score`.
+    """
     pooled = {name: values.sum(axis=0) for name, values in stack_counts(counts).items()}
     precision, recall = _precision_and_recall(pooled)
     return {"precision": precision, "recall": recall, "f": f_measure(precision, recall)}
@@ -128,17 +141,15 @@ def f_measure(precision, recall):
 
 def _average_precision(pooled):
     precision, recall = _precision_and_recall(pooled)
-    recalls, lowest = np.unique(
-        recall, return_index=True
-    )  # and the precision at the lowest threshold of each
+    recalls, lowest = np.unique(recall, return_index=True)
     if recalls.size < 2:
         return 0.0
+    # Of equal recalls, the precision at the lowest threshold.
     interpolated = np.interp(EVERY_HUNDREDTH, recalls, precision[lowest], left=np.nan, right=np.nan)
     return float(np.nansum(interpolated) / 100)
 
 
 def _precision_and_recall(counts):
-    return (
-        counts["matched_prediction"] / np.maximum(counts["n_prediction"], 1),
-        counts["matched_truth"] / np.maximum(counts["n_truth"], 1),
-    )
+    precision = counts["matched_prediction"] / np.maximum(counts["n_prediction"], 1)
+    recall = counts["matched_truth"] / np.maximum(counts["n_truth"], 1)
+    return precision, recall

@@ -11,19 +11,24 @@ MARGIN = 1.01  # an edge survives neighbours up to this factor stronger
 
 
 def check_prediction(prediction, where):
-    """Edge map as float64 (range_bin, range_line); ValueError, naming `where`, unless it lies in [0, 1]."""
+    """Edge map as float64 (range_bin, range_line).
+
+    ValueError, naming `where`, unless it lies in [0, 1].
+    """
     prediction = np.asarray(prediction)
     if prediction.ndim != 2 or prediction.size == 0:
-        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, got shape {prediction.shape}"
+        got = f"got shape {prediction.shape}"
+        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, {got}"
         raise ValueError(msg)
     if prediction.dtype.kind not in "fiub":
         msg = f"{where}: prediction must hold real numbers, got {prediction.dtype}"
         raise ValueError(msg)
     prediction = prediction.astype(np.float64)
-    if not (prediction.min() >= 0 and prediction.max() <= 1):  # NaN fails both
-        row, line = np.argwhere(~((prediction >= 0) & (prediction <= 1)))[0]
-        value = prediction[row, line]
-        msg = f"{where}: prediction must lie in [0, 1], got {value:g} at range_bin {row}, range_line {line}"
+    inside = (prediction >= 0) & (prediction <= 1)  # NaN fails both
+    if not inside.all():
+        row, line = np.argwhere(~inside)[0]
+        found = f"{prediction[row, line]:g} at range_bin {row}, range_line {line}"
+        msg = f"{where}: prediction must lie in [0, 1], got {found}"
         raise ValueError(msg)
     return prediction
 
@@ -51,12 +56,13 @@ def suppress(prediction, *, where="image"):
 
     Notes
     -----
-    The practice of HED (Xie & Tu 2015, ICCV), from the structured edge detector of Dollar & Zitnick (2015), IEEE
-    TPAMI 37. ``E`` is the map under a triangle filter of radius 1, ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)``
-    the orientation of its ridges from second differences after a further triangle filter of radius 4; a pixel falls
-    where ``1.01 E`` is less than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``. As ``sign(0) =
-    0``, a ridge that lies exactly in one range bin over a dozen range lines gets ``O = 0`` and is not suppressed there;
-    it is left to the thinning. Kept, so that scores compare with published ones.
+    The practice of HED (Xie & Tu 2015, ICCV), from the structured edge detector of
+    Dollar & Zitnick (2015), IEEE TPAMI 37. ``E`` is the map under a triangle filter of radius 1,
+    ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` the orientation of its ridges from second
+    differences after a further triangle filter of radius 4; a pixel falls where ``1.01 E`` is less
+    than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``. As ``sign(0) = 0``,
+    a ridge that lies exactly in one range bin over a dozen range lines gets ``O = 0`` and is not
+    suppressed there; it is left to the thinning. Kept, so that scores compare with published ones.
 
     Examples
     --------
@@ -64,37 +70,40 @@ def suppress(prediction, *, where="image"):
 
     >>> from_ridge = np.arange(40)[:, None] - 10 - 0.3 * np.arange(60)
     >>> ridge = np.exp(-((from_ridge / 2) ** 2))
-    >>> [round(float((edges[:, 10:50] > 0.2).sum(axis=0).mean())) for edges in (ridge, suppress(ridge))]
+    >>> n_bins = [(edges[:, 10:50] > 0.2).sum(axis=0) for edges in (ridge, suppress(ridge))]
+    >>> [round(float(n.mean())) for n in n_bins]
     [5, 1]
     """
     smoothed = triangle_filter(check_prediction(prediction, where), SMOOTHING_RADIUS)
     edges = _keep_maxima(smoothed, orientation(smoothed))
-    for axis, length in enumerate(edges.shape):
-        fade = _border_fade(length)
-        edges *= fade[:, None] if axis == 0 else fade
+    n_rows, n_lines = edges.shape
+    edges *= _border_fade(n_rows)[:, None]
+    edges *= _border_fade(n_lines)
     return edges
 
 
 def triangle_filter(image, radius):
-    """Image under a separable triangle filter of unit sum, its border mirrored with the edge pixel repeated."""
-    weights = (
-        np.concatenate([np.arange(1, radius + 2), np.arange(radius, 0, -1)]) / (radius + 1) ** 2
-    )
-    return correlate1d(
-        correlate1d(image, weights, axis=0, mode="reflect"), weights, axis=1, mode="reflect"
-    )
+    """Image under a separable triangle filter of unit sum, mirrored at its border."""
+    steps = np.arange(-radius, radius + 1)
+    weights = (radius + 1 - np.abs(steps)) / (radius + 1) ** 2
+    by_bin = correlate1d(image, weights, axis=0, mode="reflect")
+    return correlate1d(by_bin, weights, axis=1, mode="reflect")
 
 
 def orientation(smoothed):
-    """Direction across the ridges of a smoothed map, (range_bin, range_line) [rad, 0 to pi, 0 along range lines]."""
+    """Direction across the ridges of a smoothed map [rad, 0 to pi, 0 along range lines]."""
     slope_bin, slope_line = _gradient(triangle_filter(smoothed, ORIENTATION_RADIUS))
     line_line = _gradient(slope_line)[1]
     bin_bin, bin_line = _gradient(slope_bin)
-    return np.mod(np.arctan(bin_bin * np.sign(-bin_line) / (line_line + 1e-5)), np.pi)
+    tangent = bin_bin * np.sign(-bin_line) / (line_line + 1e-5)
+    return np.mod(np.arctan(tangent), np.pi)
 
 
 def _gradient(image):
-    """Central differences along both axes, one-sided at the border; 0 along an axis of one pixel."""
+    """Central differences along both axes, one-sided at the border.
+
+    0 along an axis of one pixel.
+    """
     return [
         np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image)
         for axis, length in enumerate(image.shape)
@@ -104,11 +113,10 @@ def _gradient(image):
 def _border_fade(length):
     """Factor of every row or column: k / 5 for the k-th from either border."""
     width = min(BORDER, length // 2)
-    fade = np.ones(length)
-    if width:
-        fade[:width] *= np.arange(width) / width
-        fade[length - width :] *= np.arange(width)[::-1] / width
-    return fade
+    if width == 0:
+        return np.ones(length)
+    steps = np.minimum(np.arange(length), np.arange(length)[::-1])
+    return np.minimum(steps / width, 1)
 
 
 @njit(cache=True)
@@ -121,21 +129,29 @@ def _keep_maxima(smoothed, direction):
             value = smoothed[row, line]
             if value == 0:
                 continue
-            along_line, along_row = np.cos(direction[row, line]), np.sin(direction[row, line])
-            maximum = True
-            for side in (-1, 1):
-                # Just inside the last pixel, so that the four neighbours exist.
-                y = min(max(row + side * along_row, 0.0), max(n_rows - 1.001, 0.0))
-                x = min(max(line + side * along_line, 0.0), max(n_lines - 1.001, 0.0))
-                top, left = int(y), int(x)
-                bottom, right = min(top + 1, n_rows - 1), min(left + 1, n_lines - 1)
-                dy, dx = y - top, x - left
-                neighbour = (1 - dy) * (
-                    (1 - dx) * smoothed[top, left] + dx * smoothed[top, right]
-                ) + dy * ((1 - dx) * smoothed[bottom, left] + dx * smoothed[bottom, right])
-                if value * MARGIN < neighbour:
-                    maximum = False
-                    break
-            if maximum:
-                kept[row, line] = value
+            along_line = np.cos(direction[row, line])
+            along_row = np.sin(direction[row, line])
+            strongest = value * MARGIN
+            if strongest < _between_pixels(smoothed, row - along_row, line - along_line):
+                continue
+            if strongest < _between_pixels(smoothed, row + along_row, line + along_line):
+                continue
+            kept[row, line] = value
     return kept
+
+
+@njit(cache=True)
+def _between_pixels(image, y, x):
+    """Bilinear value of an image at row y and column x, inside the last pixel of each."""
+    n_rows, n_lines = image.shape
+    y = min(max(y, 0.0), max(n_rows - 1.001, 0.0))
+    x = min(max(x, 0.0), max(n_lines - 1.001, 0.0))
+    top = int(y)
+    left = int(x)
+    bottom = min(top + 1, n_rows - 1)
+    right = min(left + 1, n_lines - 1)
+    dy = y - top
+    dx = x - left
+    above = (1 - dx) * image[top, left] + dx * image[top, right]
+    below = (1 - dx) * image[bottom, left] + dx * image[bottom, right]
+    return (1 - dy) * above + dy * below

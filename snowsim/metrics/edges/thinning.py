@@ -1,4 +1,4 @@
-"""Thinning of binary maps to one-pixel lines by look-up table, visiting only pixels whose surroundings changed."""
+"""Thinning of binary maps by look-up table, visiting only pixels whose surroundings changed."""
 
 import numpy as np
 from numba import njit
@@ -9,16 +9,23 @@ NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 
 
 
 def _deletable():
-    """For both half-steps and every code, whether a pixel falls, bool (2, 256): conditions G1-G3 of the method."""
-    on = (np.arange(256)[:, None] >> np.arange(8)) & 1 == 1
-    x1, x2, x3, x4, x5, x6, x7, x8 = on.T
-    corners = [(x1, x2, x3), (x3, x4, x5), (x5, x6, x7), (x7, x8, x1)]
-    crossings = sum((~a & (b | c)).astype(int) for a, b, c in corners)
-    ahead = sum((a | b).astype(int) for a, b in [(x1, x2), (x3, x4), (x5, x6), (x7, x8)])
-    behind = sum((a | b).astype(int) for a, b in [(x2, x3), (x4, x5), (x6, x7), (x8, x1)])
+    """For both half-steps and every code, whether a pixel falls, bool (2, 256).
+
+    Conditions G1-G3 of the method.
+    """
+    on = (np.arange(256) >> np.arange(8)[:, None]) & 1 == 1
+    x1, x2, x3, x4, x5, x6, x7, x8 = on
+    sides = on[::2]  # x1, x3, x5, x7, each followed by a corner
+    corners = on[1::2]
+    next_sides = np.roll(sides, -1, axis=0)
+    crossings = np.sum(~sides & (corners | next_sides), axis=0)
+    ahead = np.sum(sides | corners, axis=0)
+    behind = np.sum(corners | next_sides, axis=0)
     fewest = np.minimum(ahead, behind)
     common = (crossings == 1) & (fewest >= 2) & (fewest <= 3)
-    return np.stack([common & ~((x2 | x3 | ~x8) & x1), common & ~((x6 | x7 | ~x4) & x5)])
+    first = ~((x2 | x3 | ~x8) & x1)
+    second = ~((x6 | x7 | ~x4) & x5)
+    return common & np.stack([first, second])
 
 
 DELETABLE = _deletable()
@@ -48,7 +55,10 @@ def thin(mask, *, early=False):
 
 
 def check_thin(thin, where):
-    """Whether thinning stops early; ValueError, naming `where`, unless `thin` is True, False or "full"."""
+    """Whether thinning stops early.
+
+    ValueError, naming `where`, unless `thin` is True, False or "full".
+    """
     if isinstance(thin, bool | np.bool_):
         return True
     if not (isinstance(thin, str) and thin == "full"):
@@ -68,12 +78,13 @@ def switch_on(pixels, on, codes, steps):
 
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
-    """Thin a flattened, framed map whose pixels that are on are listed; `on` and `codes` change in place."""
-    queues = np.empty(
-        (2, pixels.size), dtype=pixels.dtype
-    )  # by half-step: pixels to look at (again)
+    """Thin a flattened, framed map whose pixels that are on are listed.
+
+    `on` and `codes` change in place.
+    """
+    queues = np.empty((2, pixels.size), dtype=pixels.dtype)  # by half-step: to look at (again)
+    queues[:] = pixels
     lengths = np.array([pixels.size, pixels.size])
-    queues[0], queues[1] = pixels, pixels
     queued = on * np.uint8(3)
     falling = np.empty(pixels.size, dtype=pixels.dtype)
     half = 0

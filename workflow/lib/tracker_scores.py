@@ -1,0 +1,71 @@
+"""Edge counts of a trained tracker on a set of scenes, and picks from its fused output."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import torch
+
+from lib.score_tables import counts_by_image
+from snowsim.io.models import read_model
+from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
+from snowsim.metrics.pick_tables import layer_rows
+from snowsim.metrics.picks import pick_layers
+from snowsim.tracker import OUTPUTS, Settings, track, trained_network
+
+
+@dataclass(frozen=True)
+class Tracker:
+    """A trained network and the settings it was trained with."""
+
+    network: torch.nn.Module
+    settings: Settings
+
+    def track(self, image):
+        """Probabilities of a layer, `snowsim.tracker.track`, in the precision of the training."""
+        return track(self.network, image, precision=self.settings.precision)
+
+
+def read_tracker(path, device="cpu"):
+    """The `Tracker` of a file of weights."""
+    weights, metadata = read_model(path, {"kind": "tracker"})
+    settings = Settings(**metadata["settings"])
+    return Tracker(trained_network(weights, settings, device=device), settings)
+
+
+def count_edges(tracker, scenes, outputs=OUTPUTS):
+    """Edge counts of some outputs, and the suppressed edge maps of the fused one, a scene each.
+
+    Counts have columns `scene, output, threshold` and those of `match_counts`.
+    """
+    tables = []
+    fused = []
+    for scene in scenes:
+        probabilities = dict(zip(OUTPUTS, tracker.track(scene.image), strict=True))
+        for output in outputs:
+            edges = suppress(probabilities[output], where=scene.name)
+            counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
+            keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
+            tables.append(pd.DataFrame(keys | counts))
+            if output == "fuse":
+                fused.append(edges.astype(np.float32))
+    return pd.concat(tables), fused
+
+
+def pick_scenes(scenes, edges, counts):
+    """Rows of every layer of every scene, `layer_rows`, at the threshold of the best F of the set.
+
+    `edges` and `counts` are those of `count_edges`. Further columns: `scene`,
+    `first_thickness_bins`, mean thickness of its first slab, and `threshold`.
+    """
+    of_fused = counts_by_image(counts[counts["output"] == "fuse"])
+    threshold = score(of_fused, THRESHOLDS)["ods_threshold"]
+    tables = []
+    for scene, suppressed in zip(scenes, edges, strict=True):
+        picks = pick_layers(suppressed, threshold=threshold, where=scene.name)
+        first_slab = np.diff(scene.layer_bins[:2], axis=0)
+        thickness = float(np.nanmean(first_slab)) if np.isfinite(first_slab).any() else np.nan
+        rows = layer_rows(picks, scene.layer_bins)
+        rows = rows.assign(scene=scene.name, first_thickness_bins=thickness, threshold=threshold)
+        tables.append(rows)
+    return pd.concat(tables)
