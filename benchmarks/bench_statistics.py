@@ -89,7 +89,6 @@ def test_memory_of_the_fit(capsys):
     per_line = (peaks[3] - peaks[1]) * 2**20 / (2 * N_LINES)
     with capsys.disabled():
         text = ", ".join(f"{n * N_LINES} lines {peak:.0f} MiB" for n, peak in peaks.items())
-        print(
-            f"\npeak of NumPy's memory in sums and fit: {text}; {per_line:.0f} bytes a further line"
-        )  # noqa: T201
+        line = f"{text}; {per_line:.0f} bytes a further line"
+        print(f"\npeak of NumPy's memory in sums and fit: {line}")  # noqa: T201
     assert per_line * 200_000 < 1.5 * 2**30

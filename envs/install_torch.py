@@ -1,4 +1,4 @@
-"""Install torch: the CPU build where an index for it is named, the build with GPU support where none is.
+"""Install torch: the CPU build from an index that is named, else the build with GPU support.
 
 Usage: install_torch.py VERSION [INDEX]. Part of setting up: runs before anything but pip is
 installed.
@@ -12,7 +12,7 @@ PIP = [sys.executable, "-m", "pip"]
 
 
 def answers(index):
-    """Whether an index answers within a few seconds; pip itself would wait much longer, once a package."""
+    """Whether an index answers within a few seconds; pip would wait much longer, for each package."""
     try:
         urllib.request.urlopen(f"{index}/torch/", timeout=5).close()
     except OSError:

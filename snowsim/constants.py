@@ -1,4 +1,4 @@
-"""Physical constants in SI units, the radar's fixed figures, each with its source, and names that stages share."""
+"""Physical constants in SI units and the radar's fixed figures, with sources; shared names."""
 
 SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI definition of the metre
 ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 4th ed.

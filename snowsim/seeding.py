@@ -6,7 +6,7 @@ import numpy as np
 
 
 def seed_entropy(seed, *keys):
-    """128 bits that depend on `seed` and on every key, on their order, and on nothing else, as an int.
+    """128 bits, as an int, that depend on `seed`, every key and their order, and on nothing else.
 
     Keys are compared by their text: ``1`` and ``"1"`` name the same stream.
     """
@@ -15,7 +15,7 @@ def seed_entropy(seed, *keys):
 
 
 def random_stream(seed, *keys):
-    """numpy.random.Generator for one purpose, named by keys (str or int, most general first), of a run's seed (int).
+    """numpy.random.Generator for one purpose of a run, named by keys, most general first.
 
     ``random_stream(seed, "render_phy", scene)``: PCG64 seeded by `seed_entropy`; streams are
     independent, whatever the order and division of work.

@@ -82,7 +82,7 @@ def plain_variances(psd, trend_variance, n_long):
 
 
 def _rise_of_waves(n_lines, n_long):
-    """Mean square rise over a block of lines fitted to waves of unit variance, (long wavenumber,)."""
+    """Mean square rise over a block of lines fitted to unit waves, (long wavenumber,)."""
     line = np.arange(n_lines) - (n_lines - 1) / 2
     wavenumber = np.arange(1, n_long // 2 + 1) / n_long
     turn = np.exp(2j * np.pi * np.outer(wavenumber, line))

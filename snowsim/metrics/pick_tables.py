@@ -123,13 +123,3 @@ def errors_of_sums(sums, bin_size_m):
 def snow_per_bin_m(bin_size_s, density_kg_m3):
     """Thickness of snow [m] that one range bin spans, there and back, ``c t / (2 n)``."""
     return SPEED_OF_LIGHT_M_S * bin_size_s / (2 * (1 + KOVACS_M3_KG * density_kg_m3))
-
-
-def zone_of(first_thickness_bins, zone_edge_bins):
-    """Accumulation zone, 0 to 3, of thicknesses of the first slab [range bins]; -1 for NaN.
-
-    Zones are the flight's quartiles; thicknesses beyond them fall in the outermost ones.
-    """
-    thickness = np.asarray(first_thickness_bins, dtype=float)
-    zone = np.searchsorted(np.asarray(zone_edge_bins)[1:-1], thickness, side="right")
-    return np.where(np.isnan(thickness), -1, zone)

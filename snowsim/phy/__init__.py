@@ -1,4 +1,4 @@
-"""PHY, the physics-driven renderer: layers to echograms, exact where it must be and cheap where it may be."""
+"""PHY, the physics-driven renderer: layers to echograms, as exact as asked for."""
 
 from snowsim.phy.plan import Plan, plan
 from snowsim.phy.power import mean_power

@@ -56,9 +56,11 @@ def mean_power(
         If a power is negative or not finite, a variance, rate or tolerance not positive, a shape
         wrong, layers cross.
 
-    Notes ----- ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``,
-    convolved continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is
-    kept: `snowsim.phy.tables`.
+    Notes
+    -----
+    ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved
+    continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept:
+    `snowsim.phy.tables`.
 
     Examples
     --------

@@ -42,8 +42,10 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         correlation, or if no process of Gamma(M) has the correlation: the nearest one differs by
         more than 0.05.
 
-    Notes ----- A look of a pixel is exponential about its mean, being the squared modulus of a
-    circular Gaussian; signal plus noise is circular Gaussian too, so one draw replaces both.
+    Notes
+    -----
+    A look of a pixel is exponential about its mean, being the squared modulus of a circular
+    Gaussian; signal plus noise is circular Gaussian too, so one draw replaces both.
 
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
     - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.

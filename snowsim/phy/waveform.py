@@ -19,11 +19,13 @@ def waveform_exact(x_bins, variance_bins2, decay_rate):
     [bins^2] convolved with a one-sided exponential of rate `decay_rate` [per bin]; zero where it
     underflows. Values that are not finite, or outside `SAFE_RANGE`, are refused.
 
-    Notes ----- Yari et al. (2021), eq. (1): ``w(x) = exp(-x^2 / 2d) (*) u(x) exp(-a x) = sqrt(pi d
-    / 2) exp(a^2 d / 2 - a x) erfc(z)`` with ``z = (a d - x) / sqrt(2 d)``, the exponentially
-    modified Gaussian. As written the exponential overflows; for z >= 0 it is instead ``sqrt(pi d /
-    2) exp(-x^2 / 2d) erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. The
-    relative error of both is below 5e-13.
+    Notes
+    -----
+    Yari et al. (2021), eq. (1): ``w(x) = exp(-x^2 / 2d) (*) u(x) exp(-a x) = sqrt(pi d / 2) exp(a^2
+    d / 2 - a x) erfc(z)`` with ``z = (a d - x) / sqrt(2 d)``, the exponentially modified Gaussian.
+    As written the exponential overflows; for z >= 0 it is instead ``sqrt(pi d / 2) exp(-x^2 / 2d)
+    erfcx(z)``, and for z < 0 the exponent is below ``-a^2 d / 2`` already. The relative error of
+    both is below 5e-13.
     """
     x_bins = np.asarray(x_bins, dtype=float)
     variance_bins2 = _checked("variance_bins2", variance_bins2)

@@ -5,6 +5,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 import xarray as xr
 
+from snowsim.echogram import zone_of
 from snowsim.statistics.blocks import (
     BAND_EDGES,
     BLOCK_LINES,
@@ -136,20 +137,11 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
     }
 
 
-def zone_of(first_thickness_bins, zone_edge_bins):
-    """Zone of a mean first-slab thickness, 0 the shallowest.
-
-    Beyond the outer edges lie the outer zones.
-    """
-    return np.searchsorted(zone_edge_bins[1:-1], first_thickness_bins, side="right")
-
-
 def place_blocks(thickness, zone_edge_bins):
     """Block means (block, slab), thickness of slab 0, zone (block,); NaN, -1 where unknown."""
     mean = block_means(thickness)
     level, _ = block_levels(mean)
-    zone = zone_of(level, zone_edge_bins)
-    return mean, level, np.where(np.isfinite(level), zone, -1)
+    return mean, level, zone_of(level, zone_edge_bins)
 
 
 def as_variables(zones):

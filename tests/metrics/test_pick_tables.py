@@ -4,7 +4,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.metrics.pick_tables import layer_rows, pool_picks, snow_per_bin_m, zone_of
+from snowsim.echogram import zone_of
+from snowsim.metrics.pick_tables import layer_rows, pool_picks, snow_per_bin_m
 
 
 def pooled(picks, layer_bins):

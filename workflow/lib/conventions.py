@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Convention:
-    """How statistics are estimated, and how eq. (1) reads them: options of `fit`, `mean_power` and `Dress`."""
+    """How statistics are estimated, and how eq. (1) reads them."""
 
     estimator: str
     normalise: str

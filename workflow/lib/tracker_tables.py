@@ -7,9 +7,10 @@ import numpy as np
 import pandas as pd
 
 from lib.score_tables import tracker_intervals
+from snowsim.echogram import zone_of
 from snowsim.metrics.comparison import compare, holm
 from snowsim.metrics.edges import precision_recall
-from snowsim.metrics.pick_tables import ZONES, pool_picks, zone_of
+from snowsim.metrics.pick_tables import ZONES, pool_picks
 from snowsim.seeding import random_stream
 
 RUN = ["training_set", "replica"]

@@ -1,8 +1,6 @@
-# Nothing on the way from flight to Table III depends on this file, but for the model of compare_label_models where
-# labels.n_zones or labels.psd ask for another than the paper's.
+# Nothing on the way from flight to Table III depends on this file.
 
-# Numbers of zones to select from; the schema allows no others.
-ZONE_COUNTS = [1, 2, 3, 4, 6, 8]
+from lib.conventions import Convention
 
 
 rule compare_label_models:
@@ -11,7 +9,6 @@ rule compare_label_models:
         statistics="results/statistics.nc",
         code=imported_by("compare_label_models.py"),
     output:
-        model="results/label_model.nc",
         selection="results/tables/model_selection.csv",
         scenes="results/tables/model_selection_scenes.csv",
         spectra="results/tables/model_selection_spectra.csv",
@@ -24,9 +21,7 @@ rule compare_label_models:
         mem_mb=1500,
     params:
         seed=config["seed"],
-        n_zones=config["labels"]["n_zones"],
-        psd=config["labels"]["psd"],
-        zone_counts=ZONE_COUNTS,
+        zone_counts=[1, 2, 3, 4, 6, 8],
         n_range_lines=config["labels"]["n_range_lines"],
         n_scenes=min(300, config["labels"]["n_scenes"]),
     message:
@@ -115,16 +110,22 @@ LOOP_STRIDE = 2
 LOOP_TRIED = min(200, N_SCENES["labels"])
 LOOP_SHARDS = first_shards(LOOP_TRIED)
 ESTIMATOR = config["statistics"]["estimator"]
-PHY = config["phy"]
-LOOP_DEFAULT = f"{ESTIMATOR}_{PHY['normalise']}_{PHY['align']}_{PHY['width']}"
+LOOP_DEFAULT = Convention(
+    estimator=ESTIMATOR,
+    normalise=config["phy"]["normalise"],
+    align=config["phy"]["align"],
+    width=config["phy"]["width"],
+)
 CONVENTIONS = [
-    "deblended_peak_peak_fitted",
-    "deblended_none_peak_fitted",
-    "deblended_peak_gaussian_fitted",
-    "deblended_peak_peak_paper",
-    "paper_none_gaussian_paper",  # as printed, estimates and all
+    LOOP_DEFAULT,
+    Convention("deblended", normalise="peak", align="peak", width="fitted"),
+    Convention("deblended", normalise="none", align="peak", width="fitted"),
+    Convention("deblended", normalise="peak", align="gaussian", width="fitted"),
+    Convention("deblended", normalise="peak", align="peak", width="paper"),
+    # As printed, estimates and all.
+    Convention("paper", normalise="none", align="gaussian", width="paper"),
 ]
-TRIED = [LOOP_DEFAULT, *[c for c in CONVENTIONS if c != LOOP_DEFAULT]]
+TRIED = {convention.name: convention for convention in CONVENTIONS}
 # The flight's statistics by every estimator.
 STATISTICS = {
     "deblended": "results/closed_loop/flight_deblended.nc",
@@ -163,7 +164,7 @@ rule render_closed_loop:
     benchmark:
         "results/benchmarks/render_closed_loop/{shard}.tsv"
     params:
-        convention=LOOP_DEFAULT,
+        convention=vars(LOOP_DEFAULT),
         seed=config["seed"],
         phy=config["phy"],
         first=lambda wildcards: shard_range("labels", wildcards.shard)[0],
@@ -174,20 +175,20 @@ rule render_closed_loop:
         "../scripts/render_closed_loop.py"
 
 
-rule try_conventions:
+rule try_convention:
     input:
         layers=expand("results/labels/{shard}.nc", shard=LOOP_SHARDS),
-        statistics=lambda w: [STATISTICS[w.convention.split("_")[0]]],
-        code=imported_by("try_conventions.py"),
+        statistics=lambda w: STATISTICS[TRIED[w.convention].estimator],
+        code=imported_by("try_convention.py"),
     output:
-        recovered=["results/closed_loop/{convention}_first.nc"],
-        tables=["results/closed_loop/{convention}_first.csv"],
+        recovered="results/closed_loop/{convention}_first.nc",
+        table="results/closed_loop/{convention}_first.csv",
     log:
-        "logs/try_conventions/{convention}.log",
+        "logs/try_convention/{convention}.log",
     benchmark:
-        "results/benchmarks/try_conventions/{convention}.tsv"
+        "results/benchmarks/try_convention/{convention}.tsv"
     params:
-        conventions=lambda w: [w.convention],
+        convention=lambda w: vars(TRIED[w.convention]),
         seed=config["seed"],
         phy=config["phy"],
         n_scenes=LOOP_TRIED,
@@ -196,21 +197,19 @@ rule try_conventions:
     message:
         "statistics of renders by {wildcards.convention}"
     script:
-        "../scripts/try_conventions.py"
+        "../scripts/try_convention.py"
 
 
 rule tabulate_closed_loop:
     input:
         summaries=expand("results/closed_loop/parts/{shard}.nc", shard=shards("labels")),
         statistics="results/statistics.nc",
-        tried_tables=expand(rules.try_conventions.output.tables, convention=TRIED),
-        tried_statistics=expand(
-            rules.try_conventions.output.recovered, convention=TRIED
-        ),
+        tried_tables=expand(rules.try_convention.output.table, convention=TRIED),
+        tried_statistics=expand(rules.try_convention.output.recovered, convention=TRIED),
         code=imported_by("tabulate_closed_loop.py"),
     output:
-        recovered=f"results/closed_loop/{LOOP_DEFAULT}_all.nc",
-        errors=f"results/closed_loop/{LOOP_DEFAULT}_all.csv",
+        recovered=f"results/closed_loop/{LOOP_DEFAULT.name}_all.nc",
+        errors=f"results/closed_loop/{LOOP_DEFAULT.name}_all.csv",
         table="results/tables/closed_loop.csv",
         summary="results/tables/closed_loop_summary.csv",
         conventions="results/tables/closed_loop_conventions.csv",
@@ -221,7 +220,7 @@ rule tabulate_closed_loop:
     resources:
         mem_mb=2000,
     params:
-        tried=TRIED,
+        tried=[vars(convention) for convention in TRIED.values()],
         varies=config["labels"]["radiometry"] == "measured",
     message:
         "statistics of renders of all label sets, tables of the closed loop"
@@ -243,7 +242,6 @@ rule tabulate_validation:
     input:
         summaries=SUMMARIES,
         statistics="results/statistics.nc",
-        zones=LABEL_STATISTICS,
         rendered=rules.tabulate_closed_loop.output.recovered,
         label_layers="results/tables/label_layers.csv",
         label_histograms="results/tables/label_histograms.csv",

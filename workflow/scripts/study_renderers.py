@@ -11,7 +11,7 @@ from lib.diagnostics.renderers import position_rows, render_all, worth
 from lib.scope import outside
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.labels import draw_scene, prepare
+from snowsim.labels import Dress, draw_scene, dress, prepare
 from snowsim.phy import render_scene
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings
@@ -19,13 +19,15 @@ from snowsim.tracker import Settings
 
 def all_renderers(flight, phy, cgan, l1, *, seed):
     """Functions from a scene to its image, by name; `cgan` and `l1` as `scene_renderer` gives."""
+    choices, options = Dress.split(phy)
 
     def by_phy(scene):
         rng = random_stream(seed, "render_phy", scene.name)
-        return render_scene(scene, flight, **phy, rng=rng).image
+        return render_scene(scene, rng=rng, **options).image
 
     def by_constant_phy(scene):
-        return by_phy(dataclasses.replace(scene, peak_power=None, complete_layer_bins=None))
+        echoes = dress(scene.layer_bins, flight, choices)
+        return by_phy(dataclasses.replace(scene, echoes=echoes))
 
     def by_network(render, scene):
         return render(scene, random_stream(seed, "render_cgan", scene.name))
@@ -39,9 +41,29 @@ def all_renderers(flight, phy, cgan, l1, *, seed):
 
 
 def compare(
-    train, validation, labels, statistics, label_model, cgan, l1, costs, positions,
-    *, seed, device, phy, n_range_lines, n_layers, drawn, n_drawn, n_trainings, tracker, two_sample,
-):  # fmt: skip
+    train,
+    validation,
+    labels,
+    statistics,
+    cgan,
+    l1,
+    costs,
+    positions,
+    *,
+    seed,
+    device,
+    phy,
+    n_range_lines,
+    n_layers,
+    first_slab,
+    surface,
+    correlation,
+    radiometry,
+    n_drawn,
+    n_trainings,
+    tracker,
+    two_sample,
+):
     flight = read_dataset(statistics)
     render_by_cgan, scope = scene_renderer(cgan, flight, device)
     render_by_l1, _ = scene_renderer(l1, flight, device)
@@ -50,7 +72,16 @@ def compare(
         observed = list(scenes)
         validated = list(held)
         label_sets = list(sets)
-    model = prepare(read_dataset(label_model), n_range_lines, n_layers=tuple(n_layers), **drawn)
+    model = prepare(
+        flight,
+        n_range_lines,
+        n_layers=tuple(n_layers),
+        first_slab=first_slab,
+        surface=surface,
+        correlation=correlation,
+        radiometry=radiometry,
+        dress=Dress.split(phy)[0],
+    )
     uniform = []
     for number in range(n_drawn):
         name = f"uniform_{number:04d}"

@@ -4,8 +4,9 @@ from job import run
 
 from lib import tracker_tables
 from lib.score_tables import counts_of_runs, tracker_intervals, tracker_table
+from snowsim.echogram import zone_of
 from snowsim.io.files import read_dataset, read_table, write_table
-from snowsim.metrics.pick_tables import pool_picks, snow_per_bin_m, zone_of
+from snowsim.metrics.pick_tables import pool_picks, snow_per_bin_m
 from snowsim.seeding import random_stream
 
 

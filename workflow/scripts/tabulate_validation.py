@@ -10,13 +10,24 @@ from snowsim.statistics import merge, summary_from_dataset
 
 
 def tabulate_validation(
-    summaries, statistics, zones, rendered, label_layers, label_histograms,
-    thickness, tests, distributions, superposition, tracked_power, independence, *, seed,
-):  # fmt: skip
+    summaries,
+    statistics,
+    rendered,
+    label_layers,
+    label_histograms,
+    thickness,
+    tests,
+    distributions,
+    superposition,
+    tracked_power,
+    independence,
+    *,
+    seed,
+):
     summary = merge(summary_from_dataset(read_dataset(path)) for path in summaries)
     flight = read_dataset(statistics)
     labels = [read_table(label_layers), read_table(label_histograms)]
-    edges = read_dataset(zones)["zone_edge_bins"].values
+    edges = flight["zone_edge_bins"].values
     rng = random_stream(seed, "tabulate_validation")
     tables = validation.validate(summary, flight, read_dataset(rendered), labels, edges, rng=rng)
     write_table(thickness, tables["thickness"])

@@ -13,7 +13,7 @@ from lib.diagnostics.statistics_atlas import (
     with_gaps,
 )
 from snowsim import labels
-from snowsim.phy import draw_parameters, mean_power
+from snowsim.phy import mean_power
 from snowsim.seeding import random_stream
 from snowsim.statistics import estimate, fit
 
@@ -43,9 +43,9 @@ def test_what_degrades_stays_finite_through_labels_and_renders(borders, rng):
     drawn_from = [fitted for fitted in fits if fitted.attrs["estimator"] == "deblended"]
     for fitted in drawn_from:
         layer_bins = labels.draw(fitted, 32, rng=rng)
-        parameters = draw_parameters(fitted, len(layer_bins), width="fitted", rng=rng)
-        given = [parameters[key] for key in ("peak_power", "variance_bins2", "decay_rate")]
-        power = mean_power(layer_bins, *given, 300, normalise="peak", align="peak")
+        echoes = labels.dress(layer_bins, fitted)
+        shapes = (echoes.variance_bins2, echoes.decay_rate)
+        power = mean_power(echoes.bins, echoes.power, *shapes, 300)
         assert np.isfinite(power).all(), rules_applied(fitted)
         assert power.max() > 0
     held = (atlas["estimator"] == "deblended") & (atlas["outcome"] != "refused")
