@@ -12,7 +12,7 @@ PIP = [sys.executable, "-m", "pip"]
 
 
 def answers(index):
-    """Whether an index answers within a few seconds; pip would wait much longer, for each package."""
+    """Whether an index answers within a few seconds; pip would wait longer, for each package."""
     try:
         urllib.request.urlopen(f"{index}/torch/", timeout=5).close()
     except OSError:
