@@ -58,11 +58,6 @@ def check_config(config):
             f"config: labels.n_layers_min: expected at most labels.n_layers_max = {labels['n_layers_max']}, "
             f"got {labels['n_layers_min']}"
         )
-    chosen = {labels["n_zones"], labels["psd"]} & {"aic", "bic"}
-    if len(chosen) > 1:
-        raise WorkflowError(
-            "config: labels: expected n_zones and psd by one criterion, got aic and bic"
-        )
 
 
 check_config(config)
