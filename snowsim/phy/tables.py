@@ -135,9 +135,8 @@ def find_supports(waveforms, noise_power, error):
     n_phases, table_error = _coarsest_table(variance, decay, slope, SHARE_TABLE * error, kept)
     if table_error > SHARE_TABLE * error:
         return None
-    left_out = SHARE_TRUNCATION * error
-    tail_error = SHARE_TAIL * error
-    total = left_out + table_error + tail_error + _rounding(n_layers, dtype)
+    total = SHARE_TRUNCATION * error + table_error + SHARE_TAIL * error
+    total += _rounding(n_layers, dtype)
     return Supports(kept, first, tail, last, n_phases, np.dtype(dtype), float(total))
 
 

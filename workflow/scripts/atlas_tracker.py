@@ -7,10 +7,10 @@ import pandas as pd
 from job import progress, run
 
 from lib.diagnostics.tracker_studies import level_scene, tracking_atlas, training_atlas
+from lib.phy_renders import render_by_phy
 from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.phy import render_scene
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings
 
@@ -23,7 +23,7 @@ def atlas_tracker(train, scenes, network, statistics, table, *, seed, settings, 
 
     def render_level(n_layers):
         rng = random_stream(seed, "stress_tracker", n_layers)
-        scene = render_scene(level_scene(n_layers), flight, **phy, rng=rng)
+        scene = render_by_phy(level_scene(n_layers), flight, phy, rng=rng)
         return scene.image, scene.mask()
 
     with SceneSet(train) as real, SceneSet(scenes) as held_out:

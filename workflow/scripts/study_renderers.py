@@ -8,26 +8,24 @@ from job import progress, run
 from render_cgan import scene_renderer
 
 from lib.diagnostics.renderers import position_rows, render_all, worth
+from lib.phy_renders import render_by_phy
 from lib.scope import outside
 from snowsim.io.files import read_dataset, write_table
 from snowsim.io.scenes import SceneSet
-from snowsim.labels import Dress, draw_scene, dress, prepare
-from snowsim.phy import render_scene
+from snowsim.labels import Dress, draw_scene, prepare
 from snowsim.seeding import random_stream
 from snowsim.tracker import Settings
 
 
 def all_renderers(flight, phy, cgan, l1, *, seed):
     """Functions from a scene to its image, by name; `cgan` and `l1` as `scene_renderer` gives."""
-    choices, options = Dress.split(phy)
 
     def by_phy(scene):
         rng = random_stream(seed, "render_phy", scene.name)
-        return render_scene(scene, rng=rng, **options).image
+        return render_by_phy(scene, flight, phy, rng=rng).image
 
     def by_constant_phy(scene):
-        echoes = dress(scene.layer_bins, flight, choices)
-        return by_phy(dataclasses.replace(scene, echoes=echoes))
+        return by_phy(dataclasses.replace(scene, echoes=None))
 
     def by_network(render, scene):
         return render(scene, random_stream(seed, "render_cgan", scene.name))
