@@ -26,6 +26,9 @@ def cpu_seconds(work):
     return time.process_time() - start
 
 
+say = sys.stdout.write
+
+
 def merged(name):
     """Numbers of frames, lines and scenes of a configuration over the default."""
     default = yaml.safe_load((CONFIG / "config.yaml").read_text())
@@ -52,7 +55,6 @@ def main():
                 index, split, **shared, n_looks=n_looks, rng=random_stream(1, "scene", split, index)
             )
 
-    say = sys.stdout.write
     draw_frames(1, 256)  # imports, caches
     n_lines = config["flight"]["n_range_lines"]
     say("frames       CPU s   per frame\n")
@@ -70,11 +72,15 @@ def main():
         seconds = cpu_seconds(lambda s=split: draw_scenes(s, 8))
         per_scene[split] = seconds / 8
         say(f"8 {split:10s} {seconds:5.2f} {per_scene[split]:11.3f}\n")
-    mean_scene = sum(per_scene.values()) / len(SPLITS)
+    report_sizes(per_frame / n_lines, sum(per_scene.values()) / len(SPLITS))
+
+
+def report_sizes(seconds_a_line, seconds_a_scene):
+    """What flight and benchmark of two configurations cost."""
     for name in ("config.yaml", "paper.yaml"):
         n_frames, lines, n_scenes = merged(name)
-        flight_s = n_frames * per_frame * lines / n_lines
-        scenes_s = n_scenes * mean_scene
+        flight_s = n_frames * lines * seconds_a_line
+        scenes_s = n_scenes * seconds_a_scene
         minutes = (flight_s + scenes_s) / 60
         say(f"{name}: {n_frames * lines} lines {flight_s:.0f} CPU s, ")
         say(f"{n_scenes} scenes {scenes_s:.0f} CPU s; ")

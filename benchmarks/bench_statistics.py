@@ -69,7 +69,7 @@ def test_labels(benchmark, summary, correlation):
     statistics = estimate(summary)
 
     def draw():
-        model = prepare(statistics, 256, correlation=correlation)
+        model = prepare(statistics, 256, correlation=correlation, radiometry="constant")
         rng = np.random.default_rng(1)
         return [draw_scene(model, 256, name=f"{i}", rng=rng).n_range_bins for i in range(N_LABELS)]
 

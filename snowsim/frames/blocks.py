@@ -41,6 +41,9 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     if power.shape[1] < n_range_lines:
         msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
         raise ValueError(msg)
+    flagged = np.zeros(power.shape[1], dtype=bool)
+    if "flagged" in echogram:
+        flagged = echogram["flagged"].values
     first_s = float(echogram["twtt"].values[0])
     bin_s = bin_size_s(echogram)
     scenes = []
@@ -49,31 +52,17 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     for block, start in enumerate(starts):
         lines = slice(start, start + n_range_lines)
         scene_name = f"{name}_{block:03d}"
-        if "flagged" in echogram:
-            n_flagged = int(echogram["flagged"].values[lines].sum())
-            if n_flagged:
-                skipped[scene_name] = f"{n_flagged} of {n_range_lines} {FLAGGED}"
-                continue
         bins = layer_bins[:, lines]
-        if not np.isfinite(bins[0]).any():
-            skipped[scene_name] = "the surface is not picked"
+        reason = _why_no_scene(power[:, lines], bins, flagged[lines])
+        if reason:
+            skipped[scene_name] = reason
             continue
-        top = int(np.floor(np.nanmedian(bins[0]) + 0.5)) - SURFACE_ROW
-        bins = bins[np.isfinite(bins).any(axis=1)] - top
-        bottom = top + scene_height(bins)
-        if top < 0 or bottom > power.shape[0]:
-            skipped[scene_name] = f"rows {top} to {bottom} wanted of {power.shape[0]}"
-            continue
-        block_power = power[top:bottom, lines]
-        measured = (block_power > 0) & np.isfinite(block_power)
-        if not measured.all():
-            skipped[scene_name] = f"{int((~measured).sum())} pixels without a measurement"
-            continue
-        image, noise_floor_db, maximum_db = to_uint8(block_power)
+        top, bottom = _rows(bins)
+        image, noise_floor_db, maximum_db = to_uint8(power[top:bottom, lines])
         scene = Scene(
             scene_name,
             bottom - top,
-            bins,
+            _picked(bins) - top,
             image=image,
             noise_floor_db=noise_floor_db,
             maximum_db=maximum_db,
@@ -81,6 +70,31 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
         )
         scenes.append(scene)
     return scenes, skipped
+
+
+def _why_no_scene(power, bins, flagged):
+    """Why a block is no scene, in words, or None."""
+    if flagged.any():
+        return f"{int(flagged.sum())} of {flagged.size} {FLAGGED}"
+    if not np.isfinite(bins[0]).any():
+        return "the surface is not picked"
+    top, bottom = _rows(bins)
+    if top < 0 or bottom > power.shape[0]:
+        return f"rows {top} to {bottom} wanted of {power.shape[0]}"
+    cropped = power[top:bottom]
+    n_missing = int((~((cropped > 0) & np.isfinite(cropped))).sum())
+    return f"{n_missing} pixels without a measurement" if n_missing else None
+
+
+def _rows(bins):
+    """First row of a block's scene and the one after its last: the surface lies in row 50."""
+    top = int(np.floor(np.nanmedian(bins[0]) + 0.5)) - SURFACE_ROW
+    return top, top + scene_height(_picked(bins) - top)
+
+
+def _picked(bins):
+    """Layers with a pick."""
+    return bins[np.isfinite(bins).any(axis=1)]
 
 
 def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):

@@ -302,8 +302,7 @@ def _add_layers(
                     log_scale = distances[layer, 4] - distances[layer, 3] * (tail - centre)
                     scale = power.dtype.type(np.exp(log_scale))
                     scale *= share
-                    at = indices[layer, 4]
-                    fall = exponential[at : at + n_tail]
+                    fall = exponential[indices[layer, 4] :][:n_tail]
                     _add_scaled(column[int(tail) : int(last) + 1], fall, scale)
         for row in range(n_range_bins):
             for line in range(start, stop):

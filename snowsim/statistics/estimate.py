@@ -106,20 +106,22 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     thickness = thickness_blocks(summary, n_layers)
     zones = zone_statistics(thickness, zone_edge_bins, tapered=estimator != "paper")
 
-    variables = {"noise_power": ((), noise.power)}
-    variables["noise_power_standard_error"] = (), noise.standard_error
+    variables = {
+        "noise_power": ((), noise.power),
+        "noise_power_standard_error": ((), noise.standard_error),
+    }
     for name, values in by_layer.items():
         variables[name] = ("layer", "lag")[: values.ndim], values
     variables |= as_variables(zones)
-    variables |= surface_statistics(summary, MINIMUM_BLOCKS)
-    variables |= _widths(width)
-    variables |= varies
-    variables["n_picks"] = "layer", tracked.n_picks
-    variables["n_groups"] = "layer", groups.present.sum(axis=0)
-    variables["tracked_power_quantile"] = "probability", looks.tracked_quantile
-    variables["gamma_quantile"] = "probability", looks.gamma_quantile
-    variables["speckle_correlation"] = "speckle_lag", speckle.correlation
-    variables["speckle_correlation_standard_error"] = "speckle_lag", speckle.standard_error
+    variables |= surface_statistics(summary, MINIMUM_BLOCKS) | _widths(width) | varies
+    variables |= {
+        "n_picks": ("layer", tracked.n_picks),
+        "n_groups": ("layer", groups.present.sum(axis=0)),
+        "tracked_power_quantile": ("probability", looks.tracked_quantile),
+        "gamma_quantile": ("probability", looks.gamma_quantile),
+        "speckle_correlation": ("speckle_lag", speckle.correlation),
+        "speckle_correlation_standard_error": ("speckle_lag", speckle.standard_error),
+    }
     variables |= _spectra(summary)
     coords = {
         "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
@@ -142,10 +144,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         "n_frames": len(summary),
         "n_range_lines": sum(frame.surface_bins.size for frame in summary),
         "n_layers_seen": n_seen,
+        **{name: value for name, value in zones.items() if not np.ndim(value)},
+        "n_picks_outside": sum(frame.n_outside for frame in summary),
+        "n_frames_without_surface": sum(without_surface),
     }
-    attrs |= {name: value for name, value in zones.items() if not np.ndim(value)}
-    attrs["n_picks_outside"] = sum(frame.n_outside for frame in summary)
-    attrs["n_frames_without_surface"] = sum(without_surface)
     return _with_units(xr.Dataset(variables, coords, attrs))
 
 

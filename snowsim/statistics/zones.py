@@ -250,14 +250,13 @@ def _moments_by_zone(blocks):
     }
 
 
-def _spectra_by_zone(blocks, tapered):
-    """Spectra of thickness, of its trend and the noise of picks, and their correlations."""
+def _mean_squares(blocks, n, source, tapered):
+    """Mean periodograms, then mean square rise, (zone, slab, both), and their standard errors."""
     series, served = blocks.series, blocks.served
     zone = blocks.of_stretches(blocks.zone)
     level = blocks.of_stretches(blocks.level)
-    n, source = _sources(served, zone, blocks.typical.size)
     slabs = np.arange(served.shape[1])
-    mean = np.zeros((*n.shape, BLOCK_LINES // 2 + 2))  # densities, and the variance of trends
+    mean = np.zeros((*n.shape, BLOCK_LINES // 2 + 2))
     error = np.zeros(mean.shape)
     for z, slab in np.ndindex(n.shape):
         if source[z, slab] == OTHER_SLABS and slab > 0:
@@ -276,6 +275,15 @@ def _spectra_by_zone(blocks, tapered):
         enough = len(squares) >= MINIMUM_BLOCKS
         scatter = squares.std(axis=0, ddof=1) if enough else mean[z, slab]
         error[z, slab] = scatter / np.sqrt(len(squares))
+    return mean, error
+
+
+def _spectra_by_zone(blocks, tapered):
+    """Spectra of thickness, of its trend and the noise of picks, and their correlations."""
+    series, served = blocks.series, blocks.served
+    zone = blocks.of_stretches(blocks.zone)
+    n, source = _sources(served, zone, blocks.typical.size)
+    mean, error = _mean_squares(blocks, n, source, tapered)
     density, trend = mean[..., :-1], mean[..., -1]
     noise_density = 0.0
     result = {"n_psd_samples": n, "psd_source": source}

@@ -81,7 +81,7 @@ def statistics_of(thickness, rows=None, **settings):
 
 
 def drawn_from(statistics, n_scenes, rng, **settings):
-    model = prepare(statistics, N_LINES, **settings)
+    model = prepare(statistics, N_LINES, radiometry="constant", **settings)
     return [draw_scene(model, N_LINES, name="", rng=rng) for _ in range(n_scenes)]
 
 
@@ -179,22 +179,20 @@ def test_number_of_layers_and_first_slab_are_those_of_the_zone(rng):
     assert_allclose(np.quantile(first, at), np.quantile(level, at), atol=3)
 
 
-def test_statistics_of_the_first_release_draw_as_the_paper_or_say_what_they_lack(rng):
+def test_label_models_name_what_statistics_lack(rng):
     deviation = series_of(matern(LONG, 4, 4), (40, 2), rng)
     statistics = statistics_of(thickness_of(deviation, rng), tapered=False)
-    later = ("surface_", "n_blocks_", "first_")
-    old = statistics.drop_vars([name for name in statistics if name.startswith(later)])
-    scene = draw_scene(old, N_LINES, name="", rng=rng)
-    assert scene.notes["n_layers"] >= 5
-    assert_array_equal(scene.layer_bins[0], 50)
     lacking = {
-        "n_layers": "n_blocks_by",
-        "first_slab": "first_thickness",
+        "n_layers": "n_blocks_by_layers",
+        "first_slab": "first_thickness_quantile_bins",
         "surface": "surface_psd",
     }
-    for setting, lacks in lacking.items():
-        with pytest.raises(ValueError, match=f"need {lacks}"):
-            prepare(old, N_LINES, **{setting: "measured"})
+    other = {"n_layers": (5, 40), "first_slab": "uniform", "surface": "flat"}
+    for setting, name in lacking.items():
+        lesser = statistics.drop_vars(name)
+        with pytest.raises(ValueError, match=f"need {name}"):
+            prepare(lesser, N_LINES, radiometry="constant")
+        prepare(lesser, N_LINES, radiometry="constant", **{setting: other[setting]})
 
 
 def test_spectra_are_those_of_the_longest_stretches_that_are_often_whole(rng):

@@ -71,7 +71,8 @@ def test_white_undulations_have_no_dispersion_beyond_their_own(divided):
 
 def test_labels_are_drawn_from_any_number_of_zones(divided, rng):
     for model in divided[2]:
-        assert np.isfinite(labels.draw(model, 64, rng=rng)).all()
+        prepared = labels.prepare(model, 64, surface="flat", radiometry="constant")
+        assert np.isfinite(labels.draw(prepared, 64, rng=rng)).all()
 
 
 def test_a_slab_in_too_few_blocks_adds_nothing(divided):
