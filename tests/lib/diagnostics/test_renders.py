@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from lib.brightness import expected_brightness
 from lib.diagnostics.renderers import position_rows
 from lib.diagnostics.renders import position_errors, shape_edges, surface_regions, texture_by_region
-from lib.guides import expected_brightness
 from snowsim.cgan.inputs import observed_brightness
 from snowsim.echogram import Scene
 from snowsim.front import REFERENCE
