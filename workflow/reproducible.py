@@ -85,11 +85,14 @@ def contents(path):
     if path.suffix == ".nc":
         import xarray as xr
 
-        with xr.open_dataset(path, decode_cf=False) as dataset:
-            values = {str(key): variable.to_numpy() for key, variable in dataset.variables.items()}
+        values = {}
+        for group, dataset in xr.open_groups(path, decode_cf=False).items():
+            for key, variable in dataset.variables.items():
+                values[f"{group}/{key}".lstrip("/")] = variable.to_numpy()
             for key, value in dataset.attrs.items():
-                values[f"attribute {key}"] = np.array(str(value))
-            return values
+                values[f"attribute {group}/{key}"] = np.array(str(value))
+            dataset.close()
+        return values
     if path.suffix in (".csv", ".parquet"):
         table = pd.read_csv(path) if path.suffix == ".csv" else pd.read_parquet(path)
         return {column: table[column].to_numpy() for column in table}
