@@ -17,7 +17,7 @@ from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
-from snowsim.labels import Dress, LabelModel, draw_scene, dress, prepare
+from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
 from snowsim.phy import render, render_scene
 from snowsim.phy.parameters import checked_height
 from snowsim.phy.waveform import waveform_peak
@@ -269,7 +269,8 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is unknown, or statistics lack what scenes are drawn from.
+        If a choice is unknown, statistics lack what scenes are drawn from, or most scenes with
+        layers would be labelled at the surface alone.
 
     Examples
     --------
@@ -288,4 +289,5 @@ def scenes(
     choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
     seed = int(_generator(rng).integers(2**63))
+    check_labels(model, rng=random_stream(seed, "check_labels"))
     return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, options))

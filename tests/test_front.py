@@ -263,3 +263,9 @@ def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
         assert scene.notes["n_pixels_drawn"] == n_drawn
         # No two layers share a pixel, so the mask holds what is not cut.
         assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()
+
+
+def test_scenes_are_refused_where_their_masks_would_hold_no_layer():
+    blind = read_dataset(REFERENCE).assign(end_contrast_db=33.0)
+    with pytest.raises(ValueError, match="labelled at the surface alone"):
+        snowsim.scenes(3, statistics=blind, rng=1)
