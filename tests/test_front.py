@@ -195,9 +195,9 @@ def test_all_names_people_script_with_come_with_a_star():
         *(("chebwin", 60), ("kaiser", 8.6), ("gaussian", 600), ("dpss", 3)),
     ],
 )
-def test_a_radar_takes_the_windows_of_scipy(window, tmp_path):
+def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):
     radar = snowsim.Radar.preset("snow-2-18", window=window)
-    echogram, _ = snowsim.simulate(snowsim.Snowpack(**SNOW), radar, n_range_lines=2, rng=1)
+    echogram, _ = snowsim.simulate(snowsim.Snowpack(**SNOW), radar, n_range_lines=2, rng=rng)
     echogram.to_netcdf(tmp_path / "echogram.nc")
     assert str(window) in repr(radar)
 
@@ -220,7 +220,9 @@ def test_a_seed_is_the_generator_made_of_it():
         ),
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-8), "bin_s must be at most 3.75e-10 s"),
         (
-            lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=1),
+            lambda: snowsim.simulate(
+                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=np.random.default_rng(1)
+            ),
             "n_range_lines must be at least 1, got 0",
         ),
         (
