@@ -9,6 +9,8 @@ __version__ = "0.2.0"
 FRONT = {"score_folders": "snowsim.scoring"}
 FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
 
+__all__ = ["Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"]
+
 
 def __getattr__(name):
     """A name of `FRONT`."""

@@ -4,6 +4,7 @@ The only module that joins several stages; `import snowsim` loads it when one of
 """
 
 import dataclasses
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
-from snowsim.labels import Dress, LabelModel, draw_scene, dress, prepare
+from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
 from snowsim.phy import render, render_scene
 from snowsim.phy.parameters import checked_height
 from snowsim.phy.waveform import waveform_peak
@@ -46,7 +47,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         Or the name of a preset.
     n_range_lines : int, optional
         By default the snowpack's, whose one range line may be repeated; 256 of a climate.
-    rng : numpy.random.Generator
+    rng : int or numpy.random.Generator
     tolerance_db : float or None, optional
         See `snowsim.phy.render`.
 
@@ -60,7 +61,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Raises
     ------
     ValueError
-        If `n_range_lines` differs from that of the snowpack.
+        If `n_range_lines` is below 1 or differs from that of the snowpack.
 
     Notes
     -----
@@ -78,6 +79,10 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     array([ 8.59, 13.39])
     """
     radar = Radar.preset(radar) if isinstance(radar, str) else radar
+    rng = _generator(rng)
+    if n_range_lines is not None and n_range_lines < 1:
+        msg = f"n_range_lines must be at least 1, got {n_range_lines}"
+        raise ValueError(msg)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(n_range_lines or BLOCK_LINES, radar.line_spacing_m, rng=rng)
     below_s, parameters = physical_parameters(snowpack, radar)
@@ -106,7 +111,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     )
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - SURFACE_ROW * radar.bin_s
     attributes = vars(radar) | {
-        "synthetic": "simulated from a snowpack and a radar, not observed data"
+        # A window with its parameters is no attribute of a file.
+        "window": radar.window if isinstance(radar.window, str) else str(radar.window),
+        "synthetic": "simulated from a snowpack and a radar, not observed data",
     }
     content = _track(n_range_lines, radar)
     content["Data"] = power
@@ -122,6 +129,15 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     for name, code in CODES.items():
         layers[name] = (on, np.full(shape, code, np.int8))
     return echogram, xr.Dataset(layers, {"slow_time": echogram["slow_time"]}, attributes)
+
+
+def _generator(rng):
+    """The generator given or that of a seed; ValueError for anything else."""
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        msg = f"rng must be a numpy.random.Generator or a seed from 0, got {rng!r}"
+        raise ValueError(msg) from None
 
 
 def _track(n_range_lines, radar):
@@ -149,16 +165,28 @@ class _Recipe:
 
 
 class Scenes(Sequence):
-    """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line)."""
+    """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line).
 
-    def __init__(self, n, recipe):
-        self._indices = range(n)
+    A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
+    them, `n_pixels_cut` of all `n_pixels_drawn`, and the first such scene warns.
+    """
+
+    def __init__(self, indices, recipe):
+        self._indices = indices
         self._recipe = recipe
+        self._warned = False
+
+    def __repr__(self):
+        height = self._recipe.n_range_bins or "own number of"
+        n_lines = self._recipe.model.n_range_lines
+        return f"Scenes({len(self)} of {height} range bins and {n_lines} range lines)"
 
     def __len__(self):
         return len(self._indices)
 
     def __getitem__(self, index):
+        if isinstance(index, slice):
+            return Scenes(self._indices[index], self._recipe)
         scene = self.scene(index)
         return scene.image, scene.mask().astype(np.uint8)
 
@@ -173,8 +201,22 @@ class Scenes(Sequence):
             echoes = dress(scene.layer_bins, recipe.statistics, recipe.dress, rng=rng)
             scene = dataclasses.replace(scene, echoes=echoes)
         if recipe.n_range_bins is not None:
-            scene = dataclasses.replace(scene, n_range_bins=recipe.n_range_bins)
+            scene = self._cut(scene)
         return render_scene(scene, rng=rng, **recipe.options)
+
+    def _cut(self, scene):
+        """The scene at the height asked for, with what that cuts off its mask in its notes."""
+        n_range_bins = self._recipe.n_range_bins
+        drawn = np.isfinite(scene.layer_bins)
+        n_drawn = int(drawn.sum())
+        n_cut = int((scene.layer_bins[drawn] >= n_range_bins - 0.5).sum())
+        if n_cut and not self._warned:
+            self._warned = True
+            msg = f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} labelled pixels off "
+            msg += f"{scene.name}: notes of each scene count them (n_pixels_cut); None cuts nothing"
+            warnings.warn(msg, UserWarning, stacklevel=4)
+        notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
+        return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
 
     def write(self, folder, format="pairs", *, indices=None):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
@@ -184,7 +226,7 @@ class Scenes(Sequence):
         """
         check_choice("format", format, EXPORTS)
         return EXPORTS[format](
-            folder, map(self.scene, self._indices if indices is None else indices)
+            folder, map(self.scene, range(len(self)) if indices is None else indices)
         )
 
 
@@ -213,7 +255,7 @@ def scenes(
         any `n`.
     n_range_lines, n_range_bins : int, optional
         Size of all images; by default each is as high as its layers require, so that images do not
-        stack.
+        stack. Layers below `n_range_bins` are cut off, see `Scenes`.
     radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
@@ -227,7 +269,8 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is unknown, or statistics lack what scenes are drawn from.
+        If a choice is unknown, statistics lack what scenes are drawn from, or most scenes with
+        layers would be labelled at the surface alone.
 
     Examples
     --------
@@ -245,5 +288,6 @@ def scenes(
         n_range_bins = checked_height(n_range_bins)
     choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
-    seed = int(np.random.default_rng(rng).integers(2**63))
-    return Scenes(n, _Recipe(model, statistics, choices, seed, n_range_bins, options))
+    seed = int(_generator(rng).integers(2**63))
+    check_labels(model, rng=random_stream(seed, "check_labels"))
+    return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, options))

@@ -13,6 +13,8 @@ from snowsim.reference.firn import density_herron_langway80, depth_herron_langwa
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
+MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
+LEAST_DENSITY_KG_M3 = 5.0  # of the densest snow; below, values are in g cm-3
 # Of undulations, as the reference flight's.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
 DRIFT_LENGTH_M = 3000.0  # along track
@@ -38,8 +40,8 @@ class Radar:
     of the range response over the window's; antenna over the snow `height_m` [m]; its two-sided 3
     dB beam `beamwidth_deg`, Gaussian, below 120 [degrees]; `n_looks` averaged into a range line;
     `line_spacing_m` [m]; `surface_to_noise_db`, of the peak of the mean surface echo [dB].
-    ValueError where one is not positive, or bins are so short that speckle is alike over 16 of
-    them.
+    ValueError where one is not positive, bins are so short that speckle is alike over 16 of them,
+    or longer than 1.5 range cells.
     """
 
     centre_hz: float
@@ -60,7 +62,17 @@ class Radar:
             if name != "window" and not 0 < value < limit:
                 msg = f"radar: {name} must be positive and below {limit:g}, got {value}"
                 raise ValueError(msg)
+        longest_s = MOST_CELLS * self.cell_s
+        if self.bin_s > longest_s:
+            msg = f"radar: bin_s must be at most {longest_s:.3g} s, {MOST_CELLS:g} range cells, "
+            msg += f"got {self.bin_s:g} s"
+            raise ValueError(msg)
         self.speckle_correlation()
+
+    def __repr__(self):
+        sweep = f"{self.bandwidth_hz / 1e9:g} GHz about {self.centre_hz / 1e9:g} GHz"
+        samples = f"{self.window} window, bins of {1e9 * self.bin_s:g} ns, {self.n_looks:g} looks"
+        return f"Radar({sweep}, {samples}, {self.height_m:g} m above the snow)"
 
     @classmethod
     def preset(cls, name, **changes):
@@ -106,6 +118,7 @@ class Radar:
         phase = np.outer(np.arange(MOST_LAGS + 1), frequency_hz)
         turn = np.exp(2j * np.pi * self.bin_s * phase)
         power = np.abs(turn @ weight / weight.sum()) ** 2
+        power /= power[0]  # 1 but for rounding
         held = np.trim_zeros(np.where(power > 0.01, power, 0), "b")
         if held.size > MOST_LAGS:
             longer_s = 0.72 / self.bandwidth_hz
@@ -158,10 +171,18 @@ class Snowpack:
     attenuation_db_m: float = 0.0
 
     def __post_init__(self):
-        held = {name: np.asarray(value, dtype=float) for name, value in vars(self).items()}
+        held = {name: _filled(value) for name, value in vars(self).items()}
         for name in ("depth_m", "density_kg_m3"):
+            if held[name].size == 0:
+                msg = f"snowpack: {name} must hold the surface at least, got no value"
+                raise ValueError(msg)
             if held[name].ndim == 1:
                 held[name] = held[name][:, None]
+        densest = held["density_kg_m3"].max()
+        if 0 < densest < LEAST_DENSITY_KG_M3:
+            msg = "snowpack: density_kg_m3 must be in kg m-3, such as 350, "
+            msg += f"got at most {densest:g}, as in g cm-3"
+            raise ValueError(msg)
         shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
         above_m = np.full(shape, -np.inf)
         above_m[1:] = held["depth_m"][:-1]
@@ -182,6 +203,17 @@ class Snowpack:
                 msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
                 raise ValueError(msg)
             object.__setattr__(self, name, value)
+
+    def __repr__(self):
+        n_layers, n_lines = self.depth_m.shape
+        depth = f"{n_layers} layers down to {self.depth_m.max():.4g} m"
+        density = f"{self.density_kg_m3.min():.4g} to {self.density_kg_m3.max():.4g} kg m-3"
+        return f"Snowpack({depth}, {density}, range lines: {n_lines})"
+
+
+def _filled(value):
+    """Values as float, NaN where masked."""
+    return np.ma.filled(np.ma.asarray(value, dtype=float), np.nan)
 
 
 @dataclass(frozen=True, kw_only=True)

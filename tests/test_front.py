@@ -178,3 +178,96 @@ def test_commands_write_what_the_functions_give(tmp_path):
     done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2
+
+
+def test_all_names_people_script_with_come_with_a_star():
+    held = {}
+    exec("from snowsim import *", held)
+    assert set(snowsim.FRONT) <= set(held)
+    assert set(snowsim.__all__) == set(snowsim.FRONT)
+
+
+@pytest.mark.parametrize(
+    "window",
+    [
+        *("hamming", "blackman", "taylor", "nuttall", "flattop", "blackmanharris", "bohman"),
+        *("cosine", "parzen", "tukey", "triang", "barthann", "boxcar", "bartlett", "lanczos"),
+        *(("chebwin", 60), ("kaiser", 8.6), ("gaussian", 600), ("dpss", 3)),
+    ],
+)
+def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):
+    radar = snowsim.Radar.preset("snow-2-18", window=window)
+    echogram, _ = snowsim.simulate(snowsim.Snowpack(**SNOW), radar, n_range_lines=2, rng=rng)
+    echogram.to_netcdf(tmp_path / "echogram.nc")
+    assert str(window) in repr(radar)
+
+
+def test_a_seed_is_the_generator_made_of_it():
+    snow = snowsim.Snowpack(**SNOW)
+    by_seed, _ = snowsim.simulate(snow, "ku-12-18", rng=1)
+    by_generator, _ = snowsim.simulate(snow, "ku-12-18", rng=np.random.default_rng(1))
+    xr.testing.assert_identical(by_seed, by_generator)
+
+
+@pytest.mark.parametrize(
+    ("ask", "what"),
+    [
+        (lambda: snowsim.Snowpack([], []), "depth_m must hold the surface at least"),
+        (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be in kg m-3"),
+        (
+            lambda: snowsim.Snowpack([0, 1], np.ma.array([340, 400], mask=[False, True])),
+            "density_kg_m3 must be finite",
+        ),
+        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-8), "bin_s must be at most 3.75e-10 s"),
+        (
+            lambda: snowsim.simulate(
+                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=np.random.default_rng(1)
+            ),
+            "n_range_lines must be at least 1, got 0",
+        ),
+        (
+            lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),
+            "rng must be a numpy.random.Generator or a seed",
+        ),
+    ],
+)
+def test_snow_and_radars_that_mean_something_else_are_refused_in_a_line(ask, what):
+    with pytest.raises(ValueError, match=what) as refused:
+        ask()
+    assert "\n" not in str(refused.value)
+
+
+def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
+    part = drawn[4:1:-2]
+    assert len(part) == 2
+    assert_array_equal(part[1][0], drawn[2][0])
+    part.write(tmp_path / "part")
+    assert len(list((tmp_path / "part").rglob("*000004*"))) > 0
+
+
+def test_what_people_print_is_one_readable_line(drawn):
+    said = [repr(drawn), repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
+    assert said == [
+        "Scenes(6 of 320 range bins and 64 range lines)",
+        "Radar(6 GHz about 5 GHz, hann window, bins of 0.0867 ns, 5 looks, 500 m above the snow)",
+        "Snowpack(3 layers down to 2.5 m, 340 to 400 kg m-3, range lines: 1)",
+    ]
+
+
+def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
+    whole = snowsim.scenes(4, rng=1, n_range_lines=64)
+    low = snowsim.scenes(4, rng=1, n_range_lines=64, n_range_bins=64)
+    with pytest.warns(UserWarning, match="n_range_bins=64 cuts") as warned:
+        scenes = [low.scene(i) for i in range(4)]
+    assert len(warned) == 1
+    for index, scene in enumerate(scenes):
+        n_drawn = np.isfinite(whole.scene(index).layer_bins).sum()
+        assert scene.notes["n_pixels_drawn"] == n_drawn
+        # No two layers share a pixel, so the mask holds what is not cut.
+        assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()
+
+
+def test_scenes_are_refused_where_their_masks_would_hold_no_layer():
+    blind = read_dataset(REFERENCE).assign(end_contrast_db=33.0)
+    with pytest.raises(ValueError, match="labelled at the surface alone"):
+        snowsim.scenes(3, statistics=blind, rng=1)

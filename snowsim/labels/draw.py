@@ -8,6 +8,7 @@ from snowsim.labels.process import draw_nonstationary, draw_series
 from snowsim.labels.radiometry import add_radiometry
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
+N_TRIALS = 20  # scenes that tell whether layers are labelled
 
 
 def draw(statistics, n_range_lines, *, rng):
@@ -122,6 +123,28 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     if model.radiometry is None:
         return scene
     return add_radiometry(scene, model.radiometry, rng=rng)
+
+
+def check_labels(model, *, rng):
+    """Draw a few scenes and refuse statistics by which most are labelled at the surface alone.
+
+    ValueError where that is so of most scenes with layers.
+    """
+    if model.radiometry is None:
+        return
+    n_scenes = 0
+    n_bare = 0
+    for _ in range(N_TRIALS):
+        scene = draw_scene(model, model.n_range_lines, name="trial", rng=rng)
+        if len(scene.layer_bins) > 1:
+            n_scenes += 1
+            n_bare += not np.isfinite(scene.layer_bins[1:]).any()
+    if 2 * n_bare > n_scenes:
+        contrast_db = model.radiometry.spread["end_contrast_db"]
+        msg = f"labels: {n_bare} of {n_scenes} scenes with layers would be labelled at the surface "
+        msg += f"alone, as few layers rise by end_contrast_db, {contrast_db:.3g} dB: "
+        msg += "fit more of the flight, or radiometry: constant"
+        raise ValueError(msg)
 
 
 def _draw_first_slab(model, *, rng):

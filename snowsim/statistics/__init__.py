@@ -1,18 +1,21 @@
 """Flight statistics from annotated frames: summarise each, merge in any order, estimate once."""
 
+import warnings
+
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
+from snowsim.statistics.zones import MINIMUM_BLOCKS
 
 __all__ = ["ESTIMATORS", "doppler_spectra", "estimate", "fit", "merge", "summarise"]
-__all__ += ["summary_from_dataset", "summary_to_dataset"]
+__all__ += ["summary_from_dataset", "summary_to_dataset", "warn_of_little"]
 
 
 def fit(frames, *, estimator="deblended"):
     """Statistics of a flight.
 
     Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range
-    line.
+    line. Warns of each statistic that stands on too little of a flight, and says on how much.
 
     Parameters
     ----------
@@ -51,7 +54,24 @@ def fit(frames, *, estimator="deblended"):
     >>> bool(statistics["peak_power"][0] > statistics["peak_power"][1])
     True
     """
-    return estimate(
+    statistics = estimate(
         merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)),
         estimator=estimator,
     )
+    warn_of_little(statistics)
+    return statistics
+
+
+def warn_of_little(statistics):
+    """Warn, a line each, of statistics that stand on too little of a flight."""
+    attrs = statistics.attrs
+    n_placed = attrs["n_blocks"] - attrs["n_blocks_not_placed"]
+    stands_on = f"{attrs['n_frames']} frames and {n_placed} blocks with layers"
+    for name in filter(None, attrs["radiometry_missing"].split(", ")):
+        msg = f"{name} is held constant: {stands_on} are too few for it"
+        warnings.warn(msg, UserWarning, stacklevel=3)
+    n_zones = statistics.sizes["zone"]
+    n_needed = n_zones * MINIMUM_BLOCKS
+    if n_placed < n_needed:
+        msg = f"thickness of {n_zones} zones stands on {n_placed} blocks, {n_needed} are needed"
+        warnings.warn(msg, UserWarning, stacklevel=3)

@@ -3,6 +3,7 @@
 Between blocks, along track, where picks end, and in unpicked snow.
 """
 
+import warnings
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -25,6 +26,7 @@ BACKGROUND_BEYOND = 40  # [bins] below the median of the deepest picks, to which
 # [bins] e-folding depths of the mean background: sums fit most declines.
 LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)
 # Of the rise of layers where picks end: those that an annotator can only just see.
+FEWEST_STRETCHES = 8  # so that two lie below the lower quartile
 END_QUANTILE = 0.25
 
 
@@ -100,6 +102,7 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
     blocks = _block_values(summary, powers, decay_rate, unpicked, block_of)
     echoes = echoes_below(groups, block_of, n_looks)
     contrasts = end_contrasts(groups, frame_of)
+    _warn_of_few(contrasts)
     terms = stacked(summary, "texture_terms")
     products = fading_products(summary, powers, frame_of)
     speckle = DB**2 * polygamma(1, n_looks)
@@ -133,6 +136,17 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
         errors |= {f"{name}_standard_error": (dims, error) for name, error in found.errors.items()}
         missing += found.missing
     return values | errors | {"fading_speckle_db2": ((), speckle)}, missing
+
+
+def _warn_of_few(contrasts):
+    """Warn where `end_contrast_db` stands on few stretches."""
+    # Each stretch has one rise, repeated for its averaged lines.
+    n_stretches = np.unique(contrasts.rise_db).size
+    if 0 < n_stretches < FEWEST_STRETCHES:
+        n_frames = np.unique(contrasts.frame).size
+        msg = f"end_contrast_db, down to which layers are labelled, stands on {n_stretches} "
+        msg += f"stretches of deepest layers in {n_frames} frames, {FEWEST_STRETCHES} are needed"
+        warnings.warn(msg, UserWarning, stacklevel=4)
 
 
 def _blocks(summary):

@@ -11,7 +11,7 @@ from planted_labels import N_LINES, planted
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import check_layer_bins
 from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.labels import draw_scene, prepare, redress
+from snowsim.labels import check_labels, draw_scene, prepare, redress
 from snowsim.phy import plan, render_plan
 
 SPREADS = {
@@ -215,3 +215,12 @@ def test_statistics_without_radiometry_are_refused_and_stand_ins_are_named():
     scene = draw_scene(model, N_LINES, name="", rng=np.random.default_rng(1))
     assert np.isfinite(scene.layer_bins).all()  # where picks end is not known: all are labelled
     assert scene.notes["radiometry_missing"] == "end_contrast_db"
+
+
+def test_statistics_by_which_no_layer_shows_are_refused_before_scenes_are_drawn(rng):
+    check_labels(model_of(statistics()), rng=rng)
+    check_labels(model_of(statistics(end_contrast_db=33.0), radiometry="constant"), rng=rng)
+    refused = "20 of 20 scenes with layers would be labelled at the surface alone.* 33 dB"
+    with pytest.raises(ValueError, match=refused) as error:
+        check_labels(model_of(statistics(end_contrast_db=33.0)), rng=rng)
+    assert "\n" not in str(error.value)

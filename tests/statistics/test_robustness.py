@@ -162,3 +162,17 @@ def test_a_layer_in_too_few_lines_for_its_spectrum_takes_the_one_above(flight, e
     assert_array_equal(fitted["psd_source"][:, 3], 2)
     assert_array_equal(fitted["thickness_psd"][:, 3], fitted["thickness_psd"][:, 2])
     assert_array_equal(fitted["source"][:, 3], 1)
+
+
+def test_fit_warns_of_what_stands_on_too_little_and_says_on_how_much(flight):
+    with pytest.warns(UserWarning, match="zones stands on") as warned:
+        fitted = statistics.fit(list(flight)[:1])
+    said = [str(warning.message) for warning in warned]
+    n_blocks = fitted.attrs["n_blocks"] - fitted.attrs["n_blocks_not_placed"]
+    missing = fitted.attrs["radiometry_missing"].split(", ")
+    for name in missing:
+        assert f"{name} is held constant: 1 frames and {n_blocks} blocks" in " | ".join(said)
+    assert any(f"zones stands on {n_blocks} blocks, 16 are needed" in line for line in said)
+    assert not any("\n" in line for line in said)
+    if "end_contrast_db" not in missing:
+        assert any(line.startswith("end_contrast_db") for line in said)

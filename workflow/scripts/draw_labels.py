@@ -4,7 +4,7 @@ from job import progress, run
 
 from snowsim.io.files import read_dataset
 from snowsim.io.scenes import write_scenes
-from snowsim.labels import Dress, Nonstationary, draw_scene, prepare
+from snowsim.labels import Dress, Nonstationary, check_labels, draw_scene, prepare
 from snowsim.seeding import random_stream
 
 
@@ -38,6 +38,7 @@ def draw_shard(
         nonstationary=Nonstationary(**folds),
         dress=Dress(**choices),
     )
+    check_labels(model, rng=random_stream(seed, "check_labels"))
     names = [f"label_{number:06d}" for number in range(*span)]
     scenes = (
         # By scene, never by shard: how scenes are divided must not change them.

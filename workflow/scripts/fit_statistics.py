@@ -4,7 +4,13 @@ from job import run
 
 from snowsim.echogram import bin_size_s
 from snowsim.io.files import read_dataset, write_dataset
-from snowsim.statistics import doppler_spectra, estimate, merge, summary_from_dataset
+from snowsim.statistics import (
+    doppler_spectra,
+    estimate,
+    merge,
+    summary_from_dataset,
+    warn_of_little,
+)
 
 
 def doppler(segment):
@@ -25,6 +31,7 @@ def fit_statistics(summaries, segment, statistics, *, estimator):
     datasets = [read_dataset(path) for path in summaries]
     summary = merge(summary_from_dataset(dataset) for dataset in datasets)
     fitted = estimate(summary, estimator=estimator)
+    warn_of_little(fitted)
     for path in segment:
         fitted = fitted.assign(doppler(read_dataset(path)))
     write_dataset(statistics, fitted.assign_attrs(synthetic=datasets[0].attrs["synthetic"]))
