@@ -26,8 +26,8 @@ BACKGROUND_BEYOND = 40  # [bins] below the median of the deepest picks, to which
 # [bins] e-folding depths of the mean background: sums fit most declines.
 LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)
 # Of the rise of layers where picks end: those that an annotator can only just see.
-FEWEST_STRETCHES = 8  # so that two lie below the lower quartile
 END_QUANTILE = 0.25
+FEWEST_STRETCHES = 8  # so that two lie below that quantile
 
 
 @dataclass(frozen=True)
