@@ -136,6 +136,9 @@ def scenes(folder, n, statistics, form, seed, **settings):
 @click.option(
     "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
 )
+@click.option(
+    "--matched-only", is_flag=True, help="Leave truth without a prediction out of the scores."
+)
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
 @click.option(
     "--tolerance", type=NOT_NEGATIVE, default=0.0075, help="Of matches, as a share of the diagonal."
@@ -160,7 +163,8 @@ def score(predictions, truth, form, **settings):
     of all.
 
     Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask,
-    layer numbers, or layers in range bins. To data_NAME or NAME belongs layer_binary_NAME,
+    layer numbers, or layers in range bins; where a prediction is missing, it counts as an empty
+    map. To data_NAME or NAME belongs layer_binary_NAME,
     layer_NAME, scene_NAME or NAME. The published predictor's folder is taken as it stands.
 
     \b
@@ -179,12 +183,17 @@ def score(predictions, truth, form, **settings):
         return tqdm(steps, total=total, unit="image", leave=False, disable=None)
 
     table = score_folders(predictions, truth, **settings, progress=progress)
+    notes = table.attrs["notes"]
+    if form != "json":
+        # A table of numbers alone goes into files.
+        click.echo("".join(f"{note}\n" for note in notes), nl=False, err=form == "csv")
     if form == "csv":
         click.echo(table.to_csv(index=False, float_format="%.10g", lineterminator="\n"), nl=False)
     elif form == "json":
         rows = json.loads(table.to_json(orient="records", double_precision=10))
         *images, found, low, high = rows
-        scores = {"settings": settings, "all": found, "low": low, "high": high, "images": images}
+        scores = {"notes": notes, "settings": settings}
+        scores |= {"all": found, "low": low, "high": high, "images": images}
         click.echo(json.dumps(scores, indent=1))
     else:
         echo_scores(table)

@@ -71,12 +71,12 @@ def place(tmp_path, monkeypatch):
         (
             "score other.npy one.npy",
             1,
-            "one.npy: size: expected that of the prediction, (40, 20), found (50, 20)",
+            "other.npy: size: expected (50, 20) as one.npy has, found (40, 20)",
         ),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy shades.npy", 1, "shades.npy: mask: expected 0 and 1"),
         ("score one.npy dark.npy", 1, "inverted?"),
-        ("score one.npy narrow.npy", 1, "narrow.npy: size: expected 20 range lines"),
+        ("score one.npy narrow.npy", 1, "one.npy: size: expected 9 range lines as narrow.npy has"),
         (
             "score nan.npy one.npy",
             1,
