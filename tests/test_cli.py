@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from toy_scenes import toy_scenes
 
+import snowsim
 from snowsim.cli import commands, main
 from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
@@ -53,6 +54,11 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "text.nc").write_text("no dataset")
     (tmp_path / "cut.npy").write_bytes((tmp_path / "one.npy").read_bytes()[:-1])
     write_scenes(tmp_path / "scenes.nc", toy_scenes(2))
+    (tmp_path / "b_layers.nc").touch()
+    snow = snowsim.Snowpack([0, 1], [340, 400])
+    rng = np.random.default_rng(1)
+    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=2, rng=rng)
+    echogram.to_netcdf(tmp_path / "echogram.nc")
     return tmp_path
 
 
@@ -104,7 +110,13 @@ def place(tmp_path, monkeypatch):
         ("export scenes.nc", 2, "Missing argument 'SOURCES...'"),
         ("export nowhere.nc out", 2, "'nowhere.nc' does not exist"),
         ("export scenes.nc text.nc", 2, "'text.nc' is a file"),
-        ("export text.nc out", 1, "text.nc: expected a scene file"),
+        ("export text.nc out", 1, "text.nc: content: expected"),
+        ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
+        (
+            "export echogram.nc out",
+            2,
+            "Open Polar Radar echogram: name the file of its layers, --l",
+        ),
         ("export empty out", 1, "empty: scenes: expected files data_*.png"),
         ("export scenes.nc out", 1, "expected a plain file name"),  # "toy 0"
         ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
@@ -117,7 +129,15 @@ def place(tmp_path, monkeypatch):
         ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
         ("scenes data_out -n 1", 1, "the folder's name must not contain data_"),
         ("simulate empty", 2, "'empty' is a directory"),
-        ("simulate text.nc/a.nc", 1, "text.nc"),
+        ("scenes true -n 1", 1, "true: folder: expected an empty or a new one, found 1 files"),
+        ("scenes out --range-lines 3000000", 2, "2<=x<=65536"),
+        ("simulate text.nc/a.nc", 2, "text.nc/a.nc: there is no folder text.nc"),
+        ("simulate nowhere/a.nc", 2, "nowhere/a.nc: there is no folder nowhere"),
+        ("simulate text.nc", 2, "text.nc: the file is there, --force writes over it"),
+        ("simulate b.nc", 2, "b_layers.nc: the file is there, --force writes over it"),
+        ("simulate x.mat", 2, "x.mat: the file is NetCDF, end its name in .nc"),
+        ("simulate a.nc --set foo 1", 2, "no number foo, but bandwidth_hz, beamwidth_deg, bin_s,"),
+        ("simulate a.nc --range-lines 3000000", 2, "GiB, readers take 1: at most some"),
         ("simulate a.nc --set height_m tall", 2, "'tall' is not a valid float"),
         ("simulate a.nc --set height_m nan", 1, "radar: height_m must be positive"),
         ("simulate a.nc --set bandwidth_hz 1e9", 1, "bin_s must be longer, such as 7.2e-10 s"),
@@ -157,6 +177,7 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
             place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8)
         )
         write_image(place / f"frames/layer_binary_{name}.png", TRUTH)
+    (place / "out").mkdir()
     command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
     # Standard output is a full disk; and no file may grow beyond 500 bytes.
     with open("/dev/full", "w") as full:
