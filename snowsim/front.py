@@ -244,8 +244,9 @@ def scenes(
     >>> len(drawn), image.shape, image.dtype, int(mask.max())
     (1500, (400, 256), dtype('uint8'), 1)
     """
-    if n < 1 or renderer != "phy":
-        msg = f"n must be at least 1 and renderer phy, got {n} and {renderer!r}"
+    check_choice("renderer", renderer, ("phy",))
+    if n < 1:
+        msg = f"n must be at least 1, got {n}"
         raise ValueError(msg)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)

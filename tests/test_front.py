@@ -126,7 +126,11 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: snowsim.scenes(2, rng=1, renderer="cgan"), "renderer phy, got 2 and 'cgan'"),
+        (
+            lambda: snowsim.scenes(2, rng=1, renderer="cgan"),
+            "^renderer must be one of phy, got 'cgan'$",
+        ),
+        (lambda: snowsim.scenes(0, rng=1), "^n must be at least 1, got 0$"),
         (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
         (
             lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
