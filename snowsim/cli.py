@@ -77,7 +77,7 @@ def export(sources, folder, layers, netcdf, force):
 
 
 def scene_set(source):
-    """Scenes of a file, a folder of image pairs or its list; of an echogram, what is missing."""
+    """Scenes of a file or of a folder of image pairs; an echogram needs its layers."""
     from snowsim.io.guard import is_zarr
     from snowsim.io.png_pairs import PairSet
     from snowsim.io.scenes import SceneSet
@@ -93,8 +93,9 @@ def scene_set(source):
 @commands.command(short_help="What a file is: its axes, layers, and the traps found in it.")
 @click.argument("file", type=EXISTING)
 def info(file):
-    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes, an
-    image or an array, or a folder of image pairs; its axes and layers, and the traps found in it.
+    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
+    statistics, an image or an array, or a folder of image pairs or exported scenes; its axes and
+    layers, and the traps found in it.
 
     \b
     Examples:

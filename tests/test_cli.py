@@ -1,5 +1,6 @@
 """Every command ends bad input in one line and an exit code; good input is described or written."""
 
+import dataclasses
 import resource
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from toy_scenes import toy_scenes
 
 import snowsim
 from snowsim.cli import commands, main
+from snowsim.front import REFERENCE
+from snowsim.io.export import export_netcdf
 from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import write_scenes
@@ -239,6 +242,39 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
     main(["info", "nsidc.nc"])
     assert "no supplement" not in capsys.readouterr().out
+
+
+def described(path, capsys):
+    main(["info", str(path)])
+    return capsys.readouterr().out
+
+
+def test_info_tells_what_statistics_rest_on(capsys):
+    printed = described(REFERENCE, capsys)
+    assert printed.startswith("format  statistics of a flight\n")
+    assert "range bins of 0.2886 ns" in printed
+    assert "40960 range lines, 5.2 m apart" in printed
+    assert "57 layers" in printed
+    assert "synthetic reference flight" in printed
+
+
+def test_info_tells_the_scenes_of_an_exported_folder(tmp_path, capsys):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
+    export_netcdf(tmp_path / "set", scenes)
+    printed = described(tmp_path / "set", capsys)
+    assert printed.startswith("format  a folder of exported scenes\n")
+    assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in printed
+
+
+def test_info_tells_an_image_of_a_pair_from_an_edge_map(place, capsys):
+    # Mostly bright, as images are whose noise floor is far above their darkest pixel.
+    write_image(place / "true/data_a.png", np.full((50, 20), 200, np.uint8))
+    printed = described(place / "true/data_a.png", capsys)
+    assert printed.startswith("format  a PNG image: an echogram of the benchmark\n")
+    assert "layers  2, in labels beside it" in printed
+    assert "bright" not in printed
+    write_image(place / "empty/data_a.png", np.full((50, 20), 200, np.uint8))
+    assert "no labels" in described(place / "empty/data_a.png", capsys)
 
 
 def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):
