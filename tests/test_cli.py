@@ -15,6 +15,7 @@ import snowsim
 from snowsim.cli import commands, main
 from snowsim.front import REFERENCE
 from snowsim.io.export import export_netcdf
+from snowsim.io.files import read_dataset
 from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import write_scenes
@@ -249,13 +250,18 @@ def described(path, capsys):
     return capsys.readouterr().out
 
 
-def test_info_tells_what_statistics_rest_on(capsys):
+def test_info_tells_what_statistics_rest_on(tmp_path, capsys):
     printed = described(REFERENCE, capsys)
     assert printed.startswith("format  statistics of a flight\n")
     assert "range bins of 0.2886 ns" in printed
     assert "40960 range lines, 5.2 m apart" in printed
-    assert "57 layers" in printed
+    assert "layers  57" in printed
     assert "synthetic reference flight" in printed
+    lacking = read_dataset(REFERENCE).drop_attrs()
+    lacking.to_netcdf(tmp_path / "lacking.nc")
+    with pytest.raises(SystemExit):
+        main(["info", str(tmp_path / "lacking.nc")])
+    assert "lacking.nc: statistics: expected those of a flight" in capsys.readouterr().err
 
 
 def test_info_tells_the_scenes_of_an_exported_folder(tmp_path, capsys):

@@ -47,7 +47,8 @@ def describe(path):
     if kind in ("png", "scene"):
         return _image(what, path)
     if kind == "statistics":
-        return _statistics(what, read_dataset(path))
+        with library_errors(path, "statistics", "those of a flight, as a run writes them"):
+            return _statistics(what, read_dataset(path))
     if kind in ECHOGRAMS:
         return _echogram(what, read_echogram(path), names_in(path))
     if kind in ("cresis_layer", "cresis_layer_data", "opr_layers"):
@@ -149,9 +150,8 @@ def _pair(path):
     """Image of a scene, with what its labels beside it tell."""
     image, numbers = read_image(path)
     scene = Scene(path.stem, len(image), np.empty((0, image.shape[1])), image=image, **numbers)
-    is_labelled = any(
-        path.with_name(path.name.replace("data_", prefix, 1)).is_file() for prefix in LABEL_PREFIXES
-    )
+    beside = [path.with_name(path.name.replace("data_", prefix, 1)) for prefix in LABEL_PREFIXES]
+    is_labelled = any(label.is_file() for label in beside)
     if is_labelled:
         scene = read_pair(path)
     traps = {
@@ -168,15 +168,10 @@ def _statistics(what, statistics):
     bins = f"range bins of {1e9 * about['bin_size_s']:.4g} ns"
     lines = f"{about['n_range_lines']} range lines, {about['line_spacing_m']:.4g} m apart"
     frames = f"{about['n_frames']} frames, {about['n_looks']:.3g} looks"
-    seen = f"{statistics.sizes['layer']} layers, {about['n_layers_seen']} slabs with thickness"
     synthetic = about.get("synthetic")
-    traps = {
-        f"{synthetic}": synthetic,
-        f"radiometry is missing: {about.get('radiometry_missing')}": about.get(
-            "radiometry_missing"
-        ),
-    }
-    return _said(what, [bins, lines, frames], [seen], traps)
+    missing = about.get("radiometry_missing")
+    traps = {synthetic: synthetic, f"radiometry is missing: {missing}": missing}
+    return _said(what, [bins, lines, frames], [f"{statistics.sizes['layer']}"], traps)
 
 
 def _image(what, path):
