@@ -6,10 +6,24 @@ TORCH_VERSION := 2.13.0
 TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 SNAKEMAKE := .venv/bin/snakemake --cores $(CORES)
 
-.PHONY: run test test-all test-machine setup lint format clean benchmarks docs package-data
+.PHONY: run help test test-all test-machine setup lint format clean benchmarks docs package-data
 
 run: setup
 	$(SNAKEMAKE)
+
+help:
+	@echo "make run           the whole workflow, to results/report.html"
+	@echo "make test          quick tests"
+	@echo "make test-all      every test: slow ones, whole runs, studies"
+	@echo "make test-machine  Debian packages that the cluster and browser tests need"
+	@echo "make setup         .venv with everything pinned"
+	@echo "make lint          check style"
+	@echo "make format        mend style"
+	@echo "make benchmarks    time the stages"
+	@echo "make docs          documentation, to build/docs/index.html"
+	@echo "make package-data  statistics of the default run, into the package"
+	@echo "make clean         remove results, logs and caches"
+	@echo "CORES=4 takes four cores; TORCH_INDEX= takes a build of torch for GPUs."
 
 # One thread a process, as in runs.
 test: setup

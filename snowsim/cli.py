@@ -22,6 +22,10 @@ seed_option = click.option("--seed", type=click.IntRange(0), default=0, help="Of
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
+# Images of more range lines take tens of gigabytes to render.
+MOST_RANGE_LINES = 2**16
+into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
+over_option = click.option("--force", is_flag=True, help="Write over files that are there.")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -40,7 +44,8 @@ def commands():
     "--layers", type=EXISTING, help="Layers of the one source, an echogram: it is cut into scenes."
 )
 @click.option("--netcdf", is_flag=True, help="Scenes as NetCDF, not image pairs.")
-def export(sources, folder, layers, netcdf):
+@into_option
+def export(sources, folder, layers, netcdf, force):
     """Write the scenes of SOURCES to FOLDER as image pairs: of scene sets, of folders of image
     pairs, or of one echogram with its --layers, which is levelled and cut into blocks of 256 range
     lines.
@@ -51,14 +56,13 @@ def export(sources, folder, layers, netcdf):
       snowsim export Data_20120429_01_001.mat --layers layer_20120429_01_001.mat my_scenes/
       snowsim export my_scenes/ as_netcdf/ --netcdf
     """  # noqa: D205, D301
-    from snowsim.io.export import export_netcdf, export_pairs
+    from snowsim.io.export import check_empty, export_netcdf, export_pairs
     from snowsim.io.frame_table import read_frame, scenes_of_frame
-    from snowsim.io.png_pairs import PairSet
-    from snowsim.io.scenes import SceneSet
 
+    if not force:
+        check_empty(folder)
     if layers is None:
-        sets = [PairSet(source) if source.is_dir() else SceneSet(source) for source in sources]
-        scenes = chain.from_iterable(sets)
+        scenes = chain.from_iterable(map(scene_set, sources))
     elif len(sources) > 1:
         msg = f"--layers are of one echogram, got {len(sources)}"
         raise click.UsageError(msg)
@@ -72,11 +76,26 @@ def export(sources, folder, layers, netcdf):
     echo_counts(written(folder, scenes))
 
 
+def scene_set(source):
+    """Scenes of a file or of a folder of image pairs; an echogram needs its layers."""
+    from snowsim.io.guard import is_zarr
+    from snowsim.io.png_pairs import PairSet
+    from snowsim.io.scenes import SceneSet
+    from snowsim.io.sniff import ECHOGRAMS, in_words, sniff
+
+    kind = "pairs" if source.is_dir() and not is_zarr(source) else sniff(source)
+    if kind in ECHOGRAMS:
+        msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE"
+        raise click.UsageError(msg)
+    return PairSet(source) if kind == "pairs" else SceneSet(source)
+
+
 @commands.command(short_help="What a file is: its axes, layers, and the traps found in it.")
 @click.argument("file", type=EXISTING)
 def info(file):
-    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes, an
-    image or an array, or a folder of image pairs; its axes and layers, and the traps found in it.
+    """Tell what FILE is: an echogram (IRSNO1B, CReSIS L1B, Open Polar Radar), layers, scenes,
+    statistics, an image or an array, or a folder of image pairs or exported scenes; its axes and
+    layers, and the traps found in it.
 
     \b
     Examples:
@@ -99,14 +118,17 @@ def info(file):
     help="Of a flight; the reference's if none.",
 )
 @click.option("--format", "form", type=click.Choice(["pairs", "netcdf", "zarr"]), default="pairs")
-@click.option("--range-lines", "n_range_lines", type=click.IntRange(2), default=256)
+@click.option(
+    "--range-lines", "n_range_lines", type=click.IntRange(2, MOST_RANGE_LINES), default=256
+)
 @click.option("--range-bins", "n_range_bins", type=COUNT, help="Default: as layers need.")
 @click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
 @click.option(
     "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel."
 )
+@into_option
 @seed_option
-def scenes(folder, n, statistics, form, seed, **settings):
+def scenes(folder, n, statistics, form, force, seed, **settings):
     """Draw layers from the statistics of a flight, render them with PHY and write them to FOLDER:
     as image pairs in the published benchmark's layout, or as NetCDF or Zarr.
 
@@ -119,10 +141,13 @@ def scenes(folder, n, statistics, form, seed, **settings):
     from tqdm import tqdm
 
     from snowsim.front import scenes
+    from snowsim.io.export import check_empty
 
+    if not force:
+        check_empty(folder)  # before it is drawn for seconds
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
     shown = tqdm(range(n), unit="scene", leave=False, disable=None)  # none where nobody looks
-    echo_counts(drawn.write(folder, form, indices=shown))
+    echo_counts(drawn.write(folder, form, indices=shown, force=force))
 
 
 @commands.command(
@@ -135,6 +160,9 @@ def scenes(folder, n, statistics, form, seed, **settings):
 )
 @click.option(
     "--picks", is_flag=True, help="Predictions are layers, not edge maps; they have no edge scores."
+)
+@click.option(
+    "--matched-only", is_flag=True, help="Leave truth without a prediction out of the scores."
 )
 @click.option("--no-suppress", "suppressed", is_flag=True, help="Maps are thin already.")
 @click.option(
@@ -160,7 +188,8 @@ def score(predictions, truth, form, **settings):
     of all.
 
     Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask,
-    layer numbers, or layers in range bins. To data_NAME or NAME belongs layer_binary_NAME,
+    layer numbers, or layers in range bins; where a prediction is missing, it counts as an empty
+    map. To data_NAME or NAME belongs layer_binary_NAME,
     layer_NAME, scene_NAME or NAME. The published predictor's folder is taken as it stands.
 
     \b
@@ -179,12 +208,17 @@ def score(predictions, truth, form, **settings):
         return tqdm(steps, total=total, unit="image", leave=False, disable=None)
 
     table = score_folders(predictions, truth, **settings, progress=progress)
+    notes = table.attrs["notes"]
+    if form != "json":
+        # A table of numbers alone goes into files.
+        click.echo("".join(f"{note}\n" for note in notes), nl=False, err=form == "csv")
     if form == "csv":
         click.echo(table.to_csv(index=False, float_format="%.10g", lineterminator="\n"), nl=False)
     elif form == "json":
         rows = json.loads(table.to_json(orient="records", double_precision=10))
         *images, found, low, high = rows
-        scores = {"settings": settings, "all": found, "low": low, "high": high, "images": images}
+        scores = {"notes": notes, "settings": settings}
+        scores |= {"all": found, "low": low, "high": high, "images": images}
         click.echo(json.dumps(scores, indent=1))
     else:
         echo_scores(table)
@@ -219,10 +253,11 @@ def echo_scores(table):
 @click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
 @click.option("--years", "n_years", type=int, default=20, help="Annual layers.")
 @click.option("--range-lines", "n_range_lines", type=COUNT, default=256)
+@over_option
 @seed_option
-def simulate(echogram, radar, changes, n_range_lines, seed, **climate):
+def simulate(echogram, radar, changes, n_range_lines, force, seed, **climate):
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar
-    dataset (NetCDF), and its layers beside it, as NAME_layers.nc.
+    dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
 
     \b
     Examples:
@@ -234,21 +269,51 @@ def simulate(echogram, radar, changes, n_range_lines, seed, **climate):
     from snowsim.front import Climate, Radar, simulate
     from snowsim.io.files import write_dataset
 
+    path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
+    check_outputs([echogram, path_to_layers], force)
     changes = dict(changes)
     numbers = vars(Radar.preset(radar)).keys() - {"window"}
     unknown = changes.keys() - numbers
     if unknown:
-        msg = f"--set: a radar has no number {min(unknown)}"
+        msg = f"--set: a radar has no number {min(unknown)}, but {', '.join(sorted(numbers))}"
         raise click.UsageError(msg)
     snow = Climate(**climate)
     radar = Radar.preset(radar, **changes)
+    one_line, _ = simulate(snow, radar, n_range_lines=1, rng=np.random.default_rng(seed))
+    check_room(one_line["Data"].nbytes, n_range_lines)
     rng = np.random.default_rng(seed)
     seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=rng)
-    path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
     for path, dataset in ((echogram, seen), (path_to_layers, layers)):
         write_dataset(path, dataset)
         sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
         click.echo(f"{path}: {sizes}")
+
+
+def check_outputs(paths, force):
+    """Refuse NetCDF files by another name, in no folder, or, unless by force, over others."""
+    for path in paths:
+        problem = None
+        if path.suffix != ".nc":
+            problem = "the file is NetCDF, end its name in .nc"
+        elif not path.parent.is_dir():
+            problem = f"there is no folder {path.parent}"
+        elif path.exists() and not force:
+            problem = "the file is there, --force writes over it"
+        if problem is not None:
+            msg = f"{path}: {problem}"
+            raise click.UsageError(msg)
+
+
+def check_room(line_bytes, n_range_lines):
+    """Refuse an echogram too large to be read back; simulating it takes several times its size."""
+    from snowsim.io.guard import MAXIMUM_BYTES
+
+    n_bytes = line_bytes * n_range_lines
+    if n_bytes > MAXIMUM_BYTES:
+        most = MAXIMUM_BYTES // line_bytes
+        msg = f"--range-lines {n_range_lines} make an echogram of some {n_bytes / 2**30:.2g} GiB, "
+        msg += f"readers take {MAXIMUM_BYTES / 2**30:g}: at most some {most} range lines"
+        raise click.UsageError(msg)
 
 
 def echo_counts(counts):

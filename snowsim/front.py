@@ -15,7 +15,7 @@ import xarray as xr
 from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
 from snowsim.io.datasets import echogram_dataset
-from snowsim.io.export import export_netcdf, export_pairs, export_zarr
+from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
 from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
 from snowsim.phy import render, render_scene
@@ -34,6 +34,10 @@ SPEED_M_S = 130.0
 LATITUDE = 75.0
 LONGITUDE = -45.0
 METRES_PER_DEGREE = 111_195.0
+RELATIVE_POWER = {
+    "units": "1",
+    "long_name": "power relative to a flat mirror in place of the snow",
+}
 CODES = {"quality": 1, "type": 2}  # good; automatic
 
 
@@ -120,6 +124,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     content["twtt"] = first_s + np.arange(power.shape[0]) * radar.bin_s
     content["Surface"] = first_s + layer_bins[0] * radar.bin_s
     echogram = echogram_dataset("simulate", content, attributes)
+    echogram["Data"].attrs = RELATIVE_POWER
     on = ("layer", "slow_time")
     peak_bins = layer_bins + lag_bins[:, None]
     layers = {
@@ -218,13 +223,16 @@ class Scenes(Sequence):
         notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
         return dataclasses.replace(scene, n_range_bins=n_range_bins, notes=notes)
 
-    def write(self, folder, format="pairs", *, indices=None):
+    def write(self, folder, format="pairs", *, indices=None, force=False):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
 
         `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
-        another.
+        another. A folder that is not empty is refused, unless by `force`: then files of the same
+        name are replaced and others stay.
         """
         check_choice("format", format, EXPORTS)
+        if not force:
+            check_empty(folder)
         return EXPORTS[format](
             folder, map(self.scene, range(len(self)) if indices is None else indices)
         )
@@ -279,8 +287,9 @@ def scenes(
     >>> len(drawn), image.shape, image.dtype, int(mask.max())
     (1500, (400, 256), dtype('uint8'), 1)
     """
-    if n < 1 or renderer != "phy":
-        msg = f"n must be at least 1 and renderer phy, got {n} and {renderer!r}"
+    check_choice("renderer", renderer, ("phy",))
+    if n < 1:
+        msg = f"n must be at least 1, got {n}"
         raise ValueError(msg)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)

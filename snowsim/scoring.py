@@ -7,7 +7,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from snowsim.io.guard import refusal
+from snowsim.echogram import layer_mask
+from snowsim.io.guard import listed, refusal
 from snowsim.io.predictions import pair_files, read_labels, read_map
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
@@ -31,6 +32,7 @@ def score_folders(
     *,
     output=None,
     picks=False,
+    matched_only=False,
     suppressed=False,
     tolerance=0.0075,
     tolerance_bins=None,
@@ -48,11 +50,13 @@ def score_folders(
     predictions, truth : path_like
         Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1] or 8-bit,
         layers bright; truth is a mask, layer numbers, or layers in range bins; truth without a
-        prediction is not scored. Of the published predictor's folder, as it stands, the maps of
-        `output` are scored, by default `fuse`.
+        prediction counts as an empty map. Of the published predictor's folder, as it stands, the
+        maps of `output` are scored, by default `fuse`.
     picks : bool
         Predictions are layers, not edge maps, in the forms of the truth; they have no edge scores.
         Else picks are followed through the edge maps, at the threshold of the best F of the set.
+    matched_only : bool
+        Leave truth without a prediction out.
     suppressed : bool
         Edge maps are thin already: no non-maximum suppression.
     tolerance, tolerance_bins : float
@@ -73,12 +77,13 @@ def score_folders(
         A row for each `image`, then `all` of them, and the `low` and `high` end of its 95 %
         interval: `ods`, `ois`, `ap`, `threshold` of the best F; `mean_absolute_error_bins`,
         `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
-        `n_missed_layers`, `n_false_layers`.
+        `n_missed_layers`, `n_false_layers`. ``table.attrs["notes"]`` lists in sentences what to
+        know of the set: which predictions are missing, which truth has no layer, why AP is 0.
 
     Raises
     ------
     ValueError
-        In one line: no pairs, a prediction without truth, sizes that differ, truth without a layer,
+        In one line: no pairs, a prediction without truth, sizes that differ, no layer in any truth,
         maps that leave [0, 1], dark layers on bright ground, files that cannot be read.
 
     Examples
@@ -93,7 +98,8 @@ def score_folders(
     >>> [round(float(table[column][0]), 2) for column in columns]
     [1.0, 1.0, 0.0]
     """
-    pairs = pair_files(predictions, truth, output=output, picks=picks)
+    truths = pair_files(predictions, truth, output=output, picks=picks)
+    pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 
@@ -113,18 +119,63 @@ def score_folders(
             max_distance_bins=max_distance_bins,
             within_bins=within_bins,
         )
+    without_layers = [name for (name, _, _), row in zip(pairs, rows, strict=True) if _empty(row)]
+    if len(without_layers) == len(pairs):
+        raise refusal(truth, "truth", "at least one layer", "none")
     names = [name for name, _, _ in pairs]
     rng = np.random.default_rng(seed)
-    return _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
+    table = _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
+    table.attrs["notes"] = _notes(truths, matched_only, without_layers, table)
+    return table
+
+
+def _empty(rows):
+    return rows["n_layers"].sum() == 0
+
+
+def _notes(truths, matched_only, without_layers, table):
+    """What to know of a set beside its scores, in sentences."""
+    missing = [name for name, prediction, _ in truths if prediction is None]
+    n_missing = len(missing)
+    notes = []
+    if matched_only:
+        notes.append(
+            f"scored are {len(truths) - n_missing} of {len(truths)} truths, those with a "
+            f"prediction; left out: {listed(missing)}"
+        )
+    elif missing:
+        notes.append(
+            f"truths without a prediction count as empty maps ({n_missing} of {len(truths)}): "
+            f"{listed(missing)}"
+        )
+    if without_layers:
+        notes.append(
+            f"in truths without a layer every prediction is false ({len(without_layers)} of "
+            f"{len(table) - 3}): {listed(without_layers)}"
+        )
+    found = table.iloc[-3]
+    if "ap" in table and found["ap"] == 0 < found["ods"]:
+        notes.append(
+            "ap is 0 because recall is the same at every threshold: maps of one level give a "
+            "curve of one point, without an area"
+        )
+    return notes
 
 
 def _edges_and_truth(prediction, truth, suppressed):
-    """Edge map of an image, suppressed; its mask and its layers."""
+    """Edge map of an image, suppressed; its mask and its layers.
+
+    Without a prediction the map is empty, and as high as the layers reach where truth is no image.
+    """
+    if prediction is None:
+        mask, layer_bins = read_labels(truth)
+        if mask is None:
+            n_range_bins = int(np.nanmax(layer_bins, initial=0)) + 2
+            mask = layer_mask(layer_bins, n_range_bins)
+        return np.zeros(mask.shape), mask, layer_bins
     probability = read_map(prediction)
-    mask, layer_bins = read_labels(truth, probability.shape)
-    if not mask.any():
-        raise refusal(truth, "truth", "at least one layer in the image", "none")
-    if not mask.all() and np.median(probability) > 0.5:
+    mask, layer_bins = read_labels(truth, probability.shape, prediction)
+    if mask.any() and not mask.all() and np.median(probability) > 0.5:
         on = probability[mask].mean()
         off = probability[~mask].mean()
         if on < off:
@@ -149,18 +200,30 @@ def _pick(pair, *, suppressed, threshold, **limits):
     """
     _, prediction, truth = pair
     if threshold is None:
-        _, picks = read_labels(prediction)
         _, layer_bins = read_labels(truth)
+        picks = np.empty((0, layer_bins.shape[1]))
+        if prediction is not None:
+            _, picks = read_labels(prediction)
     else:
         edges, _, layer_bins = _edges_and_truth(prediction, truth, suppressed)
         picks = pick_layers(edges, threshold=threshold, where=str(prediction))
     layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
-    if layer_bins.size == 0:
-        raise refusal(truth, "truth", "at least one layer", "none")
     n_lines = layer_bins.shape[1]
     if picks.shape[1] != n_lines:
         raise refusal(prediction, "size", f"{n_lines} range lines as {truth} has", picks.shape[1])
+    if len(layer_bins) == 0:
+        return _false_layers(picks)
     return layer_rows(picks, layer_bins, **limits)
+
+
+def _false_layers(picks):
+    """`layer_rows` where truth has no layer: every layer that was picked is false."""
+    n_picks = np.isfinite(picks).sum(axis=1)
+    n_picks = n_picks[n_picks > 0]
+    rows = pd.DataFrame(0, index=range(n_picks.size), columns=list(SUMS))
+    rows["n_picks"] = n_picks
+    rows["n_false_layers"] = 1
+    return rows
 
 
 def _tabulated(names, counts, picks, *, n_bootstrap, rng):

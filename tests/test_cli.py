@@ -1,5 +1,6 @@
 """Every command ends bad input in one line and an exit code; good input is described or written."""
 
+import dataclasses
 import resource
 import subprocess
 import sys
@@ -10,7 +11,11 @@ import pytest
 from click.testing import CliRunner
 from toy_scenes import toy_scenes
 
+import snowsim
 from snowsim.cli import commands, main
+from snowsim.front import REFERENCE
+from snowsim.io.export import export_netcdf
+from snowsim.io.files import read_dataset
 from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import write_scenes
@@ -53,6 +58,11 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "text.nc").write_text("no dataset")
     (tmp_path / "cut.npy").write_bytes((tmp_path / "one.npy").read_bytes()[:-1])
     write_scenes(tmp_path / "scenes.nc", toy_scenes(2))
+    (tmp_path / "b_layers.nc").touch()
+    snow = snowsim.Snowpack([0, 1], [340, 400])
+    rng = np.random.default_rng(1)
+    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=2, rng=rng)
+    echogram.to_netcdf(tmp_path / "echogram.nc")
     return tmp_path
 
 
@@ -71,12 +81,12 @@ def place(tmp_path, monkeypatch):
         (
             "score other.npy one.npy",
             1,
-            "one.npy: size: expected that of the prediction, (40, 20), found (50, 20)",
+            "other.npy: size: expected (50, 20) as one.npy has, found (40, 20)",
         ),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy shades.npy", 1, "shades.npy: mask: expected 0 and 1"),
         ("score one.npy dark.npy", 1, "inverted?"),
-        ("score one.npy narrow.npy", 1, "narrow.npy: size: expected 20 range lines"),
+        ("score one.npy narrow.npy", 1, "one.npy: size: expected 9 range lines as narrow.npy has"),
         (
             "score nan.npy one.npy",
             1,
@@ -104,7 +114,13 @@ def place(tmp_path, monkeypatch):
         ("export scenes.nc", 2, "Missing argument 'SOURCES...'"),
         ("export nowhere.nc out", 2, "'nowhere.nc' does not exist"),
         ("export scenes.nc text.nc", 2, "'text.nc' is a file"),
-        ("export text.nc out", 1, "text.nc: expected a scene file"),
+        ("export text.nc out", 1, "text.nc: content: expected"),
+        ("export scenes.nc true", 1, "true: folder: expected an empty or a new one, found 1 files"),
+        (
+            "export echogram.nc out",
+            2,
+            "Open Polar Radar echogram: name the file of its layers, --l",
+        ),
         ("export empty out", 1, "empty: scenes: expected files data_*.png"),
         ("export scenes.nc out", 1, "expected a plain file name"),  # "toy 0"
         ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
@@ -117,7 +133,15 @@ def place(tmp_path, monkeypatch):
         ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
         ("scenes data_out -n 1", 1, "the folder's name must not contain data_"),
         ("simulate empty", 2, "'empty' is a directory"),
-        ("simulate text.nc/a.nc", 1, "text.nc"),
+        ("scenes true -n 1", 1, "true: folder: expected an empty or a new one, found 1 files"),
+        ("scenes out --range-lines 3000000", 2, "2<=x<=65536"),
+        ("simulate text.nc/a.nc", 2, "text.nc/a.nc: there is no folder text.nc"),
+        ("simulate nowhere/a.nc", 2, "nowhere/a.nc: there is no folder nowhere"),
+        ("simulate text.nc", 2, "text.nc: the file is there, --force writes over it"),
+        ("simulate b.nc", 2, "b_layers.nc: the file is there, --force writes over it"),
+        ("simulate x.mat", 2, "x.mat: the file is NetCDF, end its name in .nc"),
+        ("simulate a.nc --set foo 1", 2, "no number foo, but bandwidth_hz, beamwidth_deg, bin_s,"),
+        ("simulate a.nc --range-lines 3000000", 2, "GiB, readers take 1: at most some"),
         ("simulate a.nc --set height_m tall", 2, "'tall' is not a valid float"),
         ("simulate a.nc --set height_m nan", 1, "radar: height_m must be positive"),
         ("simulate a.nc --set bandwidth_hz 1e9", 1, "bin_s must be longer, such as 7.2e-10 s"),
@@ -157,6 +181,7 @@ def test_no_room_ends_in_one_line(place, rng, arguments):
             place / f"frames/data_{name}.png", rng.integers(0, 256, size=(50, 20)).astype(np.uint8)
         )
         write_image(place / f"frames/layer_binary_{name}.png", TRUTH)
+    (place / "out").mkdir()
     command = [sys.executable, "-c", "from snowsim.cli import main; main()", *arguments.split()]
     # Standard output is a full disk; and no file may grow beyond 500 bytes.
     with open("/dev/full", "w") as full:
@@ -218,6 +243,44 @@ def test_info_tells_axes_layers_and_traps(tmp_path, rng, monkeypatch, capsys):
     formats.write_supplement("nsidc_supplement.nc", **dict.fromkeys(SUPPLEMENT_FLAGS, 0))
     main(["info", "nsidc.nc"])
     assert "no supplement" not in capsys.readouterr().out
+
+
+def described(path, capsys):
+    main(["info", str(path)])
+    return capsys.readouterr().out
+
+
+def test_info_tells_what_statistics_rest_on(tmp_path, capsys):
+    printed = described(REFERENCE, capsys)
+    assert printed.startswith("format  statistics of a flight\n")
+    assert "range bins of 0.2886 ns" in printed
+    assert "40960 range lines, 5.2 m apart" in printed
+    assert "layers  57" in printed
+    assert "synthetic reference flight" in printed
+    lacking = read_dataset(REFERENCE).drop_attrs()
+    lacking.to_netcdf(tmp_path / "lacking.nc")
+    with pytest.raises(SystemExit):
+        main(["info", str(tmp_path / "lacking.nc")])
+    assert "lacking.nc: statistics: expected those of a flight" in capsys.readouterr().err
+
+
+def test_info_tells_the_scenes_of_an_exported_folder(tmp_path, capsys):
+    scenes = [dataclasses.replace(scene, name=f"toy_{i}") for i, scene in enumerate(toy_scenes(2))]
+    export_netcdf(tmp_path / "set", scenes)
+    printed = described(tmp_path / "set", capsys)
+    assert printed.startswith("format  a folder of exported scenes\n")
+    assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in printed
+
+
+def test_info_tells_an_image_of_a_pair_from_an_edge_map(place, capsys):
+    # Mostly bright, as images are whose noise floor is far above their darkest pixel.
+    write_image(place / "true/data_a.png", np.full((50, 20), 200, np.uint8))
+    printed = described(place / "true/data_a.png", capsys)
+    assert printed.startswith("format  a PNG image: an echogram of the benchmark\n")
+    assert "layers  2, in labels beside it" in printed
+    assert "bright" not in printed
+    write_image(place / "empty/data_a.png", np.full((50, 20), 200, np.uint8))
+    assert "no labels" in described(place / "empty/data_a.png", capsys)
 
 
 def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):

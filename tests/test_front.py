@@ -1,6 +1,7 @@
 """What people script with: a radar simulated, and scenes without a run."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -40,6 +41,23 @@ def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_
     path_m = 500 + np.cumsum([0, 1 + 0.845 * 0.34, 1.5 * (1 + 0.845 * 0.4)])
     delay_s = 2 * path_m / SPEED_OF_LIGHT_M_S
     assert_allclose(twtt, np.tile(delay_s[:, None], 5), rtol=1e-12)
+
+
+def test_simulated_power_is_labelled_as_what_it_is_relative_to(rng):
+    snow = snowsim.Snowpack(**SNOW)
+    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=1, rng=rng)
+    assert echogram["Data"].attrs["units"] == "1"
+    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
+
+
+def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
+    snowsim.scenes(3, rng=1, n_range_lines=16).write(tmp_path / "few")
+    before = sorted((tmp_path / "few").iterdir())
+    others = snowsim.scenes(2, rng=2, n_range_lines=16)
+    with pytest.raises(ValueError, match="few: folder: expected an empty or a new one, found 10"):
+        others.write(tmp_path / "few")
+    assert sorted((tmp_path / "few").iterdir()) == before
+    assert others.write(tmp_path / "few", force=True)["n_scenes"] == 2
 
 
 def test_layers_are_as_bright_as_eq_1_and_noise_as_deep_as_the_radar_says(rng):
@@ -94,8 +112,9 @@ def test_a_loader_of_torch_takes_scenes_as_they_are(drawn):
 @pytest.mark.parametrize("radiometry", ["constant", "measured"])
 def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometry):
     some = snowsim.scenes(2, rng=2, n_range_lines=32, radiometry=radiometry)
-    for form in ("pairs", "netcdf", "zarr", "zarr"):
+    for form in ("pairs", "netcdf", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
+    assert some.write(tmp_path / "zarr", "zarr", force=True)["n_scenes"] == 2
     scene = some.scene(1)
     with xr.open_dataset(tmp_path / "netcdf/scene_drawn_000001.nc") as kept:
         assert_array_equal(kept["image"], scene.image)
@@ -107,7 +126,11 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: snowsim.scenes(2, rng=1, renderer="cgan"), "renderer phy, got 2 and 'cgan'"),
+        (
+            lambda: snowsim.scenes(2, rng=1, renderer="cgan"),
+            "^renderer must be one of phy, got 'cgan'$",
+        ),
+        (lambda: snowsim.scenes(0, rng=1), "^n must be at least 1, got 0$"),
         (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
         (
             lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
@@ -160,6 +183,10 @@ def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
     xr.testing.assert_allclose(kept, shipped(made), rtol=1e-4)
 
 
+def radar_numbers():
+    return [name for name in vars(PRESETS["snow-2-8"]) if name != "window"]
+
+
 def test_commands_write_what_the_functions_give(tmp_path):
     assert set(cli.PRESETS) == set(PRESETS)
     asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
@@ -170,9 +197,10 @@ def test_commands_write_what_the_functions_give(tmp_path):
     echogram, layers = snowsim.simulate(climate, radar, n_range_lines=4, rng=rng)
     xr.testing.assert_equal(read_dataset(tmp_path / "a.nc"), echogram)
     xr.testing.assert_equal(read_dataset(tmp_path / "a_layers.nc"), layers)
-    done = CliRunner().invoke(cli.simulate, [*asked, "--set", "colour", "1"])
+    done = CliRunner().invoke(cli.simulate, [*asked, "--force", "--set", "colour", "1"])
     assert done.exit_code == 2
-    assert "a radar has no number colour" in done.output
+    assert "a radar has no number colour, but bandwidth_hz, " in done.output
+    assert set(radar_numbers()) <= set(re.findall(r"\w+", done.output))
     done = CliRunner().invoke(cli.simulate, ["--help"])
     assert "\n    snowsim simulate echogram.nc" in done.output
     done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])

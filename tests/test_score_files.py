@@ -42,12 +42,13 @@ def folders(tmp_path):
         write_image(tmp_path / f"true/data_20120429_01_{number:03d}.png", edge_map())
     write_image(
         tmp_path / "true/layer_binary_20120429_01_999.png", MASK
-    )  # a train scene: not predicted, not scored
+    )  # a train scene: not predicted
     return tmp_path / "made", tmp_path / "true"
 
 
 def test_the_published_predictors_folder_is_scored_as_it_stands(folders, capsys):
-    main([*map(str, ["score", *folders]), "--format", "json", "--bootstrap", "20"])
+    command = [*map(str, ["score", *folders]), "--matched-only", "--bootstrap", "20"]
+    main([*command, "--format", "json"])
     printed = json.loads(capsys.readouterr().out)
     counts = match_counts(suppress(edge_map(1) / 255), MASK, THRESHOLDS)
     chain = score([counts], THRESHOLDS)
@@ -190,3 +191,87 @@ def test_a_tolerance_in_pixels_is_reached_exactly(tmp_path):
         for bins in (2.9, 3)
     ]
     assert found[0] < found[1] == 1
+
+
+@pytest.fixture
+def ten(tmp_path):
+    """Ten truths of the same layers, and a map of each, of which every second finds one layer."""
+    for folder in ("made", "true"):
+        (tmp_path / folder).mkdir()
+    for number in range(10):
+        found = LAYERS[:1] if number % 2 else LAYERS
+        np.save(tmp_path / f"made/{number}.npy", edge_map(1, found))
+        np.save(tmp_path / f"true/{number}.npy", LAYERS)
+    return tmp_path / "made", tmp_path / "true"
+
+
+@pytest.mark.parametrize("picks", [False, True])
+def test_scores_do_not_rise_when_predictions_are_missing(ten, picks):
+    made, true = ten
+    if picks:
+        for number in range(10):
+            np.save(made / f"{number}.npy", LAYERS)
+    metric = "share_found" if picks else "ods"
+    whole = score_folders(*ten, picks=picks, n_bootstrap=1).set_index("image")
+    (made / "1.npy").unlink()
+    lacking = score_folders(*ten, picks=picks, n_bootstrap=1)
+    said = "truths without a prediction count as empty maps (1 of 10): 1"
+    assert lacking.attrs["notes"] == [said]
+    lacking = lacking.set_index("image")
+    assert lacking.loc["1", [metric, "n_missed_layers"]].tolist() == [0, 3]
+    assert lacking.loc["all", metric] < whole.loc["all", metric]
+
+
+@pytest.mark.parametrize("form", ["table", "csv", "json"])
+def test_scores_of_matched_pairs_alone_say_so_first(ten, capsys, form):
+    (ten[0] / "1.npy").unlink()
+    main([*map(str, ["score", *ten]), "--matched-only", "--bootstrap", "1", "--format", form])
+    out, err = capsys.readouterr()
+    said = "scored are 9 of 10 truths, those with a prediction; left out: 1"
+    if form == "json":
+        assert json.loads(out)["notes"] == [said]
+    else:
+        assert (err if form == "csv" else out).startswith(f"{said}\n")
+    assert "1," not in [line[:2] for line in out.splitlines()]
+
+
+def test_truth_without_a_layer_counts_what_is_predicted_there_as_false(ten):
+    np.save(ten[1] / "1.npy", np.zeros((N_BINS, 64)))
+    table = score_folders(*ten, n_bootstrap=1)
+    said = "in truths without a layer every prediction is false (1 of 10): 1"
+    assert table.attrs["notes"] == [said]
+    row = table.set_index("image").loc["1"]
+    assert row[["ods", "n_layers", "n_missed_layers", "n_false_layers"]].tolist() == [0, 0, 0, 1]
+
+
+def test_picks_without_a_layer_miss_every_layer(ten):
+    for number in range(10):
+        np.save(ten[0] / f"{number}.npy", np.empty((0, 64)))
+    whole = score_folders(*ten, picks=True, n_bootstrap=1).set_index("image").loc["all"]
+    assert whole[["n_layers", "n_missed_layers", "n_false_layers"]].tolist() == [30, 30, 0]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, int, float])
+def test_layer_numbers_are_read_from_an_array_as_from_an_image(tmp_path, dtype):
+    gap = np.where(np.arange(64) > 40, np.nan, 1)
+    layers = LAYERS * np.stack([np.ones(64), gap, np.ones(64)])
+    numbers = layer_numbers(layers, N_BINS)[0]
+    np.save(tmp_path / "true.npy", numbers.astype(dtype))
+    np.save(tmp_path / "made.npy", layers)
+    np.save(tmp_path / "map.npy", edge_map())
+    files = [tmp_path / "made.npy", tmp_path / "true.npy"]
+    # In a mask alone, the layer below the gap would count up.
+    errors = score_folders(*files, picks=True, n_bootstrap=1).loc[0]
+    assert errors[["share_found", "n_layers", "n_false_layers"]].tolist() == [1, 3, 0]
+    edges = score_folders(tmp_path / "map.npy", tmp_path / "true.npy", n_bootstrap=1)
+    assert edges.loc[0, "n_layers"] == 3
+
+
+def test_a_perfect_map_of_one_level_is_told_why_its_ap_is_0(tmp_path):
+    np.save(tmp_path / "made.npy", MASK)
+    np.save(tmp_path / "true.npy", MASK)
+    files = [tmp_path / f"{name}.npy" for name in ("made", "true")]
+    table = score_folders(*files, suppressed=True, n_bootstrap=1)
+    assert table.loc[0, ["ods", "ap"]].tolist() == [1, 0]
+    (note,) = table.attrs["notes"]
+    assert note.startswith("ap is 0 because recall is the same at every threshold")

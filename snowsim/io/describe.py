@@ -1,35 +1,55 @@
 """What a file is, in words: its format, axes, layers, and the traps found in it."""
 
+import json
+
 import numpy as np
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s
+from snowsim.echogram import Scene, along_track_m, bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.guard import existing, is_zarr, refusal
+from snowsim.io.containers import read_netcdf
+from snowsim.io.files import read_dataset
+from snowsim.io.guard import (
+    check_present,
+    container_of,
+    existing,
+    is_zarr,
+    library_errors,
+    refusal,
+)
+from snowsim.io.images import read_image
 from snowsim.io.layers import surface_among
-from snowsim.io.png_pairs import PairSet, tells_db
+from snowsim.io.png_pairs import LABEL_PREFIXES, PairSet, read_pair, tells_db
 from snowsim.io.predictions import read_labels, read_map
 from snowsim.io.scenes import SceneSet
-from snowsim.io.sniff import in_words, names_in, sniff
+from snowsim.io.sniff import ECHOGRAMS, in_words, names_in, sniff
 
 
 def describe(path):
-    """Lines with `format`, `axes`, `layers` and `traps`, by these names, of a file or image pairs.
+    """Lines with `format`, `axes`, `layers` and `traps`, by these names, of a file or its folder.
 
     The file is read as a whole: what its reader refuses is refused here, in the reader's own line.
     """
     path = existing(path, directory=True)
     if path.is_dir() and not is_zarr(path):
+        exported = sorted(path.glob("scene_*.nc"))
+        if exported:
+            return _scenes("a folder of exported scenes", map(_exported_scene, exported))
         pairs = PairSet(path)
         pairs.check()
         return _scenes("a folder of benchmark pairs", pairs)
+    if path.name.startswith("data_") and container_of(path) == "png":
+        return _pair(path)
     if path.suffix == ".npy":
         return _image("an array", path)
     kind = sniff(path)
     what = in_words(kind)
     if kind in ("png", "scene"):
         return _image(what, path)
-    if kind in ("nsidc", "cresis", "opr"):
+    if kind == "statistics":
+        with library_errors(path, "statistics", "those of a flight, as a run writes them"):
+            return _statistics(what, read_dataset(path))
+    if kind in ECHOGRAMS:
         return _echogram(what, read_echogram(path), names_in(path))
     if kind in ("cresis_layer", "cresis_layer_data", "opr_layers"):
         return _layers(what, read_layers(path))
@@ -107,6 +127,51 @@ def _scenes(what, scenes):
         f"{n_outside} scenes lie outside what their generator was trained on": n_outside,
     }
     return _said(what, [axes], [f"{layers} a scene"], traps)
+
+
+def _exported_scene(path):
+    """Scene of a file that `snowsim.io.export.export_netcdf` wrote."""
+    stored = read_netcdf(path)
+    check_present(path, ("layer_bins",), stored.variables)
+    with library_errors(path, "scene", "one that was exported"):
+        attributes = stored.attrs
+        return Scene(
+            attributes["name"],
+            int(attributes["n_range_bins"]),
+            stored["layer_bins"].values,
+            image=stored["image"].values if "image" in stored else None,
+            noise_floor_db=float(attributes["noise_floor_db"]),
+            maximum_db=float(attributes["maximum_db"]),
+            notes=json.loads(attributes["notes"]),
+        )
+
+
+def _pair(path):
+    """Image of a scene, with what its labels beside it tell."""
+    image, numbers = read_image(path)
+    scene = Scene(path.stem, len(image), np.empty((0, image.shape[1])), image=image, **numbers)
+    beside = [path.with_name(path.name.replace("data_", prefix, 1)) for prefix in LABEL_PREFIXES]
+    is_labelled = any(label.is_file() for label in beside)
+    if is_labelled:
+        scene = read_pair(path)
+    traps = {
+        "no labels layer_* or layer_binary_* beside it": not is_labelled,
+        "does not hold its decibels": not tells_db(scene),
+    }
+    layers = [f"{len(scene.layer_bins)}, in labels beside it"] if is_labelled else []
+    return _said("a PNG image: an echogram of the benchmark", [_axes(image)], layers, traps)
+
+
+def _statistics(what, statistics):
+    """Of a flight: what they were estimated from."""
+    about = statistics.attrs
+    bins = f"range bins of {1e9 * about['bin_size_s']:.4g} ns"
+    lines = f"{about['n_range_lines']} range lines, {about['line_spacing_m']:.4g} m apart"
+    frames = f"{about['n_frames']} frames, {about['n_looks']:.3g} looks"
+    synthetic = about.get("synthetic")
+    missing = about.get("radiometry_missing")
+    traps = {synthetic: synthetic, f"radiometry is missing: {missing}": missing}
+    return _said(what, [bins, lines, frames], [f"{statistics.sizes['layer']}"], traps)
 
 
 def _image(what, path):

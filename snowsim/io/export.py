@@ -10,6 +10,7 @@ import xarray as xr
 
 from snowsim.echogram import check_choice
 from snowsim.io.files import write_dataset, write_store, written_whole
+from snowsim.io.guard import refusal
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
 FORMAT = "snowsim scene 1"
@@ -18,6 +19,15 @@ MAXIMUM_NUMBER = 255  # layer numbers are 8-bit
 # Plain names of files. Loaders replace "data_" wherever it stands, and "binary_" in front makes a
 # number image a mask.
 NAME = re.compile(r"(?!.*data_)(?!binary_)[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+def check_empty(folder):
+    """Raise ValueError if a folder to write scenes to holds something already."""
+    held = sorted(path.name for path in Path(folder).glob("*"))
+    if held:
+        raise refusal(
+            folder, "folder", "an empty or a new one", f"{len(held)} files: {held[0]} ..."
+        )
 
 
 def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):

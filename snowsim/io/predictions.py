@@ -30,9 +30,10 @@ AXES = (
 
 
 def pair_files(predictions, truth, *, output=None, picks=False):
-    """Every prediction with its truth, a list of (name, path, path of the truth) by name.
+    """Every truth with its prediction, a list of (name, path or None, path of the truth) by name.
 
-    A prediction without a truth is refused. Both are folders of .png, .npy or .nc files, or a file
+    A prediction without a truth is refused; a truth without a prediction, unless it is an image
+    `data_*`, comes with None. Both are folders of .png, .npy or .nc files, or a file
     each. In a folder that holds the published predictor's, the one of `output` is taken, by default
     `fuse`; never `merge` or `jpg_out`. Files are paired by what follows `data_`, `layer_binary_`,
     `layer_` or `scene_`; of several, truth (and `picks`) is the first of `LABELLED`, a map the
@@ -57,7 +58,8 @@ def pair_files(predictions, truth, *, output=None, picks=False):
         expected = f"files {', '.join(ENDINGS)}, each with a truth of its name in {truth}"
         found = f"{len(made)}, without truth: {listed(alone)}" if made else "no file"
         raise refusal(predictions, "pairs", expected, found)
-    return [(name, made[name], truths[name]) for name in sorted(made)]
+    true = [name for name, path in truths.items() if not path.stem.startswith("data_")]
+    return [(name, made.get(name), truths[name]) for name in sorted(made.keys() | true)]
 
 
 def _by_name(folder, order):
@@ -106,34 +108,39 @@ def read_map(path):
     return values.astype(float)
 
 
-def read_labels(path, shape=None):
+def read_labels(path, shape=None, image=None):
     """Mask (or None) and layers of a file.
 
     The mask is bool (range_bin, range_line), layers are (layer, range_line) in range bins. An image
     is a mask (two levels) or holds layer numbers; for those of the published benchmark both are
-    read where both are there. An array that has 0 and 1 (or 255) alone is a mask, any other holds
-    range bins, as `layer_bins` of a NetCDF file does; it has a mask where `shape` is given, which
-    is that of the image the labels must fit.
+    read where both are there. An array that has 0 and 1 (or 255) alone is a mask, one of whole
+    numbers with 0 twice in a range line holds layer numbers, any other holds range bins, as
+    `layer_bins` of a NetCDF file does; it has a mask where `shape` is given, which is that of the
+    `image` that must fit the labels.
     """
     path = existing(path)
     if path.suffix == ".png":
-        labels = _image_labels(path, shape)
+        labels = _image_labels(path)
     else:
-        name, values = _array(path, LABELS)
-        if name == "layer_bins" or not _is_mask(values):
-            return _layers(path, name, values, shape)
-        labels = Labels(path, values > 0)
+        name, values = _array(path, LABELS, smallest=(0, 1))
+        if name == "layer_bins" or not (_is_mask(values) or _is_numbers(values)):
+            return _layers(path, name, values, shape, image)
+        labels = _drawn_labels(path, values)
     mask = labels.mask()
     if shape is not None and mask.shape != tuple(shape):
-        raise refusal(path, "size", f"that of the prediction, {tuple(shape)}", mask.shape)
+        raise refusal(image, "size", f"{mask.shape} as {path} has", tuple(shape))
     return mask, labels.layer_bins()
 
 
-def _image_labels(path, shape):
+def _image_labels(path):
     if path.stem.startswith("layer_"):
-        return png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"), shape)
-    values = _grey(path)
-    return Labels(path, values > 0 if _is_mask(values) else values)
+        return png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"), None)
+    return _drawn_labels(path, _grey(path))
+
+
+def _drawn_labels(path, values):
+    """Labels of an image that is a mask or holds layer numbers."""
+    return Labels(path, values > 0 if _is_mask(values) else values.astype(np.uint8))
 
 
 def _grey(path):
@@ -142,10 +149,17 @@ def _grey(path):
 
 
 def _is_mask(values):
-    return np.isin(values, (0, 1)).all() or np.isin(values, (0, 255)).all()
+    """Whether an image has two levels; layers without a row are none."""
+    return len(values) > 0 and (np.isin(values, (0, 1)).all() or np.isin(values, (0, 255)).all())
 
 
-def _layers(path, name, values, shape):
+def _is_numbers(values):
+    """Whether an image holds layer numbers: layers in range bins are never at 0 twice."""
+    twice = ((values == 0).sum(axis=0) > 1).any()
+    return twice and np.isin(values, np.arange(256)).all()
+
+
+def _layers(path, name, values, shape, image):
     """Layers in range bins, and their mask where they must fit an image of a shape."""
     if name == "mask" or (shape is not None and values.shape == tuple(shape)):
         expected = "0 and 1, or layers (layer, range_line) in range bins"
@@ -156,16 +170,15 @@ def _layers(path, name, values, shape):
         return None, values
     n_range_bins, n_lines = shape
     if values.shape[1] != n_lines:
-        expected = f"{n_lines} range lines as the prediction has"
-        raise refusal(path, "size", expected, values.shape[1])
+        raise refusal(image, "size", f"{values.shape[1]} range lines as {path} has", n_lines)
     return layer_mask(values, n_range_bins), values
 
 
-def _array(path, names):
+def _array(path, names, smallest=(1, 1)):
     """Name and values of the array in an .npy file (no name) or a NetCDF file."""
     name, values = ("", _npy(path)) if path.suffix == ".npy" else _variable(path, names)
     what = name or "array"
-    if values.ndim != 2 or values.size == 0:
+    if values.ndim != 2 or any(np.less(values.shape, smallest)):
         expected = "two axes, down range and along track"
         raise refusal(path, what, expected, f"shape {values.shape}")
     return name, numeric(path, what, values)

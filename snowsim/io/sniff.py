@@ -28,8 +28,13 @@ FORMATS = {
     "supplement": ("an IRSNO1B supplement", SUPPLEMENT_FLAGS),
     "scenes": ("a set of scenes", ("layer_bins", "n_range_bins", "n_layers")),
     "scene": ("an exported scene", ("layer_bins", "image")),
+    "statistics": (
+        "statistics of a flight",
+        ("peak_power", "variance_bins2", "thickness_psd", "zone_edge_bins"),
+    ),
     "pair": ("a benchmark pair", ("data", "layer")),
 }
+ECHOGRAMS = ("nsidc", "cresis", "opr")
 # A file that lost half its variables is still called by its name, and what it lacks is named.
 SMALLEST_SHARE = 0.4
 

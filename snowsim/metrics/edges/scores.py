@@ -88,7 +88,8 @@ def score(counts, thresholds=None):
     AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest
     threshold stays, precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the
     recalls seen are dropped, and the sum is divided by 100. It can reach 1.01 where recall spans 0
-    to 1.
+    to 1, and is 0, as in the published code, where recall is the same at every threshold: even
+    perfect maps of one level have a curve of one point, without an area.
 
     Examples
     --------

@@ -95,8 +95,10 @@ def orientation(smoothed):
     slope_bin, slope_line = _gradient(triangle_filter(smoothed, ORIENTATION_RADIUS))
     line_line = _gradient(slope_line)[1]
     bin_bin, bin_line = _gradient(slope_bin)
-    tangent = bin_bin * np.sign(-bin_line) / (line_line + 1e-5)
-    return np.mod(np.arctan(tangent), np.pi)
+    # Of a denominator of 0 the limit: across the layer, and 0 where sign(0) = 0.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        tangent = bin_bin * np.sign(-bin_line) / (line_line + 1e-5)
+    return np.mod(np.arctan(np.nan_to_num(tangent)), np.pi)
 
 
 def _gradient(image):

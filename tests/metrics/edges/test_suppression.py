@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from snowsim.metrics.edges import suppress, thin
+from snowsim.metrics.edges import suppress, suppression, thin
 from snowsim.metrics.edges.suppression import orientation, triangle_filter
 
 
@@ -25,6 +25,16 @@ def suppress_slowly(prediction):
         np.minimum(np.minimum(np.arange(n), np.arange(n)[::-1]), 5) / 5 for n in prediction.shape
     ]
     return np.where(keep, smoothed, 0) * ramp[0][:, None] * ramp[1]
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_curvature_that_cancels_the_denominator_gives_no_warning(monkeypatch):
+    cancelling = np.full((3, 2), -1e-5)
+    slope = np.array([[1.0, 0], [0, -1.0], [1.0, -1.0]])
+    curvatures = iter([[slope, slope], [slope, cancelling], [slope, -np.ones((3, 2))]])
+    monkeypatch.setattr(suppression, "_gradient", lambda image: next(curvatures))
+    across = np.pi / 2
+    assert_allclose(orientation(np.zeros((3, 2))), [[across, 0], [0, across], [across, across]])
 
 
 def test_suppression_equals_an_independent_slow_one(rng):
