@@ -116,13 +116,14 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - SURFACE_ROW * radar.bin_s
     attributes = vars(radar) | {
         # A window with its parameters is no attribute of a file.
-        "window": radar.window if isinstance(radar.window, str) else str(radar.window),
+        "window": str(radar.window),
         "synthetic": "simulated from a snowpack and a radar, not observed data",
     }
-    content = _track(n_range_lines, radar)
-    content["Data"] = power
-    content["twtt"] = first_s + np.arange(power.shape[0]) * radar.bin_s
-    content["Surface"] = first_s + layer_bins[0] * radar.bin_s
+    content = _track(n_range_lines, radar) | {
+        "Data": power,
+        "twtt": first_s + np.arange(power.shape[0]) * radar.bin_s,
+        "Surface": first_s + layer_bins[0] * radar.bin_s,
+    }
     echogram = echogram_dataset("simulate", content, attributes)
     echogram["Data"].attrs = RELATIVE_POWER
     on = ("layer", "slow_time")

@@ -71,8 +71,9 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
 
     A dict of arrays. Zones hold equal numbers of blocks by mean thickness of slab 0 (Yari et al.
     2021 have four and give no bounds), or lie between `zone_edge_bins (edge,)`. Returned are
-    `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`, `relative_thickness_mean`,
-    `relative_thickness_variance (zone, slab)`, `thickness_psd (zone, slab, wavenumber)`, each with
+    `zone_edge_bins (edge)`; `thickness_mean_bins`, `thickness_variance_bins2`,
+    `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone,
+    slab, wavenumber)`, each with
     `<name>_standard_error`; `n_samples`, `n_psd_samples`, `source`, `psd_source (zone, slab)`;
     `thickness_correlation (band, separation)`, `relative_thickness_correlation (separation)`;
     `n_gap_blocks (slab)`; `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1,
