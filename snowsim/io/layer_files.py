@@ -1,0 +1,167 @@
+"""Layers of a tracker as layer files that the field's own tools read."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import scipy.io
+
+from snowsim.echogram import check_layers
+from snowsim.io.datasets import LEAP_DAYS, PARAMETERS
+from snowsim.io.files import write_dataset, written_whole
+from snowsim.io.guard import refusal
+from snowsim.io.layers import AUTOMATIC, GOOD, SURFACE
+
+# MAT v5 begins with a text of this length. The date that scipy writes there would make the bytes
+# of the same layers differ.
+HEADER_BYTES = 116
+HEADER = b"MATLAB 5.0 MAT-file, layers by snowsim".ljust(HEADER_BYTES)
+VERSION = "1"
+POSITIONS = {"lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
+GROUP_OF_SURFACE = "standard"
+GROUP = "snowsim"
+
+
+def write_layer_files(folder, segment, frames, *, force=False):
+    """Write layers of a segment as CReSIS layer files, in `folder/CSARP_layer/segment`.
+
+    `Data_SEGMENT_FFF.mat` for each frame, and `layer_SEGMENT.mat`, which names the layers of all.
+    Layer 0 is the surface; layer i is `snow_i` in every frame. A frame's file holds its surface and
+    the layers it has picks of.
+
+    Parameters
+    ----------
+    folder : path_like
+        Where the tree begins.
+    segment : str
+        Day and number, such as "20120330_04".
+    frames : mapping of int to xarray.Dataset
+        By number of the frame: `twtt` [s], `quality` (1 good, 2 moderate, 3 bad), `type` (1 manual,
+        2 automatic) on (layer, slow_time), and `Latitude`, `Longitude`, `Elevation` along
+        slow_time. Layer i is the same layer in all.
+    force : bool
+        Replace files that are there.
+
+    Returns
+    -------
+    list of Path
+        What was written, the organizer last.
+
+    Raises
+    ------
+    ValueError
+        If a file is there and `force` is not set; if the folder holds layer files of other frames,
+        whose layers the organizer would name anew; if layers cross, or a variable is missing.
+    """
+    parent = Path(folder) / "CSARP_layer" / segment
+    organizer = parent / f"layer_{segment}.mat"
+    contents = {}
+    for number, layers in frames.items():
+        path = parent / f"Data_{segment}_{number:03d}.mat"
+        contents[path] = _frame_content(path, segment, layers)
+    others = sorted(set(parent.glob(f"Data_{segment}_*.mat")) - set(contents))
+    if others:
+        raise refusal(parent, "layer files", "those of the frames tracked alone", others[0].name)
+    n_layers = max(layers.sizes["layer"] for layers in frames.values())
+    first = next(iter(frames.values()))
+    contents[organizer] = _organizer_content(segment, first.attrs, n_layers)
+    if not force:
+        for path in contents:
+            refuse_existing(path)
+    for path, content in contents.items():
+        _write_mat(path, content)
+    return list(contents)
+
+
+def write_layers(path, layers, *, force=False):
+    """Write the same layers of one frame as NetCDF, with all that the dataset has along."""
+    check_layers(layers, str(path))
+    if not force:
+        refuse_existing(path)
+    write_dataset(path, layers)
+
+
+def refuse_existing(path):
+    """Refuse to write over a file that is there."""
+    if Path(path).exists():
+        raise refusal(path, "file", "none to be there, or force", "one")
+
+
+def gps_seconds(slow_time):
+    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `from_gps_seconds`.
+
+    Equal to the seconds that the times were read from to the last bit: doubles of this age lie
+    2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
+    line; a first line within a leap second itself, which UTC writes as the next, is taken for that.
+    """
+    nanoseconds = np.asarray(slow_time, dtype="datetime64[ns]").astype(np.int64)
+    days = np.array(LEAP_DAYS, dtype="datetime64[ns]").astype(np.int64)
+    offset = int(np.searchsorted(days, nanoseconds[0], side="right"))
+    whole, rest = np.divmod(nanoseconds, 1_000_000_000)
+    return (whole + offset) + rest * 1e-9
+
+
+def _frame_content(path, segment, layers):
+    """Variables of a frame's layer file, shaped as MATLAB has them; rows with picks alone."""
+    check_layers(layers, str(path))
+    twtt = layers["twtt"].transpose("layer", "slow_time").values.astype(float)
+    picked = np.isfinite(twtt)
+    kept = picked.any(axis=1)
+    kept[0] = True
+    content = {
+        "file_type": "layer",
+        "file_version": VERSION,
+        "gps_time": gps_seconds(layers["slow_time"].values)[None],
+        "id": 1.0 + np.flatnonzero(kept)[None],
+        "twtt": twtt[kept],
+        "param": _parameters(segment, layers.attrs),
+    }
+    for theirs, ours in POSITIONS.items():
+        if ours not in layers:
+            raise refusal(path, ours, "along slow_time", "none")
+        content[theirs] = layers[ours].values.astype(float)[None]
+    for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
+        flags = layers[name].transpose("layer", "slow_time").values
+        content[name] = np.where(picked, flags, absent).astype(np.uint8)[kept]
+    return content
+
+
+def _organizer_content(segment, attributes, n_layers):
+    """Variables of the file that names the layers of a segment."""
+    numbers = 1.0 + np.arange(n_layers)[None]
+    below = range(1, n_layers)
+    nothing = [np.empty((0, 0), dtype=object)] * n_layers
+    return {
+        "file_type": "layer_organizer",
+        "file_version": VERSION,
+        "lyr_age": np.full((1, n_layers), np.nan),
+        "lyr_age_source": _cell(nothing),
+        "lyr_desc": _cell(["snow surface", *("snow layer, tracked" for _ in below)]),
+        "lyr_group_name": _cell([GROUP_OF_SURFACE, *(GROUP for _ in below)]),
+        "lyr_id": numbers,
+        "lyr_name": _cell([SURFACE, *(f"snow_{layer}" for layer in below)]),
+        "lyr_order": numbers,
+        "param": _parameters(segment, attributes),
+    }
+
+
+def _parameters(segment, attributes):
+    """Struct `param`: radar, season and segment, as far as the echogram tells."""
+    known = {name: str(attributes.get(name, "")) for name in PARAMETERS}
+    return known | {"day_seg": segment, "sw_version": {"ver": "snowsim"}}
+
+
+def _cell(values):
+    """A row of MATLAB cells."""
+    row = np.empty((1, len(values)), dtype=object)
+    for column, value in enumerate(values):
+        row[0, column] = value
+    return row
+
+
+def _write_mat(path, content):
+    """Write a MAT v5 file, whole or not at all; the same content gives the same bytes."""
+    buffer = io.BytesIO()
+    scipy.io.savemat(buffer, content, do_compression=True)
+    with written_whole(path) as aside:
+        aside.write_bytes(HEADER + buffer.getvalue()[HEADER_BYTES:])

@@ -1,0 +1,147 @@
+"""Layer files written: read back to the same numbers, laid out as the real ones are."""
+
+import formats
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+from formats import refused
+from numpy.testing import assert_array_equal
+
+from snowsim.io import layer_files, read_layers
+from snowsim.io.datasets import from_gps_seconds
+from snowsim.io.layer_files import gps_seconds, write_layer_files, write_layers
+
+SEGMENT = "20120330_04"
+N_LINES = 30
+GPS_TIME = formats.GPS_START + 0.0537 * np.arange(N_LINES)
+ALONG = ("layer", "slow_time")
+
+
+@pytest.fixture
+def layers():
+    """Surface, a layer with gaps, one without a pick and one more."""
+    surface = 3.0e-6 + 1e-9 * np.sin(np.arange(N_LINES))
+    twtt = surface + np.array([0, 2e-8, np.nan, 5.1e-8])[:, None]
+    twtt[1, 5:9] = np.nan
+    confidence = np.where(np.isnan(twtt), np.nan, 0.9)
+    dataset = xr.Dataset(
+        {
+            "twtt": (ALONG, twtt, {"units": "s"}),
+            "quality": (ALONG, np.full(twtt.shape, 2, dtype=np.uint8)),
+            "type": (ALONG, np.full(twtt.shape, 2, dtype=np.uint8)),
+            "confidence": (ALONG, confidence),
+            "twtt_low": (ALONG, twtt - 1e-9, {"units": "s"}),
+            "twtt_high": (ALONG, twtt + 1e-9, {"units": "s"}),
+        },
+        {"slow_time": from_gps_seconds("a file", "GPS_time", GPS_TIME)},
+        {"season_name": "2012_Greenland_P3", "radar_name": "snow"},
+    )
+    for name, start in (("Latitude", 70), ("Longitude", -40), ("Elevation", 2500)):
+        dataset[name] = ("slow_time", start + 1e-5 * np.arange(N_LINES))
+    return dataset
+
+
+def test_layer_files_read_back_to_the_same_travel_times(tmp_path, layers):
+    frame, organizer = write_layer_files(tmp_path, SEGMENT, {1: layers})
+    assert frame == tmp_path / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
+    assert organizer == frame.with_name(f"layer_{SEGMENT}.mat")
+    back = read_layers(frame)
+    assert_array_equal(back["layer"], ["surface", "snow_1", "snow_3"])
+    assert_array_equal(back["group"], ["standard", "snowsim", "snowsim"])
+    kept = layers.isel(layer=[0, 1, 3])
+    assert_array_equal(back["twtt"], kept["twtt"])
+    assert_array_equal(back["slow_time"], layers["slow_time"])
+    assert_array_equal(back["Elevation"], layers["Elevation"])
+    picked = np.isfinite(kept["twtt"].values)
+    assert_array_equal(back["quality"], np.where(picked, 2, 1))
+    assert (back["type"] == 2).all()
+
+
+@pytest.mark.parametrize(
+    "start",
+    [9.2e8, 1_341_100_816.5, 1_333_065_615.123456, 1_483_228_818.25, 1.9e9],
+    ids=["1999", "after a leap second", "2012", "at a leap second", "2030"],
+)
+def test_gps_time_is_the_echograms_to_the_bit(start, rng):
+    theirs = np.sort(start + rng.uniform(0, 100, 2000))
+    slow_time = from_gps_seconds("a file", "GPS_time", theirs)
+    assert_array_equal(gps_seconds(slow_time), theirs)
+
+
+def test_a_layer_keeps_its_number_in_every_frame_of_a_segment(tmp_path, layers):
+    second = layers.isel(layer=[0, 1, 2, 3]).copy(deep=True)
+    second["twtt"][1] = np.nan
+    second["twtt"][2] = second["twtt"][0] + 3e-8
+    one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: second})
+    assert_array_equal(read_layers(one)["layer"], ["surface", "snow_1", "snow_3"])
+    assert_array_equal(read_layers(two)["layer"], ["surface", "snow_2", "snow_3"])
+
+
+def test_layer_files_are_laid_out_as_real_ones(tmp_path, layers, shared_data):
+    ours, our_organizer = write_layer_files(tmp_path, SEGMENT, {1: layers})
+    real = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
+    real_organizer = real.with_name("layer_20181030_01.mat")
+    for path, theirs in ((ours, real), (our_organizer, real_organizer)):
+        # Name and class of every variable; the first length, of rows of vectors, is 1 in both.
+        classes = {name: kind for name, _, kind in scipy.io.whosmat(path)}
+        assert classes == {name: kind for name, _, kind in scipy.io.whosmat(theirs)}
+        sizes = {name: size for name, size, _ in scipy.io.whosmat(theirs)}
+        for name, size, _ in scipy.io.whosmat(path):
+            assert len(size) == len(sizes[name]), name
+            assert (size[0] == 1) == (sizes[name][0] == 1), name
+
+
+def test_the_same_layers_give_the_same_bytes(tmp_path, layers, monkeypatch):
+    written = []
+    for folder, clock in (("a", "now"), ("b", "then")):
+        monkeypatch.setattr(layer_files.scipy.io.matlab._mio5.time, "asctime", lambda c=clock: c)
+        paths = write_layer_files(tmp_path / folder, SEGMENT, {1: layers})
+        written.append([path.read_bytes() for path in paths])
+    assert written[0] == written[1]
+
+
+def test_layer_files_are_not_overwritten_unless_forced(tmp_path, layers):
+    frame, organizer = write_layer_files(tmp_path, SEGMENT, {1: layers})
+    before = frame.read_bytes()
+    moved = layers.assign(twtt=layers["twtt"] + 1e-7)
+
+    refused(lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), frame, "none to be there")
+    assert frame.read_bytes() == before
+    frame.unlink()
+    refused(
+        lambda _: write_layer_files(tmp_path, SEGMENT, {1: moved}), organizer, "none to be there"
+    )
+    assert not frame.exists()
+    write_layer_files(tmp_path, SEGMENT, {1: moved}, force=True)
+    assert_array_equal(read_layers(frame)["twtt"][0], moved["twtt"][0])
+
+
+def test_an_organizer_does_not_rename_layers_of_other_frames(tmp_path, layers):
+    frame, _ = write_layer_files(tmp_path, SEGMENT, {1: layers})
+    refused(
+        lambda _: write_layer_files(tmp_path, SEGMENT, {2: layers}, force=True),
+        frame.parent,
+        "found Data_20120330_04_001.mat",
+    )
+
+
+def test_a_frame_without_position_or_with_crossing_layers_is_refused(tmp_path, layers):
+    frame = tmp_path / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
+    crossing = layers.isel(layer=[1, 0])
+    for bad, message in (
+        (layers.drop_vars("Elevation"), "Elevation: expected along slow_time"),
+        (crossing, "twtt"),
+    ):
+        refused(lambda _, bad=bad: write_layer_files(tmp_path, SEGMENT, {1: bad}), frame, message)
+    assert not frame.parent.exists()
+
+
+def test_layers_as_netcdf_keep_their_confidence_and_bounds(tmp_path, layers):
+    path = tmp_path / "frame_layers.nc"
+    write_layers(path, layers)
+    back = read_layers(path)
+    for name in ("twtt", "confidence", "twtt_low", "twtt_high"):
+        assert_array_equal(back[name], layers[name])
+    refused(lambda _: write_layers(path, layers), path, "none to be there")
+    write_layers(path, layers, force=True)
