@@ -26,8 +26,8 @@ def write_layer_files(folder, segment, frames, *, force=False):
     """Write layers of a segment as CReSIS layer files, in `folder/CSARP_layer/segment`.
 
     `Data_SEGMENT_FFF.mat` for each frame, and `layer_SEGMENT.mat`, which names the layers of all.
-    Layer 0 is the surface; layer i is `snow_i` in every frame. A frame's file holds its surface and
-    the layers it has picks of.
+    Layer 0 is the surface; layer i is `snow_i`. Every file holds all layers of the segment, also
+    those without a pick in its frame: xopr joins frames only if they have the same.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def write_layer_files(folder, segment, frames, *, force=False):
     frames : mapping of int to xarray.Dataset
         By number of the frame: `twtt` [s], `quality` (1 good, 2 moderate, 3 bad), `type` (1 manual,
         2 automatic) on (layer, slow_time), and `Latitude`, `Longitude`, `Elevation` along
-        slow_time. Layer i is the same layer in all.
+        slow_time. Layer i is the same layer in all, which have equally many.
     force : bool
         Replace files that are there.
 
@@ -51,19 +51,23 @@ def write_layer_files(folder, segment, frames, *, force=False):
     ------
     ValueError
         If a file is there and `force` is not set; if the folder holds layer files of other frames,
-        whose layers the organizer would name anew; if layers cross, or a variable is missing.
+        whose layers the organizer would name anew; if frames differ in their number of layers,
+        layers cross, or a variable is missing.
     """
     parent = Path(folder) / "CSARP_layer" / segment
     organizer = parent / f"layer_{segment}.mat"
+    first = next(iter(frames.values()))
+    n_layers = first.sizes["layer"]
     contents = {}
     for number, layers in frames.items():
         path = parent / f"Data_{segment}_{number:03d}.mat"
+        if layers.sizes["layer"] != n_layers:
+            found = layers.sizes["layer"]
+            raise refusal(path, "layers", f"{n_layers} as in the first frame", found)
         contents[path] = _frame_content(path, segment, layers)
     others = sorted(set(parent.glob(f"Data_{segment}_*.mat")) - set(contents))
     if others:
         raise refusal(parent, "layer files", "those of the frames tracked alone", others[0].name)
-    n_layers = max(layers.sizes["layer"] for layers in frames.values())
-    first = next(iter(frames.values()))
     contents[organizer] = _organizer_content(segment, first.attrs, n_layers)
     if not force:
         for path in contents:
@@ -102,18 +106,16 @@ def gps_seconds(slow_time):
 
 
 def _frame_content(path, segment, layers):
-    """Variables of a frame's layer file, shaped as MATLAB has them; rows with picks alone."""
+    """Variables of a frame's layer file, shaped as MATLAB has them."""
     check_layers(layers, str(path))
     twtt = layers["twtt"].transpose("layer", "slow_time").values.astype(float)
     picked = np.isfinite(twtt)
-    kept = picked.any(axis=1)
-    kept[0] = True
     content = {
         "file_type": "layer",
         "file_version": VERSION,
         "gps_time": gps_seconds(layers["slow_time"].values)[None],
-        "id": 1.0 + np.flatnonzero(kept)[None],
-        "twtt": twtt[kept],
+        "id": 1.0 + np.arange(len(twtt))[None],
+        "twtt": twtt,
         "param": _parameters(segment, layers.attrs),
     }
     for theirs, ours in POSITIONS.items():
@@ -122,7 +124,7 @@ def _frame_content(path, segment, layers):
         content[theirs] = layers[ours].values.astype(float)[None]
     for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
         flags = layers[name].transpose("layer", "slow_time").values
-        content[name] = np.where(picked, flags, absent).astype(np.uint8)[kept]
+        content[name] = np.where(picked, flags, absent).astype(np.uint8)
     return content
 
 

@@ -126,6 +126,19 @@ def test_an_organizer_does_not_rename_layers_of_other_frames(tmp_path, layers):
     )
 
 
+def test_frames_of_a_segment_have_the_same_layers(tmp_path, layers):
+    without_second = layers.copy(deep=True)
+    without_second["twtt"][1] = np.nan
+    one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: without_second})
+    # xopr refuses to join frames whose ids differ.
+    for path in (one, two):
+        assert_array_equal(scipy.io.loadmat(path)["id"], [[1, 2, 3, 4]])
+    fewer = layers.isel(layer=[0, 1])
+    again = {1: layers, 2: fewer}
+    message = "layers: expected 4 as in the first frame, found 2"
+    refused(lambda _: write_layer_files(tmp_path, SEGMENT, again, force=True), two, message)
+
+
 def test_a_frame_without_position_or_with_crossing_layers_is_refused(tmp_path, layers):
     frame = tmp_path / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
     crossing = layers.isel(layer=[1, 0])
