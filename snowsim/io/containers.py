@@ -36,14 +36,16 @@ NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 def open_hdf5(path):
     """The file, opened; library errors within the block become the one-line ValueError.
 
-    Links at its top that lead elsewhere are refused.
+    Links that lead elsewhere are refused, at its top and within its groups.
     """
     check_heaps(path)
+
+    def refuse_link(name, link):
+        if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
+            raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
+
     with library_errors(path, "HDF5", "a readable file"), h5py.File(path, "r") as file:
-        for name in file:
-            link = file.get(name, getlink=True)
-            if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-                raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
+        file.visititems_links(refuse_link)
         yield file
 
 

@@ -199,6 +199,16 @@ def test_variables_kept_elsewhere_are_refused(tmp_path, content, kind):
     refused(read_echogram, path, "Data: expected a variable of this file")
 
 
+def test_a_link_out_of_the_file_within_a_struct_is_refused(path, tmp_path, content):
+    formats.write_mat73(path, content)
+    other = tmp_path / "other.h5"
+    with h5py.File(other, "w") as file:
+        file["x"] = 1.0
+    with h5py.File(path, "r+") as file:
+        file["param_records/radar/x"] = h5py.ExternalLink(str(other), "/x")
+    refused(read_echogram, path, "param_records/radar/x: expected a variable of this file")
+
+
 def test_heaps_that_never_end_and_texts_longer_than_the_file_are_refused(path):
     with h5py.File(path, "w") as file:
         texts = file.create_dataset(
