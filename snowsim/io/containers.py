@@ -40,12 +40,16 @@ def open_hdf5(path):
     """
     check_heaps(path)
 
-    def refuse_link(name, link):
-        if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-            raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
+    def leads_elsewhere(name, link):
+        elsewhere = isinstance(link, h5py.ExternalLink | h5py.SoftLink)
+        return (name, link.path) if elsewhere else None
 
     with library_errors(path, "HDF5", "a readable file"), h5py.File(path, "r") as file:
-        file.visititems_links(refuse_link)
+        # It ends at the first that does; an error raised within would be lost.
+        found = file.visititems_links(leads_elsewhere)
+        if found:
+            name, target = found
+            raise refusal(path, name, "a variable of this file", f"a link to {target}")
         yield file
 
 
