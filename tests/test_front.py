@@ -218,9 +218,25 @@ def test_all_names_people_script_with_come_with_a_star():
 @pytest.mark.parametrize(
     "window",
     [
-        *("hamming", "blackman", "taylor", "nuttall", "flattop", "blackmanharris", "bohman"),
-        *("cosine", "parzen", "tukey", "triang", "barthann", "boxcar", "bartlett", "lanczos"),
-        *(("chebwin", 60), ("kaiser", 8.6), ("gaussian", 600), ("dpss", 3)),
+        "hamming",
+        "blackman",
+        "taylor",
+        "nuttall",
+        "flattop",
+        "blackmanharris",
+        "bohman",
+        "cosine",
+        "parzen",
+        "tukey",
+        "triang",
+        "barthann",
+        "boxcar",
+        "bartlett",
+        "lanczos",
+        ("chebwin", 60),
+        ("kaiser", 8.6),
+        ("gaussian", 600),
+        ("dpss", 3),
     ],
 )
 def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):
