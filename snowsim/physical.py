@@ -1,6 +1,7 @@
 """Radars and snow in physical units, and the terms of eq. (1) that they make."""
 
 from dataclasses import dataclass, replace
+from numbers import Real
 
 import numpy as np
 from scipy.signal import get_window
@@ -56,10 +57,13 @@ class Radar:
     surface_to_noise_db: float = 27.0
 
     def __post_init__(self):
+        numbers = {name: value for name, value in vars(self).items() if name != "window"}
+        for name, value in numbers.items():
+            _check_number("radar", name, value)
         most = {"bandwidth_hz": 2 * self.centre_hz, "beamwidth_deg": 120}
-        for name, value in vars(self).items():
+        for name, value in numbers.items():
             limit = most.get(name, np.inf)
-            if name != "window" and not 0 < value < limit:
+            if not 0 < value < limit:
                 msg = f"radar: {name} must be positive and below {limit:g}, got {value}"
                 raise ValueError(msg)
         longest_s = MOST_CELLS * self.cell_s
@@ -171,7 +175,7 @@ class Snowpack:
     attenuation_db_m: float = 0.0
 
     def __post_init__(self):
-        held = {name: _filled(value) for name, value in vars(self).items()}
+        held = {name: _filled(name, value) for name, value in vars(self).items()}
         for name in ("depth_m", "density_kg_m3"):
             if held[name].size == 0:
                 msg = f"snowpack: {name} must hold the surface at least, got no value"
@@ -211,9 +215,20 @@ class Snowpack:
         return f"Snowpack({depth}, {density}, range lines: {n_lines})"
 
 
-def _filled(value):
-    """Values as float, NaN where masked."""
-    return np.ma.filled(np.ma.asarray(value, dtype=float), np.nan)
+def _filled(name, value):
+    """Values as float, NaN where masked; ValueError unless they are numbers."""
+    try:
+        return np.ma.filled(np.ma.asarray(value, dtype=float), np.nan)
+    except (TypeError, ValueError):
+        msg = f"snowpack: {name} must be numbers, got {value!r}"
+        raise ValueError(msg) from None
+
+
+def _check_number(what, name, value):
+    """Raise ValueError unless a value is a number."""
+    if not isinstance(value, Real):
+        msg = f"{what}: {name} must be a number, got {value!r}"
+        raise ValueError(msg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,6 +251,7 @@ class Climate:
     def __post_init__(self):
         for name, (low, high) in CLIMATES.items():
             value = getattr(self, name)
+            _check_number("climate", name, value)
             if not low <= value <= high:
                 msg = f"climate: {name} must lie between {low:g} and {high:g}, got {value}"
                 raise ValueError(msg)

@@ -151,6 +151,18 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             "density_kg_m3 must .* between 0 and 917, got 950",
         ),
         (
+            lambda: snowsim.Radar.preset("snow-2-8", height_m="500"),
+            "radar: height_m must be a number, got '500'",
+        ),
+        (
+            lambda: snowsim.Climate(accumulation_m="0.3"),
+            "climate: accumulation_m must be a number, got '0.3'",
+        ),
+        (
+            lambda: snowsim.Snowpack(["top", 1], [300, 300]),
+            r"snowpack: depth_m must be numbers, got \['top', 1\]",
+        ),
+        (
             lambda: snowsim.Climate(accumulation_m=0.3, n_years=0),
             "n_years must lie between 1 and 1000, got 0",
         ),
