@@ -32,6 +32,13 @@ CLIMATES = {
 }
 
 
+def _check_number(what, name, value):
+    """Raise ValueError unless a value is a number."""
+    if not isinstance(value, Real):
+        msg = f"{what}: {name} must be a number, got {value!r}"
+        raise ValueError(msg)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Radar:
     """An airborne radar that looks straight down; `preset` has some that fly.
@@ -222,13 +229,6 @@ def _filled(name, value):
     except (TypeError, ValueError):
         msg = f"snowpack: {name} must be numbers, got {value!r}"
         raise ValueError(msg) from None
-
-
-def _check_number(what, name, value):
-    """Raise ValueError unless a value is a number."""
-    if not isinstance(value, Real):
-        msg = f"{what}: {name} must be a number, got {value!r}"
-        raise ValueError(msg)
 
 
 @dataclass(frozen=True, kw_only=True)
