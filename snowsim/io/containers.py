@@ -36,20 +36,14 @@ NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 def open_hdf5(path):
     """The file, opened; library errors within the block become the one-line ValueError.
 
-    Links that lead elsewhere are refused, at its top and within its groups.
+    Links at its top that lead elsewhere are refused.
     """
     check_heaps(path)
-
-    def leads_elsewhere(name, link):
-        elsewhere = isinstance(link, h5py.ExternalLink | h5py.SoftLink)
-        return (name, link.path) if elsewhere else None
-
     with library_errors(path, "HDF5", "a readable file"), h5py.File(path, "r") as file:
-        # It ends at the first that does; an error raised within would be lost.
-        found = file.visititems_links(leads_elsewhere)
-        if found:
-            name, target = found
-            raise refusal(path, name, "a variable of this file", f"a link to {target}")
+        for name in file:
+            link = file.get(name, getlink=True)
+            if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
+                raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
         yield file
 
 

@@ -88,7 +88,12 @@ def _hdf5_value(path, name, node, visited, depth=0):
     if isinstance(node, h5py.Group):
         fields = {}
         for key in node:
-            fields[key] = _hdf5_value(path, f"{name}.{key}", node[key], visited, depth + 1)
+            field = f"{name}.{key}"
+            # Here, and not by a walk over the file: structs of MATLAB have thousands of links.
+            link = node.get(key, getlink=True)
+            if not isinstance(link, h5py.HardLink):
+                raise refusal(path, field, "a variable of this file", f"a link to {link.path}")
+            fields[key] = _hdf5_value(path, field, node[key], visited, depth + 1)
         return fields
     check_dataset(path, name, node)
     if node.attrs.get("MATLAB_empty", 0):

@@ -199,14 +199,19 @@ def test_variables_kept_elsewhere_are_refused(tmp_path, content, kind):
     refused(read_echogram, path, "Data: expected a variable of this file")
 
 
-def test_a_link_out_of_the_file_within_a_struct_is_refused(path, tmp_path, content):
+@pytest.mark.parametrize("reached_by", ["link", "reference"])
+def test_links_out_of_the_file_within_structs_are_refused(path, tmp_path, content, reached_by):
     formats.write_mat73(path, content)
     other = tmp_path / "other.h5"
     with h5py.File(other, "w") as file:
         file["x"] = 1.0
     with h5py.File(path, "r+") as file:
-        file["param_records/radar/x"] = h5py.ExternalLink(str(other), "/x")
-    refused(read_echogram, path, "param_records/radar/x: expected a variable of this file")
+        struct = file.create_group("param_records" if reached_by == "link" else "#refs#/r")
+        struct["x"] = h5py.ExternalLink(str(other), "/x")
+        if reached_by != "link":
+            cell = file.create_dataset("param_records", (1, 1), dtype=h5py.ref_dtype)
+            cell[0, 0] = struct.ref
+    refused(read_echogram, path, "x: expected a variable of this file, found a link to /x")
 
 
 def test_heaps_that_never_end_and_texts_longer_than_the_file_are_refused(path):
