@@ -199,18 +199,22 @@ def test_variables_kept_elsewhere_are_refused(tmp_path, content, kind):
     refused(read_echogram, path, "Data: expected a variable of this file")
 
 
-@pytest.mark.parametrize("reached_by", ["link", "reference"])
+@pytest.mark.parametrize("reached_by", ["link", "reference", "reference alone"])
 def test_links_out_of_the_file_within_structs_are_refused(path, tmp_path, content, reached_by):
     formats.write_mat73(path, content)
     other = tmp_path / "other.h5"
     with h5py.File(other, "w") as file:
         file["x"] = 1.0
     with h5py.File(path, "r+") as file:
-        struct = file.create_group("param_records" if reached_by == "link" else "#refs#/r")
+        struct = file.create_group("param_records" if reached_by == "link" else "hidden")
         struct["x"] = h5py.ExternalLink(str(other), "/x")
         if reached_by != "link":
             cell = file.create_dataset("param_records", (1, 1), dtype=h5py.ref_dtype)
             cell[0, 0] = struct.ref
+    if reached_by == "reference alone":
+        # What the reference leads to stays in the file, where no walk over links meets it.
+        with h5py.File(path, "r+") as file:
+            del file["hidden"]
     refused(read_echogram, path, "x: expected a variable of this file, found a link to /x")
 
 
