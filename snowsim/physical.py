@@ -11,6 +11,7 @@ from snowsim.echogram import check_choice
 from snowsim.reference.climate import draw_along_track
 from snowsim.reference.firn import density_herron_langway80, depth_herron_langway80
 
+LEAST_USED = 0.05  # of the sweep by its window; below, samples of the window are too few
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
@@ -73,6 +74,11 @@ class Radar:
             if not 0 < value < limit:
                 msg = f"radar: {name} must be positive and below {limit:g}, got {value}"
                 raise ValueError(msg)
+        used = self.widening / (self.cell_s * self.bandwidth_hz)
+        if used < LEAST_USED:
+            msg = f"radar: window must use at least {LEAST_USED:.0%} of the sweep, {self.window} "
+            msg += f"uses {used:.2%}; the sweep has {N_FREQUENCIES} samples"
+            raise ValueError(msg)
         longest_s = MOST_CELLS * self.cell_s
         if self.bin_s > longest_s:
             msg = f"radar: bin_s must be at most {longest_s:.3g} s, {MOST_CELLS:g} range cells, "
@@ -91,13 +97,19 @@ class Radar:
         check_choice("radar", name, PRESETS)
         return replace(PRESETS[name], **changes)
 
+    def _weight(self):
+        """The window over the sweep, (`N_FREQUENCIES`,)."""
+        # Periodic, as for transforms; this one exists as symmetric alone.
+        name = self.window if isinstance(self.window, str) else self.window[0]
+        return get_window(self.window, N_FREQUENCIES, fftbins=name != "kaiser_bessel_derived")
+
     @property
     def cell_s(self):
         """Range cell [s]: equivalent width of the response to power.
 
         ``mean(w^2) / mean(w)^2 / B``, Hann 1.5 / B: Harris (1978), Proc. IEEE 66, 51-83.
         """
-        weight = get_window(self.window, N_FREQUENCIES)
+        weight = self._weight()
         widened = self.widening * (weight**2).mean() / weight.mean() ** 2
         return float(widened / self.bandwidth_hz)
 
@@ -123,7 +135,7 @@ class Radar:
 
         The squared transform of w^2.
         """
-        weight = get_window(self.window, N_FREQUENCIES) ** 2
+        weight = self._weight() ** 2
         place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
         frequency_hz = place * self.bandwidth_hz / self.widening
         phase = np.outer(np.arange(MOST_LAGS + 1), frequency_hz)

@@ -272,6 +272,18 @@ def test_info_tells_the_scenes_of_an_exported_folder(tmp_path, capsys):
     assert "2 scenes of 96 to 96 range bins, 64 to 64 range lines" in printed
 
 
+def test_info_counts_what_scenes_do_not_show(tmp_path, capsys):
+    notes = [{"n_pixels_cut": 5, "n_pixels_unlabelled": 70}, {"n_pixels_unlabelled": 30}]
+    scenes = [
+        dataclasses.replace(scene, name=f"toy_{i}", notes=notes[i])
+        for i, scene in enumerate(toy_scenes(2))
+    ]
+    export_netcdf(tmp_path / "set", scenes)
+    printed = described(tmp_path / "set", capsys)
+    assert "5 labelled pixels lie below the images" in printed
+    assert "100 pixels of drawn layers are too faint for a label" in printed
+
+
 def test_info_tells_an_image_of_a_pair_from_an_edge_map(place, capsys):
     # Mostly bright, as images are whose noise floor is far above their darkest pixel.
     write_image(place / "true/data_a.png", np.full((50, 20), 200, np.uint8))

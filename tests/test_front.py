@@ -142,6 +142,8 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             "bandwidth_hz must be positive and below 1e",
         ),
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
+        # By default it falls to 1 / e within one sample of the sweep.
+        (lambda: snowsim.Radar.preset("snow-2-8", window="exponential"), "uses 0.09%"),
         (
             lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
             "depth_m must be finite and increase with layer, got 1",
@@ -249,6 +251,8 @@ def test_all_names_people_script_with_come_with_a_star():
         ("kaiser", 8.6),
         ("gaussian", 600),
         ("dpss", 3),
+        ("kaiser_bessel_derived", 14),
+        ("exponential", None, 500),
     ],
 )
 def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):

@@ -116,15 +116,21 @@ def _scenes(what, scenes):
     sizes = []
     n_mute = 0
     n_outside = 0
+    n_cut = 0
+    n_unlabelled = 0
     for scene in scenes:
         sizes.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
         n_mute += scene.image is not None and not tells_db(scene)
         n_outside += bool(scene.notes.get("outside_training"))
+        n_cut += scene.notes.get("n_pixels_cut", 0)
+        n_unlabelled += scene.notes.get("n_pixels_unlabelled", 0)
     bins, lines, layers = (f"{min(size)} to {max(size)}" for size in zip(*sizes, strict=True))
     axes = f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"
     traps = {
         f"{n_mute} images do not hold their decibels": n_mute,
         f"{n_outside} scenes lie outside what their generator was trained on": n_outside,
+        f"{n_cut} labelled pixels lie below the images": n_cut,
+        f"{n_unlabelled} pixels of drawn layers are too faint for a label": n_unlabelled,
     }
     return _said(what, [axes], [f"{layers} a scene"], traps)
 
