@@ -6,6 +6,9 @@ or text in a table without asking whether it is there: 4 of 10 single flips in t
 segmentation fault or a bus error. So are a set complex flag without an imaginary part, and flips in
 type or length of a name's or shape's tag that let it read on at a wrong place; flips high in a
 shape make it fill memory for minutes. None of 600 compressed files did: they have checksums.
+
+scipy in a child process would survive these, and is not used: handing the arrays over makes reading
+a frame of 50 MB 22 % slower, and starting the child takes `info` from 1.1 to 1.6 s.
 """
 
 import math
@@ -52,7 +55,7 @@ NUMBERS = {
     14: "i8",
     15: "u8",
 }
-LAST_CLASS_WITH_SHAPE = 15
+LAST_CLASS_WITH_SHAPE = 16
 COMPLEX = 0x0800  # of the flags beside the class
 
 
@@ -240,7 +243,7 @@ def _header(elements):
         elements.refuse("8 bytes of flags, type 6", f"{len(flags)} of type {kind}")
     (word,) = elements.unpack("I", flags)
     array_class = word & 0xFF
-    # Function handles and objects have no shape: what follows is MATLAB's own.
+    # Objects have no shape: what follows is MATLAB's own.
     shape = _shape(elements) if array_class <= LAST_CLASS_WITH_SHAPE else ()
     _, name = elements.take()
     return Variable(elements.decode(name), array_class, bool(word & COMPLEX), shape, elements)

@@ -55,11 +55,12 @@ def without_data(content):
 def test_code_objects_are_never_made_and_named_where_data_belong(path, content, array_class):
     formats.write_mat5(path, without_data(content), compress=False)
     inner = array("", 4, element(16, b"system('true')"), shape=(1, 14))
-    flags = element(6, struct.pack("<II", array_class, 0))
-    harmful = element(MATRIX, flags + element(1, b"Data") + inner)
-    if array_class == 3:
-        harmful = array("Data", 3, element(1, b"inline"), inner)
+    harmful = array("Data", array_class, element(1, b"inline"), inner)
+    if array_class == 17:  # the one class without a shape
+        flags = element(6, struct.pack("<II", array_class, 0))
+        harmful = element(MATRIX, flags + element(1, b"Data") + inner)
     path.write_bytes(path.read_bytes() + harmful)
+    assert "Data" in names_in_mat5(path)
     assert read_mat5(path, ["Data"]) == {"Data": None}
     refused(read_echogram, path, "Data: expected real numbers, found a function handle or object")
 
