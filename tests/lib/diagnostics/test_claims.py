@@ -134,15 +134,81 @@ def test_augmentation_needs_all_sets_to_gain_and_the_best_set_all_intervals_belo
 
 
 def test_side_outputs_are_counted_and_the_fifth_gets_worse_only_if_it_loses():
-    leads = {(f"side_{side}", "rd_gd"): 0.02 for side in (1, 2, 3)}
+    leads = {(f"side_{side}", "rd_gd"): 0.02 for side in (1, 2, 3, 4)}
     assert claims.best_sides(intervals(leads)).outcome == CONFIRMED
-    others = {(f"side_{side}", "rd_pd"): 0.02 for side in (1, 2, 3)}
-    assert claims.best_sides(intervals(others)).outcome == CONTRADICTED
+    # Ahead, by less than an interval.
+    narrowly = {(f"side_{side}", "rd_gd"): 0.002 for side in range(1, 6)}
+    assert claims.best_sides(intervals(narrowly)).outcome == OPEN
+    others = {(f"side_{side}", "rd_pd"): 0.03 for side in (1, 2)}
+    assert claims.best_sides(intervals(leads | others)).outcome == CONTRADICTED
     worse = {("side_5", name): -0.1 for name in SETS[1:]}
     assert claims.fifth_side(intervals(worse)).outcome == CONFIRMED
     better = dict.fromkeys(worse, 0.1)
     assert claims.fifth_side(intervals(better)).outcome == CONTRADICTED
     assert claims.fifth_side(intervals()).outcome == OPEN
+
+
+def test_all_outputs_improve_only_if_a_set_gains_on_each():
+    gains = {(f"side_{side}", "rd_gd"): 0.02 for side in range(1, 6)} | {("fuse", "rd_pd"): 0.02}
+    assert claims.all_outputs(intervals(gains)).outcome == CONFIRMED
+    even = gains | {("side_3", "rd_gd"): 0.0}
+    assert claims.all_outputs(intervals(even)).outcome == OPEN
+    losses = {("side_3", name): -0.02 for name in SETS[1:]}
+    assert claims.all_outputs(intervals(gains | losses)).outcome == CONTRADICTED
+
+
+@pytest.mark.parametrize(("n_rejected", "outcome"), [(5, CONFIRMED), (20, CONTRADICTED)])
+def test_thickness_is_gaussian_unless_more_tests_reject_than_chance_allows(n_rejected, outcome):
+    # Of 100 tests, chance rejects up to 10 in 97.5 % of flights.
+    p_value = np.where(np.arange(100) < n_rejected, 0.01, 0.5)
+    table = pd.DataFrame({"of": "undulation", "p_value_correlated": p_value})
+    assert claims.gaussian(table).outcome == outcome
+
+
+@pytest.mark.parametrize(("shift", "outcome"), [(0, CONFIRMED), (3, CONTRADICTED)])
+def test_distributions_are_told_apart_by_their_largest_difference(rng, shift, outcome):
+    low_bins = np.arange(10, 40)
+    ends = np.append(low_bins, 40)
+    observed = np.histogram(rng.normal(25, 3, 100), ends)[0]
+    synthetic = np.histogram(rng.normal(25 + shift, 3, 1000), ends)[0]
+    table = {"zone": 0, "slab": -1, "low_bins": low_bins}
+    table |= {"n_observed": observed, "n_synthetic": synthetic}
+    assert claims.same_distribution(pd.DataFrame(table)).outcome == outcome
+
+
+@pytest.mark.parametrize(("factor", "outcome"), [(1.2, CONFIRMED), (1.3, CONTRADICTED)])
+def test_spectra_agree_within_a_decibel_in_every_octave(factor, outcome):
+    # 0.8 and 1.1 dB in one of seven octaves.
+    wavenumber = np.arange(1, 129) / 256
+    off = np.where((wavenumber >= 1 / 16) & (wavenumber < 1 / 8), factor, 1.0)
+    table = {"wavenumber": wavenumber, "observed": 2.0, "synthetic": 2 * off}
+    assert claims.same_spectra(pd.DataFrame(table)).outcome == outcome
+
+
+@pytest.mark.parametrize(("spread", "outcome"), [(0.5, CONFIRMED), (1, OPEN), (2, CONTRADICTED)])
+def test_observed_scenes_vary_more_where_those_rendered_spread_less(rng, spread, outcome):
+    common = rng.standard_normal(200)
+    values = {"observed": 20 + common + 0.5 * rng.standard_normal(200)}
+    for method in ("cgan", "phy"):
+        values[method] = 20 + spread * (common + 0.5 * rng.standard_normal(200))
+    table = pd.DataFrame(values).rename_axis("scene").reset_index()
+    table = table.melt("scene", var_name="method", value_name="deviation").assign(region="below")
+    assert claims.observed_vary_more(table).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("layering_db", "scene_db", "outcome"),
+    [(0.1, 0.1, CONFIRMED), (0.6, 0.1, OPEN), (0.6, 0.6, CONTRADICTED)],
+)
+def test_the_convolution_captures_what_it_leaves_out_less_than_speckle(
+    layering_db, scene_db, outcome
+):
+    rows = [
+        ("stacks", "fine layering", 50, "convolution", layering_db),
+        ("scene", "whole scene", 0, "PHY", scene_db),
+    ]
+    table = pd.DataFrame(rows, columns=["part", "sweep", "value", "method", "error_db"])
+    assert claims.captures(table).outcome == outcome
 
 
 @pytest.mark.parametrize(("factor", "outcome"), [(1.04, CONFIRMED), (1.06, CONTRADICTED)])
@@ -206,7 +272,8 @@ def test_what_the_flight_was_built_to_have_is_no_confirmation():
 def test_differences_of_few_trainings_are_indicative(n_replicas, few):
     table = intervals().assign(n_replicas=n_replicas)
     augmentation = partial(claims.augmentation, metric="ods")
-    for rule in (augmentation, claims.best_fuse, claims.best_sides, claims.fifth_side):
+    rules = (augmentation, claims.best_fuse, claims.best_sides, claims.all_outputs)
+    for rule in (*rules, claims.fifth_side):
         caveat = rule(table).caveat
         assert ("indicative" in caveat) == few
 

@@ -3,8 +3,10 @@
 import math
 from dataclasses import replace
 from functools import partial
+from itertools import product
 
 import numpy as np
+from scipy import stats
 
 from lib.diagnostics.claim_rules import (
     CONFIRMED,
@@ -17,10 +19,15 @@ from lib.diagnostics.claim_rules import (
     side_of_zero,
     signed,
 )
+from snowsim.constants import OUTPUTS
+from snowsim.metrics.comparison import METRICS
 
 RENDERED = {"cgan": "cGAN", "phy": "PHY"}
 METHODS = {"observed": "observed"} | RENDERED
 SETS = {"rd_gd": "RD+GD", "rd_pd": "RD+PD", "rd_pd_gd": "RD+PD+GD"}
+FEW_EXCEPTIONS = 3  # of 15 scores, for "almost all"
+SIGNIFICANT = 0.05
+MOST_SPECTRUM_DB = 1.0  # to which planted spectra come back
 MOST_QUANTILE_ERROR = 0.05
 MOST_DOPPLER_DB = 3.0
 MANY_TIMES = 100
@@ -101,7 +108,7 @@ def better_similarity(images, metric, sign, unit):
     values = _by_method(images, metric).replace([np.inf, -np.inf], np.nan)
     order = "cGAN less PHY" if sign > 0 else "PHY less cGAN"
     difference = sign * (values["cgan"] - values["phy"])
-    return _paired(difference, unit, f"Mean over scenes: {_means(values, '.2f')}. {order}")
+    return _paired(difference, unit, f"Mean over scenes: {_means(values, '.3g')}. {order}")
 
 
 def better_region(textures, region, better):
@@ -189,33 +196,52 @@ def best_fuse(intervals):
 
 
 def best_sides(intervals):
-    """On which side outputs RD+GD has the best ODS."""
-    n_best = n_gains = n_losses = 0
+    """Where RD+GD has the best score of a side output."""
+    n_best = n_gains = 0
     parts = []
-    for side in range(1, 6):
-        rows = _scores(intervals, f"side_{side}")
+    for side, metric in product(range(1, 6), METRICS):
+        rows = _scores(intervals, f"side_{side}", metric)
         row = rows.loc["rd_gd"]
-        leads = rows["mean"].idxmax() == "rd_gd"
-        n_best += leads
-        n_gains += leads and row["difference_low"] > 0
-        n_losses += row["difference_high"] < 0 or not leads
-        parts.append(f"side {side} {_difference(row)}{', the best' if leads else ''}")
-    if n_gains >= 3:
+        if rows["mean"].idxmax() != "rd_gd":
+            continue
+        n_best += 1
+        n_gains += row["difference_low"] > 0
+        parts.append(f"side {side} {metric.upper()} {_difference(row)}")
+    n_scores = 5 * len(METRICS)
+    if n_gains >= n_scores - FEW_EXCEPTIONS:
         outcome = CONFIRMED
-    elif n_losses >= 3:
+    elif n_best < n_scores - FEW_EXCEPTIONS:
         outcome = CONTRADICTED
     else:
         outcome = OPEN
-    numbers = (
-        f"ODS of RD+GD less RD: {'; '.join(parts)}. "
-        f"The best of the four sets on {n_best} of 5 side outputs."
-    )
+    leads = f": {'; '.join(parts)} less RD" if parts else ""
+    numbers = f"The best of the four sets in {n_best} of {n_scores} scores{leads}."
     rule = (
-        "Confirmed where RD+GD leads on at least 3 of the 5 side outputs with an interval above "
-        "zero, contradicted where on 3 or more another set leads, else not resolved. "
-        f"{BY_BOOTSTRAP}"
+        f"Confirmed where RD+GD leads, with an interval above zero, in all but {FEW_EXCEPTIONS} of "
+        f"{n_scores} scores (ODS, OIS, AP), contradicted where other sets lead in more, else not "
+        f"resolved. {BY_BOOTSTRAP}"
     )
-    return Claim(outcome, numbers, rule, trainings(row))
+    caveat = f"In the paper's own Table III it leads in 7 of 15. {trainings(row)}"
+    return Claim(outcome, numbers, rule, caveat)
+
+
+def all_outputs(intervals):
+    """On which outputs synthetic scenes raise the ODS."""
+    parts = []
+    outcomes = []
+    for output in OUTPUTS:
+        rows = _scores(intervals, output).loc[list(SETS)]
+        best = rows.loc[rows["difference"].idxmax()]
+        name = output.replace("_", " ")
+        parts.append(f"{name} {SETS[best.name]} {_difference(best)}")
+        highest = rows["difference_high"].max()
+        outcomes.append(side_of_zero(best["difference_low"], highest))
+    rule = (
+        "Confirmed where on every output the best of the three sets gains, contradicted where on "
+        f"one output all three lose, else not resolved. {BY_BOOTSTRAP}"
+    )
+    numbers = f"ODS of the best set less RD's: {'; '.join(parts)}."
+    return Claim(all_of(outcomes), numbers, rule, trainings(best))
 
 
 def fifth_side(intervals):
@@ -232,6 +258,88 @@ def fifth_side(intervals):
         f"resolved. {BY_BOOTSTRAP}"
     )
     return Claim(all_of(outcomes), f"ODS less RD's: {'; '.join(parts)}.", rule, trainings(row))
+
+
+def gaussian(tests):
+    """How many tests reject that block means and undulations of thickness are Gaussian."""
+    parts = []
+    agrees = True
+    for what, of_one in tests.groupby("of", sort=False):
+        n_rejected = int((of_one["p_value_correlated"] < SIGNIFICANT).sum())
+        by_chance = int(stats.binom.ppf(0.975, len(of_one), SIGNIFICANT))
+        agrees &= n_rejected <= by_chance
+        parts.append(f"{what} {n_rejected} of {len(of_one)} (by chance up to {by_chance})")
+    numbers = f"Tests by zone and slab that reject a Gaussian at 5 %: {'; '.join(parts)}."
+    rule = (
+        "Confirmed where no more tests reject than 97.5 % of chances allow, else contradicted; "
+        "p-values allow for correlation along the flight."
+    )
+    caveat = "The reference flight draws thickness from another law: see its independence."
+    return Claim(CONFIRMED if agrees else CONTRADICTED, numbers, rule, caveat)
+
+
+def same_distribution(thickness):
+    """Distance of thickness in label sets from the flight's, by zone."""
+    parts = []
+    agrees = True
+    for zone, of_zone in thickness[thickness["slab"] < 0].groupby("zone"):
+        counts = of_zone.sort_values("low_bins")[["n_observed", "n_synthetic"]]
+        n = counts.sum()
+        shares = counts.cumsum() / n
+        distance = (shares["n_observed"] - shares["n_synthetic"]).abs().max()
+        # Smirnov's for two samples, at 5 %.
+        critical = 1.358 * np.sqrt(n.sum() / n.prod())
+        agrees &= distance <= critical
+        parts.append(f"zone {zone} {distance:.2f} of {critical:.2f}")
+    rule = (
+        "Confirmed where the largest difference of the two distribution functions lies within that "
+        "of two samples of one law (95 %), in all zones; else contradicted."
+    )
+    numbers = f"Largest difference, and its limit: {'; '.join(parts)}."
+    caveat = "Blocks are correlated along the flight, which the limit neglects."
+    return Claim(CONFIRMED if agrees else CONTRADICTED, numbers, rule, caveat)
+
+
+def same_spectra(spectra):
+    """Departure of the spectra of thickness in label sets from the flight's."""
+    ratio = spectra["synthetic"] / spectra["observed"]
+    known = ratio[np.isfinite(ratio) & (ratio > 0)]
+    off_db = 10 * np.log10(known)
+    octave = np.floor(np.log2(spectra.loc[known.index, "wavenumber"]))
+    by_octave = off_db.groupby(octave).median()
+    worst_db = by_octave.abs().max()
+    agrees = worst_db < MOST_SPECTRUM_DB
+    numbers = (
+        f"Label sets over flight, median of zones and slabs: off by {worst_db:.2f} dB in the worst "
+        f"octave, by {by_octave.abs().median():.2f} dB in the median octave."
+    )
+    rule = f"Confirmed where every octave is within {MOST_SPECTRUM_DB:g} dB, else contradicted."
+    return Claim(CONFIRMED if agrees else CONTRADICTED, numbers, rule)
+
+
+def observed_vary_more(textures):
+    """Spread between scenes of grey levels' deviation, observed against rendered."""
+    deviation = _of_region(textures, "below", "deviation").dropna()
+    parts = [f"observed {deviation['observed'].std():.2f}"]
+    outcomes = []
+    for method, name in RENDERED.items():
+        total = deviation["observed"] + deviation[method]
+        excess = deviation["observed"] - deviation[method]
+        # Zero where both vary alike: Pitman (1939), Biometrika 31, 9-12.
+        interval = stats.pearsonr(total, excess).confidence_interval()
+        outcomes.append(side_of_zero(interval.low, interval.high))
+        parts.append(f"{name} {deviation[method].std():.2f} ({outcomes[-1]})")
+    rule = (
+        "Confirmed where observed scenes vary more than the renders of their layers by both "
+        "methods, contradicted where less than one of them, by the 95 % interval of the "
+        "correlation of sum and difference (Pitman, 1939); else not resolved."
+    )
+    numbers = (
+        "Standard deviation between scenes of the deviation of grey levels below the surface: "
+        f"{', '.join(parts)}."
+    )
+    caveat = "Renders are of the layers of the observed scenes: variety of layers does not count."
+    return Claim(all_of(outcomes), numbers, rule, caveat)
 
 
 def chi_square(tracked):
@@ -282,15 +390,37 @@ def equal_looks(config):
     return Claim(outcome, numbers, rule, "PHY is given this number.")
 
 
-def expensive(convolution):
-    """Cost of full-wave scenes, and error of PHY without."""
+def _convolution_errors(convolution):
+    """Errors of PHY's scene and of the convolution on fine layering [dB], and scenes by method."""
     scenes = convolution[convolution["part"] == "scene"]
-    seconds = scenes.groupby("method")["seconds"].min()
-    solver_s = seconds["transfer matrix, stack"]
-    ratio = solver_s / seconds["PHY"]
     scene_db = scenes.loc[scenes["method"] == "PHY", "error_db"].iloc[0]
     layered = convolution.query("sweep == 'fine layering' and method == 'convolution'")
     layering_db = layered.loc[layered["value"] == LAYERING_KG_M3, "error_db"].max()
+    return scene_db, layering_db, scenes
+
+
+def captures(convolution):
+    """Error of the convolution against a coherent solver."""
+    scene_db, layering_db, _ = _convolution_errors(convolution)
+    n_within = sum([scene_db < SPECKLE_DB, layering_db < SPECKLE_DB])
+    outcome = (CONTRADICTED, OPEN, CONFIRMED)[n_within]
+    numbers = (
+        f"Mean power against a coherent solver: off by {scene_db:.2f} dB on smooth layers, by "
+        f"{layering_db:.2f} dB with fine layering of {LAYERING_KG_M3} kg m-3 as in density logs."
+    )
+    rule = (
+        f"Confirmed where both lie below the speckle of 100 looks, {SPECKLE_DB:.2f} dB, "
+        "contradicted where both lie above, else not resolved."
+    )
+    return Claim(outcome, numbers, rule, "The solver is one-dimensional and has no losses.")
+
+
+def expensive(convolution):
+    """Cost of full-wave scenes, and error of PHY without."""
+    scene_db, layering_db, scenes = _convolution_errors(convolution)
+    seconds = scenes.groupby("method")["seconds"].min()
+    solver_s = seconds["transfer matrix, stack"]
+    ratio = solver_s / seconds["PHY"]
     error_db = np.fmax(scene_db, layering_db)
     if ratio > MANY_TIMES and error_db < SPECKLE_DB:
         outcome = CONFIRMED
@@ -317,6 +447,7 @@ def expensive(convolution):
     return Claim(outcome, numbers, rule, caveat)
 
 
+more_ssim = partial(better_similarity, metric="ssim", sign=1, unit="")
 more_psnr = partial(better_similarity, metric="psnr", sign=1, unit="dB")
 less_rmse = partial(better_similarity, metric="rmse", sign=-1, unit="grey levels")
 phy_above = partial(better_region, region="above", better="phy")
@@ -328,6 +459,7 @@ CLAIMS = (
     ("PHY follows the curvature of layers better than the cGAN.", "render_positions", curvature),
     ("The cGAN has the better texture.", "render_texture", texture),
     ("The cGAN has the better contrast.", "render_texture", contrast),
+    ("The cGAN has the better SSIM.", "similarity", more_ssim),
     ("The cGAN has the better PSNR.", "similarity", more_psnr),
     ("The cGAN has the better RMSE.", "similarity", less_rmse),
     ("PHY is better above the surface.", "render_texture", phy_above),
@@ -336,8 +468,26 @@ CLAIMS = (
     ("Augmentation raises the fused output's ODS.", "table3_intervals", more_ods),
     ("Augmentation raises the fused output's OIS.", "table3_intervals", more_ois),
     ("RD+PD gives the best fused ODS.", "table3_intervals", best_fuse),
-    ("RD+GD gives the best side outputs.", "table3_intervals", best_sides),
+    ("Synthetic data can improve all outputs.", "table3_intervals", all_outputs),
+    (
+        "RD+GD gives the best side outputs in almost all metrics.",
+        "table3_intervals",
+        best_sides,
+    ),
     ("Side output 5 gets worse with synthetic data.", "table3_intervals", fifth_side),
+    ("Observed scenes vary more than simulated ones.", "render_texture", observed_vary_more),
+    ("Thickness and relative thickness are Gaussian.", "validation_tests", gaussian),
+    (
+        "Thickness in label sets has the flight's distribution.",
+        "validation_thickness",
+        same_distribution,
+    ),
+    ("Thickness in label sets has the flight's spectra.", "label_spectra", same_spectra),
+    (
+        "The convolution captures what shapes an echogram.",
+        "convolution_accuracy",
+        captures,
+    ),
     ("Tracked peak power is chi-square distributed.", "tracked_power", chi_square),
     ("The Doppler spectrum is flat.", "realism", doppler),
     ("PHY's speckle has as many looks as that of observed scenes.", "config", equal_looks),
