@@ -6,8 +6,11 @@ from snowsim.echogram import Scene, scene_height, zone_of
 from snowsim.labels.prepare import LabelModel, prepare
 from snowsim.labels.process import draw_nonstationary, draw_series
 from snowsim.labels.radiometry import add_radiometry
+from snowsim.rounding import on_grid, rounded
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
+GRID_BITS = 16  # thickness is drawn to 2^-16 of a range bin, 1.5e-5
+NOTE_BITS = 20  # binary digits of numbers in notes
 N_TRIALS = 20  # scenes that tell whether layers are labelled
 
 
@@ -98,8 +101,9 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     if model.nonstationary.applies(zone):
         drawn, moved = draw_nonstationary(drawn, model.nonstationary, rng=rng)
     drawn = drawn[:n_layers]
-    thickness = _mirrored(drawn)
-    surface = model.draw_surface(rng=rng)
+    # Sums of multiples are exact: layers are the same on any processor, and one bin apart.
+    thickness = on_grid(_mirrored(drawn), GRID_BITS)
+    surface = on_grid(model.draw_surface(rng=rng), GRID_BITS)
     layer_bins = np.cumsum(np.concatenate([surface, thickness]), axis=0)
     notes = {
         "n_layers": n_layers,
@@ -107,11 +111,11 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
         "n_samples": drawn.size,
         "n_touched": int((drawn < MINIMUM_THICKNESS_BINS).sum()),
         "n_means_touched": int((mean[:n_layers] < MINIMUM_THICKNESS_BINS).sum()),
-        "first_thickness_bins": float(first_bins),
-        "thickness_mean_drawn": float(drawn.mean()) if n_layers else 0.0,
-        "thickness_variance_drawn": float(drawn.var()) if n_layers else 0.0,
-        "thickness_mean_kept": float(thickness.mean()) if n_layers else 0.0,
-        "thickness_variance_kept": float(thickness.var()) if n_layers else 0.0,
+        "first_thickness_bins": float(rounded(first_bins, NOTE_BITS)),
+        "thickness_mean_drawn": _noted(np.mean, drawn),
+        "thickness_variance_drawn": _noted(np.var, drawn),
+        "thickness_mean_kept": _noted(np.mean, thickness),
+        "thickness_variance_kept": _noted(np.var, thickness),
     }
     scene = Scene(
         name=name,
@@ -123,6 +127,11 @@ def draw_scene(statistics, n_range_lines, *, name, rng):
     if model.radiometry is None:
         return scene
     return add_radiometry(scene, model.radiometry, rng=rng)
+
+
+def _noted(moment, thickness):
+    """A moment of thickness as notes hold it; 0 of none."""
+    return float(rounded(moment(thickness), NOTE_BITS)) if len(thickness) else 0.0
 
 
 def check_labels(model, *, rng):

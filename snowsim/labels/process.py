@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 ITERATIONS = 20  # of Richardson-Lucy
+LEAST_EIGENVALUE = 1e-9  # of a correlation matrix, of the largest; below, its root is rounding
 # Density that a wave of unit variance and half a cycle per block has in the first two cycles of a
 # tapered, detrended spectrum, divided by the number of lines of the block.
 HALF_CYCLE_SHOWS = np.array([0.0722, 0.0084])
@@ -121,15 +122,17 @@ def draw_series(variances, mixing, n_lines, *, rng):
 def correlation_factor(correlation_by_separation, n_rows):
     """Factor C of the correlation matrix C C^T of rows, whose correlation by separation is given.
 
-    The last value continues. Measured correlations need not form a valid matrix: negative
-    eigenvalues are set to zero, the diagonal back to one.
+    The last value continues. Measured correlations need not form a valid matrix: eigenvalues below
+    `LEAST_EIGENVALUE` of the largest are set to zero, the diagonal back to one. The factor is the
+    symmetric root, the only one that does not depend on which eigenvectors a processor finds.
     """
     separation = np.abs(np.arange(n_rows)[:, None] - np.arange(n_rows))
     furthest = len(correlation_by_separation) - 1
     matrix = correlation_by_separation[np.minimum(separation, furthest)].astype(float)
     np.fill_diagonal(matrix, 1.0)
     values, vectors = np.linalg.eigh(matrix)
-    factor = vectors * np.sqrt(np.maximum(values, 0))
+    root = np.sqrt(np.where(values > LEAST_EIGENVALUE * values[-1], values, 0))
+    factor = (vectors * root) @ vectors.T
     return factor / np.sqrt((factor**2).sum(axis=1, keepdims=True))
 
 

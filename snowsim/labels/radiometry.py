@@ -11,12 +11,16 @@ from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.labels.dress import Dress, with_background
 from snowsim.labels.given import values_by_layer, values_of
 from snowsim.phy.power import mean_power
+from snowsim.rounding import on_grid, rounded
 
 NEPERS = np.log(10) / 10  # per dB
 # Over which the rise of a layer is averaged: four averaged lines, as for the deepest picks.
 WINDOW_LINES = 80
 STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
 TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
+LEAST_DENSITY = 1e-12  # of the spectrum of fading, of the largest
+POWER_BITS = 16  # binary digits of powers: 7e-5 dB, and as many on any processor
+BELOW_BITS = 16  # distances of further echoes are multiples of 2^-16 range bins, as thickness is
 
 SPREADS = (
     "noise_spread_db",
@@ -99,13 +103,13 @@ def add_radiometry(scene, model, *, rng):
     labelled = np.isfinite(layer_bins).any(axis=1)
     at_layers = np.flatnonzero(kind != Kind.BACKGROUND)[: labelled.size]
     kind[at_layers[labelled]] = Kind.LAYER
-    # Rounded as files hold layers: a scene is the same before and after it was written.
-    rounded = {name: _to_float32(getattr(echoes, name)) for name in ("bins", "power")}
-    echoes = dataclasses.replace(echoes, kind=kind, **rounded)
+    power = rounded(echoes.power, POWER_BITS)
+    # As files hold layers: a scene is the same before and after it was written.
+    echoes = dataclasses.replace(echoes, kind=kind, bins=_to_float32(echoes.bins), power=power)
     notes = {
         "radiometry_missing": model.missing,
         "n_pixels_unlabelled": int(np.isnan(layer_bins).sum()),
-        "median_rise_db": float(np.median(rise_db)),
+        "median_rise_db": round(float(np.median(rise_db)), 2),
     }
     return dataclasses.replace(
         scene,
@@ -131,7 +135,8 @@ def _draw_layers(layer_bins, model, *, rng):
     faded_db, fading_variance = _draw_fading(model, n_layers, n_lines, rng=rng)
     factor = _about_mean(block_db + faded_db, block_variance + fading_variance)
     noise_factor = _about_mean(noise_db * rng.standard_normal(), noise_db**2)
-    decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
+    decay_factor = np.exp(spread["decay_spread"] * rng.standard_normal())
+    decay_factor = float(rounded(decay_factor, POWER_BITS))
     # Layers deeper than the flight shows look like its deepest.
     level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
     variance = model.dress.variance_bins2(model.statistics, int(level[-1]) + 1, rng=rng)
@@ -141,7 +146,7 @@ def _draw_layers(layer_bins, model, *, rng):
         variance_bins2=variance[level],
         decay_rate=model.decay_rate[level] * decay_factor,
         kind=np.full(n_layers, Kind.BELOW, dtype=np.int8),
-        noise_power=float(model.noise_power * noise_factor),
+        noise_power=float(rounded(model.noise_power * noise_factor, POWER_BITS)),
         texture=model.texture,
         line_gain_spread_db=model.line_gain_spread_db,
         decay_factor=decay_factor,
@@ -170,7 +175,7 @@ def _draw_further(layers, strength, model, *, rng):
     power = rise * (behind + layers.noise_power)[:, None] * factor
     return dataclasses.replace(
         layers,
-        bins=np.concatenate([layers.bins, deepest + below[:, None]]),
+        bins=np.concatenate([layers.bins, deepest + on_grid(below, BELOW_BITS)[:, None]]),
         power=np.concatenate([layers.power, power]),
         variance_bins2=_last_repeated(layers.variance_bins2, below.size),
         decay_rate=_last_repeated(layers.decay_rate, below.size),
@@ -206,8 +211,10 @@ def _draw_fading(model, n_layers, n_lines, *, rng):
     n_long = 2 * max(n_lines, int(4 * length_lines.max()))
     lag = np.minimum(np.arange(n_long), n_long - np.arange(n_long))
     shapes = [np.exp(-((lag / length) ** exponent)) for _, length, exponent in model.fading]
-    # The kernel is wrapped around a long circle: negative parts of its spectrum are negligible.
-    density = np.maximum(np.fft.fft(shapes).real, 0)
+    # The kernel is wrapped around a long circle: negative parts of its spectrum are negligible, and
+    # the root of what is rounding is not the same on all processors.
+    density = np.fft.fft(shapes).real
+    density = np.where(density > LEAST_DENSITY * density.max(), density, 0)
     interface = np.minimum(np.arange(n_layers), 1)
     white = np.fft.fft(rng.standard_normal((n_layers, n_long)))
     unit = np.fft.ifft(white * np.sqrt(density[interface])).real[:, :n_lines]

@@ -8,6 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter, upfirdn
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
+from snowsim.rounding import rounded
 
 # Half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB.
 RESPONSE_WIDTH = 4
@@ -194,9 +195,10 @@ def quantised(power, step_db):
     """Power in whole steps of decibels, as a product stores it; 0: as it is. No power stays so."""
     if step_db == 0:
         return power
+    # In float64, and rounded: single logarithms and powers differ between processors.
     with np.errstate(divide="ignore"):
-        steps = np.rint(np.log10(power) * np.float32(10 / step_db))
-    return np.power(np.float32(10), steps * np.float32(step_db / 10))
+        steps = np.rint(np.log10(power, dtype=float) * (10 / step_db))
+    return rounded(10 ** (steps * (step_db / 10)), 20).astype(np.float32)
 
 
 def draw_roll_gain(n_lines, radar, *, rng):

@@ -6,9 +6,11 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice
+from snowsim.rounding import rounded
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, deblended_values, paper_values
 from snowsim.statistics.lines import Groups
+from snowsim.statistics.moments import ERROR_BITS, SHARED_BITS
 from snowsim.statistics.paper import is_present, measure_groups, tracked_moments
 from snowsim.statistics.radiometry import LAW_FALLS, power_on_picks, radiometry
 from snowsim.statistics.speckle import (
@@ -22,6 +24,7 @@ from snowsim.statistics.surface import surface_statistics
 from snowsim.statistics.zones import MINIMUM_BLOCKS, as_variables, zone_statistics
 
 ESTIMATORS = ("deblended", "paper")
+LEAST_SHARE = 2.0**-40  # of a variable's largest value; below lies rounding
 MINIMUM_GROUPS = 5  # averaged lines a layer must be in to be reported
 WIDTH_EDGES = np.arange(0, 40.5, 0.5)
 UNITS = {
@@ -136,9 +139,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         "estimator": estimator,
         "bin_size_s": summary[0].bin_size_s,
         "line_spacing_m": float(np.median([frame.line_spacing_m for frame in summary])),
-        "n_looks": float(looks.n_looks),
-        "n_looks_standard_error": float(looks.standard_error),
-        "noise_looks": float(noise.looks),
+        "n_looks": float(rounded(looks.n_looks, SHARED_BITS)),
+        "n_looks_standard_error": float(rounded(looks.standard_error, ERROR_BITS)),
+        "noise_looks": float(rounded(noise.looks, SHARED_BITS)),
         "speckle_correlation_source": speckle.source,
         "radiometry_missing": ", ".join(missing),
         "n_frames": len(summary),
@@ -148,7 +151,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         "n_picks_outside": sum(frame.n_outside for frame in summary),
         "n_frames_without_surface": sum(without_surface),
     }
-    return _with_units(xr.Dataset(variables, coords, attrs))
+    return _with_units(_on_shared_digits(xr.Dataset(variables, coords, attrs)))
 
 
 @dataclass(frozen=True)
@@ -238,6 +241,23 @@ def _spectra(summary):
     if mean is not None:
         spectra["detected_power_spectrum_layer_mean"] = "wavenumber", mean
     return spectra
+
+
+def _on_shared_digits(dataset):
+    """The dataset with its variables rounded by `_shared`."""
+    for name, variable in dataset.data_vars.items():
+        if variable.dtype.kind == "f":
+            n_bits = ERROR_BITS if name.endswith("_standard_error") else SHARED_BITS
+            variable.values = _shared(variable.values, n_bits)
+    return dataset
+
+
+def _shared(values, n_bits):
+    """Values to digits that processors share; what is rounding beside the largest is zero."""
+    magnitude = np.abs(np.asarray(values))
+    known = magnitude[np.isfinite(magnitude)]
+    is_rounding = magnitude < LEAST_SHARE * known.max(initial=0.0)
+    return np.where(is_rounding, 0.0, rounded(values, n_bits))
 
 
 def _with_units(dataset):

@@ -9,8 +9,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
+from snowsim.rounding import rounded
 from snowsim.statistics.blocks import BLOCK_LINES
-from snowsim.statistics.moments import decibels
+from snowsim.statistics.moments import SHARED_BITS, TO_THE_LAST_DIGITS, decibels
 from snowsim.statistics.summaries import GROUP_LINES, stacked
 
 MOST_LOOKS = 1e6  # stands for power without speckle
@@ -140,7 +141,8 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
         density = np.abs(np.fft.fftshift(np.fft.fft(echo))) ** 2
         spectra.append(density / density.mean())
     wavenumber = np.fft.fftshift(np.fft.fftfreq(n_lines, line_spacing_m))
-    return wavenumber, spectra[0], np.mean(spectra, axis=0)
+    mean = np.mean(spectra, axis=0)
+    return wavenumber, rounded(spectra[0], SHARED_BITS), rounded(mean, SHARED_BITS)
 
 
 def detected_power_spectra(summary):
@@ -249,7 +251,8 @@ def fading(products, speckle):
     def expected(parameters):
         variance, length = np.exp(parameters[:2])
         exponent = parameters[2]
-        kernel = variance * np.exp(-((np.arange(BLOCK_LINES) / length) ** exponent))
+        shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** exponent))
+        kernel = variance * np.insert(shape, 0, 1.0)
         above = np.cumsum(kernel)
         with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
         below = np.cumsum(with_mean[::-1])[::-1]
@@ -262,7 +265,8 @@ def fading(products, speckle):
     lower = [np.log(1e-4), 0.0, 0.3]
     upper = [np.log(1e3), np.log(4.0 * BLOCK_LINES), 2.0]
     guess = [np.log(max(covariance[1], 1e-3)), np.log(30.0), 1.5]
-    fit = least_squares(misfit, np.clip(guess, lower, upper), bounds=(lower, upper))
+    guess = np.clip(guess, lower, upper)
+    fit = least_squares(misfit, guess, bounds=(lower, upper), **TO_THE_LAST_DIGITS)
     log_variance, log_length, exponent = fit.x
     explained = expected(fit.x)[0] * n_clear[0] / n[0]
     return Fading(

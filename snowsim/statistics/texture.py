@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from snowsim.statistics.moments import DB
+from snowsim.statistics.moments import DB, TO_THE_LAST_DIGITS
 
 # [range lines]; at the last, lines share only the error of the group's mean.
 LINE_LAGS = np.array([1, 2, 9])
@@ -121,5 +121,5 @@ def texture(terms):
 
     bounds = np.log([[1e-5, 1.0, 0.5], [1.0, 200.0, 5.0]])
     first = np.clip(np.log([1.3 * seen[0, 0], 10.0, 2.0]), *bounds)
-    fit = least_squares(misfit, first, bounds=bounds)
+    fit = least_squares(misfit, first, bounds=bounds, **TO_THE_LAST_DIGITS)
     return Texture(gain_db, *np.exp(fit.x))
