@@ -18,6 +18,8 @@ SWEPT = slice(64, None, 128)  # of these, the 32 that a profile's echoes are sum
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
 MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
+# Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
+MOST_LOST_DB = 4.0
 LEAST_DENSITY_KG_M3 = 5.0  # of the densest snow; below, values are in g cm-3
 # Of undulations, as the reference flight's.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
@@ -385,6 +387,11 @@ def _combined(snowpack, radar):
     index, below_s = _index_and_delay(snowpack)
     found = combine(below_s[:, 0], _reflection(index)[:, 0], radar.sweep)
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
+    faint = found.lost_db > MOST_LOST_DB
+    if faint.any():
+        msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
+        msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
+        warnings.warn(msg, UserWarning, stacklevel=4)
     return _Echoes(
         below_s=found.delay_s[:, None],
         depth_m=depth_m[:, None],

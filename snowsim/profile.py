@@ -56,6 +56,12 @@ class Reflectors:
     power: np.ndarray
     reflected: np.ndarray  # of the power that reaches it
 
+    @property
+    def lost_db(self):
+        """What reflectors above took from each on the way down and up [dB]."""
+        passed = np.cumprod(np.append(1, 1 - self.reflected[:-1]))
+        return -20 * np.log10(passed)
+
 
 def combine(delay_s, reflection, sweep):
     """`Reflectors` whose mean power is that of a profile's interfaces added in amplitude.
