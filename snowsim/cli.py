@@ -264,8 +264,8 @@ def echo_scores(table):
 @seed_option
 @click.pass_context
 def simulate(
-    context, echogram, radar, changes, profile, depth_unit, density_unit, n_range_lines, force, seed,
-    **climate,
+    context, echogram, radar, changes, profile, depth_unit, density_unit, n_range_lines, force,
+    seed, **climate,
 ):  # fmt: skip
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
     --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.

@@ -1,4 +1,4 @@
-"""Profiles as measured: what lies within a range cell adds in amplitude, what does not, in power."""
+"""Profiles as measured: interfaces within a range cell add in amplitude, others in power."""
 
 import re
 import warnings
