@@ -24,7 +24,7 @@ from snowsim.reference.firn import (
 from snowsim.reference.line import line_length_km
 
 RADAR = PRESETS["snow-2012"]
-POWER = "power under the surface's peak at * m"
+POWER = "power relative to the surface's peak at * m"
 STEPS = "density steps between range cells at * m"
 DEPTHS_M = ((0.5, 2), (4, 6), (10, 12), (14, 16))
 STEP_DEPTHS_M = ((0.5, 5), (5, 15))
@@ -57,7 +57,7 @@ def site_delay_s(depth_m):
 
 
 def describe_power(picture):
-    """Mean power of depths under the peak of the mean surface echo, noise taken off [dB].
+    """Mean power of depths relative to the peak of the mean surface echo, noise taken off [dB].
 
     Depths are those of travel times. NaN beyond the data or below the noise.
     """

@@ -1,6 +1,7 @@
 """Profiles as measured: errors against a coherent solver by what causes them, and cost."""
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from lib.diagnostics.profiles import compared
 from lib.figures.style import GUIDE, SERIES, new_figure
@@ -16,7 +17,7 @@ N_CLASSES = 6
 
 def atlas_profiles(profiles):
     """Median and 95 % of the error by step, lens and loss, and error against cost, by band."""
-    figure, axes = new_figure(2, 2, width=9.5)
+    figure, axes = new_figure(2, 2, width=9.5, height=6.5)
     inside = compared(profiles)
     with_lenses = inside[inside["lens_m"] > 0]
     # Of losses, those beyond the warning too.
@@ -44,7 +45,9 @@ def plot_errors(ax, table, name):
             )
     for limit_db in ASKED_DB:
         ax.axhline(limit_db, **GUIDE)
-    ax.set(xscale="log", yscale="log", ylabel="median, dashed: 95 % [dB]")
+    ax.set(xscale="log", yscale="log", ylabel="error: median, dashed: 95 % [dB]")
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.yaxis.set_minor_formatter(NullFormatter())
 
 
 def plot_cost(ax, table):
