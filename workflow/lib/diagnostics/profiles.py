@@ -4,6 +4,7 @@ Cells of half a metre are compared, where the snow and not the surface makes the
 """
 
 import time
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -162,7 +163,10 @@ def profile_table(n_profiles, stream):
         kind = draw_kind(rng)
         snowpack = draw_profile(kind, rng=rng)
         for name in BANDS:
-            cells = cell_errors(snowpack, PRESETS[name])
+            with warnings.catch_warnings():
+                # Of multiples: what is lost is a column.
+                warnings.simplefilter("ignore", UserWarning)
+                cells = cell_errors(snowpack, PRESETS[name])
             tables.append(cells.assign(profile=number, radar=name, **vars(kind)))
     return pd.concat(tables, ignore_index=True)
 

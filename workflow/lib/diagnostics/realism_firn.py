@@ -34,6 +34,7 @@ SITE = (0.18, 243.0, 340.0)  # accumulation [m w.e.], temperature [K], density a
 CLIMATE = Climate(accumulation_m=SITE[0], temperature_k=SITE[1], n_years=60)
 CLIMATE_LINES = 32  # 200 m apart, in each of as many climates as there are places
 CLIMATE_SPACING_M = 200.0
+ABOVE_ROWS = 5  # where the peak of the surface may lie, above its picks
 N_PLACES = 16
 N_BINS_BELOW = 600  # of the flight, some 17 m
 LAGS = np.array([16, 32, 64, 128, 255])
@@ -62,14 +63,14 @@ def describe_power(picture):
     Depths are those of travel times. NaN beyond the data or below the noise.
     """
     ends = np.rint(site_delay_s(np.array(DEPTHS_M)) / picture.row_s).astype(int)
-    below = picture.below_surface(-5, ends.max())
-    profile = np.nanmean(10 ** (below / 10), axis=1) - picture.noise()
-    peak = profile[:15].max()
-    n_known = np.isfinite(below).all(axis=1).sum() - 5
+    below = picture.below_surface(-ABOVE_ROWS, ends.max())
+    known = below[np.isfinite(below).all(axis=1)]
+    profile = np.mean(10 ** (known / 10), axis=1) - picture.noise()
+    peak = profile[: 3 * ABOVE_ROWS].max()
     levels = []
-    for first, end in ends:
-        power = profile[5 + first : 5 + end].mean() / peak
-        levels.append(to_db(power) if power > 0 and end <= n_known else np.nan)
+    for first, end in ends + ABOVE_ROWS:
+        power = profile[first:end].mean() / peak if end <= len(profile) else np.nan
+        levels.append(to_db(power) if power > 0 else np.nan)
     return dict(zip(keyed(f"firn, {POWER}", DEPTHS_M), levels, strict=True))
 
 
@@ -212,13 +213,15 @@ def _layering_steps(firn, ends, *, rng):
 
 
 def structure(thickness):
-    """Mean square difference of slabs (slab, range_line) at `LAGS`, mean over slabs, (lag,)."""
-    return np.array([np.nanmean((thickness[:, lag:] - thickness[:, :-lag]) ** 2) for lag in LAGS])
+    """Mean square difference of whole slabs (slab, range_line) at `LAGS`, over slabs, (lag,)."""
+    return np.array([np.mean((thickness[:, lag:] - thickness[:, :-lag]) ** 2) for lag in LAGS])
 
 
 def exponent(structures):
     """Power of the lag with which the mean of structure functions grows."""
-    mean = np.nanmean(np.array(structures), axis=0)
+    mean = np.mean(structures, axis=0)
+    if not (mean > 0).all():
+        return np.nan
     return np.polyfit(np.log(LAGS), np.log(mean), 1)[0]
 
 
@@ -260,7 +263,8 @@ def correlation_of(sums):
 
 def describe_slabs(slabs):
     """Units and statistic by quantity, of thicknesses (slab, range_line) of scenes."""
-    long = [thickness for thickness in slabs if thickness.shape[1] > LAGS[-1]]
+    whole = [thickness[np.isfinite(thickness).all(axis=1)] for thickness in slabs]
+    long = [thickness for thickness in whole if thickness.size and thickness.shape[1] > LAGS[-1]]
     found = {GROWTH: ([structure(thickness) for thickness in long], exponent)}
     for name, traces in zip(keyed(SHARED, BANDS), BANDS, strict=True):
         sums = [shared_power(thickness, traces) for thickness in long]
