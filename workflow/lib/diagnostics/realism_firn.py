@@ -36,7 +36,7 @@ CLIMATE_LINES = 32  # 200 m apart, in each of as many climates as there are plac
 CLIMATE_SPACING_M = 200.0
 ABOVE_ROWS = 5  # where the peak of the surface may lie, above its picks
 N_PLACES = 16
-N_BINS_BELOW = 600  # of the flight, some 17 m
+RECORD_S = 173.16e-9  # of the flight's columns, some 20 m
 LAGS = np.array([16, 32, 64, 128, 255])
 BANDS = ((16, 64), (64, 256), (256, 2048))  # wavelengths [traces]
 LEAST_TRACES = 256  # of a block whose spectrum is taken; else the longest wavelength of a band
@@ -182,9 +182,10 @@ def describe_flight_firn(climate, settings, *, rng):
     A place each.
     """
     places = []
+    n_bins = round(RECORD_S / settings.radar.bin_size_s)
     for share in (np.arange(N_PLACES) + 0.5) / N_PLACES:
         lines_km = share * line_length_km() + np.array([0, 0.01])
-        column = draw_column(climate, "cores", lines_km, N_BINS_BELOW, rng=rng)
+        column = draw_column(climate, "cores", lines_km, n_bins, rng=rng)
         steps = [_column_steps(column, settings.firn, ends, rng=rng) for ends in STEP_DEPTHS_M]
         places.append(dict(zip(keyed(f"firn, {STEPS}", STEP_DEPTHS_M), steps, strict=True)))
     return places
