@@ -3,6 +3,8 @@
 import json
 import os
 import sys
+import warnings
+from contextlib import contextmanager
 from itertools import chain
 from math import isnan
 from pathlib import Path
@@ -249,19 +251,29 @@ def echo_scores(table):
     multiple=True,
     help="A number of the radar, by its name in the API.",
 )
+@click.option("--profile", type=EXISTING, help="Table of depth and density, in place of a climate.")
+@click.option("--depth-unit", type=click.Choice(["m", "cm", "mm"]), help="Where no header has it.")
+@click.option(
+    "--density-unit", type=click.Choice(["kg m-3", "g cm-3"]), help="Where no header has it."
+)
 @click.option("--accumulation-m", type=float, default=0.3, help="Of a year, in metres of water.")
 @click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
 @click.option("--years", "n_years", type=int, default=20, help="Annual layers.")
 @click.option("--range-lines", "n_range_lines", type=COUNT, default=256)
 @over_option
 @seed_option
-def simulate(echogram, radar, changes, n_range_lines, force, seed, **climate):
-    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, an Open Polar Radar
-    dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
+@click.pass_context
+def simulate(
+    context, echogram, radar, changes, profile, depth_unit, density_unit, n_range_lines, force,
+    seed, **climate,
+):  # fmt: skip
+    """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
+    --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
 
     \b
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
+      snowsim simulate echogram.nc --profile pit.csv --depth-unit cm
       snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10
     """  # noqa: D205, D301
     import numpy as np
@@ -277,16 +289,55 @@ def simulate(echogram, radar, changes, n_range_lines, force, seed, **climate):
     if unknown:
         msg = f"--set: a radar has no number {min(unknown)}, but {', '.join(sorted(numbers))}"
         raise click.UsageError(msg)
-    snow = Climate(**climate)
+    units = {"depth_unit": depth_unit, "density_unit": density_unit}
+    check_snow(context, profile is not None, climate, units)
     radar = Radar.preset(radar, **changes)
-    one_line, _ = simulate(snow, radar, n_range_lines=1, rng=np.random.default_rng(seed))
-    check_room(one_line["Data"].nbytes, n_range_lines)
-    rng = np.random.default_rng(seed)
-    seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=rng)
+    with echo_warnings():
+        snow = Climate(**climate) if profile is None else measured_snow(profile, units)
+        one_line, _ = simulate(snow, radar, n_range_lines=1, rng=np.random.default_rng(seed))
+        check_room(one_line["Data"].nbytes, n_range_lines)
+        rng = np.random.default_rng(seed)
+        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=rng)
     for path, dataset in ((echogram, seen), (path_to_layers, layers)):
         write_dataset(path, dataset)
         sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
         click.echo(f"{path}: {sizes}")
+
+
+def check_snow(context, is_measured, climate, units):
+    """Refuse numbers of a climate beside a profile, and units without one."""
+    unused = climate if is_measured else units
+    given = click.core.ParameterSource.COMMANDLINE
+    for name in unused:
+        if context.get_parameter_source(name) == given:
+            option = next(o.opts[0] for o in context.command.params if o.name == name)
+            reason = "is of a climate, not of a --profile" if is_measured else "is of a --profile"
+            msg = f"{option} {reason}"
+            raise click.UsageError(msg)
+
+
+def measured_snow(path, units):
+    """`Snowpack` of a profile's file; what was read of it is shown."""
+    from snowsim.io.profiles import read_profile
+    from snowsim.physical import Snowpack
+
+    profile = read_profile(path, **units)
+    click.echo(profile.note)
+    try:
+        return Snowpack.from_profile(profile.depth_m, profile.density_kg_m3)
+    except ValueError as error:
+        msg = f"{path}: {error}"
+        raise ValueError(msg) from error
+
+
+@contextmanager
+def echo_warnings():
+    """Show each warning once, in one line on stderr."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        yield
+    for text in dict.fromkeys(str(warning.message) for warning in caught):
+        click.echo(f"warning: {text}", err=True)
 
 
 def check_outputs(paths, force):

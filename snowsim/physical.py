@@ -1,5 +1,6 @@
 """Radars and snow in physical units, and the terms of eq. (1) that they make."""
 
+import warnings
 from dataclasses import dataclass, replace
 from numbers import Real
 
@@ -8,14 +9,18 @@ from scipy.signal import get_window
 
 from snowsim.constants import ICE_DENSITY_KG_M3, KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import check_choice
+from snowsim.profile import Sweep, combine, interfaces
 from snowsim.reference.climate import draw_along_track
 from snowsim.reference.firn import density_herron_langway80, depth_herron_langway80
 
 LEAST_USED = 0.05  # of the sweep by its window; below, samples of the window are too few
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
+SWEPT = slice(64, None, 128)  # of these, the 32 that a profile's echoes are summed over
 TAIL_DB = 15.0  # over which an exponential stands for the tail
 MOST_LAGS = 16  # of correlated speckle, as PHY draws it
 MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
+# Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
+MOST_LOST_DB = 4.0
 LEAST_DENSITY_KG_M3 = 5.0  # of the densest snow; below, values are in g cm-3
 # Of undulations, as the reference flight's.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
@@ -113,6 +118,14 @@ class Radar:
         widened = self.widening * (weight**2).mean() / weight.mean() ** 2
         return float(widened / self.bandwidth_hz)
 
+    @property
+    def sweep(self):
+        """Frequencies as `snowsim.profile` takes them, its band that of the range response."""
+        weight = get_window(self.window, N_FREQUENCIES)
+        place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
+        frequency_hz = self.centre_hz + place * self.bandwidth_hz / self.widening
+        return Sweep(frequency_hz[SWEPT], weight[SWEPT], self.cell_s)
+
     def tail(self, slope, height_m):
         """Decay rate [1/s] of the echo off Gaussian slopes, and the share that the beam takes in.
 
@@ -184,7 +197,10 @@ class Snowpack:
     the surface first, at 0 or its own height, down positive. `density_kg_m3`, alike: of the snow
     below each interface, at most ice's. By layer or for all: `roughness_m`, standard deviation of
     height within a footprint, and `slope`, its rms along one axis as seen from the air, in (0, 1].
-    `attenuation_db_m`: two-way, beside what interfaces reflect.
+    `attenuation_db_m`: two-way, beside what interfaces reflect. `coherent`: whether interfaces
+    within a range cell of each other add in amplitude, as those of one measured profile do, or in
+    power, as on average where their distances vary along track; by default in power, with a
+    warning if there are any. Of one range line alone can they add in amplitude.
     """
 
     depth_m: np.ndarray
@@ -192,9 +208,11 @@ class Snowpack:
     roughness_m: np.ndarray = 0.02
     slope: np.ndarray = 0.03
     attenuation_db_m: float = 0.0
+    coherent: bool | None = None
 
     def __post_init__(self):
-        held = {name: _filled(name, value) for name, value in vars(self).items()}
+        given = {name: value for name, value in vars(self).items() if name != "coherent"}
+        held = {name: _filled(name, value) for name, value in given.items()}
         for name in ("depth_m", "density_kg_m3"):
             if held[name].size == 0:
                 msg = f"snowpack: {name} must hold the surface at least, got no value"
@@ -226,6 +244,25 @@ class Snowpack:
                 msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
                 raise ValueError(msg)
             object.__setattr__(self, name, value)
+        if self.coherent and shape[1] > 1:
+            msg = "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
+            msg += f"got {shape[1]}: coherent=False adds them in power"
+            raise ValueError(msg)
+
+    @classmethod
+    def from_profile(cls, depth_m, density_kg_m3, **others):
+        """Snow as a pit, a core or a penetrometer measured it: steps of a millimetre to decimetres.
+
+        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below; the
+        interfaces lie half-way between, and the last sample's snow goes on below. NaN in
+        `density_kg_m3` [kg m-3] is missing: straight lines bridge it, which reflect nothing, with a
+        warning. `others` are those of `Snowpack`. Interfaces stay as measured; how they combine, a
+        radar decides: `snowsim.profile.combine`.
+        """
+        interface_m, density = interfaces(
+            _filled("depth_m", depth_m), _filled("density_kg_m3", density_kg_m3)
+        )
+        return cls(interface_m, density, coherent=True, **others)
 
     def __repr__(self):
         n_layers, n_lines = self.depth_m.shape
@@ -288,7 +325,8 @@ class Climate:
         # In logits: of the s.d. asked for at the top, never below nothing or above ice.
         width = self.density_sd_kg_m3 / ICE_DENSITY_KG_M3 / (share[0] * (1 - share[0]))
         density = ICE_DENSITY_KG_M3 / (1 + (1 - share) / share * np.exp(-width * anomaly))
-        return Snowpack(depth_herron_langway80(water_m, *firn), density)
+        # Of years that drift, distances vary along track.
+        return Snowpack(depth_herron_langway80(water_m, *firn), density, coherent=False)
 
 
 def physical_parameters(snowpack, radar):
@@ -305,30 +343,100 @@ def physical_parameters(snowpack, radar):
     Width: a Gaussian of the range response's height and area, wider by the roughness, ``2 n r /
     c``. Tail: `Radar.tail`.
     """
-    density = snowpack.density_kg_m3
-    index = 1 + KOVACS_M3_KG * np.r_[0 * density[:1], density]
-    above = index[:-1]
-    below = index[1:]
-    depth_m = snowpack.depth_m
-    optical_m = np.r_[depth_m[:1], above[1:] * np.diff(depth_m, axis=0)]
-    below_s = 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)
-
-    reflected = ((above - below) / (above + below)) ** 2
-    passed = np.ones_like(reflected)
-    passed[1:] = np.cumprod((1 - reflected[:-1]) ** 2, axis=0)
+    echoes = _combined(snowpack, radar) if snowpack.coherent else _one_by_one(snowpack, radar)
+    depth_m = echoes.depth_m
     buried_m = depth_m - depth_m[:1]
     attenuated = 10 ** (-snowpack.attenuation_db_m * buried_m / 10)
     spread = (radar.height_m / (radar.height_m + depth_m)) ** 2
 
     response = (radar.cell_s / radar.bin_s) ** 2 / (2 * np.pi)
-    rough_s = 2 * above.mean(axis=1) * snowpack.roughness_m / SPEED_OF_LIGHT_M_S
+    rough_s = 2 * echoes.index_above * echoes.roughness_m / SPEED_OF_LIGHT_M_S
     variance_bins2 = response + (rough_s / radar.bin_s) ** 2
-    decay_per_s, share = radar.tail(snowpack.slope, radar.height_m + depth_m.mean(axis=1))
+    decay_per_s, share = radar.tail(echoes.slope, radar.height_m + depth_m.mean(axis=1))
     decay_rate = decay_per_s * radar.bin_s
     height = share * decay_rate * np.sqrt(response / variance_bins2)
-    power = reflected * passed * (attenuated * spread) * height[:, None]
-    return below_s, {
+    power = echoes.power * (attenuated * spread) * height[:, None]
+    return echoes.below_s, {
         "peak_power": power,
         "variance_bins2": variance_bins2,
         "decay_rate": decay_rate,
     }
+
+
+@dataclass(frozen=True)
+class _Echoes:
+    """What comes back of a plane wave: where from, (layer, range_line), and how strong."""
+
+    below_s: np.ndarray
+    depth_m: np.ndarray
+    power: np.ndarray
+    # By layer.
+    index_above: np.ndarray
+    roughness_m: np.ndarray
+    slope: np.ndarray
+
+
+def _one_by_one(snowpack, radar):
+    """`_Echoes` of interfaces that add in power."""
+    index, below_s = _index_and_delay(snowpack)
+    if snowpack.coherent is None:
+        _warn_of_close(below_s, radar)
+    reflected = _reflection(index) ** 2
+    passed = np.ones_like(reflected)
+    passed[1:] = np.cumprod((1 - reflected[:-1]) ** 2, axis=0)
+    return _Echoes(
+        below_s=below_s,
+        depth_m=snowpack.depth_m,
+        power=reflected * passed,
+        index_above=index[:-1].mean(axis=1),
+        roughness_m=snowpack.roughness_m,
+        slope=snowpack.slope,
+    )
+
+
+def _combined(snowpack, radar):
+    """`_Echoes` of a profile whose interfaces within a range cell add in amplitude."""
+    index, below_s = _index_and_delay(snowpack)
+    found = combine(below_s[:, 0], _reflection(index)[:, 0], radar.sweep)
+    depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
+    faint = found.lost_db > MOST_LOST_DB
+    if faint.any():
+        msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
+        msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
+        warnings.warn(msg, UserWarning, stacklevel=4)
+    return _Echoes(
+        below_s=found.delay_s[:, None],
+        depth_m=depth_m[:, None],
+        power=found.power[:, None],
+        index_above=index[found.first, 0],
+        roughness_m=snowpack.roughness_m[found.first],
+        slope=snowpack.slope[found.first],
+    )
+
+
+def _index_and_delay(snowpack):
+    """Refractive index, air first, and two-way travel time to each interface [s]."""
+    density = snowpack.density_kg_m3
+    index = 1 + KOVACS_M3_KG * np.r_[0 * density[:1], density]
+    depth_m = snowpack.depth_m
+    optical_m = np.r_[depth_m[:1], index[1:-1] * np.diff(depth_m, axis=0)]
+    return index, 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)
+
+
+def _reflection(index):
+    """Share of the field that each interface reflects."""
+    above = index[:-1]
+    below = index[1:]
+    return (above - below) / (above + below)
+
+
+def _warn_of_close(below_s, radar):
+    """Say where interfaces lie within a range cell all along, so that phases would not average."""
+    apart_s = np.diff(below_s, axis=0)
+    varied = np.ptp(apart_s, axis=1) > 0.5 / radar.centre_hz
+    close = (apart_s.min(axis=1, initial=np.inf) < radar.cell_s) & ~varied
+    if close.any():
+        msg = f"snowpack: {close.sum()} interfaces lie within a range cell, "
+        msg += f"{1e9 * radar.cell_s:.2g} ns, of the one above, and add in power: "
+        msg += "coherent=True adds their fields, coherent=False keeps this without a warning"
+        warnings.warn(msg, UserWarning, stacklevel=4)

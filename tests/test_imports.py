@@ -22,6 +22,7 @@ ALLOWED = {
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
+    ("physical", "profile"),
     # A layer is labelled where its mean power shows it.
     ("labels", "phy.power"),
     ("labels", "phy.parameters"),

@@ -337,3 +337,31 @@ rule study_convolution:
         rules.study_convolution_smrt.output,
     message:
         "SMRT beside the convolution model; the figure of the target convolution takes it in when that is run next"
+
+
+# Random profiles against a coherent solver, by step, lens and band.
+
+
+rule study_profiles_table:
+    input:
+        code=imported_by("study_profiles.py"),
+    output:
+        table="results/studies/convolution/profiles.csv",
+    log:
+        "logs/study_profiles_table.log",
+    benchmark:
+        "results/benchmarks/study_profiles_table/all.tsv"
+    params:
+        seed=config["seed"],
+        n_profiles=200,
+    message:
+        "mean power of random profiles, as combined and by a coherent solver"
+    script:
+        "../scripts/study_profiles.py"
+
+
+rule study_profiles:
+    input:
+        figure_files("study_profiles"),
+    message:
+        "how well profiles finer than the range cell are combined, and where not"

@@ -6,7 +6,8 @@ import yaml
 from job import logger, progress, run
 
 from lib.diagnostics import realism_sides as sides
-from lib.diagnostics.pictures import response_picture
+from lib.diagnostics.pictures import flight_picture, response_picture
+from lib.diagnostics.realism_firn import describe_power
 from lib.diagnostics.realism_table import realism_table, summary
 from lib.diagnostics.two_sample import compare, crops_dataset
 from snowsim.io.files import read_dataset, read_table, write_dataset, write_table
@@ -21,13 +22,14 @@ def tabulate_realism(
 ):  # fmt: skip
     settings = checked_settings(reference)
     numbers = []
+    powers = []
     of_flight = []
     frames = list(zip(echograms, layers, strict=True))
     for frame, (echogram, picks) in enumerate(progress(frames, "realism")):
         noise = response_picture(settings.radar, rng=random_stream(seed, "tabulate_realism", frame))
-        of_frame, crops_of_frame = sides.describe_frame(
-            read_dataset(echogram), read_dataset(picks), noise
-        )
+        frame_files = read_dataset(echogram), read_dataset(picks)
+        of_frame, crops_of_frame = sides.describe_frame(*frame_files, noise)
+        powers.append(describe_power(flight_picture(*frame_files)))
         numbers.append(of_frame)
         of_flight.append(crops_of_frame)
     rng = random_stream(seed, "tabulate_realism")
@@ -37,6 +39,8 @@ def tabulate_realism(
     flight = sides.describe_flight(
         numbers, scenes, read_dataset(statistics), settings, climate, rng=rng
     )
+    rng_of_firn = random_stream(seed, "tabulate_realism", "firn")
+    flight |= sides.describe_firn(powers, scenes[0], settings, climate, rng=rng_of_firn)
     if folder is None:
         measured = read_table(record)
     else:

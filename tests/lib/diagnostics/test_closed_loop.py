@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from lib.conventions import Convention
 from lib.diagnostics import closed_loop
 from lib.diagnostics.closed_loop import (
     BOUNDS,
@@ -14,6 +15,7 @@ from lib.diagnostics.closed_loop import (
     summarise_loop,
     thinned,
 )
+from lib.figures.closed_loop import closed_loop as draw_closed_loop
 from snowsim import statistics
 from snowsim.statistics import estimate, merge, summarise
 
@@ -167,3 +169,27 @@ def test_planted_values_go_round_the_loop(planted, rng):
         assert_allclose(recovered.attrs["bin_size_s"], bin_size_s, rtol=1e-12)
         # Positions are made on the sphere that distances are measured on; degrees hold 1e-14 of 70.
         assert_allclose(recovered.attrs["line_spacing_m"], 5.47, rtol=1e-7)
+
+
+def test_renders_too_poor_for_statistics_give_a_table_that_says_why(fitted, flight):
+    # Of every frame only the surface is picked: no block shows slab 0.
+    bare = merge(
+        summarise(echogram, layers.isel(layer=slice(0, 1)), where="bare")
+        for echogram, layers in flight
+    )
+    recovered, table = closed_loop.recover(bare, fitted, varies=True)
+    reason = "zones need slab 0 picked in half of a block of 256 lines"
+    assert recovered.attrs["not_recovered"].startswith(reason)
+    assert recovered.attrs["n_frames"] == len(bare)
+    assert np.isnan(recovered["peak_power"]).all()
+    assert table["reason"].str.startswith(reason).all()
+    assert set(compare(fitted, fitted)["quantity"]) == set(table["quantity"])
+    assert not table["within"].any()
+    summary = summarise_loop(table).set_index("quantity")
+    assert (summary["n_within"] == 0).all()
+    assert summary["reasons"].str.startswith(reason).all()
+    convention = Convention("deblended", "none", "peak", "fitted")
+    conventions = closed_loop.convention_table([(convention, table, 4)])
+    assert np.isnan(conventions["score"].item())
+    figure = draw_closed_loop(table, conventions, "bare renders")
+    assert figure.axes

@@ -1,10 +1,19 @@
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 from numpy.testing import assert_allclose
 
-from lib.diagnostics import realism, realism_sides, realism_snow, two_sample
+from lib.diagnostics import (
+    pictures,
+    realism,
+    realism_firn,
+    realism_sides,
+    realism_snow,
+    two_sample,
+)
 from lib.diagnostics.pictures import (
     BINS_PER_ROW,
     PRODUCT_ROW_S,
@@ -146,6 +155,53 @@ def test_cores_of_planted_anomalies_and_ratios_of_thickness_come_back(rng):
     assert np.isnan(realism_snow.thickness_ratio(slabs, (40, 60)))
 
 
+def test_scenes_without_a_slab_leave_rows_with_a_reason(rng):
+    assert np.isnan(realism_snow.thickness_ratio([], (22, 40)))
+    assert np.isnan(realism_snow.spacing_variation([]))
+    found = realism_sides.describe_thickness([], rng=rng)
+    nothing = pd.DataFrame(columns=["quantity", "frame", "value"])
+    table = realism_table(found, nothing, KNOWN)
+    of_thickness = table[table["quantity"].isin(found)]
+    assert set(of_thickness["reason"]) == {"no such value in the flight"}
+
+
+def test_power_by_depth_is_that_planted_and_nan_beyond_the_data():
+    surface = 60
+    ends_s = realism_firn.site_delay_s(np.array(realism_firn.DEPTHS_M))
+    below_s = (np.arange(500) - surface) * ROW_S
+    power = np.full(500, 1e-4)
+    power[surface] += 1
+    power[(below_s >= ends_s[1, 0]) & (below_s < ends_s[1, 1])] += 0.02
+    power_db = np.tile(10 * np.log10(power)[:, None], 40)
+    picture = Picture(power_db, ROW_S, np.full(40, surface), slice(0, 40))
+    found = list(realism_firn.describe_power(picture).values())
+    # The ends fall within a row of 47: at most 2 % of 0.02.
+    assert_allclose(found[1], 10 * np.log10(0.02), atol=0.2)
+    assert np.isnan(found[0])
+    assert np.isnan(found[3])
+
+
+def test_slabs_of_random_walks_grow_with_the_lag_and_share_what_was_planted(rng):
+    walks = np.cumsum(rng.standard_normal((200, 256)), axis=1)
+    found = realism_firn.describe_slabs([walk[None] for walk in walks])
+    units, statistic = found[realism_firn.GROWTH]
+    # 200 walks, a handful of independent differences each at the longest lag.
+    assert_allclose(statistic(units), 1, atol=0.15)
+    shared = rng.standard_normal((1, 256 * 64))
+    own = rng.standard_normal((8, 256 * 64))
+    sums = [realism_firn.shared_power(0.6**0.5 * shared + 0.4**0.5 * own, (16, 64))]
+    assert_allclose(realism_firn.correlation_of(sums), 0.6, atol=0.05)
+    assert np.isnan(realism_firn.correlation_of([realism_firn.shared_power(own[:, :99], (16, 64))]))
+
+
+def test_steps_between_cells_are_those_of_white_layers(rng):
+    depth_m = np.arange(0.0005, 20, 0.001)
+    cell = (depth_m / realism_firn.cell_m()).astype(int)
+    density = 400 + 20 * rng.standard_normal(cell[-1] + 1)[cell]
+    # Neighbours differ by sqrt(2) of the s.d.; 120 and 260 cells know it to 7 and 5 %.
+    assert_allclose(realism_firn.cell_steps(depth_m, density), 20 * np.sqrt(2), rtol=0.25)
+
+
 def test_a_classifier_is_at_chance_between_equals_and_right_where_texture_differs(rng):
     def frames(deviation):
         return [[deviation * rng.standard_normal((32, 32)) for _ in range(100)] for _ in range(4)]
@@ -200,3 +256,14 @@ def test_real_frames_measure_what_is_printed_of_them(real_snow_radar):
     neighbours = value["cores, correlation of neighbours"]
     assert round(neighbours.min(), 2) == 0.44
     assert round(neighbours.max(), 2) == 0.86
+
+
+def test_core_b26_has_the_power_by_depth_of_its_first_order_response(real_snow_radar):
+    core = pictures.read_core_b26(real_snow_radar)
+    with pytest.warns(UserWarning, match="density is missing over 4.96 of 39.98 m"):
+        snow = realism_firn.core_snowpack(*core, slope=1e-5, roughness_m=0.0)
+    # A plane wave and the window's own response.
+    radar = replace(realism_firn.RADAR, height_m=1e6, widening=1.0)
+    found = realism_firn.power_by_depth(snow, radar)
+    # Computed once elsewhere, of the same sweep and window, in half of these depths.
+    assert_allclose(found[:3], [-17, -18, -24], atol=2)

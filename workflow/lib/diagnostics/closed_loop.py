@@ -122,7 +122,7 @@ def largest_errors(table):
         errors[f"{quantity}_largest"] = magnitude[of & resolved].max()
         if quantity in ("peak_power", "decay_rate", "noise_power", "width_bins", "offset_bins"):
             shares.append(errors[f"{quantity}_median"] / bound.largest)
-    errors["score"] = float(np.nanmean(shares))
+    errors["score"] = float(pd.Series(shares).mean())  # NaN where there is none
     return errors
 
 
@@ -324,11 +324,31 @@ def summarise_renders(scenes, given, convention, phy, stride, stream):
 
 
 def recover(summary, given, *, varies):
-    """Statistics of renders by the zones of those `given`, and their table of `compare`."""
+    """Statistics of renders by the zones of those `given`, and their table of `compare`.
+
+    Where renders are too poor for any, statistics are NaN, and every row of the table says why.
+    """
     edges = given["zone_edge_bins"].values
-    recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
-    table = compare(given, recovered, varies=varies)
+    try:
+        recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
+        table = compare(given, recovered, varies=varies)
+    except ValueError as error:
+        recovered = _unknown(given).assign_attrs(n_frames=len(summary), not_recovered=str(error))
+        table = _without_values(compare(given, given, varies=varies), str(error))
     return recovered.assign_attrs(synthetic="renders by PHY, not observed data"), table
+
+
+def _unknown(statistics):
+    """The same variables with NaN for every real number but the edges."""
+    kept = ("zone_edge_bins", "band_edge_wavenumber")
+    real = [name for name, values in statistics.items() if values.dtype.kind == "f"]
+    return statistics.assign({name: statistics[name] * np.nan for name in real if name not in kept})
+
+
+def _without_values(table, reason):
+    """A table of `compare` whose values never came back."""
+    missing = ["recovered", "recovered_standard_error", "error", "error_standard_error"]
+    return table.assign(**dict.fromkeys(missing, np.nan), within=False, reason=reason)
 
 
 def convention_table(tried):

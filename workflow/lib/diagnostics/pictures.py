@@ -7,6 +7,7 @@ each is read.
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from snowsim.echogram import bin_size_s, layer_bins_of, to_db
@@ -160,3 +161,22 @@ def read_densities(folder):
     core15 = read("greentracs/Core15_depth_density.txt")
     summit = read("summit/summit_density_top10m.csv")
     return {"GreenTRACS 15": core15 * [1, 1e3], "Summit": summit}
+
+
+def read_core_b26(folder):
+    """Depth [m] and density [kg m-3] of core B26, a sample a millimetre but for gaps."""
+    with np.load(Path(folder) / "core_b26/b26_density_1mm.npz") as held:
+        return held["midpoint_depth_m"].astype(float), held["density_kg_m3"].astype(float)
+
+
+def read_horizons(folder):
+    """Two-way travel times of eleven horizons of GreenTRACS, (horizon, trace) [ns].
+
+    Picked in a 500 MHz sled radar at the smallest offset, in steps of 0.2 ns; their spacing along
+    track is not stated.
+    """
+    file = "6-2-16-Core7-Spur-W-TimeHorizon.mat"
+    with h5py.File(Path(folder) / "horizons_greentracs" / file) as held:
+        picks = held["ReflectionFBpick"]
+        horizons = np.array([np.ravel(held[reference]) for reference in picks[:, 0]])
+    return horizons[np.argsort(horizons.mean(axis=1))]

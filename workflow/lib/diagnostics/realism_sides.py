@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from lib.diagnostics import pictures, realism, realism_snow, two_sample
+from lib.diagnostics import pictures, realism, realism_firn, realism_snow, two_sample
 from lib.diagnostics.realism_table import interval
 from snowsim.echogram import along_track_m, layer_bins_of, to_db
 
@@ -66,6 +66,23 @@ def describe_flight(frames, scenes, statistics, settings, climate, *, rng):
     found |= describe_thickness(train, rng=rng)
     found |= describe_benchmark(train, test, rng=rng)
     return found | describe_doppler(statistics)
+
+
+def describe_firn(powers, train, settings, climate, *, rng):
+    """Value and interval of the flight's power against depth, density steps and slabs.
+
+    `powers`: levels by depth of every frame; and those of snow that `snowsim.Climate` draws.
+    """
+    steps = realism_firn.describe_flight_firn(climate, settings, rng=rng)
+    drawn = realism_firn.describe_climate_firn(settings.radar, rng=rng)
+    samples = [pd.DataFrame(rows) for rows in (powers, steps, drawn)]
+    found = {
+        name: interval(table[name].tolist(), rng=rng) for table in samples for name in table.columns
+    }
+    slabs = realism_snow.thickness_of(train)
+    for name, (units, statistic) in realism_firn.describe_slabs(slabs).items():
+        found[name] = interval(units, statistic, rng=rng)
+    return found
 
 
 def describe_thickness(train, *, rng):
@@ -132,6 +149,9 @@ def describe_real(folder):
     for name, log in pictures.read_densities(folder).items():
         residual = realism_snow.density_residual(log)
         numbers[f"{name}, density"] = {"density, deviation about a parabola": residual}
+    core = pictures.read_core_b26(folder)
+    numbers["B26"] = realism_firn.describe_core_firn(*core)
+    numbers |= realism_firn.describe_real_slabs(pictures.read_horizons(folder))
     rows = [
         (quantity, frame, value)
         for frame, of_frame in numbers.items()

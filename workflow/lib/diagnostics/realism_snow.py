@@ -100,7 +100,12 @@ def thickness_of(scenes, most_accumulation_m=np.inf):
 
 
 def spacing_variation(slabs):
-    """Standard deviation over mean of the distance to the next layer, all lines of all scenes."""
+    """Standard deviation over mean of the distance to the next layer, all lines of all scenes.
+
+    NaN without a scene.
+    """
+    if not slabs:
+        return np.nan
     distances = np.concatenate([thickness.ravel() for thickness in slabs])
     return np.nanstd(distances) / np.nanmean(distances)
 
@@ -112,7 +117,12 @@ def mean_variation(slabs):
 
 
 def thickness_ratio(slabs, first_px):
-    """Mean thickness of deeper layers over the first, where that lies between limits [px]."""
+    """Mean thickness of deeper layers over the first, where that lies between limits [px].
+
+    NaN without a scene.
+    """
+    if not slabs:
+        return np.nan
     first = np.concatenate([thickness[0] for thickness in slabs])
     ratios = [np.nanmean(thickness[1:], axis=0) / thickness[0] for thickness in slabs]
     as_px = first / np.nanmean(first) * MEAN_FIRST_PX

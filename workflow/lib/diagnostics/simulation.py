@@ -116,7 +116,7 @@ def _stack(radar, contrast_kg_m3, spacing):
     depth_m = np.concatenate([[0], np.cumsum(slab_m)])
     # There and back: an eighth of the wavelength in all.
     rough_m = np.where(number > 0, SPEED_OF_LIGHT_M_S / radar.centre_hz / 8, 0.0)
-    return Snowpack(depth_m, density, rough_m, slope=1e-5)
+    return Snowpack(depth_m, density, rough_m, slope=1e-5, coherent=False)
 
 
 def _solved(radar, snowpack, delay_s, rng):
