@@ -1,0 +1,24 @@
+"""What the shipped tracker is trained on: scenes of many climates and radars."""
+
+from lib.phy_renders import render_by_phy
+from snowsim.labels import Dress, draw_scene, prepare
+from snowsim.seeding import random_stream
+from snowsim.statistics import varied
+
+
+def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
+    """`n_scenes` scenes of each of some variants of a flight's statistics, rendered by PHY.
+
+    Variants are numbers; looks and correlation of speckle are theirs, whatever `phy` says.
+    """
+    phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
+    choices, _ = Dress.split(phy)
+    for variant in variants:
+        statistics = varied(flight, rng=random_stream(seed, "varied", variant))
+        model = prepare(statistics, n_range_lines, dress=choices)
+        for number in range(n_scenes):
+            name = f"variant_{variant:03d}_{number:03d}"
+            # By scene, never by shard: how scenes are divided must not change them.
+            rng = random_stream(seed, "varied_scenes", name)
+            drawn = draw_scene(model, n_range_lines, name=name, rng=rng)
+            yield render_by_phy(drawn, statistics, phy, rng=rng)
