@@ -1,5 +1,6 @@
 """The network as ONNX, which runs without torch, and its weights read back."""
 
+import copy
 import io
 import warnings
 
@@ -29,16 +30,18 @@ class FusedLogits(nn.Module):
         return self.network(image)[-1]
 
 
-def to_onnx(network):
+def to_onnx(network, offset=0.0):
     """A `MultiScaleNetwork` as ONNX (bytes): the same network always gives the same bytes.
 
     Input ``image``, float32 (n, 1, range_bin, range_line) of any size: ``2 / 255 * grey - 1`` of an
     image of uint8, as `snowsim.patches.to_signed`. Output ``logit``, of the same shape: the fused
-    logits.
+    logits less `offset`, which the bias of the fuse takes in.
     """
     sizes = {0: "n", 2: "range_bin", 3: "range_line"}
     content = io.BytesIO()
-    network = network.cpu().eval()
+    network = copy.deepcopy(network).cpu().eval()
+    with torch.no_grad():
+        network.fuse.bias -= offset
     with warnings.catch_warnings():
         # The exporter that scripts a network is old, but the new one fixes sizes.
         warnings.simplefilter("ignore")
@@ -65,7 +68,7 @@ def weights_of_onnx(content):
     except Exception as error:  # of protobuf, which has several
         msg = f"expected a network as ONNX, cannot be read: {error}"
         raise ValueError(msg) from error
-    held = {each.name: numpy_helper.to_array(each) for each in model.graph.initializer}
+    held = {each.name: numpy_helper.to_array(each).copy() for each in model.graph.initializer}
     for node in model.graph.node:
         # Weights that are equal are kept once.
         if node.op_type == "Identity" and node.input[0] in held:

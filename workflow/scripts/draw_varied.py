@@ -1,4 +1,4 @@
-"""Scenes of other climates and radars, rendered by PHY: some variants of the flight's statistics."""
+"""Scenes of some variants of the flight's statistics, other climates and radars, by PHY."""
 
 from job import progress, run
 
