@@ -54,19 +54,16 @@ def ranges_of(statistics, ranges):
     edges = statistics["zone_edge_bins"].values
     width_bins = float(statistics["width_bins"].values[0])
     surface_db = 10 * np.log10(float(statistics["peak_power"][0] / statistics["noise_power"]))
+    quietest, loudest = ranges.noise_db
     # Two standard deviations from place to place.
     spread_db = 2 * float(statistics["surface_to_noise_spread_db"])
     weakest_db = surface_db - loudest - spread_db
     strongest_db = surface_db - quietest + spread_db
-    quietest, loudest = ranges.noise_db
     thinnest, thickest = ranges.thickness
     spans = {
         "first_layer_thickness_bins": (edges[0] * thinnest, edges[-1] * thickest),
         "surface_width_bins": [width_bins * factor for factor in ranges.pulse_length],
-        "surface_to_noise_db": (
-            surface_db - loudest - spread_db,
-            surface_db - quietest + spread_db,
-        ),
+        "surface_to_noise_db": (weakest_db, strongest_db),
         "n_looks": ranges.n_looks,
         "line_gain_spread_db": ranges.line_gain_spread_db,
     }
