@@ -277,9 +277,8 @@ def train(sources, model, n_steps, force, **settings):
 
     scenes = joined([scene_set(source) for source in sources])
     card = train_tracker(model, scenes, n_steps=n_steps, **settings, progress=progress)
-    scores = card["calibration_scores"]
-    shown = ", ".join(f"{name} {value:.3g}" for name, value in scores.items())
-    click.echo(f"{model}: {shown} on the scenes held out")
+    ods = card["calibration_ods"]
+    click.echo(f"{model}: fused ODS {ods:.3g} on the scenes held out")
 
 
 @commands.command(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from snowsim.io.trackers import read_tracker, write_tracker
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
-from snowsim.tracker.calibration import calibrate
+from snowsim.tracker.calibration import calibrate, fused_logits
 from snowsim.tracker.card import make_card
 from snowsim.tracker.portable import to_onnx, weights_of_onnx, width_of
 from snowsim.training import load_weights
@@ -54,12 +54,13 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     if weights is not None:
         load_weights(training.network, weights, str(start))
     places = range(len(scenes))
-    held = Chosen([(scenes, place) for place in places if place % ONE_IN == 0])
     taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
     for _ in progress(train_steps(training, TrainingSet(taken, seed=seed))):
         pass
     network = trained_network(training.network.state_dict(), training.settings)
-    calibration = calibrate(network, held)
+    held = [scenes[place] for place in places if place % ONE_IN == 0]
+    logits = [fused_logits(network, scene.image) for scene in held]
+    calibration = calibrate(logits, held)
     begun = "" if start is None else f", starting from {start}"
     card = make_card(
         Path(path).stem,

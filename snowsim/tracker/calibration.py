@@ -18,29 +18,51 @@ LIMITS = (-10.0, 10.0)
 LOG_LIMITS = (-2.3, 2.3)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Calibration:
-    """What scenes say of a network; probabilities are ``sigmoid((logit - offset) / temperature)``.
+    """What annotated scenes say of a network: probabilities, a threshold, and what they are worth.
 
     Attributes
     ----------
     offset, temperature : float
-        The loss makes layers weigh as much as background, so that logits are too high: the offset
-        takes that back.
+        The probability of a layer is ``sigmoid((logit - offset) / temperature)``. The loss makes
+        layers weigh as much as background, so that logits are too high: the offset takes that back.
     threshold : float
         Of the probability, with the best F of the scenes, `snowsim.metrics.edges.score`.
-    scores : dict
-        Its `ods`, `ois` and `ap`.
-    said, seen : ndarray, (class,)
-        Mean probability of the pixels that may be picks, in even classes, and the share of them
-        within `WITHIN_BINS` of a layer; NaN in a class without pixels.
-    n_pixels : ndarray of int, (class,)
+    ods, ois, ap : float
+        Its scores.
+    deviation : float
+        Largest difference of the reliability curve, `Reliability.deviation`.
     """
 
     offset: float
     temperature: float
     threshold: float
-    scores: dict
+    ods: float
+    ois: float
+    ap: float
+    deviation: float
+
+    def probability(self, logits):
+        """Probability of a layer, of logits of any shape."""
+        return expit((np.asarray(logits, dtype=float) - self.offset) / self.temperature)
+
+
+@dataclass(frozen=True, eq=False)
+class Ridges:
+    """Pixels that may be picks: their logits, and whether each lies near a layer, both (pixel,)."""
+
+    logits: np.ndarray
+    hits: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Reliability:
+    """Mean probability, share of hits and number of pixels in even classes, (class,) each.
+
+    NaN in a class without pixels.
+    """
+
     said: np.ndarray
     seen: np.ndarray
     n_pixels: np.ndarray
@@ -61,60 +83,62 @@ def fused_logits(network, image):
         return logits[0, 0].float().cpu().numpy()
 
 
-def calibrate(network, scenes):
-    """`Calibration` of a network on scenes whose every layer is annotated.
+def calibrate(logits, scenes):
+    """`Calibration` of a network by its `fused_logits` of scenes whose every layer is annotated.
 
-    All are held, 0.6 MB each. ValueError if there is no scene, or nothing that may be a pick.
+    ValueError if there is no scene, or nothing that may be a pick.
     """
-    scenes = [scenes[place] for place in range(len(scenes))]
-    logits = [fused_logits(network, scene.image) for scene in scenes]
-    found = [ridge_hits(each, scene.layer_bins) for each, scene in zip(logits, scenes, strict=True)]
-    if not found or not sum(hits.size for _, hits in found):
-        msg = f"expected picks to calibrate on, {len(found)} scenes have none"
-        raise ValueError(msg)
-    ridges = np.concatenate([ridge for ridge, _ in found])
-    hits = np.concatenate([hits for _, hits in found])
-    offset, temperature = fit_logistic(ridges, hits)
-    counts = [
-        match_counts(suppress(expit((each - offset) / temperature)), scene.mask(), THRESHOLDS)
-        for each, scene in zip(logits, scenes, strict=True)
-    ]
-    scores = score(counts, THRESHOLDS)
-    said, seen, n_pixels = reliability(expit((ridges - offset) / temperature), hits)
+    ridges = ridges_of(logits, scenes)
+    offset, temperature = fit_logistic(ridges)
+    probability = [expit((each - offset) / temperature) for each in logits]
+    scores = edge_scores(probability, scenes)
+    curve = reliability(expit((ridges.logits - offset) / temperature), ridges.hits)
     return Calibration(
         offset=offset,
         temperature=temperature,
         threshold=float(scores["ods_threshold"]),
-        scores={name: float(scores[name]) for name in ("ods", "ois", "ap")},
-        said=said,
-        seen=seen,
-        n_pixels=n_pixels,
+        ods=float(scores["ods"]),
+        ois=float(scores["ois"]),
+        ap=float(scores["ap"]),
+        deviation=curve.deviation,
     )
 
 
-def ridge_hits(logits, layer_bins, *, within_bins=WITHIN_BINS):
-    """Logits of pixels that may be picks, and whether each lies near a layer, both (pixel,).
-
-    Pixels are those of the ridges of the probability of `logits` (range_bin, range_line);
-    `layer_bins` (layer, range_line) has every layer.
-    """
-    row, line = np.nonzero(suppress(expit(logits)) >= LEAST_PROBABILITY)
-    distance = np.abs(layer_bins[:, line] - row)
-    nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
-    return logits[row, line], nearest <= within_bins
+def edge_scores(probability, scenes):
+    """`snowsim.metrics.edges.score` of fused maps of probability of some scenes."""
+    counts = [
+        match_counts(suppress(each), scene.mask(), THRESHOLDS, where=scene.name)
+        for each, scene in zip(probability, scenes, strict=True)
+    ]
+    return score(counts, THRESHOLDS)
 
 
-def fit_logistic(logits, hits):
+def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
+    """`Ridges` of the fused logits (range_bin, range_line) of scenes with every layer annotated."""
+    found = []
+    near = []
+    for each, scene in zip(logits, scenes, strict=True):
+        row, line = np.nonzero(suppress(expit(each)) >= LEAST_PROBABILITY)
+        distance = np.abs(scene.layer_bins[:, line] - row)
+        nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
+        found.append(each[row, line].astype(float))
+        near.append(nearest <= within_bins)
+    if sum(hits.size for hits in near) == 0:
+        msg = f"expected picks to calibrate on, {len(near)} scenes have none"
+        raise ValueError(msg)
+    return Ridges(np.concatenate(found), np.concatenate(near))
+
+
+def fit_logistic(ridges):
     """Offset and temperature by which ``sigmoid((logit - offset) / T)`` makes hits most likely.
 
     Platt (1999), Advances in Large Margin Classifiers, 61-74.
     """
-    sign = np.where(hits, -1.0, 1.0)
-    logits = logits.astype(float)
+    sign = np.where(ridges.hits, -1.0, 1.0)
 
     def surprise(parameters):
         offset, log_temperature = parameters
-        return np.logaddexp(0, sign * (logits - offset) * np.exp(-log_temperature)).mean()
+        return np.logaddexp(0, sign * (ridges.logits - offset) * np.exp(-log_temperature)).mean()
 
     # Where all are hits, or none, the best offset lies at infinity: limits keep it finite.
     found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=[LIMITS, LOG_LIMITS])
@@ -123,10 +147,10 @@ def fit_logistic(logits, hits):
 
 
 def reliability(probability, hits):
-    """Mean probability, share of hits and number of pixels in even classes, (class,) each."""
+    """`Reliability` of the probabilities of some pixels, (pixel,), given which are hits."""
     place = np.minimum((probability * N_CLASSES).astype(int), N_CLASSES - 1)
     n_pixels = np.bincount(place, minlength=N_CLASSES)
     some = np.where(n_pixels > 0, n_pixels, np.nan)
     said = np.bincount(place, weights=probability, minlength=N_CLASSES) / some
     seen = np.bincount(place, weights=hits, minlength=N_CLASSES) / some
-    return said, seen, n_pixels
+    return Reliability(said, seen, n_pixels)

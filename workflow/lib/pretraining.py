@@ -1,5 +1,7 @@
 """What the shipped tracker is trained on: scenes of many climates and radars."""
 
+import pandas as pd
+
 from lib.phy_renders import render_by_phy
 from snowsim.labels import Dress, draw_scene, prepare
 from snowsim.seeding import random_stream
@@ -22,3 +24,12 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
             rng = random_stream(seed, "varied_scenes", name)
             drawn = draw_scene(model, n_range_lines, name=name, rng=rng)
             yield render_by_phy(drawn, statistics, phy, rng=rng)
+
+
+def scores_for_card(paths):
+    """Scores of the shipped tracker on unseen flights, a dict each, from a table if it was made."""
+    for path in paths:
+        table = pd.read_csv(path).query("tracker == 'universal'")
+        kept = ["flight", "ods", "recall", "precision", "f", "missed_share", "false_share"]
+        return table[kept].round(3).to_dict("records")
+    return None
