@@ -312,13 +312,15 @@ def test_help_has_examples_of_every_command():
 
 def test_a_tracker_is_trained_on_scenes_of_several_files_from_the_shipped_one(place, capsys):
     write_scenes("more.nc", toy_scenes(3))
-    main("train scenes.nc more.nc -o mine.onnx --from universal --steps 2".split())
+    main(
+        ["train", "scenes.nc", "more.nc", "-o", "mine.onnx", "--from", "universal", "--steps", "2"]
+    )
     assert "mine.onnx: fused ODS " in capsys.readouterr().out
     content, card = read_tracker("mine.onnx")
     assert "4 scenes" in card["trained_on"]  # of 5 the first is held out
     assert "starting from universal" in card["trained_on"]
     with pytest.raises(SystemExit):
-        main("train scenes.nc -o mine.onnx".split())
+        main(["train", "scenes.nc", "-o", "mine.onnx"])
     assert "--force writes over it" in capsys.readouterr().err
 
 
@@ -330,5 +332,5 @@ def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, 
     for name in ("snowsim.patches", "snowsim.training"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     with pytest.raises(SystemExit):
-        main("train scenes.nc -o mine.onnx".split())
+        main(["train", "scenes.nc", "-o", "mine.onnx"])
     assert capsys.readouterr().err == "error: train needs torch: pip install 'snowsim[learn]'\n"

@@ -110,12 +110,14 @@ def test_draws_fill_their_ranges_and_no_more(rng):
             continue
         values = np.array([getattr(each, name) for each in drawn])
         low, high = bounds
-        assert (low <= values).all() and (values <= high).all(), name
+        assert (low <= values).all(), name
+        assert (values <= high).all(), name
         # The chance that 2000 draws leave out the first or the last hundredth: 2 * .99^2000.
         spread = np.log(bounds) if name in ("thickness", "pulse_length", "n_looks") else bounds
         placed = np.log(values) if spread is not bounds else values
         share = (placed - spread[0]) / (spread[1] - spread[0])
-        assert share.min() < 0.01 and share.max() > 0.99, name
+        assert share.min() < 0.01, name
+        assert share.max() > 0.99, name
         # Four standard errors of the mean of a uniform draw.
         assert abs(share.mean() - 0.5) < 4 / np.sqrt(12 * 2000), name
 

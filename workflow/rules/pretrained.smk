@@ -14,7 +14,11 @@ VARIED_SHARDS = numbered(math.ceil(PRETRAINED["n_variants"] / VARIANTS_PER_SHARD
 TUNING = {flight["name"]: flight for flight in PRETRAINED["tuning"]}
 UNSEEN = {flight["name"]: flight for flight in TRANSFER["flights"]}
 OTHER_FLIGHTS = TUNING | UNSEEN
-or_refused(transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config)
+# Jobs start without what this imports.
+if workflow.is_main_process:
+    or_refused(
+        transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config
+    )
 # Parts of another flight: its split of the benchmark, and the scenes of that.
 PARTS = transfer.parts_of(TRANSFER["n_scenes"])
 # Of the default flight.
