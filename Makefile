@@ -21,7 +21,7 @@ help:
 	@echo "make format        mend style"
 	@echo "make benchmarks    time the stages"
 	@echo "make docs          documentation, to build/docs/index.html"
-	@echo "make package-data  statistics of the default run, into the package"
+	@echo "make package-data  statistics of the default run, and the tracker trained on them, into the package"
 	@echo "make clean         remove results, logs and caches"
 	@echo "CORES=4 takes four cores; TORCH_INDEX= takes a build of torch for GPUs."
 
@@ -73,8 +73,8 @@ benchmarks: setup
 
 # Statistics of the default run's flight, to where they are read without a run.
 package-data: setup
-	$(SNAKEMAKE) ship_statistics
-	cp results/shipped/reference_flight.nc snowsim/data/
+	$(SNAKEMAKE) ship_statistics pretrained
+	cp results/shipped/reference_flight.nc results/shipped/universal.onnx results/shipped/universal.json snowsim/data/
 
 # The documentation, to build/docs/index.html; a warning fails.
 docs: setup

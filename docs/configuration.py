@@ -102,7 +102,7 @@ def _settings(node, part, path, text, schema):
         if isinstance(value, yaml.MappingNode):
             yield from _settings(value, described, here, text, schema)
         else:
-            for name, item in described["items"]["properties"].items():
+            for name, item in resolved(described["items"], schema)["properties"].items():
                 item = resolved(item, schema)
                 yield Setting((*here, name), "", accepted(item), item["description"])
 

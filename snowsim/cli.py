@@ -239,6 +239,50 @@ def echo_scores(table):
         click.echo(f"  {name:<26} {found[name]:.4g}{interval}")
 
 
+@commands.command(short_help="A tracker of layers, trained on scenes.", context_settings=SHOWN)
+@click.argument("sources", nargs=-1, required=True, type=EXISTING)
+@click.option(
+    "-o",
+    "model",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="The network, NAME.onnx; its card is NAME.json.",
+)
+@click.option("--from", "start", help="universal, or an .onnx file of this command; else anew.")
+@click.option("--steps", "n_steps", type=COUNT, default=4000, help="Gradients of four crops.")
+@click.option("--bin-s", type=POSITIVE, default=2.886e-10, help="Of a range bin of the scenes.")
+@click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Of their range lines.")
+@over_option
+@seed_option
+def train(sources, model, n_steps, force, **settings):
+    """Train the network of the tracker that comes with snowsim on the scenes of SOURCES: scene
+    sets, or folders of image pairs. Every tenth scene is held out, and probabilities are calibrated
+    on it: annotate those fully. Needs the extra snowsim[learn].
+
+    \b
+    Examples:
+      snowsim train my_pairs/ -o mine.onnx
+      snowsim train results/phy/labels/*.nc -o mine.onnx --from universal --steps 1000
+    """  # noqa: D205, D301
+    from tqdm import tqdm
+
+    check_outputs([model], force, "ONNX", ".onnx")
+    try:
+        from snowsim.learning import joined, train_tracker
+    except ModuleNotFoundError as error:
+        msg = f"train needs {error.name}: pip install 'snowsim[learn]'"
+        raise click.ClickException(msg) from error
+
+    def progress(steps):
+        # None where nobody looks.
+        return tqdm(steps, total=n_steps, unit="gradient", leave=False, disable=None)
+
+    scenes = joined([scene_set(source) for source in sources])
+    card = train_tracker(model, scenes, n_steps=n_steps, **settings, progress=progress)
+    ods = card["calibration_ods"]
+    click.echo(f"{model}: fused ODS {ods:.3g} on the scenes held out")
+
+
 @commands.command(
     short_help="Echogram and layers of a radar over annual snow.", context_settings=SHOWN
 )
@@ -340,12 +384,12 @@ def echo_warnings():
         click.echo(f"warning: {text}", err=True)
 
 
-def check_outputs(paths, force):
-    """Refuse NetCDF files by another name, in no folder, or, unless by force, over others."""
+def check_outputs(paths, force, kind="NetCDF", ending=".nc"):
+    """Refuse files by another name, in no folder, or, unless by force, over others."""
     for path in paths:
         problem = None
-        if path.suffix != ".nc":
-            problem = "the file is NetCDF, end its name in .nc"
+        if path.suffix != ending:
+            problem = f"the file is {kind}, end its name in {ending}"
         elif not path.parent.is_dir():
             problem = f"there is no folder {path.parent}"
         elif path.exists() and not force:

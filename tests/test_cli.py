@@ -20,6 +20,7 @@ from snowsim.io.images import write_image
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import write_scenes
 from snowsim.io.sniff import SUPPLEMENT_FLAGS
+from snowsim.io.trackers import read_tracker
 
 RAMP = np.tile(np.linspace(0, 1, 50)[:, None], 20)
 TRUTH = np.zeros((50, 20), dtype=bool)
@@ -133,6 +134,12 @@ def place(tmp_path, monkeypatch):
         ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
         ("scenes data_out -n 1", 1, "the folder's name must not contain data_"),
         ("simulate empty", 2, "'empty' is a directory"),
+        ("train scenes.nc", 2, "Missing option '-o'"),
+        ("train scenes.nc -o a.pt", 2, "a.pt: the file is ONNX, end its name in .onnx"),
+        ("train scenes.nc -o nowhere/a.onnx", 2, "nowhere/a.onnx: there is no folder nowhere"),
+        ("train text.nc -o a.onnx", 1, "text.nc: content: expected"),
+        ("train one.npy -o a.onnx", 1, "one.npy"),
+        ("train scenes.nc -o a.onnx --from foo", 1, "foo: expected a tracker that comes with"),
         ("scenes true -n 1", 1, "true: folder: expected an empty or a new one, found 1 files"),
         ("scenes out --range-lines 3000000", 2, "2<=x<=65536"),
         ("simulate text.nc/a.nc", 2, "text.nc/a.nc: there is no folder text.nc"),
@@ -313,3 +320,29 @@ def test_help_has_examples_of_every_command():
         printed = CliRunner().invoke(commands, [name, "--help"]).output
         assert f"\n    snowsim {name} " in printed
     assert {"score", "info", "export"} <= set(commands.list_commands(None))
+
+
+def test_a_tracker_is_trained_on_scenes_of_several_files_from_the_shipped_one(place, capsys):
+    write_scenes("more.nc", toy_scenes(3))
+    main(
+        ["train", "scenes.nc", "more.nc", "-o", "mine.onnx", "--from", "universal", "--steps", "2"]
+    )
+    assert "mine.onnx: fused ODS " in capsys.readouterr().out
+    content, card = read_tracker("mine.onnx")
+    assert "4 scenes" in card["trained_on"]  # of 5 the first is held out
+    assert "starting from universal" in card["trained_on"]
+    with pytest.raises(SystemExit):
+        main(["train", "scenes.nc", "-o", "mine.onnx"])
+    assert "--force writes over it" in capsys.readouterr().err
+
+
+def test_train_without_torch_says_in_a_line_what_to_install(place, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "torch", None)
+    monkeypatch.delitem(sys.modules, "snowsim.learning", raising=False)
+    for name in [name for name in sys.modules if name.startswith("snowsim.tracker")]:
+        monkeypatch.delitem(sys.modules, name)
+    for name in ("snowsim.patches", "snowsim.training"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    with pytest.raises(SystemExit):
+        main(["train", "scenes.nc", "-o", "mine.onnx"])
+    assert capsys.readouterr().err == "error: train needs torch: pip install 'snowsim[learn]'\n"

@@ -12,7 +12,7 @@ import snowsim.reference
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echoes", "echogram", "rounding", "seeding", "patches", "training"}
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "scoring"}
+FRONT = {"cli", "front", "learning", "scoring"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),

@@ -5,10 +5,12 @@ import warnings
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
+from snowsim.statistics.varied import Ranges, Variation, changed, varied
 from snowsim.statistics.zones import MINIMUM_BLOCKS
 
-__all__ = ["ESTIMATORS", "doppler_spectra", "estimate", "fit", "merge", "summarise"]
-__all__ += ["summary_from_dataset", "summary_to_dataset", "warn_of_little"]
+__all__ = ["ESTIMATORS", "Ranges", "Variation", "changed", "doppler_spectra", "estimate", "fit"]
+__all__ += ["merge", "summarise", "summary_from_dataset", "summary_to_dataset", "varied"]
+__all__ += ["warn_of_little"]
 
 
 def fit(frames, *, estimator="deblended"):

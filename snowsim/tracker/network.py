@@ -142,6 +142,15 @@ def track(network, image, *, precision="float32"):
     it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
     """
     image = np.asarray(image)
+    check_image(image)
+    device = next(network.parameters()).device
+    with torch.inference_mode(), arithmetic(device, precision):
+        logits = network(network.to_input(image[None]).to(device))
+        return torch.sigmoid(logits[:, 0, 0].float()).cpu().numpy()
+
+
+def check_image(image):
+    """ValueError unless an image is uint8 (range_bin, range_line) and has contrast."""
     if image.dtype != np.uint8 or image.ndim != 2:
         got = f"{image.dtype} of shape {image.shape}"
         msg = f"image must be uint8 (range_bin, range_line), got {got}"
@@ -149,10 +158,6 @@ def track(network, image, *, precision="float32"):
     if image.size == 0 or image.min() == image.max():
         msg = f"image without contrast, of shape {image.shape}"
         raise ValueError(msg)
-    device = next(network.parameters()).device
-    with torch.inference_mode(), arithmetic(device, precision):
-        logits = network(network.to_input(image[None]).to(device))
-        return torch.sigmoid(logits[:, 0, 0].float()).cpu().numpy()
 
 
 def trained_network(weights, settings, *, device="cpu"):

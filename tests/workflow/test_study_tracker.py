@@ -8,6 +8,8 @@ import pytest
 from result_tables import SETS
 from runs import run_snakemake
 
+from snowsim.io.trackers import read_tracker
+
 
 def test_picks_and_zones_are_tabulated_for_every_training_set(tiny_run):
     picks = pd.read_csv(tiny_run / "results/tables/picks.csv")
@@ -51,3 +53,24 @@ def test_the_studies_of_the_tracker_run_to_their_tables(tiny_run, tmp_path):
     assert (budgets["core_seconds"] > 0).all()
     for name in ("tracker_ablation", "tracker_worth", "atlas_tracker", "budgets"):
         assert (tmp_path / f"run/results/figures/{name}.svg").stat().st_size > 1000
+
+
+@pytest.mark.study
+def test_the_shipped_tracker_is_trained_scored_on_unseen_flights_and_told_so_in_its_card(
+    tiny_run, tmp_path
+):
+    shutil.copytree(tiny_run, tmp_path / "run")
+    run_snakemake(tmp_path / "run", "--", "transfer", timeout=3600)
+    results = tmp_path / "run/results"
+    scores = pd.read_csv(results / "tables/transfer.csv")
+    trackers = ["universal", "rd", "pd", "rd_pd", "control"]
+    assert scores["flight"].tolist() == ["noisy"] * 5 + ["mean"] * 5
+    assert scores["tracker"].tolist() == 2 * trackers
+    choice = pd.read_csv(results / "transfer/control/noisy/choice.csv")
+    assert choice["n_steps"].tolist() == [4, 6]
+    assert not (results / "checkpoints").exists() or not any((results / "checkpoints").iterdir())
+    # After the study, for the card takes its scores where they are made.
+    run_snakemake(tmp_path / "run", "--", "pretrained", timeout=600)
+    content, card = read_tracker(results / "shipped/universal.onnx")
+    assert [row["flight"] for row in card["scores"]] == ["noisy", "mean"]
+    assert len(content) > 1000

@@ -7,11 +7,13 @@ import pandas as pd
 import torch
 
 from lib.score_tables import counts_by_image
+from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.metrics.pick_tables import layer_rows
 from snowsim.metrics.picks import pick_layers
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
+from snowsim.tracker.calibration import Calibration
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,11 @@ def read_tracker(path, device="cpu"):
     weights, metadata = read_model(path, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     return Tracker(trained_network(weights, settings, device=device), settings)
+
+
+def read_calibration(path):
+    """The `Calibration` in a table of one row."""
+    return Calibration(**read_table(path).iloc[0].to_dict())
 
 
 def count_edges(tracker, scenes, outputs=OUTPUTS):

@@ -219,6 +219,7 @@ TARGET_GROUPS = {
     "main": "from the flight to Table III, and the report",
     "diagnostics": "nothing on the main path depends on them",
     "studies": "many trainings each, not part of the default run",
+    "pretrained": "the tracker that comes with the package, not part of the default run",
 }
 
 

@@ -1,0 +1,108 @@
+"""A tracker trained on a user's own scenes, for the command `snowsim train`; needs torch."""
+
+from pathlib import Path
+
+from snowsim.io.trackers import read_tracker, write_tracker
+from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
+from snowsim.tracker.calibration import calibrate, fused_logits
+from snowsim.tracker.card import make_card
+from snowsim.tracker.portable import to_onnx, weights_of_onnx, width_of
+from snowsim.training import load_weights
+
+WIDTH = 8  # of the tracker that comes with the package
+ONE_IN = 10  # scenes is not trained on but calibrated on
+SHIPPED = Path(__file__).parent / "data"
+
+
+def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m, progress=iter):
+    """Train the shipped network on scenes and write it to `path`, ONNX, and its card beside it.
+
+    Parameters
+    ----------
+    path : path_like
+        Ends in ``.onnx``.
+    scenes : sequence of Scene
+        With images; every tenth, and one at least, is held out, and the tracker calibrated on it:
+        layers without annotation there pass for background.
+    start : str, optional
+        Name of a tracker that comes with the package, or a file that this function wrote, to start
+        from; by default weights are drawn.
+    n_steps : int
+        Gradients of four crops.
+    seed : int
+    bin_s, line_spacing_m : float
+        Of the scenes, for the card [s, m].
+    progress : callable
+        Shows the steps that it is given.
+
+    Returns
+    -------
+    dict
+        The card.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 2 scenes, one cannot be trained on, or `start` is no tracker.
+    """
+    if len(scenes) < 2:
+        msg = f"expected at least 2 scenes, one of them to calibrate on, got {len(scenes)}"
+        raise ValueError(msg)
+    weights = None if start is None else weights_of_tracker(start)
+    width = WIDTH if weights is None else width_of(weights)
+    training = Training(Settings(width=width, n_steps=n_steps), seed=seed)
+    if weights is not None:
+        load_weights(training.network, weights, str(start))
+    places = range(len(scenes))
+    taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
+    for _ in progress(train_steps(training, TrainingSet(taken, seed=seed))):
+        pass
+    network = trained_network(training.network.state_dict(), training.settings)
+    held = [scenes[place] for place in places if place % ONE_IN == 0]
+    logits = [fused_logits(network, scene.image) for scene in held]
+    calibration = calibrate(logits, held)
+    begun = "" if start is None else f", starting from {start}"
+    card = make_card(
+        Path(path).stem,
+        calibration,
+        trained_on=f"{len(taken)} scenes of the user's, {n_steps} gradients of 4 crops{begun}",
+        bin_s=bin_s,
+        line_spacing_m=line_spacing_m,
+        n_looks=None,
+        ranges=None,
+        scores=None,
+        limits=f"calibrated on {len(held)} scenes of the same set",
+    )
+    write_tracker(path, to_onnx(network, calibration.offset), card)
+    return card
+
+
+def weights_of_tracker(name):
+    """Weights of a tracker, by its name if it comes with the package, or by its file."""
+    shipped = SHIPPED / f"{name}.onnx"
+    path = shipped if shipped.is_file() else Path(name)
+    if not path.is_file():
+        known = ", ".join(sorted(each.stem for each in SHIPPED.glob("*.onnx")))
+        msg = f"{name}: expected a tracker that comes with the package ({known}) or an .onnx file"
+        raise ValueError(msg)
+    content, _ = read_tracker(path)
+    return weights_of_onnx(content)
+
+
+class Chosen:
+    """Scenes by their set and their place in it, read when they are drawn."""
+
+    def __init__(self, places):
+        self._places = places
+
+    def __len__(self):
+        return len(self._places)
+
+    def __getitem__(self, item):
+        scenes, place = self._places[item]
+        return scenes[place]
+
+
+def joined(sets):
+    """The scenes of several sets, one after the other."""
+    return Chosen([(scenes, place) for scenes in sets for place in range(len(scenes))])

@@ -1,0 +1,171 @@
+"""Statistics of another climate and radar, drawn within stated ranges about those of a flight."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+# By which power of the factor of thickness, and of pulse length, a statistic grows.
+OF_THICKNESS = {
+    "zone_edge_bins": 1,
+    "first_thickness_quantile_bins": 1,
+    "thickness_mean_bins": 1,
+    "thickness_variance_bins2": 2,
+    "thickness_trend_variance_bins2": 2,
+    "thickness_psd": 2,
+    "further_spacing_bins": 1,
+}
+OF_PULSE_LENGTH = {
+    "variance_bins2": 2,
+    "width_bins": 1,
+    "width_bound_bins": 1,
+    "decay_rate": -1,
+}
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Within which `varied` draws, (least, most).
+
+    Attributes
+    ----------
+    thickness : (float, float)
+        Factor of every thickness, log-uniform.
+    pulse_length : (float, float)
+        Factor of the length of the waveform and its tail, log-uniform.
+    noise_db : (float, float)
+        Change of the noise [dB].
+    background_db : (float, float)
+        Change of the power of unpicked snow [dB].
+    line_gain_spread_db : (float, float)
+        Standard deviation of gain from range line to range line [dB].
+    n_looks : (float, float)
+        Looks, log-uniform.
+    correlated_share : float
+        Probability that speckle is correlated down range as in the flight; else bins are
+        independent.
+    """
+
+    thickness: tuple = (0.4, 2.8)
+    pulse_length: tuple = (0.7, 2.5)
+    noise_db: tuple = (-4.0, 8.0)
+    background_db: tuple = (-5.0, 3.0)
+    line_gain_spread_db: tuple = (0.0, 1.2)
+    n_looks: tuple = (4.0, 40.0)
+    correlated_share: float = 0.5
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One draw of `Ranges`: how a climate and radar differ from the flight's."""
+
+    thickness: float = 1.0
+    pulse_length: float = 1.0
+    noise_db: float = 0.0
+    background_db: float = 0.0
+    line_gain_spread_db: float | None = None  # None: the flight's
+    n_looks: float | None = None  # None: the flight's
+    correlated: bool = True
+
+    @classmethod
+    def draw(cls, ranges, *, rng):
+        """One draw, its values independent."""
+        return cls(
+            thickness=_log_uniform(ranges.thickness, rng),
+            pulse_length=_log_uniform(ranges.pulse_length, rng),
+            noise_db=rng.uniform(*ranges.noise_db),
+            background_db=rng.uniform(*ranges.background_db),
+            line_gain_spread_db=rng.uniform(*ranges.line_gain_spread_db),
+            n_looks=_log_uniform(ranges.n_looks, rng),
+            correlated=bool(rng.uniform() < ranges.correlated_share),
+        )
+
+
+def varied(statistics, *, rng, ranges=None):
+    """Statistics of another climate and radar, drawn about those of a flight.
+
+    Drawn are thickness of snow, pulse length, noise, power of unpicked snow, gain from line to
+    line, looks, and whether speckle is correlated; see `Ranges`. What label sets and PHY read
+    changes consistently: a factor of thickness moves means, zones and spectra alike. Neglected:
+    numbers of layers, powers of layers relative to the surface, fading and texture stay the
+    flight's, and so do statistics that nothing is drawn from, as measured waveforms.
+
+    Parameters
+    ----------
+    statistics : xarray.Dataset
+        Of `fit`.
+    rng : numpy.random.Generator
+    ranges : Ranges, optional
+
+    Returns
+    -------
+    xarray.Dataset
+        The same variables; attributes ``varied_thickness``, ``varied_noise_db`` and so on say what
+        was drawn.
+
+    Raises
+    ------
+    ValueError
+        If the statistics lack thickness, waveforms or noise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from snowsim.front import REFERENCE
+    >>> from snowsim.io.files import read_dataset
+    >>> flight = read_dataset(REFERENCE)
+    >>> other = varied(flight, rng=np.random.default_rng(1))
+    >>> ratio = other["zone_edge_bins"] / flight["zone_edge_bins"]
+    >>> bool(np.allclose(ratio, other.attrs["varied_thickness"]))
+    True
+    """
+    return changed(statistics, Variation.draw(ranges or Ranges(), rng=rng))
+
+
+def changed(statistics, variation):
+    """Statistics of a flight changed by a `Variation`; ValueError where they lack what changes."""
+    factors = {name: variation.thickness**power for name, power in OF_THICKNESS.items()}
+    factors |= {name: variation.pulse_length**power for name, power in OF_PULSE_LENGTH.items()}
+    factors["noise_power"] = 10 ** (variation.noise_db / 10)
+    factors["background_power"] = 10 ** (variation.background_db / 10)
+    new = {}
+    for name, factor in factors.items():
+        new |= _scaled(statistics, name, factor)
+    gain_db = variation.line_gain_spread_db
+    # Statistics of images hold neither gain nor correlation.
+    if gain_db is not None and "line_gain_spread_db" in statistics:
+        gain = statistics["line_gain_spread_db"]
+        new["line_gain_spread_db"] = gain.copy(data=np.full_like(gain.values, gain_db))
+    if not variation.correlated and "speckle_correlation" in statistics:
+        correlation = statistics["speckle_correlation"]
+        alone = np.zeros_like(correlation.values)
+        alone[0] = 1
+        new["speckle_correlation"] = correlation.copy(data=alone)
+    attributes = {f"varied_{name}": _stored(value) for name, value in asdict(variation).items()}
+    if variation.n_looks is not None:
+        attributes["n_looks"] = variation.n_looks
+    return statistics.assign(new).assign_attrs(attributes)
+
+
+def _scaled(statistics, name, factor):
+    """A statistic times a factor, and its standard error where that has its unit, by name."""
+    if name not in statistics:
+        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
+        raise ValueError(msg)
+    values = statistics[name]
+    scaled = {name: values.copy(data=values.values * factor)}
+    error = f"{name}_standard_error"
+    if error in statistics and statistics[error].attrs.get("units") == values.attrs.get("units"):
+        scaled[error] = statistics[error].copy(data=statistics[error].values * factor)
+    return scaled
+
+
+def _stored(value):
+    """A value as an attribute of a file; what stays the flight's is named so."""
+    if value is None:
+        return "flight"
+    return int(value) if isinstance(value, bool) else float(value)
+
+
+def _log_uniform(bounds, rng):
+    """One draw between bounds, uniform in the logarithm."""
+    return float(np.exp(rng.uniform(*np.log(bounds))))

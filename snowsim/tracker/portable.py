@@ -1,0 +1,91 @@
+"""The network as ONNX, which runs without torch, and its weights read back."""
+
+import copy
+import io
+import warnings
+
+import onnx
+import torch
+from onnx import numpy_helper
+from torch import nn
+
+from snowsim.tracker.network import STAGES, MultiScaleNetwork
+
+INPUT = "image"
+OUTPUT = "logit"
+# That the export is traced with; any other goes, too.
+TRACED_SHAPE = (1, 1, 64, 48)
+PREFIX = "network."  # of names of weights
+
+
+class FusedLogits(nn.Module):
+    """The fused output of a network alone, logits (patch, 1, range_bin, range_line)."""
+
+    def __init__(self, network):
+        super().__init__()
+        self.network = network
+
+    def forward(self, image):
+        """Fused logits of images as from `MultiScaleNetwork.to_input`."""
+        return self.network(image)[-1]
+
+
+def to_onnx(network, offset=0.0):
+    """A `MultiScaleNetwork` as ONNX (bytes): the same network always gives the same bytes.
+
+    Input ``image``, float32 (n, 1, range_bin, range_line) of any size: ``2 / 255 * grey - 1`` of an
+    image of uint8, as `snowsim.patches.to_signed`. Output ``logit``, of the same shape: the fused
+    logits less `offset`, which the bias of the fuse takes in.
+    """
+    sizes = {0: "n", 2: "range_bin", 3: "range_line"}
+    content = io.BytesIO()
+    network = copy.deepcopy(network).cpu().eval()
+    with torch.no_grad():
+        network.fuse.bias -= offset
+    with warnings.catch_warnings():
+        # The exporter that scripts a network is old, but the new one fixes sizes.
+        warnings.simplefilter("ignore")
+        torch.onnx.export(
+            FusedLogits(network),
+            (torch.zeros(TRACED_SHAPE),),
+            content,
+            dynamo=False,
+            do_constant_folding=False,
+            input_names=[INPUT],
+            output_names=[OUTPUT],
+            dynamic_axes={INPUT: sizes, OUTPUT: sizes},
+        )
+    return content.getvalue()
+
+
+def weights_of_onnx(content):
+    """Weights of the network that `to_onnx` gave (bytes), by name, as `trained_network` takes them.
+
+    ValueError where these are no weights of a `MultiScaleNetwork`.
+    """
+    try:
+        model = onnx.load_model_from_string(content)
+    except Exception as error:  # of protobuf, which has several
+        msg = f"expected a network as ONNX, cannot be read: {error}"
+        raise ValueError(msg) from error
+    held = {each.name: numpy_helper.to_array(each).copy() for each in model.graph.initializer}
+    for node in model.graph.node:
+        # Weights that are equal are kept once.
+        if node.op_type == "Identity" and node.input[0] in held:
+            held[node.output[0]] = held[node.input[0]]
+    weights = {
+        name.removeprefix(PREFIX): values
+        for name, values in held.items()
+        if name.startswith(PREFIX)
+    }
+    expected = MultiScaleNetwork(1).state_dict().keys()
+    missing = expected - weights.keys()
+    if missing:
+        msg = f"expected weights of a network of {len(STAGES)} stages, {min(missing)} is missing"
+        raise ValueError(msg)
+    return {name: weights[name] for name in expected}
+
+
+def width_of(weights):
+    """Width of the network of some weights."""
+    return int(weights["stages.0.0.bias"].size)

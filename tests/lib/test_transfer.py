@@ -1,0 +1,125 @@
+"""The study of flights never seen: which flights, and how trackers are scored on them."""
+
+import dataclasses
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose
+from runs import CONFIG
+from toy_scenes import toy_scenes
+
+from lib.transfer import check_flights, parts_of, reference_of, scale_of, variants_of
+from lib.transfer_scores import logits_at, pick_scores, score_tracker
+from snowsim.tracker.calibration import Calibration
+
+TUNING = CONFIG["pretrained"]["tuning"]
+UNSEEN = CONFIG["studies"]["transfer"]["flights"]
+SURE = Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0)
+
+
+def test_at_least_eight_flights_are_named_and_none_is_tuned_on():
+    assert len(UNSEEN) >= 8
+    check_flights(TUNING, UNSEEN, CONFIG)
+    assert not {flight["seed"] for flight in TUNING} & {flight["seed"] for flight in UNSEEN}
+
+
+@pytest.mark.parametrize(
+    ("flights", "expected"),
+    [
+        ([{"name": "a", "seed": 1500}], "flight a: expected a seed from 1000 to 1999 for tuning"),
+        ([{"name": "a", "seed": CONFIG["seed"]}], "not the configuration's own"),
+        ([{"name": "a", "seed": 1}, {"name": "a", "seed": 2}], "every name once, got a 2 times"),
+        (
+            [{"name": "a", "seed": 1, "reference": {"radar": {"band": 1}}}],
+            "flight a: reference.radar: unknown key band",
+        ),
+    ],
+)
+def test_flights_that_cannot_be_scored_are_refused(flights, expected):
+    with pytest.raises(ValueError, match=expected):
+        check_flights(TUNING, flights, CONFIG)
+
+
+def test_another_flight_differs_in_what_it_names_alone():
+    flight = {"reference": {"radar": {"bin_size_s": 1.6e-10}}}
+    found = reference_of(flight, CONFIG["reference"])
+    assert found["radar"].pop("bin_size_s") == 1.6e-10
+    expected = reference_of({}, CONFIG["reference"])
+    assert expected["radar"].pop("bin_size_s") == 2.886e-10
+    assert found == expected
+    # Bins a little more than half as long: an image has that share of rows once resampled.
+    assert_allclose(scale_of(flight, CONFIG["reference"]["radar"]), (1.6 / 2.886, 1))
+
+
+def test_parts_of_a_flight_share_no_scene_and_shards_hold_every_variant_once():
+    parts = parts_of({"test": 40, "own": 60})
+    assert parts["own"].span == (0, 48)
+    assert parts["held"].span == (48, 60)
+    assert {parts["own"].split, parts["held"].split} == {"train"} != {parts["test"].split}
+    spans = [variants_of(shard, 12, 30) for shard in range(3)]
+    assert spans == [(0, 12), (12, 24), (24, 30)]
+
+
+def true_map(scene, moved_bins=0.0):
+    """A probability that is high at every layer of a scene, or so many bins below."""
+    row = np.arange(scene.n_range_bins)[:, None]
+    below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
+    return 1 / (1 + np.exp(4 * below - 6))
+
+
+def test_picks_of_a_perfect_map_find_every_layer_and_nothing_else():
+    scenes = toy_scenes(3)
+    scores = pick_scores([true_map(scene) for scene in scenes], scenes, 0.5)
+    assert scores["n_layers"] == 12
+    assert scores["missed_share"] == scores["false_share"] == 0
+    # Edge maps fade over five of 64 range lines at either end.
+    assert scores["recall"] > 0.85
+    assert scores["precision"] > 0.98
+    assert scores["mean_error_bins"] < 0.6
+
+
+def test_picks_three_bins_off_are_found_but_not_within_two():
+    scenes = toy_scenes(3)
+    scores = pick_scores([true_map(scene, 3.0) for scene in scenes], scenes, 0.5)
+    assert_allclose(scores["mean_error_bins"], 3, atol=0.3)
+    assert scores["f"] < 0.05
+
+
+class Brightness(torch.nn.Module):
+    """A tracker whose logit is the image itself, in units of 1/127.5 about its middle."""
+
+    def __init__(self):
+        super().__init__()
+        self.weight = torch.nn.Parameter(torch.zeros(1))
+
+    @staticmethod
+    def to_input(images):
+        return torch.from_numpy(images.astype(np.float32))[:, None] / 127.5 - 1
+
+    def forward(self, image):
+        return torch.stack([image * 0, 4 * image])
+
+
+def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
+    row = np.arange(120)[:, None] + np.zeros((1, 60))
+    image = np.rint(127 + 100 * np.sin(row / 8)).astype(np.uint8)
+    at_its_own = logits_at(Brightness(), image, (1, 1))
+    resampled = logits_at(Brightness(), image, (0.55, 0.65))
+    assert resampled.shape == image.shape
+    # Waves of 50 rows on bins of 1.8: averaging takes 1 % off, and rounding to grey 1/32.
+    assert np.abs(resampled - at_its_own)[4:-4].max() < 0.15
+
+
+def test_a_row_of_scores_has_every_score_and_its_reliability():
+    scenes = [
+        dataclasses.replace(scene, image=np.uint8(255 * true_map(scene))) for scene in toy_scenes(2)
+    ]
+    tracker = SimpleNamespace(name="bright", network=Brightness(), calibration=SURE)
+    row, curve = score_tracker(tracker, scenes, (1, 1))
+    assert row["tracker"] == "bright"
+    assert row["ods"] > 0.95
+    assert row["f"] > 0.9
+    assert curve["n_pixels"].sum() > 0
+    assert {"recall", "precision", "missed_share", "false_share", "deviation"} <= row.keys()

@@ -1,0 +1,133 @@
+"""Statistics of another climate and radar: what changes, by how much, and what stays."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.front import REFERENCE
+from snowsim.io.files import read_dataset
+from snowsim.labels import draw, dress, prepare
+from snowsim.labels.draw import draw_scene
+from snowsim.statistics import Ranges, Variation, changed, varied
+from snowsim.statistics.varied import OF_PULSE_LENGTH, OF_THICKNESS
+
+# Statistics that some variation changes, and attributes.
+CHANGES = {*OF_THICKNESS, *OF_PULSE_LENGTH, "noise_power", "background_power"}
+CHANGES |= {"line_gain_spread_db", "speckle_correlation"}
+
+
+@pytest.fixture(scope="module")
+def flight():
+    return read_dataset(REFERENCE)
+
+
+def test_no_variation_changes_nothing(flight):
+    same = changed(flight, Variation())
+    for name, values in flight.variables.items():
+        assert_array_equal(same[name], values, err_msg=name)
+    assert flight.attrs.items() <= same.attrs.items()
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_thicker_snow_is_drawn_as_much_thicker_and_as_wavy(flight, factor):
+    other = changed(flight, Variation(thickness=factor))
+    for seed in range(8):
+        layers = draw(flight, 256, rng=np.random.default_rng(seed))
+        scaled = draw(other, 256, rng=np.random.default_rng(seed))
+        assert scaled.shape == layers.shape
+        slabs = np.diff(layers, axis=0)
+        # Thin slabs are mirrored at one bin, which does not scale: compare those far from it.
+        thick = (slabs > 4) & (factor * slabs > 4)
+        # Statistics are stored in float32: 6e-8 of each, and sums of hundreds of waves.
+        assert_allclose(np.diff(scaled, axis=0)[thick], factor * slabs[thick], rtol=1e-5)
+        # The surface is the radar's.
+        assert_array_equal(scaled[0], layers[0])
+
+
+def test_longer_pulses_have_the_same_shape_stretched(flight):
+    other = changed(flight, Variation(pulse_length=2.0))
+    layer_bins = np.array([[50.0] * 4, [90.0] * 4])
+    short = dress(layer_bins, flight)
+    long = dress(layer_bins, other)
+    # (variance, decay) -> (4 variance, decay / 2) stretches exp(-x^2 / 2 v) and exp(-a x) alike.
+    # Background falls with depth, not with the pulse.
+    at_layers = short.kind == 0
+    assert_allclose(long.variance_bins2[at_layers], 4 * short.variance_bins2[at_layers])
+    assert_allclose(long.decay_rate[at_layers], short.decay_rate[at_layers] / 2)
+    assert_array_equal(long.decay_rate[~at_layers], short.decay_rate[~at_layers])
+    assert_array_equal(long.power, short.power)
+
+
+def test_noise_and_background_move_by_so_many_decibels_and_powers_of_layers_stay(flight):
+    other = changed(flight, Variation(noise_db=6.0, background_db=-3.0))
+    for name, change_db in (("noise_power", 6.0), ("background_power", -3.0)):
+        # Rounded to float32, 6e-8.
+        moved_db = 10 * np.log10(other[name] / flight[name])
+        assert_allclose(moved_db, change_db, atol=1e-6, err_msg=name)
+    assert_array_equal(other["peak_power"], flight["peak_power"])
+    noise = [
+        draw_scene(prepare(each, 64), 64, name="", rng=np.random.default_rng(1)).echoes.noise_power
+        for each in (flight, other)
+    ]
+    assert_allclose(noise[1] / noise[0], 10**0.6, rtol=1e-6)
+
+
+def test_gain_looks_and_correlation_of_speckle_reach_the_echoes(flight):
+    variation = Variation(line_gain_spread_db=0.9, n_looks=7.5, correlated=False)
+    model = prepare(changed(flight, variation), 64)
+    echoes = draw_scene(model, 64, name="", rng=np.random.default_rng(1)).echoes
+    assert_allclose(echoes.line_gain_spread_db, 0.9, rtol=1e-6)
+    assert echoes.n_looks == 7.5
+    assert_array_equal(echoes.speckle_correlation, np.eye(9)[0])
+
+
+def test_all_else_stays_and_what_was_drawn_is_told(flight, rng):
+    other = varied(flight, rng=rng)
+    errors = {f"{name}_standard_error" for name in CHANGES}
+    for name in flight.variables.keys() - CHANGES - errors:
+        assert_array_equal(other[name], flight[name], err_msg=name)
+        assert other[name].attrs == flight[name].attrs, name
+    told = {key for key in other.attrs if key.startswith("varied_")}
+    assert told == {f"varied_{field.name}" for field in dataclasses.fields(Variation)}
+    assert other.attrs["n_looks"] == other.attrs["varied_n_looks"]
+
+
+def test_a_standard_error_moves_with_what_it_is_an_error_of(flight):
+    other = changed(flight, Variation(thickness=2.0, noise_db=10.0))
+    name = "thickness_mean_bins_standard_error"
+    assert_allclose(other[name], 2 * flight[name])
+    # A relative one stays.
+    assert_array_equal(other["noise_power_standard_error"], flight["noise_power_standard_error"])
+
+
+def test_draws_fill_their_ranges_and_no_more(rng):
+    ranges = Ranges()
+    drawn = [Variation.draw(ranges, rng=rng) for _ in range(2000)]
+    for name, bounds in dataclasses.asdict(ranges).items():
+        if name == "correlated_share":
+            continue
+        values = np.array([getattr(each, name) for each in drawn])
+        low, high = bounds
+        assert (low <= values).all(), name
+        assert (values <= high).all(), name
+        # The chance that 2000 draws leave out the first or the last hundredth: 2 * .99^2000.
+        spread = np.log(bounds) if name in ("thickness", "pulse_length", "n_looks") else bounds
+        placed = np.log(values) if spread is not bounds else values
+        share = (placed - spread[0]) / (spread[1] - spread[0])
+        assert share.min() < 0.01, name
+        assert share.max() > 0.99, name
+        # Four standard errors of the mean of a uniform draw.
+        assert abs(share.mean() - 0.5) < 4 / np.sqrt(12 * 2000), name
+
+
+def test_statistics_without_thickness_are_refused_by_name(flight, rng):
+    with pytest.raises(ValueError, match="flight statistics need zone_edge_bins, hold "):
+        varied(flight.drop_vars("zone_edge_bins"), rng=rng)
+
+
+def test_statistics_of_images_have_no_gain_to_change(flight, rng):
+    lacking = flight.drop_vars(["line_gain_spread_db", "speckle_correlation"])
+    other = varied(lacking, rng=rng)
+    assert "line_gain_spread_db" not in other

@@ -1,0 +1,79 @@
+"""A tracker trained on a user's own scenes: what it starts from, holds out and writes."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+from toy_scenes import toy_scenes
+
+from snowsim.io.trackers import read_tracker
+from snowsim.learning import Chosen, joined, train_tracker, weights_of_tracker
+from snowsim.tracker.portable import weights_of_onnx, width_of
+
+OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
+
+
+def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
+    card = train_tracker(tmp_path / "mine.onnx", toy_scenes(11), n_steps=3, **OWN)
+    content, read = read_tracker(tmp_path / "mine.onnx")
+    assert read["name"] == "mine"
+    assert (read["bin_s"], read["line_spacing_m"]) == (2e-10, 4.0)
+    assert "9 scenes" in read["trained_on"]  # of 11 every tenth, from the first on, is held out
+    assert read["temperature"] == card["temperature"] > 0
+    assert width_of(weights_of_onnx(content)) == 8
+    again = tmp_path / "again.onnx"
+    train_tracker(again, toy_scenes(11), n_steps=3, **OWN)
+    assert again.read_bytes() == content
+
+
+def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
+    path = tmp_path / "mine.onnx"
+    train_tracker(path, toy_scenes(3), start="universal", n_steps=1, **OWN)
+    shipped = weights_of_tracker("universal")
+    found = weights_of_tracker(path)
+    for name, values in shipped.items():
+        if name == "fuse.bias":  # takes in the offset of the calibration
+            continue
+        # One step of a thousandth at most, Adam's, and decay of a hundredth of that.
+        assert np.abs(found[name] - values).max() < 1.1e-3, name
+    assert any(np.abs(found[name] - values).max() > 0 for name, values in shipped.items())
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("unheard_of", r"expected a tracker that comes with the package \(universal\)"),
+        ("text.onnx", "text.json: expected the card of text.onnx, cannot be read"),
+        ("other.onnx", "expected the file of sha256"),
+        ("old.onnx", "expected a card of format 'snowsim tracker 1', got 'snowsim tracker 0'"),
+        ("list.onnx", r"expected a card of format 'snowsim tracker 1', got \[\]"),
+    ],
+)
+def test_what_is_no_tracker_is_refused_in_a_line(tmp_path, monkeypatch, name, expected):
+    monkeypatch.chdir(tmp_path)
+    cards = {
+        "other": '{"format": "snowsim tracker 1", "sha256": "0"}',
+        "old": '{"format": "snowsim tracker 0"}',
+        "list": "[]",
+    }
+    for stem, text in cards.items():
+        (tmp_path / f"{stem}.json").write_text(text)
+    for stem in (*cards, "text"):
+        (tmp_path / f"{stem}.onnx").write_bytes(b"no network")
+    with pytest.raises(ValueError, match=expected) as refused:
+        weights_of_tracker(name)
+    assert "\n" not in str(refused.value)
+
+
+def test_one_scene_leaves_none_to_calibrate_on(tmp_path):
+    with pytest.raises(ValueError, match="at least 2 scenes, one of them to calibrate on, got 1"):
+        train_tracker(tmp_path / "mine.onnx", toy_scenes(1), n_steps=1, **OWN)
+
+
+def test_sets_are_joined_in_order():
+    first = toy_scenes(2)
+    second = toy_scenes(4)[2:]
+    scenes = joined([first, second])
+    assert [scenes[place].name for place in range(len(scenes))] == [
+        scene.name for scene in toy_scenes(4)
+    ]
+    assert_array_equal(Chosen([(second, 1)])[0].image, second[1].image)

@@ -1,0 +1,92 @@
+"""The network as ONNX: the same numbers without torch, the same bytes again, weights read back."""
+
+import numpy as np
+import onnxruntime
+import pytest
+import torch
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.special import expit
+
+from snowsim.front import REFERENCE
+from snowsim.io.trackers import read_tracker
+from snowsim.patches import to_signed
+from snowsim.tracker import MultiScaleNetwork
+from snowsim.tracker.portable import to_onnx, weights_of_onnx, width_of
+
+SHIPPED = REFERENCE.parent / "universal.onnx"
+
+
+@pytest.fixture(scope="module")
+def network():
+    network = MultiScaleNetwork(8)
+    network.initialise(rng=np.random.default_rng(1))
+    with torch.no_grad():
+        # Larger than drawn: probabilities then differ from a half.
+        for side in network.sides:
+            side.weight *= 20
+    return network.eval()
+
+
+def run(content, image):
+    """Logits that ONNX Runtime makes of images of uint8, (n, range_bin, range_line)."""
+    session = onnxruntime.InferenceSession(content, providers=["CPUExecutionProvider"])
+    signed = image.astype(np.float32) * np.float32(2 / 255) - np.float32(1)
+    return session.run(["logit"], {"image": signed[:, None]})[0]
+
+
+@pytest.mark.parametrize("shape", [(1, 64, 48), (1, 37, 53), (2, 401, 255), (3, 16, 1), (1, 1, 1)])
+def test_probability_is_that_of_torch_at_any_size(network, rng, shape):
+    image = rng.integers(0, 256, shape, dtype=np.uint8)
+    with torch.no_grad():
+        expected = torch.sigmoid(network(to_signed(image))[-1]).numpy()
+    found = expit(run(to_onnx(network), image))
+    assert found.shape == expected.shape
+    # Sums of some hundred products of float32, in another order.
+    assert_allclose(found, expected, atol=1e-5)
+
+
+def test_the_same_network_gives_the_same_bytes_and_is_left_as_it_was(network):
+    before = {name: values.clone() for name, values in network.state_dict().items()}
+    content = to_onnx(network, 1.5)
+    assert content == to_onnx(network, 1.5)
+    for name, values in network.state_dict().items():
+        assert torch.equal(values, before[name]), name
+
+
+def test_an_offset_is_taken_off_every_logit(network, rng):
+    image = rng.integers(0, 256, (1, 40, 40), dtype=np.uint8)
+    moved = run(to_onnx(network), image) - run(to_onnx(network, 1.5), image)
+    # Rounding of float32 at logits of a few units.
+    assert_allclose(moved, 1.5, atol=1e-5)
+
+
+def test_weights_are_read_back_equal_ones_too(network):
+    # As drawn all biases are zero, and the file keeps equal weights once.
+    weights = weights_of_onnx(to_onnx(network))
+    expected = network.state_dict()
+    assert weights.keys() == expected.keys()
+    for name, values in expected.items():
+        assert_array_equal(weights[name], values.numpy(), err_msg=name)
+    assert width_of(weights) == 8
+
+
+@pytest.mark.parametrize("content", [b"", b"no network", b"\x00" * 100])
+def test_what_is_no_network_is_refused_in_a_line(content):
+    with pytest.raises(ValueError, match="expected (a network as ONNX|weights)") as refused:
+        weights_of_onnx(content)
+    assert "\n" not in str(refused.value)
+
+
+def test_the_shipped_tracker_fits_its_card_and_is_a_network_of_this_package():
+    content, card = read_tracker(SHIPPED)
+    assert card["name"] == "universal"
+    assert "never scored on an annotated real frame" in card["trained_on"]
+    assert len(content) < 4e6
+    network = MultiScaleNetwork(width_of(weights_of_onnx(content)))
+    network.load_state_dict(
+        {name: torch.as_tensor(values) for name, values in weights_of_onnx(content).items()}
+    )
+    image = np.random.default_rng(1).integers(0, 256, (1, 90, 70), dtype=np.uint8)
+    with torch.no_grad():
+        expected = torch.sigmoid(network.eval()(to_signed(image))[-1]).numpy()
+    assert_allclose(expit(run(content, image)), expected, atol=1e-5)

@@ -1,0 +1,72 @@
+"""Trackers on flights that they never saw: which flights, how they are tracked, how they score."""
+
+import copy
+from collections import Counter
+from dataclasses import dataclass
+
+from snakemake.utils import update_config
+
+from snowsim.reference import checked_settings
+
+HELD_SHARE = 0.2  # of a flight's own scenes, which its control is chosen on
+TUNING_SEEDS = range(1000, 2000)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Scenes of a flight: their split of the benchmark, and which of it, from and to."""
+
+    split: str
+    span: tuple
+
+
+def parts_of(n_scenes):
+    """Parts of another flight by name: scored; trained on by its control; held out by that."""
+    n_own = n_scenes["own"]
+    n_fit = n_own - max(1, round(HELD_SHARE * n_own))
+    return {
+        "test": Part("test", (0, n_scenes["test"])),
+        "own": Part("train", (0, n_fit)),
+        "held": Part("train", (n_fit, n_own)),
+    }
+
+
+def variants_of(shard, per_shard, n_variants):
+    """First variant of a shard and the one after its last."""
+    first = shard * per_shard
+    return first, min(first + per_shard, n_variants)
+
+
+def reference_of(flight, reference):
+    """Settings of the reference flight as another flight has them."""
+    changed = copy.deepcopy(dict(reference))
+    update_config(changed, flight.get("reference", {}))
+    return changed
+
+
+def scale_of(flight, radar):
+    """Factors that bring an image of a flight to the default's bins and lines: (bin, line)."""
+    own = flight.get("reference", {}).get("radar", {})
+    bins = own.get("bin_size_s", radar["bin_size_s"]) / radar["bin_size_s"]
+    lines = own.get("line_spacing_m", radar["line_spacing_m"]) / radar["line_spacing_m"]
+    return bins, lines
+
+
+def check_flights(tuning, unseen, config):
+    """ValueError unless names differ, seeds are those of their use, and settings are possible."""
+    names = Counter(flight["name"] for flight in [*tuning, *unseen])
+    for name, times in names.items():
+        if times > 1:
+            msg = f"config: flights: expected every name once, got {name} {times} times"
+            raise ValueError(msg)
+    for flight in [*tuning, *unseen]:
+        seed = flight["seed"]
+        if (seed in TUNING_SEEDS) != (flight in tuning) or seed == config["seed"]:
+            msg = f"config: flight {flight['name']}: expected a seed from 1000 to 1999 for tuning, "
+            msg += f"for scores another, and not the configuration's own, got {seed}"
+            raise ValueError(msg)
+        try:
+            checked_settings(reference_of(flight, config["reference"]))
+        except ValueError as error:
+            msg = f"config: flight {flight['name']}: {error}"
+            raise ValueError(msg) from None
