@@ -6,7 +6,6 @@ import numpy as np
 from numba import njit
 
 
-
 @dataclass(frozen=True, eq=False)
 class Candidates:
     """Peaks by range line, downwards: those of line i are ``first[i]:first[i + 1]``.

@@ -130,7 +130,9 @@ def canonical(echogram, card, where="echogram"):
     if not np.isfinite(found).any():
         n_measured = int((echogram["Data"].values > 0).sum())
         wanted = "expected 30 range bins or more of measured power"
-        msg = f"{where}: {wanted}, got {n_measured} pixels above zero in {echogram['twtt'].size} rows"
+        msg = (
+            f"{where}: {wanted}, got {n_measured} pixels above zero in {echogram['twtt'].size} rows"
+        )
         raise ValueError(msg)
     first_s = float(echogram["twtt"].values[0])
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1

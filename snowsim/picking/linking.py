@@ -34,10 +34,10 @@ class Linking:
         What a chain must gather; on fewer than `NARROW` range lines, in proportion to them.
     """
 
-    even: float = -0.3
+    even: float = 0.0
     most: float = 1.0
     longest: int = 6
-    skipped: float = 1.0
+    skipped: float = 0.5
     bend: float = 1.0
     steepest: float = 2.5
     apart: float = 4.0
@@ -46,11 +46,11 @@ class Linking:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One chain: its range lines, increasing, the rows there, and what each gains."""
+    """One chain: its range lines, increasing, the rows there, and log-odds above even ones."""
 
     line: np.ndarray
     row: np.ndarray
-    gain: np.ndarray
+    excess: np.ndarray
 
     def at(self, line):
         """Rows at range lines, straight between those of the chain."""
@@ -67,8 +67,8 @@ def link(candidates, linking, threshold):
     `threshold` is that of the tracker, as log-odds.
     """
     line = candidates.line
-    even = threshold + linking.even
-    gain = np.clip(candidates.log_odds - even, -linking.most, linking.most)
+    excess = candidates.log_odds - (threshold + linking.even)
+    gain = np.clip(excess, -linking.most, linking.most)
     evidence = linking.evidence * min(1, candidates.n_lines / NARROW)
     chains = _chains(
         candidates.first,
@@ -88,7 +88,7 @@ def link(candidates, linking, threshold):
     for chain in np.split(members, np.flatnonzero(np.diff(chains[members])) + 1):
         if chain.size:
             rows = candidates.row[chain].astype(float)
-            pieces.append(Piece(line[chain], rows, gain[chain].astype(float)))
+            pieces.append(Piece(line[chain], rows, excess[chain].astype(float)))
     return pieces
 
 
@@ -113,8 +113,24 @@ def _chains(first, line, row, gain, longest, skipped, bend, steepest, apart, evi
     while found:
         found = False
         for at in range(first.size - 1):
-            _extend(at, first, line, row, gain, free, above, below, starts, stops, total, before,
-                    longest, skipped, bend, steepest)
+            _extend(
+                at,
+                first,
+                line,
+                row,
+                gain,
+                free,
+                above,
+                below,
+                starts,
+                stops,
+                total,
+                before,
+                longest,
+                skipped,
+                bend,
+                steepest,
+            )
         ends = np.flatnonzero(total >= evidence)
         for end in ends[np.argsort(-total[ends], kind="mergesort")]:
             size = 0
@@ -135,14 +151,41 @@ def _chains(first, line, row, gain, longest, skipped, bend, steepest, apart, evi
             starts.append(line[members[size - 1]])
             stops.append(line[end])
             chain[members[:size]] = number
-            _take(number, members[:size][::-1], first, line, row, apart,
-                  free, above, below, above_row, below_row)
+            _take(
+                number,
+                members[:size][::-1],
+                first,
+                line,
+                row,
+                apart,
+                free,
+                above,
+                below,
+                above_row,
+                below_row,
+            )
     return chain
 
 
 @njit(cache=True)
-def _extend(at, first, line, row, gain, free, above, below, starts, stops, total, before,
-            longest, skipped, bend, steepest):
+def _extend(
+    at,
+    first,
+    line,
+    row,
+    gain,
+    free,
+    above,
+    below,
+    starts,
+    stops,
+    total,
+    before,
+    longest,
+    skipped,
+    bend,
+    steepest,
+):
     """What the best chain that ends at each candidate of a line gathers, and the one before."""
     here = slice(first[at], first[at + 1])
     total[here] = 0

@@ -8,7 +8,7 @@ SNOW_BINS = 3
 GUARD_BINS = 3  # between both: an echo has an edge
 SMOOTH_LINES = 15
 OUTLIER_BINS = 8.0
-# A pick that lies farther off, on more than a quarter of the lines, is no pick of this echogram.
+# A pick that lies farther off is wrong; where over a quarter of the lines are, all are.
 WRONG_BINS = 15.0
 WRONG_SHARE = 0.25
 
@@ -61,7 +61,7 @@ def chosen_surface(given, found, n_bins):
         reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
         reason += "(outside the window, or no echo rises there), it was found in the echogram"
         return bridged(found), reason
-    return bridged(np.where(known, given, found)), None
+    return bridged(np.where(known & ~(apart > WRONG_BINS), given, found)), None
 
 
 def bridged(bins):
