@@ -183,7 +183,7 @@ def track_files(
         Files that failed.
     """
     shipped = shipped_weights()
-    tracker = Tracker.load(shipped[model] if model in shipped else model)
+    tracker = Tracker.load(shipped.get(model, model))
     folder = Path(folder)
     n_failed = 0
     seen = []

@@ -12,7 +12,7 @@ import snowsim.reference
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echoes", "echogram", "seeding", "patches", "training"}
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "scoring"}
+FRONT = {"cli", "front", "scoring", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),
@@ -22,6 +22,7 @@ ALLOWED = {
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
+    ("picking", "frames"),
     # A layer is labelled where its mean power shows it.
     ("labels", "phy.power"),
     ("labels", "phy.parameters"),
@@ -29,6 +30,7 @@ ALLOWED = {
 # What only some stages may import.
 ONLY = {
     "torch": {"cgan", "tracker", "patches", "training"},
+    "onnxruntime": {"picking"},
     "netCDF4": {"io"},
     "h5py": {"io"},
     "PIL": {"io"},

@@ -43,5 +43,5 @@ def confidence(piece, coefficients):
 
 
 def half_width_rows(sure):
-    """Rows to either side of a pick within which its layer lies, nine times of ten if it has one."""
+    """Rows to either side of a pick that hold nine of ten layers, where there is one."""
     return np.interp(sure, SURE, HALF_WIDTH_ROWS)

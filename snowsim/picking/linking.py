@@ -1,6 +1,7 @@
 """Candidates linked into pieces of layers: the chains that gather the most evidence."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -70,11 +71,7 @@ def link(candidates, linking, threshold):
     excess = candidates.log_odds - (threshold + linking.even)
     gain = np.clip(excess, -linking.most, linking.most)
     evidence = linking.evidence * min(1, candidates.n_lines / NARROW)
-    chains = _chains(
-        candidates.first,
-        line,
-        candidates.row,
-        gain,
+    rules = _Rules(
         linking.longest,
         linking.skipped,
         linking.bend,
@@ -82,6 +79,9 @@ def link(candidates, linking, threshold):
         linking.apart,
         evidence,
     )
+    taken = _nothing_taken(line.size)
+    _take_chains(_Peaks(candidates.first, line, candidates.row, gain), rules, taken)
+    chains = taken.chain
     members = np.flatnonzero(chains >= 0)
     members = members[np.argsort(chains[members], kind="stable")]
     pieces = []
@@ -92,109 +92,80 @@ def link(candidates, linking, threshold):
     return pieces
 
 
-@njit(cache=True)
-def _chains(first, line, row, gain, longest, skipped, bend, steepest, apart, evidence):
-    """Number of the chain of every candidate, `NONE` for none; 0 is the strongest."""
-    n = row.size
-    chain = np.full(n, NONE, np.int32)
-    free = np.ones(n, np.bool_)
-    above = np.full(n, NONE, np.int32)  # the nearest chain above a candidate, and that below
-    below = np.full(n, NONE, np.int32)
+class _Rules(NamedTuple):
+    """`Linking`, as compiled code takes it."""
+
+    longest: int
+    skipped: float
+    bend: float
+    steepest: float
+    apart: float
+    evidence: float
+
+
+class _Peaks(NamedTuple):
+    """Candidates, and what each gains a chain."""
+
+    first: np.ndarray
+    line: np.ndarray
+    row: np.ndarray
+    gain: np.ndarray
+
+
+class _Taken(NamedTuple):
+    """Chains taken so far, and what they are to every candidate."""
+
+    chain: np.ndarray  # its own, `NONE` for none
+    free: np.ndarray
+    above: np.ndarray  # the nearest chain above it, and where that is
+    above_row: np.ndarray
+    below: np.ndarray
+    below_row: np.ndarray
+    start: np.ndarray  # of every chain, its first line and its last
+    stop: np.ndarray
+
+
+def _nothing_taken(n):
     above_row = np.full(n, -np.inf, np.float32)
-    below_row = np.full(n, np.inf, np.float32)
-    starts = [0]  # of every chain, its first and last line
-    stops = [0]
-    starts.pop()
-    stops.pop()
-    total = np.empty(n, np.float32)
-    before = np.empty(n, np.int64)
-    members = np.empty(first.size, np.int64)
-    found = True
-    while found:
-        found = False
-        for at in range(first.size - 1):
-            _extend(
-                at,
-                first,
-                line,
-                row,
-                gain,
-                free,
-                above,
-                below,
-                starts,
-                stops,
-                total,
-                before,
-                longest,
-                skipped,
-                bend,
-                steepest,
-            )
-        ends = np.flatnonzero(total >= evidence)
-        for end in ends[np.argsort(-total[ends], kind="mergesort")]:
-            size = 0
-            c = end
-            fits = True
-            while c != NONE and fits:
-                fits = free[c]
-                members[size] = c
-                size += 1
-                q = before[c]
-                if fits and q != NONE:
-                    fits = _uncrossed(q, c, line, above, below, starts, stops)
-                c = q
-            if not fits:
-                continue
-            found = True
-            number = len(starts)
-            starts.append(line[members[size - 1]])
-            stops.append(line[end])
-            chain[members[:size]] = number
-            _take(
-                number,
-                members[:size][::-1],
-                first,
-                line,
-                row,
-                apart,
-                free,
-                above,
-                below,
-                above_row,
-                below_row,
-            )
-    return chain
+    numbers = [np.full(n, NONE, np.int32) for _ in range(5)]
+    return _Taken(
+        numbers[0], np.ones(n, bool), numbers[1], above_row, numbers[2], -above_row, *numbers[3:]
+    )
 
 
 @njit(cache=True)
-def _extend(
-    at,
-    first,
-    line,
-    row,
-    gain,
-    free,
-    above,
-    below,
-    starts,
-    stops,
-    total,
-    before,
-    longest,
-    skipped,
-    bend,
-    steepest,
-):
+def _take_chains(peaks, rules, taken):
+    """Take chains until none is left that gathers enough."""
+    n_chains = 0
+    total = np.empty(peaks.row.size, np.float32)
+    before = np.empty(peaks.row.size, np.int64)
+    n_before = -1
+    while n_chains > n_before:
+        n_before = n_chains
+        for at in range(peaks.first.size - 1):
+            _extend(at, peaks, rules, taken, total, before)
+        ends = np.flatnonzero(total >= rules.evidence)
+        meets = ~taken.free
+        for end in ends[np.argsort(-total[ends], kind="mergesort")]:
+            members = _trace(end, peaks, taken, before, meets)
+            if members.size:
+                _take(n_chains, members, peaks, rules.apart, taken)
+                n_chains += 1
+
+
+@njit(cache=True)
+def _extend(at, peaks, rules, taken, total, before):
     """What the best chain that ends at each candidate of a line gathers, and the one before."""
+    first, _, row, gain = peaks
     here = slice(first[at], first[at + 1])
     total[here] = 0
     before[here] = NONE
-    for gap in range(1, min(longest, at) + 1):
-        reach = steepest * (0.75 + 0.25 * gap)
+    for gap in range(1, min(rules.longest, at) + 1):
+        reach = rules.steepest * (0.75 + 0.25 * gap)
+        lost = rules.skipped * (gap - 1)
         nearest = first[at - gap]
         for c in range(first[at], first[at + 1]):
-            if not free[c]:
+            if not taken.free[c]:
                 continue
             while nearest < first[at - gap + 1] and row[nearest] < row[c] - reach:
                 nearest += 1
@@ -202,35 +173,62 @@ def _extend(
                 step = row[c] - row[q]
                 if step < -reach:
                     break
-                gathered = total[q] - skipped * (gap - 1) - bend * step * step / gap
-                if gathered > total[c] and _uncrossed(q, c, line, above, below, starts, stops):
+                gathered = total[q] - lost - rules.bend * step * step / gap
+                if gathered > total[c] and _uncrossed(q, c, peaks, taken):
                     total[c] = gathered
                     before[c] = q
     for c in range(first[at], first[at + 1]):
-        total[c] = total[c] + gain[c] if free[c] else -np.inf
+        total[c] = total[c] + gain[c] if taken.free[c] else -np.inf
 
 
 @njit(cache=True)
-def _uncrossed(q, c, line, above, below, starts, stops):
+def _trace(end, peaks, taken, before, meets):
+    """Candidates of the chain to an end; none if it meets another, which is noted in `meets`."""
+    members = np.empty(peaks.first.size, np.int64)
+    size = 0
+    c = end
+    fits = True
+    while fits and c != NONE:
+        q = before[c]
+        fits = taken.free[c] and not meets[c]
+        if fits and q != NONE:
+            fits = _uncrossed(q, c, peaks, taken)
+        members[size] = c
+        size += 1
+        c = q
+    if fits:
+        return members[:size][::-1]
+    meets[members[:size]] = True
+    return members[:0]
+
+
+@njit(cache=True)
+def _uncrossed(q, c, peaks, taken):
     """Whether no chain passes between two candidates, q before c."""
-    return _same(above[q], above[c], line[q], line[c], starts, stops) and _same(
-        below[q], below[c], line[q], line[c], starts, stops
-    )
-
-
-@njit(cache=True)
-def _same(left, right, left_line, right_line, starts, stops):
-    """Whether two chains beside two candidates are one, or neither reaches the other's line."""
-    if left == right:
-        return True
-    if left != NONE and stops[left] >= right_line:
+    left = peaks.line[q]
+    right = peaks.line[c]
+    if not _same(taken.above[q], taken.above[c], left, right, taken):
         return False
-    return right == NONE or starts[right] > left_line
+    return _same(taken.below[q], taken.below[c], left, right, taken)
 
 
 @njit(cache=True)
-def _take(number, members, first, line, row, apart, free, above, below, above_row, below_row):
+def _same(beside_left, beside_right, left, right, taken):
+    """Whether two chains beside two candidates are one, or neither reaches the other's line."""
+    if beside_left == beside_right:
+        return True
+    if beside_left != NONE and taken.stop[beside_left] >= right:
+        return False
+    return beside_right == NONE or taken.start[beside_right] > left
+
+
+@njit(cache=True)
+def _take(number, members, peaks, apart, taken):
     """Take candidates of a chain and those too near to it; tell others on which side it is."""
+    first, line, row, _ = peaks
+    taken.start[number] = line[members[0]]
+    taken.stop[number] = line[members[-1]]
+    taken.chain[members] = number
     place = 0
     for at in range(line[members[0]], line[members[-1]] + 1):
         while place < members.size - 2 and line[members[place + 1]] <= at:
@@ -243,11 +241,11 @@ def _take(number, members, first, line, row, apart, free, above, below, above_ro
             here += share * (row[right] - row[left])
         for c in range(first[at], first[at + 1]):
             if abs(row[c] - here) < apart:
-                free[c] = False
-            if here <= row[c] and here > above_row[c]:
-                above_row[c] = here
-                above[c] = number
-            if here >= row[c] and here < below_row[c]:
-                below_row[c] = here
-                below[c] = number
-    free[members] = False
+                taken.free[c] = False
+            if here <= row[c] and here > taken.above_row[c]:
+                taken.above_row[c] = here
+                taken.above[c] = number
+            if here >= row[c] and here < taken.below_row[c]:
+                taken.below_row[c] = here
+                taken.below[c] = number
+    taken.free[members] = False
