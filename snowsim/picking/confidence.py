@@ -1,8 +1,8 @@
 """How sure a pick is, and how far off it may be.
 
-The probability that a layer lies within 2 rows of a pick is a logistic function of the mean log-odds
-of its chain near it and farther around. The coefficients are those of flights
-that no score is reported of, and a card may bring its own.
+The probability that a layer lies within 2 rows of a pick is a logistic function of the mean
+log-odds of its chain near it and farther around. The coefficients are those of flights that no
+score is reported of, and a card may bring its own.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 
 
 def features(piece):
-    """Mean log-odds per line within `NEAR_LINES` and `FAR_LINES` of every pick of a piece, (2, pick).
+    """Mean log-odds of a piece within `NEAR_LINES` and `FAR_LINES` of every pick, (2, pick).
 
     Lines without a candidate, and beyond its ends, count as none for and none against.
     """

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 NONE = -1
-NARROW = 128
+NARROW = 256  # range lines of the scenes it was chosen on
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,10 @@ class Linking:
     most: float = 1.0
     longest: int = 6
     skipped: float = 0.5
-    bend: float = 1.0
+    bend: float = 0.5
     steepest: float = 2.5
     apart: float = 4.0
-    evidence: float = 45.0
+    evidence: float = 55.0
 
 
 @dataclass(frozen=True, eq=False)
