@@ -63,4 +63,5 @@ def planted(rng, *, n_bins=400, n_lines=300, bin_s=BIN_S, spacing_m=SPACING_M, c
     mean = 1 + 2 * snow + np.tensordot(heights, ridges, 1)
     power = (mean * rng.gamma(16, 1 / 16, mean.shape)).astype(np.float32)
     latitude = 70 + lines * SPACING_M / METRES_PER_DEGREE
-    return placeholder_frame(power, layers * BIN_S / bin_s, latitude, bin_s=bin_s)
+    echogram, picks = placeholder_frame(power, layers * BIN_S / bin_s, latitude, bin_s=bin_s)
+    return echogram, picks.copy(deep=True)  # the surface of both is one array

@@ -26,6 +26,7 @@ BLOCK_LINES = 256  # of the benchmark's scenes, whose scale is that of a block
 SATURATED_DB = 10.0
 # Positions repeat or jump where the spacing is no distance.
 SPACINGS_M = (0.01, 1e4)
+MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,12 @@ class Grid:
     def row(self, twtt):
         """Rows (range_bin, range_line) of travel times (range_bin,) [s] on own lines."""
         return (twtt[:, None] - self.first_s) / self.bin_s - self.top
+
+    @property
+    def bottom(self):
+        """Row after the last one recorded, on range lines of the image."""
+        n_bins = self.n_rows + self.top.min()
+        return self.averaged(n_bins - self.top)
 
     @property
     def line(self):
@@ -115,11 +122,7 @@ def canonical(echogram, card, where="echogram"):
     over blocks of 256 range lines, of what the benchmark's rule makes of each. ValueError if
     nothing was recorded, or the echogram has no contrast.
     """
-    if 0 in echogram.sizes.values():
-        sizes = ", ".join(f"{size} {name}" for name, size in echogram.sizes.items())
-        msg = f"{where}: expected samples, got {sizes}"
-        raise ValueError(msg)
-    check_echogram(echogram, where)
+    _check(echogram, card, where)
     echogram = echogram.transpose("twtt", "slow_time", ...)
     n_averaged, notes = _lines_averaged(echogram, card)
     blocks = [
@@ -149,6 +152,26 @@ def canonical(echogram, card, where="echogram"):
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     surface_db = np.concatenate([block.largest_db for block in blocks])
     return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
+
+
+def _check(echogram, card, where):
+    """Refuse what is no echogram, has no samples, or bins of another order of magnitude."""
+    if 0 in echogram.sizes.values():
+        sizes = ", ".join(f"{size} {name}" for name, size in echogram.sizes.items())
+        msg = f"{where}: expected samples, got {sizes}"
+        raise ValueError(msg)
+    for name in ("twtt", "slow_time"):
+        if name not in echogram.coords:
+            msg = (
+                f"{where}: expected coordinate {name}, found {', '.join(echogram.coords) or 'none'}"
+            )
+            raise ValueError(msg)
+    check_echogram(echogram, where)
+    present_s = bin_size_s(echogram)
+    if not 1 / MOST_RESAMPLED < present_s / card.bin_s < MOST_RESAMPLED:
+        limits = f"{card.bin_s / MOST_RESAMPLED:.2g} to {card.bin_s * MOST_RESAMPLED:.2g} s"
+        msg = f"{where}: twtt: expected range bins of {limits}, got {present_s:.3g} s"
+        raise ValueError(msg)
 
 
 @dataclass(frozen=True, eq=False)

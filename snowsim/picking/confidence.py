@@ -16,29 +16,30 @@ SURE = (0.45, 0.55, 0.65, 0.75, 0.85, 0.95)
 HALF_WIDTH_ROWS = (3.1, 2.8, 2.0, 1.5, 1.1, 0.9)
 
 
-def features(piece):
+def features(piece, n_lines):
     """Mean log-odds of a piece within `NEAR_LINES` and `FAR_LINES` of every pick, (2, pick).
 
-    Lines without a candidate, and beyond its ends, count as none for and none against.
+    Of all `n_lines` range lines, those without a candidate and those beyond the ends of the piece
+    count as none for and none against.
     """
     first = piece.line[0]
-    n_lines = piece.line[-1] - first + 1
-    gain = np.zeros(n_lines + 1)
-    gain[piece.line - first + 1] = np.clip(piece.excess, -LARGEST, LARGEST)
-    total = np.cumsum(gain)
-    at = piece.line - first
+    size = piece.line[-1] - first + 1
+    excess = np.zeros(size + 1)
+    excess[piece.line - first + 1] = np.clip(piece.excess, -LARGEST, LARGEST)
+    total = np.cumsum(excess)
     means = []
     for reach in (NEAR_LINES, FAR_LINES):
-        stop = np.minimum(at + reach + 1, n_lines)
-        start = np.maximum(at - reach, 0)
-        means.append((total[stop] - total[start]) / (2 * reach + 1))
+        start = np.maximum(piece.line - reach, 0)
+        stop = np.minimum(piece.line + reach + 1, n_lines)
+        within = np.clip(np.array([start, stop]) - first, 0, size)
+        means.append((total[within[1]] - total[within[0]]) / (stop - start))
     return np.array(means)
 
 
-def confidence(piece, coefficients):
+def confidence(piece, n_lines, coefficients):
     """Probability that a layer lies within 2 rows of each pick of a piece, (pick,)."""
     offset, near, far = coefficients
-    of_near, of_far = features(piece)
+    of_near, of_far = features(piece, n_lines)
     return expit(offset + near * of_near + far * of_far)
 
 

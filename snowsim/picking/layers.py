@@ -29,8 +29,10 @@ def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
     lines = first_line + np.arange(grid.n_lines)
     rows = []
     sure = []
+    n_lines = surface.line.size
     for piece in (surface, *pieces):
-        row, of_pick = _on_lines(piece, lines, longest, coefficients)
+        of_piece = confidence(piece, n_lines, coefficients)
+        row, of_pick = _on_lines(piece, of_piece, lines, longest)
         rows.append(_between_lines(row, grid.line))
         sure.append(_between_lines(of_pick, grid.line))
     rows = np.array(rows)
@@ -49,15 +51,20 @@ def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
     variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
     variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
-    echogram = canonical.echogram
-    for name in ALONG_TRACK:
-        variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
-    coordinates = {"layer": np.arange(len(rows)), "slow_time": echogram["slow_time"].values}
-    kept = ("season_name", "radar_name", "day_seg")
-    attributes = {name: echogram.attrs[name] for name in kept if name in echogram.attrs}
-    layers = xr.Dataset(variables, coordinates, attributes)
+    layers = _dataset(variables, canonical.echogram)
     check_layers(layers, "picks")
     return layers
+
+
+def _dataset(variables, echogram):
+    """Variables with the positions, times and attributes of their echogram."""
+    for name in ALONG_TRACK:
+        variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
+    n_layers = variables["twtt"][1].shape[0]
+    coordinates = {"layer": np.arange(n_layers), "slow_time": echogram["slow_time"].values}
+    kept = ("season_name", "radar_name", "day_seg")
+    attributes = {name: echogram.attrs[name] for name in kept if name in echogram.attrs}
+    return xr.Dataset(variables, coordinates, attributes)
 
 
 def doubtful_lines(canonical):
@@ -72,7 +79,7 @@ def doubtful_lines(canonical):
     return doubtful
 
 
-def _on_lines(piece, lines, longest, coefficients):
+def _on_lines(piece, of_pick, lines, longest):
     """Rows of a piece and how sure they are, on range lines of the image, NaN where it has none."""
     inside = (piece.line >= lines[0]) & (piece.line <= lines[-1])
     reach = np.flatnonzero(inside)
@@ -80,7 +87,6 @@ def _on_lines(piece, lines, longest, coefficients):
     sure = np.full(lines.size, np.nan)
     if reach.size == 0:
         return row, sure
-    of_pick = confidence(piece, coefficients)
     within = (lines >= piece.line[0]) & (lines <= piece.line[-1])
     after = np.searchsorted(piece.line, lines[within])
     before = np.maximum(after - 1, 0)

@@ -53,7 +53,10 @@ def evidence_of(run, canonical, card, linking=None):
 
 
 def _split_surface(canonical, candidates, surface, even, apart):
-    """Evidence: the candidate nearest the surface on every line is it, others near it are none."""
+    """Evidence: the candidate nearest the surface on every line is it.
+
+    Others near it are none, nor are those at the lower end of the window: both are edges.
+    """
     line = candidates.line
     off = candidates.row - surface[line]
     rows = surface.copy()
@@ -63,7 +66,8 @@ def _split_surface(canonical, candidates, surface, even, apart):
     rows[line[near]] = candidates.row[near]
     excess[line[near]] = candidates.log_odds[near] - even
     below = candidates.row > rows[line] + apart
-    return Evidence(canonical, candidates.where(below), rows, excess)
+    inside = candidates.row < canonical.grid.bottom[line] - apart
+    return Evidence(canonical, candidates.where(below & inside), rows, excess)
 
 
 def layers_of_frames(frames, card, linking=None):
