@@ -22,13 +22,16 @@ def join_through_fades(pieces):
     neighbours keep their distance. Both must choose each other, and the line between them must
     cross no piece. The shortest gaps are closed first.
     """
-    pieces = list(pieces)
     links = _possible_links(pieces)
+    present = list(pieces)
     successor = {}
     predecessor = {}
     for _, left, right in sorted(links):
+        bridge = _bridge(pieces[left], pieces[right])
+        others = [piece for n, piece in enumerate(present) if n not in (left, right)]
         free = left not in successor and right not in predecessor
-        if free and not _crosses(pieces, left, right):
+        if free and not _crosses(bridge, others):
+            present.append(bridge)
             successor[left] = right
             predecessor[right] = left
     return [_whole(pieces, n, successor) for n in range(len(pieces)) if n not in predecessor]
@@ -70,19 +73,22 @@ def _row_at_end(piece, end):
     return piece.row[:END_LINES].mean() if end == 0 else piece.row[-END_LINES:].mean()
 
 
-def _crosses(pieces, left, right):
-    """Whether a piece lies across the line between the end of one and the beginning of another."""
-    ends = np.array([pieces[left].line[-1], pieces[right].line[0]])
-    rows = np.array([pieces[left].row[-1], pieces[right].row[0]])
-    for number, piece in enumerate(pieces):
-        first = max(ends[0], piece.line[0])
-        last = min(ends[1], piece.line[-1])
-        if number in (left, right) or first > last:
-            continue
-        lines = np.arange(first, last + 1)
-        above = piece.at(lines) < np.interp(lines, ends, rows)
-        if above.any() and not above.all():
-            return True
+def _bridge(left, right):
+    """The straight line from the end of a piece to the beginning of another."""
+    line = np.array([left.line[-1], right.line[0]])
+    return Piece(line, np.array([left.row[-1], right.row[0]]), np.zeros(2))
+
+
+def _crosses(bridge, others):
+    """Whether one of other pieces lies across a bridge."""
+    for piece in others:
+        first = max(bridge.line[0], piece.line[0])
+        last = min(bridge.line[-1], piece.line[-1])
+        if first <= last:
+            lines = np.arange(first, last + 1)
+            above = piece.at(lines) < bridge.at(lines)
+            if above.any() and not above.all():
+                return True
     return False
 
 
