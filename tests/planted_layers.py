@@ -3,6 +3,7 @@
 import hashlib
 import json
 
+import formats
 import numpy as np
 from onnx import TensorProto, helper, numpy_helper
 
@@ -11,6 +12,7 @@ from snowsim.frames.blocks import placeholder_frame
 BIN_S = 2.886e-10
 SPACING_M = 5.2
 METRES_PER_DEGREE = 111_194.9
+SEGMENT = "20120330_04"
 SURFACE_BIN = 80
 LAYER_BINS = SURFACE_BIN + np.array([0, 40, 75, 120, 180])
 CARD = {
@@ -22,6 +24,14 @@ CARD = {
     "temperature": 1.0,
     "threshold": 0.5,
     "ranges": {"bin_s": [1e-10, 5e-10]},
+}
+
+
+WRITERS = {
+    "mat5": (f"Data_{SEGMENT}_001.mat", formats.write_mat5),
+    "mat73": (f"Data_{SEGMENT}_001.mat", formats.write_mat73),
+    "nsidc": (f"IRSNO1B_{SEGMENT}_001.nc", formats.write_nsidc),
+    "opr": (f"Data_{SEGMENT}_001.nc", lambda path, c: formats.opr_dataset(c).to_netcdf(path)),
 }
 
 
@@ -65,3 +75,19 @@ def planted(rng, *, n_bins=400, n_lines=300, bin_s=BIN_S, spacing_m=SPACING_M, c
     latitude = 70 + lines * SPACING_M / METRES_PER_DEGREE
     echogram, picks = placeholder_frame(power, layers * BIN_S / bin_s, latitude, bin_s=bin_s)
     return echogram, picks.copy(deep=True)  # the surface of both is one array
+
+
+def content_of(echogram, lines=slice(None)):
+    """Of an L1B file, with the times of the test files' day."""
+    part = echogram.isel(slow_time=lines)
+    number = np.arange(echogram.sizes["slow_time"])[lines]
+    content = {name: part[name].values for name in ("Data", "Latitude", "Longitude", "Surface")}
+    return content | {
+        "Time": 3e-6 + part["twtt"].values,
+        "GPS_time": formats.GPS_START + 0.0437 * number,
+        "Elevation": np.full(number.size, 2500.0),
+        "Roll": np.zeros(number.size),
+        "Pitch": np.zeros(number.size),
+        "Heading": np.zeros(number.size),
+        "Surface": 3e-6 + part["Surface"].values,
+    }

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scipy.io
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_layers import BIN_S, planted
+from planted_layers import BIN_S, SEGMENT, WRITERS, content_of, planted
 
 from snowsim.cli import main
 from snowsim.io import read_layers
@@ -13,30 +13,6 @@ from snowsim.io.describe import describe
 from snowsim.io.images import write_image
 from snowsim.picking import canonical
 from snowsim.tracking import track_files
-
-SEGMENT = "20120330_04"
-WRITERS = {
-    "mat5": (f"Data_{SEGMENT}_001.mat", formats.write_mat5),
-    "mat73": (f"Data_{SEGMENT}_001.mat", formats.write_mat73),
-    "nsidc": (f"IRSNO1B_{SEGMENT}_001.nc", formats.write_nsidc),
-    "opr": (f"Data_{SEGMENT}_001.nc", lambda path, c: formats.opr_dataset(c).to_netcdf(path)),
-}
-
-
-def content_of(echogram, lines=slice(None)):
-    """Of an L1B file, with the times of the test files' day."""
-    part = echogram.isel(slow_time=lines)
-    number = np.arange(echogram.sizes["slow_time"])[lines]
-    content = {name: part[name].values for name in ("Data", "Latitude", "Longitude", "Surface")}
-    return content | {
-        "Time": 3e-6 + part["twtt"].values,
-        "GPS_time": formats.GPS_START + 0.0437 * number,
-        "Elevation": np.full(number.size, 2500.0),
-        "Roll": np.zeros(number.size),
-        "Pitch": np.zeros(number.size),
-        "Heading": np.zeros(number.size),
-        "Surface": 3e-6 + part["Surface"].values,
-    }
 
 
 @pytest.fixture
