@@ -8,8 +8,18 @@ __version__ = "0.2.0"
 # package imports nothing.
 FRONT = {"score_folders": "snowsim.scoring"}
 FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
+FRONT |= dict.fromkeys(("Tracker", "list_pretrained"), "snowsim.tracking")
 
-__all__ = ["Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"]
+__all__ = [
+    "Climate",
+    "Radar",
+    "Snowpack",
+    "Tracker",
+    "list_pretrained",
+    "scenes",
+    "score_folders",
+    "simulate",
+]
 
 
 def __getattr__(name):

@@ -411,6 +411,39 @@ def check_room(line_bytes, n_range_lines):
         raise click.UsageError(msg)
 
 
+@commands.command(short_help="Layers of echograms, without any annotation.", context_settings=SHOWN)
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("-o", "--output", "folder", type=FOLDER, required=True, help="Where layers go.")
+@click.option("--model", default="universal", help="A tracker that is shipped, or its ONNX file.")
+@click.option("--png", is_flag=True, help="Draw the picks on every echogram, too.")
+@click.option("--bin-s", type=POSITIVE, help="Range bin of images [s], two-way; they tell none.")
+@over_option
+def track(files, folder, **options):
+    """Pick the layers of FILES, echograms or PNG images, with a trained tracker: layer files as
+    CReSIS has them, CSARP_layer/SEGMENT, and NAME_layers.nc with the confidence of every pick.
+
+    Frames of a segment that follow one another are tracked as one. The tracker was trained on
+    synthetic scenes only.
+
+    \b
+    Examples:
+      snowsim track Data_20120330_04_*.mat -o picked/
+      snowsim track scene.png -o picked/ --bin-s 2.886e-10 --png
+    """  # noqa: D205, D301
+    from tqdm import tqdm
+
+    from snowsim.tracking import track_files
+
+    def progress(paths):
+        return tqdm(paths, unit="file", leave=False, disable=None)  # none where nobody looks
+
+    def say(line):
+        click.echo(line, err=line.startswith("error: "))
+
+    if track_files(files, folder, say=say, progress=progress, **options):
+        sys.exit(1)
+
+
 def echo_counts(counts):
     """Show how many of what were written."""
     click.echo(", ".join(f"{name} {count}" for name, count in counts.items()))

@@ -12,7 +12,7 @@ import snowsim.reference
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {"constants", "echoes", "echogram", "rounding", "seeding", "patches", "training"}
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "learning", "scoring"}
+FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),
@@ -23,6 +23,7 @@ ALLOWED = {
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
     ("physical", "profile"),
+    ("picking", "frames"),
     # A layer is labelled where its mean power shows it.
     ("labels", "phy.power"),
     ("labels", "phy.parameters"),
@@ -30,6 +31,7 @@ ALLOWED = {
 # What only some stages may import.
 ONLY = {
     "torch": {"cgan", "tracker", "patches", "training"},
+    "onnxruntime": {"picking"},
     "netCDF4": {"io"},
     "h5py": {"io"},
     "PIL": {"io"},

@@ -1,0 +1,96 @@
+"""Range lines tracked a second and core, end to end with linking.
+
+``python benchmarks/bench_track.py [MODEL.onnx]`` draws echograms of 400 range bins below the air
+(2048 range lines of the reference flight, 16 looks), and prints lines a second of processor time of
+one thread, in all and by stage, for the weights as they are, quantised to 8 bits, and averaged with
+those of the mirrored echogram. Fails below 5000 lines a second.
+"""
+
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from snowsim.io.weights import read_weights, shipped_weights
+from snowsim.picking import canonical, checked_card, evidence_of, layers_of_frames
+from snowsim.picking.network import network
+from snowsim.reference import checked_settings, draw_climate, draw_frame
+from snowsim.seeding import random_stream
+
+SEED, N_LINES, N_BINS, N_ROUNDS = 1000, 2048, 400, 5
+LEAST = 5000
+
+
+def draw_echogram():
+    """A frame of the reference flight, cut to 400 range bins."""
+    radar = {"n_range_bins": N_BINS, "surface_bin": 50, "n_looks": 16}
+    settings = checked_settings({"radar": radar})
+    climate = draw_climate(settings, rng=random_stream(SEED, "climate"))
+    rng = random_stream(SEED, "frame")
+    echogram, _ = draw_frame(3, 6, N_LINES, climate=climate, settings=settings, rng=rng)
+    return echogram
+
+
+def time_stages(run, card, echogram):
+    """Processor seconds of the canonical input, the network with its peaks, and linking."""
+    times = [time.process_time()]
+    seen = canonical(echogram, card)
+    times.append(time.process_time())
+    evidence = evidence_of(run, seen, card)
+    times.append(time.process_time())
+    layers_of_frames([evidence], card)
+    times.append(time.process_time())
+    return np.diff(times)
+
+
+def mirrored(run):
+    """The same network, averaged with what it says of the mirrored input."""
+
+    def both(images):
+        back = run(np.ascontiguousarray(images[..., ::-1]))[..., ::-1]
+        return (run(images) + back) / 2
+
+    return both
+
+
+def quantised(path):
+    """The same network in 8-bit integers, or None where the package onnx is missing."""
+    try:
+        from onnxruntime.quantization import QuantType, quantize_dynamic
+
+        with tempfile.TemporaryDirectory() as folder:
+            small = Path(folder) / "small.onnx"
+            quantize_dynamic(path, small, weight_type=QuantType.QUInt8)
+            return network(small.read_bytes())
+    except Exception as error:  # of whatever kind: this is an aside
+        print(f"int8: {type(error).__name__} {error}")  # noqa: T201
+        return None
+
+
+def main():
+    """Print the table."""
+    warnings.simplefilter("ignore")
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped_weights()["universal"]
+    weights, card = read_weights(path)
+    card = checked_card(card, path)
+    echogram = draw_echogram()
+    plain = network(weights)
+    runs = {"float32": plain, "float32, mirrored": mirrored(plain), "int8": quantised(path)}
+    best = {}
+    for name, run in runs.items():
+        if run is None:
+            continue
+        time_stages(run, card, echogram)  # compiles
+        stages = np.min([time_stages(run, card, echogram) for _ in range(N_ROUNDS)], axis=0)
+        best[name] = N_LINES / stages.sum()
+        parts = ", ".join(f"{1e6 * part / N_LINES:.0f}" for part in stages)
+        print(f"{name:<20} {best[name]:6.0f} lines/s (us a line: {parts})")  # noqa: T201
+    if best["float32"] < LEAST:
+        sys.exit(f"expected {LEAST} lines a second at least")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,259 @@
+"""An echogram as the tracker was trained to see it, and the way back.
+
+Range bins of the tracker's size, lines averaged to its spacing, the surface in row 50, decibels as
+8 bits by the rule of the benchmark's scenes.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from snowsim.echogram import (
+    DB_BELOW_NOISE_FLOOR,
+    SURFACE_ROW,
+    along_track_m,
+    bin_size_s,
+    check_echogram,
+    to_db,
+)
+from snowsim.frames import resample_range
+from snowsim.picking.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
+
+BLOCK_LINES = 256  # of the benchmark's scenes, whose scale is that of a block
+# A line whose maximum exceeds that of the middle line by so much is saturated: it has no say in the
+# scale.
+SATURATED_DB = 10.0
+# Positions repeat or jump where the spacing is no distance.
+SPACINGS_M = (0.01, 1e4)
+MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Where pixels of a canonical image lie in the echogram.
+
+    Attributes
+    ----------
+    first_s, bin_s : float
+        Two-way travel time of row 0 of a line that is not shifted, and of a row [s].
+    top : ndarray of int, (range_line,)
+        Rows by which each of the echogram's own lines is shifted.
+    surface_row : ndarray, (range_line,)
+        Row of the surface on these lines.
+    n_rows : int
+    n_averaged : int
+        Own lines in one of the image.
+    """
+
+    first_s: float
+    bin_s: float
+    top: np.ndarray
+    surface_row: np.ndarray
+    n_rows: int
+    n_averaged: int
+
+    @property
+    def n_lines(self):
+        """Range lines of the image."""
+        return -(-self.top.size // self.n_averaged)
+
+    def twtt(self, row):
+        """Two-way travel time [s] of rows (..., range_line) on the echogram's own lines."""
+        return self.first_s + (row + self.top) * self.bin_s
+
+    def row(self, twtt):
+        """Rows (range_bin, range_line) of travel times (range_bin,) [s] on own lines."""
+        return (twtt[:, None] - self.first_s) / self.bin_s - self.top
+
+    @property
+    def bottom(self):
+        """Row after the last one recorded, on range lines of the image."""
+        n_bins = self.n_rows + self.top.min()
+        return self.averaged(n_bins - self.top)
+
+    @property
+    def line(self):
+        """Place of the own lines among those of the image, (range_line,)."""
+        within = (np.arange(self.top.size) + 0.5) / self.n_averaged - 0.5
+        return np.clip(within, 0, self.n_lines - 1)
+
+    def averaged(self, values):
+        """Mean over the own lines (range_line,) in each line of the image."""
+        firsts = np.arange(0, values.size, self.n_averaged)
+        counts = np.diff([*firsts, values.size])
+        return np.add.reduceat(values, firsts) / counts
+
+
+@dataclass(frozen=True, eq=False)
+class Canonical:
+    """An echogram with its `Grid` and scale; images are made when asked for, by range lines.
+
+    `noise_floor_db` and `maximum_db` are those of `snowsim.echogram.to_uint8`, `surface_db` is the
+    largest power of every own line, `notes` what a reader of the result should know.
+    """
+
+    echogram: xr.Dataset
+    grid: Grid
+    noise_floor_db: float
+    maximum_db: float
+    surface_db: np.ndarray
+    notes: list = field(default_factory=list)
+
+    def image(self, first, stop):
+        """8-bit image (row, range_line) of range lines `first` to before `stop`.
+
+        What was not recorded has the grey of the noise floor.
+        """
+        grid = self.grid
+        own = slice(first * grid.n_averaged, stop * grid.n_averaged)
+        power = _resampled(self.echogram, own, grid.bin_s)
+        power_db = _level_db(power, grid.top[own], grid.n_rows, grid.n_averaged)
+        bottom_db = self.noise_floor_db - DB_BELOW_NOISE_FLOOR
+        power_db = np.where(np.isfinite(power_db), power_db, self.noise_floor_db)
+        scaled = (power_db - bottom_db) * (255 / (self.maximum_db - bottom_db))
+        return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
+
+
+def canonical(echogram, card, where="echogram"):
+    """`Canonical` of an echogram dataset for the tracker of a `Card`.
+
+    The file's surface counts where it lies near the rise of power, else that rise. Scale: medians,
+    over blocks of 256 range lines, of what the benchmark's rule makes of each. ValueError if
+    nothing was recorded, or the echogram has no contrast.
+    """
+    _check(echogram, card, where)
+    echogram = echogram.transpose("twtt", "slow_time", ...)
+    n_averaged, notes = _lines_averaged(echogram, card)
+    blocks = [
+        _survey(echogram, slice(first, first + BLOCK_LINES * n_averaged), card.bin_s, n_averaged)
+        for first in range(0, echogram.sizes["slow_time"], BLOCK_LINES * n_averaged)
+    ]
+    found = np.concatenate([block.surface for block in blocks])
+    if not np.isfinite(found).any():
+        n_measured = int((echogram["Data"].values > 0).sum())
+        wanted = "expected 30 range bins or more of measured power"
+        msg = (
+            f"{where}: {wanted}, got {n_measured} pixels above zero in {echogram['twtt'].size} rows"
+        )
+        raise ValueError(msg)
+    first_s = float(echogram["twtt"].values[0])
+    n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
+    given = (echogram["Surface"].values.astype(float) - first_s) / card.bin_s
+    surface, reason = chosen_surface(given, found, n_bins)
+    if reason is not None:
+        notes.append(reason)
+    noise_floor_db = float(np.nanmedian([block.noise_floor_db for block in blocks]))
+    maximum_db = float(np.nanmedian([block.maximum_db for block in blocks]))
+    if not maximum_db > noise_floor_db + 1e-3:
+        msg = f"{where}: echogram without contrast: its power is {maximum_db:g} dB throughout"
+        raise ValueError(msg)
+    top = _tops(surface)
+    grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
+    surface_db = np.concatenate([block.largest_db for block in blocks])
+    return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
+
+
+def _check(echogram, card, where):
+    """Refuse what is no echogram, has no samples, or bins of another order of magnitude."""
+    if 0 in echogram.sizes.values():
+        sizes = ", ".join(f"{size} {name}" for name, size in echogram.sizes.items())
+        msg = f"{where}: expected samples, got {sizes}"
+        raise ValueError(msg)
+    for name in ("twtt", "slow_time"):
+        if name not in echogram.coords:
+            msg = (
+                f"{where}: expected coordinate {name}, found {', '.join(echogram.coords) or 'none'}"
+            )
+            raise ValueError(msg)
+    check_echogram(echogram, where)
+    present_s = bin_size_s(echogram)
+    if not 1 / MOST_RESAMPLED < present_s / card.bin_s < MOST_RESAMPLED:
+        limits = f"{card.bin_s / MOST_RESAMPLED:.2g} to {card.bin_s * MOST_RESAMPLED:.2g} s"
+        msg = f"{where}: twtt: expected range bins of {limits}, got {present_s:.3g} s"
+        raise ValueError(msg)
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """What a block of range lines tells of surface [range bins] and scale."""
+
+    surface: np.ndarray
+    largest_db: np.ndarray
+    noise_floor_db: float
+    maximum_db: float
+
+
+def _survey(echogram, lines, bin_s, n_averaged):
+    power = _resampled(echogram, lines, bin_s)
+    power_db = _in_db(power)
+    surface = find_surface(power_db)
+    largest_db = np.where(np.isfinite(power_db), power_db, -np.inf).max(axis=0)
+    if not np.isfinite(surface).any():
+        return _Block(surface, largest_db, np.nan, np.nan)
+    top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
+    level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
+    present = np.isfinite(level_db)
+    n_present = present.sum(axis=1)
+    filled = n_present > level_db.shape[1] / 2
+    sums = np.where(present, level_db, 0).sum(axis=1, dtype=float)
+    maxima = np.where(present, level_db, -np.inf).max(axis=0)
+    unsaturated = maxima <= np.median(maxima) + SATURATED_DB
+    if not filled.any():
+        return _Block(surface, largest_db, np.nan, np.nan)
+    noise_floor_db = (sums[filled] / n_present[filled]).min()
+    return _Block(surface, largest_db, noise_floor_db, maxima[unsaturated].max())
+
+
+def _tops(surface):
+    """Whole rows by which lines are shifted: a smooth surface comes to row 50."""
+    half = SMOOTH_LINES // 2
+    smooth = np.convolve(np.pad(without_outliers(surface), half, mode="edge"), _window(), "valid")
+    return np.floor(smooth + 0.5).astype(int) - SURFACE_ROW
+
+
+def _window():
+    return np.full(SMOOTH_LINES, 1 / SMOOTH_LINES)
+
+
+def _resampled(echogram, lines, bin_s):
+    """Power (range_bin, range_line) of some own lines, in bins of the tracker's size."""
+    part = echogram[["Data"]].isel(slow_time=lines)
+    return resample_range(part, bin_s)["Data"].values
+
+
+def _in_db(power):
+    power = np.asarray(power, dtype=np.float32)
+    return np.where(power > 0, to_db(np.where(power > 0, power, 1)), np.nan)
+
+
+def _level_db(power, top, n_rows, n_averaged):
+    """Decibels (row, range_line) of lines shifted by `top` and averaged, NaN where not recorded."""
+    n_bins, n_own = power.shape
+    level = np.full((n_rows, n_own), np.nan, dtype=np.float32)
+    for line, shift in enumerate(top):
+        first = max(0, -shift)
+        stop = min(n_rows, n_bins - shift)
+        level[first:stop, line] = power[first + shift : stop + shift, line]
+    if n_averaged > 1:
+        level = _mean_of_lines(level, n_averaged)
+    return _in_db(level)
+
+
+def _mean_of_lines(power, n_averaged):
+    """Mean power over as many lines, of what was recorded; the last may have fewer."""
+    firsts = np.arange(0, power.shape[1], n_averaged)
+    present = np.isfinite(power)
+    sums = np.add.reduceat(np.where(present, power, 0), firsts, axis=1)
+    counts = np.add.reduceat(present.astype(np.int32), firsts, axis=1)
+    return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+
+
+def _lines_averaged(echogram, card):
+    """How many own lines make one of the tracker's, and notes."""
+    steps_m = np.diff(along_track_m(echogram))
+    steps_m = steps_m[np.isfinite(steps_m)]
+    spacing_m = float(np.median(steps_m)) if steps_m.size else 0.0
+    if not SPACINGS_M[0] < spacing_m < SPACINGS_M[1]:
+        return 1, ["no positions: range lines are used as they are"]
+    return max(1, round(card.line_spacing_m / spacing_m)), []

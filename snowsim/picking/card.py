@@ -1,0 +1,89 @@
+"""The card beside a tracker's weights: what they are, and for which echograms they were made."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from snowsim.echogram import along_track_m, bin_size_s
+
+FORMAT = "snowsim tracker 1"
+NUMBERS = ("bin_s", "line_spacing_m", "temperature", "threshold")
+# Of `snowsim.picking.confidence`, where a card has none: fitted on the synthetic flights of seeds
+# 1000 to 1004.
+CONFIDENCE = (-0.62, 0.1, 1.08)
+
+
+@dataclass(frozen=True)
+class Card:
+    """Card of a tracker, as far as picking uses it.
+
+    Attributes
+    ----------
+    name, version : str
+    bin_s, line_spacing_m : float
+        Range bin [s] and distance of range lines [m] of its training.
+    temperature : float
+        By which its log-odds are divided.
+    threshold : float
+        Probability, after that, from which a pixel counts as a layer.
+    ranges : dict
+        Least and largest `bin_s` and `line_spacing_m` of echograms it was made for; what else it
+        holds is for people.
+    confidence : tuple of float
+        See `snowsim.picking.confidence`.
+    """
+
+    name: str
+    version: str
+    bin_s: float
+    line_spacing_m: float
+    temperature: float
+    threshold: float
+    ranges: dict = field(default_factory=dict)
+    confidence: tuple = CONFIDENCE
+
+    @property
+    def threshold_log_odds(self):
+        """Threshold as log-odds."""
+        return float(np.log(self.threshold / (1 - self.threshold)))
+
+    def outside(self, echogram):
+        """Lines that tell where an echogram lies outside the card's ranges."""
+        steps_m = np.diff(along_track_m(echogram))
+        spacing_m = np.median(steps_m) if steps_m.size else np.nan
+        values = {"bin_s": bin_size_s(echogram), "line_spacing_m": spacing_m}
+        lines = []
+        for name, value in values.items():
+            if name not in self.ranges or not value > 0:
+                continue
+            low, high = self.ranges[name]
+            if not low <= value <= high:
+                lines.append(f"{name} {value:.4g} lies outside the tracker's {low:g} to {high:g}")
+        return lines
+
+
+def checked_card(content, where):
+    """`Card` of what a JSON file holds; ValueError unless it is whole and of this version."""
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        found = content.get("format") if isinstance(content, dict) else type(content).__name__
+        msg = f"{where}: expected a card of format '{FORMAT}', got {found!r}"
+        raise ValueError(msg)
+    for name in NUMBERS:
+        value = content.get(name)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+            msg = f"{where}: {name}: expected a number above 0, got {value!r}"
+            raise ValueError(msg)
+    if not content["threshold"] < 1:
+        msg = f"{where}: threshold: expected a probability below 1, got {content['threshold']}"
+        raise ValueError(msg)
+    ranges = {}
+    for name, limits in (content.get("ranges") or {}).items():
+        if isinstance(limits, list) and len(limits) == 2:
+            ranges[name] = tuple(limits)
+    return Card(
+        str(content.get("name")),
+        str(content.get("version")),
+        **{name: float(content[name]) for name in NUMBERS},
+        ranges=ranges,
+        confidence=tuple(content.get("confidence", CONFIDENCE)),
+    )

@@ -1,0 +1,109 @@
+"""Layers of a frame, as Open Polar Radar has them, from pieces of canonical rows."""
+
+import numpy as np
+import xarray as xr
+
+from snowsim.echogram import check_layers
+from snowsim.frames.flatten import FLAGGED_BY, flagged_lines
+from snowsim.picking.confidence import confidence, half_width_rows
+
+GOOD, MODERATE, BAD = 1, 2, 3
+AUTOMATIC = 2
+# Confidence from which a pick is good, and moderate.
+QUALITY = (0.8, 0.5)
+# A line whose largest power lies so far below that of the frame's middle line was flown in a roll,
+# or recorded nothing.
+FADE_DB = 6.0
+LEAST_ROWS = 0.5  # below the surface
+ALONG = ("layer", "slow_time")
+ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
+
+
+def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
+    """Layers dataset of the frame whose image begins at range line `first_line` of the pieces.
+
+    Row 0 is `surface`, a `Piece` too; all pieces have a row, also those without a pick here. Gaps
+    within a chain, up to `longest` lines, are filled straight, longer ones stay NaN.
+    """
+    grid = canonical.grid
+    lines = first_line + np.arange(grid.n_lines)
+    rows = []
+    sure = []
+    n_lines = surface.line.size
+    for piece in (surface, *pieces):
+        of_piece = confidence(piece, n_lines, coefficients)
+        row, of_pick = _on_lines(piece, of_piece, lines, longest)
+        rows.append(_between_lines(row, grid.line))
+        sure.append(_between_lines(of_pick, grid.line))
+    rows = np.array(rows)
+    sure = np.array(sure)
+    # A chain straight across a gap may touch a surface that jumps.
+    touching = rows[1:] <= rows[:1] + LEAST_ROWS
+    rows[1:][touching] = np.nan
+    half = half_width_rows(sure) * grid.bin_s
+    twtt = grid.twtt(rows)
+    quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))
+    quality[:, doubtful_lines(canonical)] = BAD
+    picked = np.isfinite(twtt)
+    flags = {"quality": np.where(picked, quality, GOOD), "type": np.full(twtt.shape, AUTOMATIC)}
+    seconds = {"twtt": twtt, "twtt_low": twtt - half, "twtt_high": twtt + half}
+    variables = {name: (ALONG, values, {"units": "s"}) for name, values in seconds.items()}
+    variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
+    meaning = "probability that a layer lies within 2 range bins of the tracker"
+    variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
+    layers = _dataset(variables, canonical.echogram)
+    check_layers(layers, "picks")
+    return layers
+
+
+def _dataset(variables, echogram):
+    """Variables with the positions, times and attributes of their echogram."""
+    for name in ALONG_TRACK:
+        variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
+    n_layers = variables["twtt"][1].shape[0]
+    coordinates = {"layer": np.arange(n_layers), "slow_time": echogram["slow_time"].values}
+    kept = ("season_name", "radar_name", "day_seg")
+    attributes = {name: echogram.attrs[name] for name in kept if name in echogram.attrs}
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def doubtful_lines(canonical):
+    """Own range lines that are flagged, or on which all power fades, bool (range_line,)."""
+    surface_db = canonical.surface_db
+    doubtful = surface_db < np.median(surface_db) - FADE_DB
+    held = flagged_lines(canonical.echogram) or {}
+    for name in FLAGGED_BY:
+        doubtful = doubtful | held.get(name, False)
+    if "flagged" in canonical.echogram:
+        doubtful = doubtful | canonical.echogram["flagged"].values
+    return doubtful
+
+
+def _on_lines(piece, of_pick, lines, longest):
+    """Rows of a piece and how sure they are, on range lines of the image, NaN where it has none."""
+    inside = (piece.line >= lines[0]) & (piece.line <= lines[-1])
+    reach = np.flatnonzero(inside)
+    row = np.full(lines.size, np.nan)
+    sure = np.full(lines.size, np.nan)
+    if reach.size == 0:
+        return row, sure
+    within = (lines >= piece.line[0]) & (lines <= piece.line[-1])
+    after = np.searchsorted(piece.line, lines[within])
+    before = np.maximum(after - 1, 0)
+    near = piece.line[after] - piece.line[before] <= longest
+    at = lines[within]
+    row[within] = np.where(near, piece.at(at), np.nan)
+    sure[within] = np.where(near, np.interp(at, piece.line, of_pick), np.nan)
+    members = piece.line[reach] - lines[0]
+    row[members] = piece.row[reach]
+    sure[members] = of_pick[reach]
+    return row, sure
+
+
+def _between_lines(values, place):
+    """Values at places between range lines, NaN where one of the two has none."""
+    left = np.floor(place).astype(int)
+    right = np.minimum(left + 1, values.size - 1)
+    share = place - left
+    between = (1 - share) * values[left] + share * values[right]
+    return np.where(share == 0, values[left], between)

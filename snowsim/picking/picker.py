@@ -1,0 +1,116 @@
+"""Frames to layers with one network: evidence of each, linked over all that follow one another."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import expit
+
+from snowsim.picking.candidates import Candidates, find_candidates, joined
+from snowsim.picking.canonical import Canonical
+from snowsim.picking.joining import join_through_fades, ordered
+from snowsim.picking.layers import layers_of
+from snowsim.picking.linking import Linking, Piece, link
+from snowsim.picking.windows import log_odds_by_lines
+
+# A candidate so near to the surface is the surface.
+SURFACE_ROWS = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What the network saw in a frame.
+
+    `surface` are rows, and `surface_excess` log-odds above even ones, on range lines of the image.
+    """
+
+    canonical: Canonical
+    candidates: Candidates
+    surface: np.ndarray
+    surface_excess: np.ndarray
+
+    def without_data(self):
+        """The same, holding the echogram's along-track variables alone."""
+        echogram = self.canonical.echogram.drop_vars("Data")
+        grid = self.canonical.grid
+        scale = (self.canonical.noise_floor_db, self.canonical.maximum_db)
+        rest = (self.canonical.surface_db, self.canonical.notes)
+        kept = Canonical(echogram, grid, *scale, *rest)
+        return Evidence(kept, self.candidates, self.surface, self.surface_excess)
+
+
+def evidence_of(run, canonical, card, linking=None):
+    """`Evidence` of a canonical frame; `run` gives logits of a stack of inputs."""
+    linking = linking or Linking()
+    even = card.threshold_log_odds + linking.even
+    grid = canonical.grid
+    parts = []
+    for _, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+        log_odds = logits / np.float32(card.temperature)
+        parts.append(find_candidates(log_odds, even - linking.skipped))
+    candidates = joined(parts)
+    surface = grid.averaged(grid.surface_row)
+    return _split_surface(canonical, candidates, surface, even, linking.apart)
+
+
+def _split_surface(canonical, candidates, surface, even, apart):
+    """Evidence: the candidate nearest the surface on every line is it.
+
+    Others near it are none, nor are those at the lower end of the window: both are edges.
+    """
+    line = candidates.line
+    off = candidates.row - surface[line]
+    rows = surface.copy()
+    excess = np.full(rows.size, -1.0)
+    near = np.flatnonzero(np.abs(off) <= SURFACE_ROWS)
+    near = near[np.argsort(-np.abs(off[near]), kind="stable")]  # the nearest comes last, and stays
+    rows[line[near]] = candidates.row[near]
+    excess[line[near]] = candidates.log_odds[near] - even
+    below = candidates.row > rows[line] + apart
+    inside = candidates.row < canonical.grid.bottom[line] - apart
+    return Evidence(canonical, candidates.where(below & inside), rows, excess)
+
+
+def layers_of_frames(frames, card, linking=None):
+    """Layers datasets of frames that follow one another, list of `Evidence`; all name them alike.
+
+    Row 0 is the surface, row i the same layer in every frame.
+    """
+    linking = linking or Linking()
+    candidates = joined([frame.candidates for frame in frames])
+    pieces = link(candidates, linking, card.threshold_log_odds)
+    pieces = ordered(join_through_fades(pieces))
+    surface_rows = np.concatenate([frame.surface for frame in frames])
+    excess = np.concatenate([frame.surface_excess for frame in frames])
+    surface = Piece(np.arange(surface_rows.size), surface_rows, excess)
+    layers = []
+    first_line = 0
+    for frame in frames:
+        found = layers_of(
+            frame.canonical, surface, pieces, first_line, linking.longest, card.confidence
+        )
+        layers.append(found)
+        first_line += frame.canonical.grid.n_lines
+    return layers
+
+
+def probability_of(run, canonical, card):
+    """Probability of a layer at every pixel of an echogram, float32 (range_bin, range_line).
+
+    Linear between rows of the image and between its range lines; NaN where it has none.
+    """
+    grid = canonical.grid
+    probability = np.empty((grid.n_rows, grid.n_lines), dtype=np.float32)
+    for first, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+        stop = first + logits.shape[1]
+        probability[:, first:stop] = expit(logits / np.float32(card.temperature))
+    twtt = canonical.echogram["twtt"].values
+    result = np.empty((twtt.size, grid.top.size), dtype=np.float32)
+    image_rows = np.arange(grid.n_rows)
+    for own, place in enumerate(grid.line):
+        left = int(place)
+        right = min(left + 1, grid.n_lines - 1)
+        share = np.float32(place - left)
+        column = (1 - share) * probability[:, left] + share * probability[:, right]
+        rows = (twtt - grid.first_s) / grid.bin_s - grid.top[own]
+        result[:, own] = np.interp(rows, image_rows, column, left=np.nan, right=np.nan)
+    return result

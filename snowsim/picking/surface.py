@@ -1,0 +1,71 @@
+"""The snow surface of an echogram: where power rises most over the air above it."""
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+AIR_BINS = 24  # whose mean is that of the air above
+SNOW_BINS = 3
+GUARD_BINS = 3  # between both: an echo has an edge
+SMOOTH_LINES = 15
+OUTLIER_BINS = 8.0
+# A pick that lies farther off is wrong; where over a quarter of the lines are, all are.
+WRONG_BINS = 15.0
+WRONG_SHARE = 0.25
+
+
+def find_surface(power_db):
+    """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
+
+    It is the largest of the next few bins where their mean exceeds that of the air above by most; a
+    line that leaves the running median by more than a few bins takes the median.
+    """
+    n_bins, n_lines = power_db.shape
+    present = np.isfinite(power_db)
+    known = present.any(axis=0)
+    if n_bins < AIR_BINS + GUARD_BINS + SNOW_BINS or not known.any():
+        return np.full(n_lines, np.nan)
+    floor = power_db[present].min()
+    total = np.cumsum(np.where(present, power_db, floor), axis=0, dtype=float)
+    total = np.concatenate([np.zeros((1, n_lines)), total])
+    snow = (total[SNOW_BINS:] - total[:-SNOW_BINS]) / SNOW_BINS
+    air = (total[AIR_BINS:] - total[:-AIR_BINS]) / AIR_BINS
+    first = AIR_BINS + GUARD_BINS
+    rise = snow[first:] - air[: snow.shape[0] - first]
+    at = first + rise.argmax(axis=0)
+    near = at + np.arange(SNOW_BINS)[:, None]
+    near_db = np.take_along_axis(np.where(present, power_db, floor), near, axis=0)
+    found = (at + near_db.argmax(axis=0)).astype(float)
+    found[known] = without_outliers(found[known])
+    found[~known] = np.nan
+    return found
+
+
+def without_outliers(bins):
+    """Bins by range line; one far from the running median is replaced by it."""
+    smooth = median_filter(bins, SMOOTH_LINES, mode="nearest")
+    return np.where(np.abs(bins - smooth) > OUTLIER_BINS, smooth, bins)
+
+
+def chosen_surface(given, found, n_bins):
+    """The surface given, if it lies near the one found, else the one found; and why, or None.
+
+    Both are range bins by range line, NaN where unknown; gaps are bridged.
+    """
+    known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
+    if not np.isfinite(given).any():
+        return bridged(found), "the file has no surface, it was found in the echogram"
+    apart = np.abs(given - found)
+    both = known & np.isfinite(found)
+    n_wrong = int((apart[both] > WRONG_BINS).sum() + (~known).sum())
+    if n_wrong > WRONG_SHARE * given.size:
+        reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
+        reason += "(outside the window, or no echo rises there), it was found in the echogram"
+        return bridged(found), reason
+    return bridged(np.where(known & ~(apart > WRONG_BINS), given, found)), None
+
+
+def bridged(bins):
+    """Bins by range line, straight across gaps."""
+    known = np.isfinite(bins)
+    lines = np.arange(bins.size)
+    return np.interp(lines, lines[known], bins[known])

@@ -1,0 +1,159 @@
+"""Candidates become layers: joined through gaps, apart from each other, in order."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+
+from snowsim.echogram import check_layer_bins
+from snowsim.picking.candidates import Candidates, find_candidates, joined
+from snowsim.picking.confidence import confidence, half_width_rows
+from snowsim.picking.joining import join_through_fades, ordered
+from snowsim.picking.linking import Linking, Piece, link
+from snowsim.picking.windows import MARGIN, log_odds_by_lines
+
+EVEN = 0.0
+
+
+def candidates_of(lines):
+    """Candidates of lists of (row, log-odds) by range line."""
+    first = np.cumsum([0, *map(len, lines)])
+    rows, log_odds = np.array([peak for line in lines for peak in sorted(line)]).reshape(-1, 2).T
+    return Candidates(first, rows.astype(np.float32), log_odds.astype(np.float32))
+
+
+def rows_of(pieces, n_lines):
+    rows = np.full((len(pieces), n_lines), np.nan)
+    for number, piece in enumerate(pieces):
+        inside = np.arange(piece.line[0], piece.line[-1] + 1)
+        rows[number, inside] = piece.at(inside)
+    return rows
+
+
+def test_peaks_of_a_parabola_are_its_vertices():
+    row = np.arange(40)[:, None]
+    vertex = np.array([10.3, 20.0, 29.6])
+    found = find_candidates(5 - (row - vertex) ** 2, -1.0)
+    assert_array_equal(found.first, [0, 1, 2, 3])
+    assert_allclose(found.row, vertex, atol=1e-5)  # float32
+    assert_array_equal(found.line, [0, 1, 2])
+
+
+def test_candidates_of_stretches_join_to_those_of_the_whole(rng):
+    log_odds = rng.standard_normal((50, 40))
+    whole = find_candidates(log_odds, 0.0)
+    stretches = np.split(log_odds, 4, axis=1)
+    parts = joined([find_candidates(stretch, 0.0) for stretch in stretches])
+    for name in ("first", "row", "log_odds"):
+        assert_array_equal(getattr(parts, name), getattr(whole, name))
+
+
+def test_a_layer_is_one_piece_over_lines_without_candidates_and_specks_are_none():
+    lines = [[(50 + 0.1 * line, 2.0)] if line % 20 > 3 else [] for line in range(300)]
+    for line in (40, 41, 42):
+        lines[line].append((90, 5.0))
+    (piece,) = link(candidates_of(lines), Linking(), EVEN)
+    assert_allclose(piece.row, 50 + 0.1 * piece.line, rtol=1e-6)
+    assert piece.line.size == 240
+
+
+def test_the_way_through_a_fade_is_the_one_with_more_evidence():
+    # Two ways between the halves of a layer: straight, and weaker, or round by 2 rows.
+    lines = []
+    for line in range(260):
+        fade = 120 <= line < 140
+        lines.append([(50.0, 0.1), (56.0, 1.0)] if fade else [(50.0, 1.0)])
+    (piece, *_) = link(candidates_of(lines), Linking(), EVEN)
+    assert_array_equal(piece.row, 50)  # two steps of 6 rows cost more than a fade gains
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.integers(0, 2**32 - 1))
+def test_layers_never_cross_whatever_the_candidates_are(seed):
+    rng = np.random.default_rng(seed)
+    n_lines = 120
+    lines = []
+    for _ in range(n_lines):
+        rows = np.unique(rng.uniform(0, 60, rng.integers(0, 25)).round(1))
+        lines.append([(row, rng.normal(0.6, 1)) for row in rows])
+    linking = Linking(evidence=12.0)
+    pieces = link(candidates_of(lines), linking, EVEN)
+    check_layer_bins(rows_of(ordered(pieces), n_lines))
+    check_layer_bins(rows_of(ordered(join_through_fades(pieces)), n_lines))
+
+
+def piece_of(first, stop, row, slope=0.0):
+    line = np.arange(first, stop)
+    return Piece(line, row + slope * line, np.ones(line.size))
+
+
+def test_pieces_join_where_the_layer_beside_them_foretells_it_and_not_elsewhere():
+    beside = piece_of(0, 300, 50, 0.1)
+    left = piece_of(0, 100, 70, 0.1)
+    right = piece_of(150, 300, 70, 0.1)
+    assert sorted(piece.line.size for piece in join_through_fades([beside, left, right])) == [
+        250,
+        300,
+    ]
+    off = piece_of(150, 300, 80, 0.1)
+    assert len(join_through_fades([beside, left, off])) == 3
+    late = piece_of(100 + 250, 400, 70, 0.1)
+    assert len(join_through_fades([beside, left, late])) == 3
+
+
+def test_no_link_passes_through_another_layer():
+    left = piece_of(0, 100, 52)
+    right = piece_of(120, 300, 52)
+    across = Piece(np.arange(90, 130), np.linspace(60, 44, 40), np.ones(40))
+    assert len(join_through_fades([left, right, across])) == 3
+
+
+def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
+    weak, strong = (Piece(np.arange(200), np.full(200, 9.0), np.full(200, x)) for x in (0.2, 2.0))
+    coefficients = (-0.6, 0.1, 1.1)
+    low, high = (confidence(piece, 200, coefficients) for piece in (weak, strong))
+    assert (low < high).all()
+    # As sure at the end of a frame as in its middle.
+    assert_allclose(high, high[0])
+    # Less sure where the chain ends within the frame.
+    ends = confidence(Piece(np.arange(200), strong.row, strong.excess), 400, coefficients)
+    assert ends[-1] < ends[100]
+    assert (half_width_rows(high) < half_width_rows(low)).all()
+
+
+@pytest.fixture(scope="module")
+def multi_scale():
+    """Logits of a network as it is shipped, of width 1, with drawn weights."""
+    torch = pytest.importorskip("torch")
+    from snowsim.tracker.network import MultiScaleNetwork
+
+    network = MultiScaleNetwork(1)
+    network.initialise(rng=np.random.default_rng(3))
+    with torch.no_grad():
+        for side in network.sides:
+            side.weight.mul_(30)  # from N(0, 0.01), that all stages count
+            side.bias.fill_(0.1)
+
+    def run(images):
+        with torch.inference_mode():
+            return network(torch.from_numpy(images))[-1].numpy()
+
+    return run
+
+
+@pytest.mark.parametrize("size", [(300, 700), (1291, 517)])
+def test_an_echogram_in_windows_gives_what_the_whole_gives(multi_scale, rng, size):
+    image = rng.integers(0, 256, size, dtype=np.uint8)
+
+    def cut(first, stop):
+        return image[:, first:stop]
+
+    def logits(window):
+        parts = log_odds_by_lines(multi_scale, cut, *size, window_lines=window, window_rows=window)
+        return np.concatenate([part for _, part in parts], axis=1)
+
+    whole = logits(4096)
+    assert np.ptp(whole) > 1e-3
+    # Sums of 32-bit products in another order.
+    assert_allclose(logits(2 * MARGIN), whole, atol=2e-6 * np.abs(whole).max() + 1e-6)

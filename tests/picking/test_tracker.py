@@ -1,0 +1,224 @@
+"""Layers planted in an echogram come back, whatever the file has for bins, lines and surface."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from planted_layers import BIN_S, SURFACE_BIN, planted, ridge_weights, write_weights
+
+from snowsim.echogram import check_layers
+from snowsim.tracking import Tracker
+
+# In the tracker's bins. A ridge 1.3 bins wide peaks within half a bin of where it is planted;
+# levelling by whole bins under a mean of 5 lines adds as much.
+TOLERANCE_BINS = 1.0
+quiet = pytest.mark.filterwarnings("ignore::UserWarning")
+
+
+def error_bins(found, layers, echogram):
+    """Picks less the planted layers, (layer, range_line) in the tracker's bins."""
+    assert found.sizes["layer"] == layers.sizes["layer"]
+    assert_array_equal(found["slow_time"], echogram["slow_time"])
+    return (found["twtt"].values - layers["twtt"].values) / BIN_S
+
+
+def check_found(tracker, echogram, layers):
+    found = tracker.pick(echogram)
+    check_layers(found)
+    error = error_bins(found, layers, echogram)
+    assert np.nanmax(np.abs(error)) < TOLERANCE_BINS
+    assert np.isfinite(error).mean() > 0.97  # a line or two at either end of a chain
+    return found
+
+
+def test_layers_planted_in_an_echogram_are_found_and_no_other(tracker, frame):
+    found = check_found(tracker, *frame)
+    assert found["layer"].values.tolist() == ["surface", "snow_1", "snow_2", "snow_3", "snow_4"]
+    assert found.attrs["notes"] == ""
+    picked = np.isfinite(found["twtt"].values)
+    assert (found["twtt_low"].values < found["twtt"].values)[picked].all()
+    assert (found["twtt_high"].values > found["twtt"].values)[picked].all()
+    assert (found["quality"].values[1:][picked[1:]] == 1).mean() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("bin_s", "spacing_m"),
+    [(1.6e-10, 5.2), (4.4e-10, 5.2), (BIN_S, 2.6), (1.7e-10, 1.3)],
+    ids=["fine bins", "coarse bins", "twice the lines", "fine bins, four times the lines"],
+)
+def test_other_bins_and_lines_are_undone_on_the_way_out(tracker, rng, bin_s, spacing_m):
+    check_found(tracker, *planted(rng, bin_s=bin_s, spacing_m=spacing_m))
+
+
+def test_without_positions_lines_are_used_as_they_are_and_that_is_said(tracker, frame):
+    echogram, layers = frame
+    echogram["Latitude"][:] = np.nan
+    with pytest.warns(UserWarning, match="no positions: range lines are used as they are"):
+        check_found(tracker, echogram, layers)
+
+
+@pytest.mark.parametrize(
+    ("surface", "message"),
+    [
+        (np.nan, "the file has no surface"),
+        (40 * BIN_S, "surface is wrong on 300 of 300 range lines"),
+        (-1e-6, "surface is wrong on 300 of 300 range lines"),
+        (1.0, "surface is wrong on 300 of 300 range lines"),
+    ],
+    ids=["none", "in the air", "above the window", "below the window"],
+)
+def test_a_surface_that_is_missing_or_wrong_is_found_and_that_is_said(
+    tracker, frame, surface, message
+):
+    echogram, layers = frame
+    echogram["Surface"][:] = surface
+    with pytest.warns(UserWarning, match=message):
+        found = check_found(tracker, echogram, layers)
+    assert message in found.attrs["notes"]
+
+
+def test_an_echogram_outside_the_cards_ranges_is_warned_of(tracker, rng):
+    echogram, _ = planted(rng, bin_s=7e-10)
+    with pytest.warns(UserWarning, match="bin_s 7e-10 lies outside the tracker's 1e-10 to 5e-10"):
+        tracker.pick(echogram)
+
+
+def test_probability_lies_on_the_echograms_own_axes(tracker, rng):
+    echogram, layers = planted(rng, bin_s=1.9e-10, spacing_m=2.6)
+    probability = tracker.annotate(echogram)
+    assert probability.dims == ("twtt", "slow_time")
+    assert_array_equal(probability["twtt"], echogram["twtt"])
+    assert_array_equal(probability["slow_time"], echogram["slow_time"])
+    on_layers = probability.sel(twtt=layers["twtt"][1:], method="nearest").values
+    assert on_layers.mean() > 0.9
+    assert np.nanmean(probability.values) < 0.25  # its convolution says 0.18 where nothing is
+    assert np.nanmin(probability.values) >= 0
+
+
+def test_saturated_lines_do_not_change_what_is_found_beside_them(tracker, frame):
+    echogram, layers = frame
+    echogram["Data"][:, 100:102] = 1e9
+    found = tracker.pick(echogram)
+    error = error_bins(found, layers, echogram)
+    beside = np.r_[0:90, 112:300]
+    assert np.nanmax(np.abs(error[1:, beside])) < TOLERANCE_BINS
+    assert np.isfinite(error[1:, beside]).mean() > 0.97
+
+
+def test_flagged_lines_and_fades_of_the_whole_line_have_the_worst_quality(tracker, frame):
+    echogram, _ = frame
+    flagged = np.zeros(300, dtype=np.uint8)
+    flagged[20:30] = 1
+    words = {"flag_masks": np.array([1], np.uint8), "flag_meanings": "missing_data"}
+    echogram["quality_mask"] = ("slow_time", flagged, words)
+    echogram["Data"][:, 200:210] *= 0.01
+    found = tracker.pick(echogram)
+    quality = np.where(np.isfinite(found["twtt"]), found["quality"], 3)
+    assert (quality[:, np.r_[20:30, 200:210]] == 3).all()
+    assert (quality[:, 40:190] == 1).mean() > 0.9
+
+
+def test_three_lines_give_a_surface_and_nothing_that_crosses(tracker, frame):
+    echogram, layers = (each.isel(slow_time=slice(3)) for each in frame)
+    found = tracker.pick(echogram)
+    check_layers(found)
+    error = (found["twtt"].values[0] - layers["twtt"].values[0]) / BIN_S
+    assert np.abs(error).max() < TOLERANCE_BINS
+
+
+def test_twenty_thousand_bins_are_tracked_like_four_hundred(tracker, rng):
+    echogram, layers = planted(rng, n_bins=20_000, n_lines=60)
+    check_found(tracker, echogram, layers)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda e: e.isel(slow_time=slice(0)), "expected samples, got 400 twtt, 0 slow_time"),
+        (lambda e: e.isel(twtt=slice(0)), "expected samples, got 0 twtt, 300 slow_time"),
+        (lambda e: e.assign(Data=e["Data"] * 0 + 1), "without contrast"),
+        (lambda e: e.assign(Data=e["Data"] * np.nan), "got 0 pixels above zero"),
+        (lambda e: e.isel(twtt=slice(None, None, -1)), "twtt must increase"),
+        (lambda e: e.drop_vars("twtt"), "expected coordinate twtt"),
+        (lambda e: e.drop_vars("slow_time"), "expected coordinate slow_time"),
+        (
+            lambda e: e.assign_coords(twtt=1e3 * e["twtt"]),
+            "expected range bins of 9e-12 to 9.2e-09",
+        ),
+        (lambda e: e.isel(twtt=slice(20)), "expected 30 range bins or more"),
+    ],
+    ids=[
+        "no line",
+        "no bin",
+        "constant",
+        "all NaN",
+        "falling time",
+        "no time",
+        "no slow time",
+        "milliseconds",
+        "20 bins",
+    ],
+)
+def test_an_echogram_that_cannot_be_tracked_is_refused_in_a_line(tracker, frame, change, message):
+    with pytest.raises(ValueError, match=message) as error:
+        tracker.pick(change(frame[0]))
+    assert "\n" not in str(error.value)
+
+
+def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
+    echogram, layers = frame
+    echogram["Data"][:, 150] = np.nan
+    echogram["Data"][:10, 100:] = np.nan
+    echogram["Data"][:, 40:90] = np.nan
+    found = tracker.pick(echogram)
+    error = error_bins(found, layers, echogram)
+    assert np.nanmax(np.abs(error[1:])) < TOLERANCE_BINS
+    assert np.isfinite(error[1:, 150]).all()  # one line is a certain link
+    assert np.isnan(error[1:, 45:85]).all()  # fifty are not, yet the layer goes on beyond
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": "snowsim tracker 2"}, "expected a card of format 'snowsim tracker 1'"),
+        ({"bin_s": "long"}, "bin_s: expected a number above 0, got 'long'"),
+        ({"temperature": 0}, "temperature: expected a number above 0"),
+        ({"threshold": 1.5}, "threshold: expected a probability below 1"),
+        ({"sha256": "0" * 64}, "weights: expected those of the card"),
+    ],
+)
+def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, message):
+    path = write_weights(tmp_path, ridge_weights(), **changes)
+    with pytest.raises(ValueError, match=message) as error:
+        Tracker.load(path)
+    assert "\n" not in str(error.value)
+    assert str(error.value).startswith(str(tmp_path))
+
+
+def test_a_card_that_is_no_json_or_missing_is_refused(tmp_path):
+    path = write_weights(tmp_path, ridge_weights())
+    path.with_suffix(".json").write_text("{")
+    with pytest.raises(ValueError, match="card: expected JSON"):
+        Tracker.load(path)
+    path.with_suffix(".json").unlink()
+    with pytest.raises(ValueError, match="expected a file, found nothing"):
+        Tracker.load(path)
+
+
+def test_weights_that_are_no_network_are_refused(tmp_path):
+    path = write_weights(tmp_path, b"not a network")
+    with pytest.raises(ValueError, match="expected an ONNX network"):
+        Tracker.load(path)
+
+
+def test_the_name_of_weights_that_are_not_shipped_is_refused():
+    with pytest.raises(ValueError, match="no weights named 'nothing' come with the package"):
+        Tracker.from_pretrained("nothing")
+
+
+def test_the_surface_given_counts_where_it_is_sane(tracker, frame):
+    echogram, _ = frame
+    echogram["Surface"][10:20] += 40 * BIN_S
+    found = tracker.pick(echogram)
+    bins = found["twtt"].values[0] / BIN_S
+    # The swell of 6 bins, and no outlier of 40.
+    assert_allclose(bins, SURFACE_BIN, atol=8)
