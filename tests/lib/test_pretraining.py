@@ -1,11 +1,10 @@
-"""What the shipped tracker is trained on: scenes of variants, under bands that are no layers."""
+"""What the shipped tracker is trained on: scenes of variants of the flight."""
 
-import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from runs import CONFIG
 
-from lib.pretraining import banded, scores_for_card, varied_scenes
+from lib.pretraining import scores_for_card, varied_scenes
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.patches import check_trainable
@@ -30,30 +29,6 @@ def test_scenes_of_a_variant_do_not_depend_on_which_others_are_drawn(flight):
         assert_array_equal(alone.layer_bins, scene.layer_bins)
     for scene in together:
         check_trainable(scene)
-
-
-def decibels(scene):
-    """Power of every pixel [dB]."""
-    bottom_db = scene.noise_floor_db - 10
-    return bottom_db + scene.image / 255 * (scene.maximum_db - bottom_db)
-
-
-def test_bands_lie_across_the_image_and_leave_layers_where_they_are(flight):
-    scene = drawn(flight, [0], 1)[0]
-    n_brighter = 0
-    for seed in range(20):
-        # 1e4 looks: the same power as the mean.
-        other = banded(scene, 1e4, rng=np.random.default_rng(seed))
-        assert_array_equal(other.layer_bins, scene.layer_bins)
-        assert other.image.shape == scene.image.shape
-        change_db = decibels(other) - decibels(scene)
-        # Power is added: where either is clipped nothing can be said, and rounding is half a level
-        # of 0.3 dB in each.
-        seen = (scene.image > 0) & (other.image > 0)
-        assert change_db[seen].min() > -0.4
-        n_brighter += (np.median(change_db, axis=1) > 1).any()
-    # Bands are weak in many scenes and none in some: chance leaves a few of twenty.
-    assert n_brighter >= 3
 
 
 def test_scores_of_the_card_are_those_of_the_shipped_tracker(tmp_path):

@@ -163,7 +163,7 @@ rule pretrained:
         rules.ship_tracker.output,
         rules.calibrate_pretrained.output.reliability,
     message:
-        "the tracker that comes with the package, with its card: about 45 minutes of one core"
+        "the tracker that comes with the package, with its card: about half an hour of one core"
 
 
 # Flights that nothing was trained or tuned on. The same network on scenes of the default flight, and as a control on

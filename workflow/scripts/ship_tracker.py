@@ -12,8 +12,8 @@ from snowsim.tracker.portable import to_onnx
 
 LIMITS = (
     "annual layers of dry snow and firn, 2-8 GHz, surface in row 50; no scene held brightness "
-    "jumps, roll fades, sidelobes of deconvolution, ice lenses or layers that percolation "
-    "breaks; strong horizontal bands of coherent noise may pass for layers"
+    "jumps, roll fades, sidelobes of deconvolution, ice lenses, layers that percolation breaks, "
+    "or horizontal bands of coherent noise, which it takes for layers where they are strong"
 )
 
 
