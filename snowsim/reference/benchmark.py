@@ -62,11 +62,14 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     height = scene_height(truth)
     power = stretch.echo.cropped(height).draw(n_looks, rng=rng)
     image, noise_floor_db, maximum_db = to_uint8(power)
+    layer_bins = truth
+    if split == "train":
+        layer_bins = pick_peaks(power, truth, settings.picks, rng=rng)
     column = stretch.column
     return Scene(
         f"{split}_{index:04d}",
         height,
-        pick_peaks(power, truth, settings.picks) if split == "train" else truth,
+        layer_bins,
         image=image,
         complete_layer_bins=truth,
         noise_floor_db=noise_floor_db,

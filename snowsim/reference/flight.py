@@ -7,7 +7,7 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import check_echogram, check_layers
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
-from snowsim.reference.picks import pick_visible, rise_db, visible_layers
+from snowsim.reference.picks import pick_peaks, pick_visible, rise_db, visible_layers
 from snowsim.reference.radar import draw_look
 
 SYNTHETIC = "synthetic reference flight, not observed data"
@@ -25,8 +25,9 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`.
 
     `rng` is its own. Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its
-    equal parts. Layers lie where the mean echo of their horizon peaks, NaN where it hardly rises
-    over the snow above or the range line is missing; layers too deep to be seen are left out.
+    equal parts. Layers are those of the same semi-automatic picker as of train scenes; or, by an
+    oracle, lie where the mean echo of their horizon peaks, NaN where it hardly rises over the snow
+    above. NaN where the range line is missing; layers too deep to be seen are left out.
     Attributes say that they are synthetic, their looks and position. ValueError if there is no such
     frame, or the frames do not fit on the line.
     """
@@ -42,8 +43,8 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     start_km = (frame + 0.5) / n_frames * line_length_km() - length_km / 2
     where = (FLIGHT_TRACK, start_km, n_range_lines, radar.surface_bin, radar.n_range_bins)
     stretch = draw_stretch(climate, settings, *where, rng=rng)
-    picked = _picked(stretch, settings.picks)
     power = stretch.echo.draw(radar.n_looks, rng=rng)
+    picked = _picked(stretch, power, settings.picks, rng=rng)
     attributes = {
         **_attributes(stretch, settings),
         "frame": frame,
@@ -59,12 +60,18 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     return echogram, layers
 
 
-def _picked(stretch, settings):
-    """Layers that can be seen, (layer, range_line) [range bins], NaN where they hardly rise."""
+def _picked(stretch, power, settings, *, rng):
+    """Layers that can be seen, (layer, range_line) [range bins], NaN where they are not picked."""
     mean_power = stretch.echo.mean()
     layer_bins = visible_layers(mean_power, stretch.layer_bins(), settings.visible_db)
-    n_windows = max(1, stretch.surface_row.size // WINDOW_LINES)
-    picked = pick_visible(rise_db(mean_power, layer_bins, n_windows), layer_bins, settings.gap_db)
+    if settings.of_flight == "oracle":
+        n_windows = max(1, stretch.surface_row.size // WINDOW_LINES)
+        rise = rise_db(mean_power, layer_bins, n_windows)
+        picked = pick_visible(rise, layer_bins, settings.gap_db)
+    else:
+        picked = pick_peaks(power, layer_bins, settings, rng=rng)
+        # The product's own, which people pick below.
+        picked[0] = stretch.surface_row
     picked[:, stretch.echo.without_echo] = np.nan
     return picked
 

@@ -68,15 +68,16 @@ def pick_visible(rise, layer_bins, gap_db):
     return picked
 
 
-def pick_peaks(power, layer_bins, settings):
+def pick_peaks(power, layer_bins, settings, *, rng):
     """Layers as a semi-automatic picker finds them, (layer, range_line): whole bins, NaN if lost.
 
     A person marks a layer where it is clearest; from there the picker follows its peak to both
     sides, line by line, at most one bin per line, on an image averaged along track. It loses a
     layer that rises too little over the snow above and below (weak layers, and steep ones, which
     the averaging blurs), picks it up again behind the gap, and drops short pieces. The person who
-    checks removes pieces that follow something else: the picker misses pixels, it does not invent
-    layers. `power` is linear; the complete `layer_bins` lie inside it.
+    checks removes pieces that follow something between the layers, but takes the layer above or
+    below for the one sought in `wrong_share` of the pieces behind a gap. `power` is linear; the
+    complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
     power_db = 10 * np.log10(power)
@@ -99,7 +100,32 @@ def pick_peaks(power, layer_bins, settings):
     found &= np.abs(picked - layer_bins) <= LAST_TRUSTED_BINS
     picked[~found] = np.nan
     picked[crossing_layers(picked)] = np.nan
-    return picked
+    return _mistaken(picked, settings.wrong_share, rng=rng)
+
+
+def _mistaken(picked, wrong_share, *, rng):
+    """Picks of which some pieces behind a gap follow the layer above or below, which then has none.
+
+    The surface is never mistaken. Where the layer followed has no pick itself, a piece keeps its
+    own.
+    """
+    mistaken = picked.copy()
+    for layer in range(1, len(picked)):
+        for start, end in _pieces(np.isfinite(picked[layer]))[1:]:
+            is_wrong = rng.random() < wrong_share
+            followed = layer + rng.choice((-1, 1))
+            if not is_wrong or not 1 <= followed < len(picked):
+                continue
+            lines = start + np.flatnonzero(np.isfinite(picked[followed, start:end]))
+            mistaken[layer, lines] = picked[followed, lines]
+            mistaken[followed, lines] = np.nan
+    mistaken[crossing_layers(mistaken)] = np.nan
+    return mistaken
+
+
+def _pieces(held):
+    """First line of each stretch that is held, and the line after its last, (piece, 2)."""
+    return np.flatnonzero(np.diff(np.pad(held.astype(int), 1))).reshape(-1, 2)
 
 
 def _follow(strip, near):
@@ -149,9 +175,8 @@ def _kept(rise, settings):
     smooth = uniform_filter1d(rise, settings.picker_lines, mode="nearest")
     weak = smooth > settings.picker_db
     clear = smooth > settings.picker_db + AGAIN_DB
-    edges = np.flatnonzero(np.diff(np.pad(weak.astype(int), 1)))
     kept = np.zeros(rise.size, dtype=bool)
-    for start, end in edges.reshape(-1, 2):
+    for start, end in _pieces(weak):
         if clear[start:end].any() and end - start >= settings.shortest_run:
             kept[start:end] = True
     return kept

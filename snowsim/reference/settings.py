@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field, fields
 
 from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
-from snowsim.echogram import ROWS_BELOW_LAST_LAYER
+from snowsim.echogram import ROWS_BELOW_LAST_LAYER, check_choice
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
 from snowsim.reference.line import line_length_km, place_at
 
@@ -176,9 +176,12 @@ class PickSettings:
     picker_db: float = limited(1.3, 0, 30)
     picker_lines: int = limited(9, 1, 200)
     shortest_run: int = limited(16, 1, 200)
+    wrong_share: float = limited(0.03, 0, 1)
+    of_flight: str = "picker"
 
     def __post_init__(self):
         check_limits(self)
+        check_choice("picks.of_flight", self.of_flight, ("picker", "oracle"))
 
 
 @dataclass(frozen=True)

@@ -52,13 +52,14 @@ def test_images_follow_the_rules_of_the_published_benchmark(scenes):
         assert_array_equal(one.layer_bins, one.complete_layer_bins)
 
 
-def test_training_picks_miss_pixels_but_invent_none(scenes):
+def test_training_picks_miss_pixels_and_few_follow_another_layer(scenes):
     picked = np.concatenate([one.layer_bins.ravel() for one in scenes["train"]])
     truth = np.concatenate([one.complete_layer_bins.ravel() for one in scenes["train"]])
     found = np.isfinite(picked)
     assert 0.3 < found.mean() < 0.95
     error = np.abs(picked - truth)[found]
-    assert error.max() <= 3
+    # A picker's own errors end at 3 bins; 3 % of pieces behind a gap are of another layer.
+    assert 0 < (error > 3).mean() < 0.04
     assert (error <= 2).mean() > 0.85
     for one in scenes["train"]:
         assert np.isfinite(one.layer_bins[0]).mean() > 0.9  # the surface is hard to miss

@@ -16,7 +16,9 @@ N_LAYERS = 6  # surface and the youngest
 
 @pytest.fixture(scope="module")
 def climate():
-    return climate_of({"firn": BARE_FIRN, "radar": {**BARE_RADAR, **SHORT_TAILS}})
+    oracle = {"of_flight": "oracle"}
+    radar = BARE_RADAR | SHORT_TAILS
+    return climate_of({"firn": BARE_FIRN, "radar": radar, "picks": oracle})
 
 
 @pytest.fixture
