@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from lib.figures.style import COLOURS
+from evaluation.lib.figures.style import COLOURS
 from lib.imports import PLACES, ROOT, SCRIPTS, closure, imported_files
 from lib.registry import drawn_by, inputs_of, plots, settings_of
 
@@ -58,7 +58,7 @@ LIB = ROOT / "workflow/lib"
 
 @pytest.mark.parametrize("stage", FIGURES)
 def test_every_figure_is_drawn_by_the_function_of_its_name_from_what_the_list_names(stage):
-    module = importlib.import_module(f"lib.figures.{stage}")
+    module = importlib.import_module(f"evaluation.lib.figures.{stage}")
     for file, figure in FIGURES[stage].items():
         inputs = (figure.get(kind, ()) for kind in ("tables", "inputs", "scenes"))
         named = set().union(*inputs, settings_of({0: figure}))

@@ -2,7 +2,7 @@
 
 import re
 
-from lib.imports import ROOT, SCRIPTS, closure
+from lib.imports import ROOT, closure
 
 
 def plots(registry, left_out):
@@ -62,10 +62,10 @@ def settings_of(figures):
 
 def drawn_by(stage):
     """Input function: what draws a stage's figures; other stages' code draws nothing anew."""
-    drawing = ROOT / f"workflow/lib/figures/{stage}.py"
+    drawing = ROOT / f"workflow/evaluation/lib/figures/{stage}.py"
 
     def code(wildcards):
-        files = {drawing, *closure(drawing), *closure(SCRIPTS / "plot.py")}
+        files = {drawing, *closure(drawing), *closure(ROOT / "workflow/evaluation/scripts/plot.py")}
         return sorted(map(str, files))
 
     return code
