@@ -73,14 +73,3 @@ PRINTED_TABLES = [
     "results/as_printed/tables/table2.csv",
     "results/as_printed/tables/table3_intervals.csv",
 ]
-
-FIGURES = read_yaml("workflow/figures.yaml")
-
-
-def figure_files(stage):
-    """Figures of a stage, as the registry names them, without those that need what the source cannot give."""
-    return [
-        f"results/figures/{file}"
-        for file, figure in FIGURES[stage].items()
-        if figure.get("needs") not in LEFT_OUT
-    ]

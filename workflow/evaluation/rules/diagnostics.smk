@@ -60,7 +60,7 @@ rule label_models:
     input:
         rules.summarise_labels.output,
         rules.compare_label_models.output,
-        figure_files("labels"),
+        rules.plot_labels.output,
     message:
         "label sets beside the flight, and label models with fewer parameters"
 
@@ -158,7 +158,7 @@ rule claims:
     input:
         rules.compare_renders.output,
         rules.compare_scenes.output,
-        figure_files("similarity"),
+        rules.plot_similarity.output,
     message:
         "tables behind what the paper claims of renders"
 
@@ -294,7 +294,7 @@ rule closed_loop:
         rules.tabulate_closed_loop.output.table,
         rules.tabulate_closed_loop.output.summary,
         rules.tabulate_closed_loop.output.conventions,
-        figure_files("closed_loop"),
+        rules.plot_closed_loop.output,
     message:
         "statistics that went into PHY beside those re-estimated from its renders"
 
@@ -331,7 +331,7 @@ rule tabulate_validation:
 rule validation:
     input:
         rules.tabulate_validation.output,
-        figure_files("closed_loop"),
+        rules.plot_closed_loop.output,
     message:
         "the flight beside what was made of its statistics"
 
@@ -369,7 +369,8 @@ rule tabulate_realism:
 rule realism:
     input:
         rules.tabulate_realism.output,
-        figure_files("realism"),
+        rules.plot_realism.output,
+        rules.plot_crops.output if REAL else [],
     message:
         "how real the flight and the benchmark look"
 
@@ -436,7 +437,7 @@ rule draw_atlases:
 rule atlases:
     input:
         rules.draw_atlases.output,
-        figure_files("atlas"),
+        rules.plot_atlas.output,
     message:
         "atlases of PHY and of the estimators, with their figures"
 
@@ -445,7 +446,7 @@ rule charts_phy:
     input:
         rules.measure_phy.output,
         rules.atlases.input,
-        figure_files("phy"),
+        rules.plot_phy.output,
     message:
         "speed-accuracy charts and atlas of PHY"
 
@@ -476,6 +477,6 @@ rule measure_convolution:
 rule convolution:
     input:
         rules.measure_convolution.output,
-        figure_files("convolution"),
+        rules.plot_convolution.output,
     message:
         "how good the convolution model is, and where it stops being good enough"

@@ -1,30 +1,20 @@
 # One page that stands alone, from the tables and figures of the default run.
 
 
-STUDY_STAGES = [stage for stage in FIGURES if stage.startswith("study_")]
+# Tables and figures of the default run, each once.
+SHOWN = dict.fromkeys([*rules.similarity.input, *rules.trackers.input, *JUDGED])
 # What a study makes takes hours. It joins the page when it is there, and is no input of it: as one, a stale study would
 # be rerun by the default run. Digests of it are parameters: they have the page written anew when one changes.
 STUDY_FILES = [
-    *[file for stage in STUDY_STAGES for file in figure_files(stage)],
+    *[file for file, stage in FIGURES.items() if stage.startswith("study_")],
     *sorted(map(str, Path("results/studies").glob("*/*.csv"))),
 ]
 
 
 rule write_report:
     input:
-        tables=[
-            file
-            for file in dict.fromkeys(
-                map(str, [*rules.similarity.input, *rules.trackers.input, *JUDGED])
-            )
-            if file.startswith("results/tables/")
-        ],
-        figures=[
-            file
-            for stage in FIGURES
-            if stage not in STUDY_STAGES
-            for file in figure_files(stage)
-        ],
+        tables=[file for file in SHOWN if file.startswith("results/tables/")],
+        figures=[file for file in SHOWN if file in FIGURES],
         observed=benchmark_files("test"),
         cgan=rendered_files("cgan", "test"),
         phy=rendered_files("phy", "test"),
@@ -45,9 +35,8 @@ rule write_report:
         note=NOTE,
         n_scenes=16,
         captions={
-            f"results/figures/{file}": (stage, figure["caption"])
-            for stage, figures in FIGURES.items()
-            for file, figure in figures.items()
+            file: (stage, " ".join(caption_file(file).read_text().split()))
+            for file, stage in FIGURES.items()
         },
         studies={
             "files": finished(STUDY_FILES),

@@ -163,7 +163,7 @@ rule study_tracker:
         "results/studies/tracker/ablation.csv",
         rules.tabulate_worth.output,
         rules.atlas_tracker.output,
-        figure_files("study_tracker"),
+        rules.plot_study_tracker.output,
     message:
         "what makes synthetic data help or hurt the tracker, its cost and where it fails"
 
@@ -266,7 +266,7 @@ rule study_cgan:
     input:
         rules.study_renderers.output,
         rules.study_cgan_atlas.output,
-        figure_files("study_cgan"),
+        rules.plot_study_cgan.output,
     message:
         "studies of the cGAN"
 
@@ -305,7 +305,7 @@ rule measure_budgets:
 
 rule study_budgets:
     input:
-        figure_files("study_budgets"),
+        rules.plot_study_budgets.output,
     message:
         "budgets of all trainings"
 

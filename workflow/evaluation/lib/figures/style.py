@@ -226,3 +226,9 @@ def write_figure(path, figure):
         with written_whole(path.with_suffix(ending)) as aside:
             figure.savefig(aside, metadata=METADATA[ending], bbox_inches="tight", dpi=DPI)
     plt.close(figure)
+
+
+def save_figure(path, figure, source):
+    """Write a figure that says what its data are."""
+    note_source(figure, source)
+    write_figure(path, figure)
