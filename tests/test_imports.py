@@ -101,7 +101,7 @@ def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themse
     done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
     loaded = set()
     for name in done.stdout.split():
-        loaded.add("coherent" if name.startswith("lib.") else name.split(".")[1])
+        loaded.add("coherent" if name.startswith("evaluation.") else name.split(".")[1])
     assert stage in loaded
     assert loaded - {stage, "__init__"} <= CORE
 

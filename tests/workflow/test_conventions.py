@@ -54,7 +54,8 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
     for group, lines in groups:
         in_group = dict(re.findall(r"^  (\w+) {2,}(\S.*)$", lines, flags=re.MULTILINE))
         files = {Path(rule.declared.snakefile) for rule in rules if rule.name in in_group}
-        assert {"evaluation" in file.relative_to(ROOT).parts for file in files} == {group != "main"}
+        apart = {file.is_relative_to(ROOT / "workflow/evaluation") for file in files}
+        assert apart == {group != "main"}
         listed |= in_group
     assert set(listed) >= TARGETS
     assert set(listed) == {rule.name for rule in rules if not rule.declared.output} - {"help"}
@@ -128,4 +129,4 @@ def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
     # Few enough to follow, and a job takes about a second to start.
     done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
     n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
-    assert 40 < n_jobs <= 70
+    assert 40 < n_jobs <= 75

@@ -30,10 +30,9 @@ LACKING = {
     "opr": DETECTED,
     "png_pairs": IMAGES,
 }
-for what, reason in LACKING[SOURCE].items():
+LEFT_OUT = LACKING[SOURCE]
+for what, reason in LEFT_OUT.items():
     logger.info(f"source {SOURCE}: left out: {what}: {reason}")
-NO_CROPS = {"crops of real Snow Radar": "no folder of it is given"}
-LEFT_OUT = LACKING[SOURCE] | ({} if REAL and SOURCE == "reference" else NO_CROPS)
 
 
 def flight_files(pattern):
@@ -73,3 +72,23 @@ PRINTED_TABLES = [
     "results/as_printed/tables/table2.csv",
     "results/as_printed/tables/table3_intervals.csv",
 ]
+
+# Stage of every figure.
+FIGURES = {}
+
+
+def caption_file(figure):
+    """Where the caption of a figure stands."""
+    return ROOT / f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
+
+
+def drawn(stage, *files):
+    """Outputs that are figures of a stage, with captions for Snakemake's own report."""
+    outputs = {}
+    for file in files:
+        path = Path("results/figures") / file
+        FIGURES[str(path)] = stage
+        outputs[file.replace(".", "_")] = report(
+            path, caption=str(caption_file(file)), category=stage
+        )
+    return outputs

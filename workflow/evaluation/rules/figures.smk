@@ -1,26 +1,7 @@
 # Figures: x.svg is the output x_svg of its rule, whose script of the same name draws it. Its caption is captions/x.rst.
 
-# Stage of every figure.
-FIGURES = {}
 # Label sets to choose the shown ones from: in the first shards, whatever their size.
 N_SHOWN = 100
-
-
-def caption_file(figure):
-    """Where the caption of a figure stands."""
-    return ROOT / f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
-
-
-def drawn(stage, *files):
-    """Outputs that are figures of a stage, with captions for Snakemake's own report."""
-    outputs = {}
-    for file in files:
-        path = Path("results/figures") / file
-        FIGURES[str(path)] = stage
-        outputs[file.replace(".", "_")] = report(
-            path, caption=str(caption_file(file)), category=stage
-        )
-    return outputs
 
 
 rule plot_flight:
