@@ -1,5 +1,6 @@
 """The main path without the evaluation; a figure's way from its file to what draws it."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -43,9 +44,8 @@ def test_the_rule_of_a_figure_names_its_script_and_that_the_function_of_the_figu
             figures = [Path(file) for file in rule.declared.output if "figures" in file]
             assert figures
             for figure in figures:
-                assert f"save_figure({figure.name.replace('.', '_')}, " in " ".join(
-                    drawing.split()
-                ).replace("( ", "(")
+                output = figure.name.replace(".", "_")
+                assert re.search(rf"save_figure\(\s*{output},", drawing), output
                 assert f".{figure.stem}(" in drawing
                 captions.add(f"{figure.stem}.rst")
     assert captions == {path.name for path in CAPTIONS.iterdir()}
