@@ -48,4 +48,4 @@ rule similarity:
     input:
         rules.tabulate_similarity.output,
     message:
-        "Table II"
+        "Table II, similarity of both renders to the observed scenes"
