@@ -21,7 +21,7 @@ import torch
 import yaml
 from torch.nn import functional
 
-from lib.machine import time_rounds
+from evaluation.lib.machine import time_rounds
 from snowsim.cgan import Settings, Training, train_steps
 from snowsim.cgan.train import learning_rate
 from snowsim.echogram import Scene

@@ -8,7 +8,7 @@ checks, plan and 8-bit scaling.
 import numpy as np
 import pytest
 
-from lib.diagnostics.phy_alternatives import (
+from evaluation.lib.phy_alternatives import (
     convolved_power,
     power_in_support,
     recursive_power,

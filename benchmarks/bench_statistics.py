@@ -12,7 +12,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from lib.diagnostics.statistics_atlas import Planted
+from evaluation.lib.statistics_atlas import Planted
 from snowsim.labels import draw_scene, prepare
 from snowsim.statistics import ESTIMATORS, estimate, merge, summarise
 

@@ -25,7 +25,7 @@ import yaml
 from bench_cgan import draw_scene
 from torch.nn import functional
 
-from lib.machine import time_rounds
+from evaluation.lib.machine import time_rounds
 from snowsim.io.scenes import SceneSet
 from snowsim.patches import draw_patches
 from snowsim.seeding import random_stream

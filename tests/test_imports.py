@@ -88,7 +88,7 @@ import sys
 sys.path.insert(0, "workflow")
 for name in sys.argv[1:]:
     __import__(name)
-print(*[name for name in sys.modules if name.startswith(("snowsim.", "lib.diagnostics."))])
+print(*[name for name in sys.modules if name.startswith(("snowsim.", "evaluation.lib."))])
 """
 
 
@@ -99,12 +99,12 @@ def test_the_nature_run_the_renderer_and_the_solver_that_checks_both_load_themse
     of_stage = [module for module in MODULES if module.parts[0] == stage]
     names = [".".join(("snowsim", *module.parts)) for module in of_stage]
     if stage == "coherent":
-        names = ["lib.diagnostics.coherent"]
+        names = ["evaluation.lib.coherent"]
     command = [sys.executable, "-c", CHILD, *names]
     done = subprocess.run(command, cwd=PACKAGE.parent, capture_output=True, text=True, check=True)
     loaded = set()
     for name in done.stdout.split():
-        loaded.add("coherent" if name.startswith("lib.") else name.split(".")[1])
+        loaded.add("coherent" if name.startswith("evaluation.") else name.split(".")[1])
     assert stage in loaded
     assert loaded - {stage, "__init__"} <= CORE
 

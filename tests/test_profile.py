@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
 
 import snowsim
-from lib.diagnostics.profiles import BANDS, Kind, cell_errors, compared, draw_profile, profile_table
+from evaluation.lib.profiles import BANDS, Kind, cell_errors, compared, draw_profile, profile_table
 from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import read_dataset

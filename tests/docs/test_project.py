@@ -38,7 +38,7 @@ def test_make_is_asked_for_targets_that_it_has(path):
 @pytest.fixture(scope="module")
 def rule_names():
     """Names of all rules in the files of rules."""
-    files = (ROOT / "workflow/Snakefile", *(ROOT / "workflow/rules").glob("*.smk"))
+    files = (ROOT / "workflow/Snakefile", *(ROOT / "workflow").rglob("*.smk"))
     text = "\n".join(path.read_text() for path in files)
     return set(
         re.findall(r"^ *(?:rule|checkpoint|use rule \w+ as) (\w+)", text, flags=re.MULTILINE)

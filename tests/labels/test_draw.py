@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, paper_model, planted
 
-from lib.diagnostics.label_summary import summarise_labels
+from evaluation.lib.label_summary import summarise_labels
 from snowsim.echogram import check_layer_bins, scene_height
 from snowsim.labels import draw, draw_scene
 from snowsim.labels.process import correlation_factor, draw_series, leakage_matrix, line_variances

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
 
+from evaluation.lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
 from lib.score_tables import COUNTS, tracker_intervals
-from lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
 from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from scipy.special import gammainccinv, gammaincinv, ndtr
 from scipy.stats import gamma, kstest
 
-from lib.diagnostics.phy_errors import correlated_distance, planted_scene
+from evaluation.lib.phy_errors import correlated_distance, planted_scene
 from snowsim.phy import draw_speckle, plan, render
 from snowsim.phy.correlated import (
     HALF_TAPS,

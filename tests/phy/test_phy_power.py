@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from lib.diagnostics.phy_alternatives import convolved_power, power_in_support, recursive_power
+from evaluation.lib.phy_alternatives import convolved_power, power_in_support, recursive_power
 from snowsim.echogram import crossing_layers
 from snowsim.phy import mean_power
 from snowsim.phy.parameters import checked_waveforms

@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import ks_2samp
 
-from lib.diagnostics.phy_alternatives import render_as_printed, render_scatterers
-from lib.diagnostics.phy_errors import planted_scene
+from evaluation.lib.phy_alternatives import render_as_printed, render_scatterers
+from evaluation.lib.phy_errors import planted_scene
 from snowsim.echogram import to_uint8
 from snowsim.phy import mean_power, plan, render
 from snowsim.phy.texture import draw_gain, draw_texture

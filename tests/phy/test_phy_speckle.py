@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import ks_2samp
 
-from lib.diagnostics.phy_errors import quantile_distance
+from evaluation.lib.phy_errors import quantile_distance
 from snowsim.phy import draw_speckle
 from snowsim.phy.speckle import METHODS, quantile_table
 

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.ndimage import gaussian_filter1d
 
-from lib.diagnostics.label_summary import LAGS, mean_square_differences
+from evaluation.lib.label_summary import LAGS, mean_square_differences
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.process import HALF_CYCLE_SHOWS
 from snowsim.statistics.blocks import BAND_EDGES, periodogram, pick_noise, stretches

@@ -9,6 +9,8 @@ from runs import ROOT, copy_source, made_once, parsed, run_snakemake, source_tre
 
 from lib.imports import SCRIPTS
 
+FOLDERS = (SCRIPTS, ROOT / "workflow/evaluation/scripts")
+
 
 @pytest.fixture(scope="session")
 def shared_folder(tmp_path_factory, worker_id):
@@ -61,7 +63,8 @@ def described(rule):
     script = None
     code = set()
     if rule.script:
-        script = SCRIPTS / Path(str(rule.script)).name
+        name = Path(str(rule.script)).name
+        script = next(folder / name for folder in FOLDERS if (folder / name).is_file())
         # An input function that asks for no wildcards.
         code = {Path(path).relative_to(ROOT) for path in rule.input.code(None)}
     return SimpleNamespace(name=rule.name, script=script, code=code, declared=rule)

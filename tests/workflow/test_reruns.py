@@ -11,7 +11,10 @@ from runs import ROOT, rules_to_run, run_snakemake, settings, text_of
 
 UNUSED = "snowsim/io/nsidc.py"  # by the rules of the synthetic flight
 EDITED = ["snowsim/seeding.py", "snowsim/phy/waveform.py"]
-EDITED += ["workflow/lib/diagnostics/phy_atlas.py", "workflow/scripts/tabulate_realism.py"]
+EDITED += [
+    "workflow/evaluation/lib/phy_atlas.py",
+    "workflow/evaluation/scripts/tabulate_realism.py",
+]
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from PIL import Image
 from result_tables import OUTPUTS, SETS
 from runs import ROOT, call, command, made_once
 
-from lib.diagnostics.statistics_atlas import COLUMNS, SWEEPS
+from evaluation.lib.statistics_atlas import COLUMNS, SWEEPS
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
 
@@ -90,7 +90,7 @@ def test_the_page_is_of_a_synthetic_flight_stands_alone_and_has_every_figure_of_
     assert "url(" not in page
     assert "@import" not in page
     assert len(page.encode()) < 25e6
-    paper = yaml.safe_load((ROOT / "workflow/report/paper.yaml").read_text())
+    paper = yaml.safe_load((ROOT / "workflow/evaluation/report/paper.yaml").read_text())
     assert sorted(paper["figures"]) == list(range(1, 13))
     assert "no counterpart in this run" not in page
 

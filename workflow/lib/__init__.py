@@ -1,1 +1,1 @@
-"""What checks and shows: Python for scripts and tests alone, no part of the package."""
+"""What the scripts of the main path share: no part of the package."""

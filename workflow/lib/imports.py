@@ -11,7 +11,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 # Where the first part of a dotted name lies, and what it may be: scripts import each other by their
 # bare names.
-PLACES = {"snowsim": ROOT, "lib": ROOT / "workflow"}
+PLACES = {"snowsim": ROOT, "lib": ROOT / "workflow", "evaluation": ROOT / "workflow"}
 SCRIPTS = ROOT / "workflow/scripts"
 # Logs, errors and progress of every script: no result depends on them.
 WITHOUT = {SCRIPTS / "job.py", ROOT / "workflow/lib/progress.py"}

@@ -1,10 +1,19 @@
 """What a job shows while it runs, and the memory left to it: no result depends on this file."""
 
 import sys
+from pathlib import Path
 
 from tqdm import tqdm
 
-from lib.machine import kernel_field
+
+def kernel_field(path, name):
+    """A field of a "name : value" file of the kernel; empty where there is none."""
+    path = Path(path)
+    lines = path.read_text().splitlines() if path.is_file() else []
+    for line in lines:
+        if line.startswith(name):
+            return line.partition(":")[2].strip()
+    return ""
 
 
 def available_memory_mb():

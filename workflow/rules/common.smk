@@ -1,7 +1,5 @@
 # What all rules share: the check of the configuration, names of files, code as input, the list of targets, guards.
 
-import copy
-import hashlib
 import math
 import os
 import sys
@@ -10,7 +8,6 @@ from pathlib import Path
 import jsonschema
 import yaml
 from snakemake.exceptions import WorkflowError
-from snakemake.utils import update_config
 
 # Where this workflow lies, also where another uses it as a module.
 ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents[1]
@@ -84,7 +81,8 @@ N_SCENES = {**N_OBSERVED, "labels": config["labels"]["n_scenes"]}
 SHARD_SIZE = dict.fromkeys(SPLITS, OBSERVED_PER_SHARD) | {
     "labels": config["labels"]["shard_size"]
 }
-SEEDS = list(range(config["tracker"]["n_seeds"]))
+TRACKER = config["tracker"]
+SEEDS = list(range(TRACKER["n_seeds"]))
 
 
 wildcard_constraints:
@@ -110,24 +108,6 @@ def shard_range(scenes, shard):
     """First scene of a shard and the one after its last."""
     first = int(shard) * SHARD_SIZE[scenes]
     return first, min(first + SHARD_SIZE[scenes], N_SCENES[scenes])
-
-
-def flight_files(pattern):
-    """Input function: files of all frames; where there are only images, a line that says so."""
-
-    def files(wildcards):
-        if not FRAMES:
-            reason = LEFT_OUT["map and echogram of the flight"]
-            raise WorkflowError(f"source {SOURCE}: there are no frames: {reason}")
-        return expand(pattern, frame=FRAMES)
-
-    return files
-
-
-def middle_frame(pattern):
-    """Input function: file of the frame in the middle of the flight."""
-    files = flight_files(pattern)
-    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
 
 
 def benchmark_files(*splits):
@@ -165,9 +145,17 @@ def added_scenes(method):
     return files
 
 
-def tables(*names):
-    """Tables of results by their names."""
-    return [f"results/tables/{name}.csv" for name in names]
+# Where trainings keep what is no output of theirs.
+CHECKPOINTS = config["checkpoints"]["folder"]
+EVENTS = config["checkpoints"]["events"]
+
+
+def imported_by(script):
+    """Input function: files that a script imports, and that those import; asked for jobs that are planned alone.
+
+    A script of the main path is called by its name, another one by its path.
+    """
+    return lambda wildcards: list(map(str, closure(SCRIPTS / script)))
 
 
 def finished(paths):
@@ -177,33 +165,6 @@ def finished(paths):
     """
     made = [path for path in paths if Path(path).is_file()]
     return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in made}
-
-
-# Where trainings keep what is no output of theirs.
-CHECKPOINTS = config["checkpoints"]["folder"]
-EVENTS = config["checkpoints"]["events"]
-# What the run as printed leaves for the report.
-PRINTED_TABLES = [
-    "results/as_printed/tables/table2.csv",
-    "results/as_printed/tables/table3_intervals.csv",
-]
-
-
-def imported_by(script):
-    """Input function: files that a script imports, and that those import; asked for jobs that are planned alone."""
-    return lambda wildcards: list(map(str, closure(SCRIPTS / script)))
-
-
-FIGURES = read_yaml("workflow/figures.yaml")
-
-
-def figure_files(stage):
-    """Figures of a stage, as the registry names them, without those that need what the source cannot give."""
-    return [
-        f"results/figures/{file}"
-        for file, figure in FIGURES[stage].items()
-        if figure.get("needs") not in LEFT_OUT
-    ]
 
 
 def targets(prefix=""):
@@ -216,24 +177,31 @@ def targets(prefix=""):
 
 
 TARGET_GROUPS = {
-    "main": "from the flight to Table III, and the report",
-    "diagnostics": "nothing on the main path depends on them",
-    "studies": "many trainings each, not part of the default run",
+    "main": "from the flight to Tables II and III",
     "pretrained": "the tracker that comes with the package, not part of the default run",
+    "evaluation": "what judges and shows; nothing on the main path depends on it",
+    "studies": "many trainings each, not part of the default run",
 }
 
 
+def group_of(item):
+    """The group of a target, by where its rule stands."""
+    file = Path(os.path.relpath(item.snakefile, ROOT / "workflow"))
+    if file.stem in ("studies", "pretrained"):
+        return file.stem
+    return "evaluation" if file.parts[0] == "evaluation" else "main"
+
+
 def describe_targets():
-    """The targets with a line each, in groups by the file that their rules stand in."""
+    """The targets with a line each, in groups."""
     width = max(len(item.name) for item in targets())
-    lines = {group: [f"{group}: {about}"] for group, about in TARGET_GROUPS.items()}
-    for item in targets():
-        places = (item.name, Path(item.snakefile).stem)
-        group = next((name for name in places if name in lines), "main")
-        lines[group].append(f"  {item.name:<{width}}  {item.message}")
-    return "\n".join(
-        ["snakemake --cores N TARGET; targets are:", *sum(lines.values(), [])]
-    )
+    lines = ["snakemake --cores N TARGET; targets are:"]
+    for group, about in TARGET_GROUPS.items():
+        members = [item for item in targets() if group_of(item) == group]
+        if members:
+            lines.append(f"{group}: {about}")
+        lines += [f"  {item.name:<{width}}  {item.message}" for item in members]
+    return "\n".join(lines)
 
 
 # Frames and scenes take nearly all of a run's disk: their rules say how much, by the sizes in docs/scale.md.

@@ -24,7 +24,7 @@ rule fit_statistics:
     message:
         "flight statistics"
     script:
-        "../scripts/fit_statistics.py"
+        str(SCRIPTS / "fit_statistics.py")  # absolute, for rules that are made of this one
 
 
 N_LAYERS_RANGE = [config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]]
@@ -66,38 +66,8 @@ rule draw_labels:
         "../scripts/draw_labels.py"
 
 
-rule summarise_labels:
-    input:
-        statistics="results/statistics.nc",
-        summaries=SUMMARIES,
-        labels=LABEL_FILES,
-        code=imported_by("summarise_labels.py"),
-    output:
-        layers="results/tables/label_layers.csv",
-        moments="results/tables/label_moments.csv",
-        spectra="results/tables/label_spectra.csv",
-        correlation="results/tables/label_correlation.csv",
-        rule="results/tables/label_rule.csv",
-        structure="results/tables/label_structure.csv",
-        histograms="results/tables/label_histograms.csv",
-    log:
-        "logs/summarise_labels.log",
-    benchmark:
-        "results/benchmarks/summarise_labels/all.tsv"
-    resources:
-        mem_mb=2000,
-    message:
-        "what was drawn against what it was drawn from"
-    script:
-        "../scripts/summarise_labels.py"
-
-
 rule labels:
     input:
-        rules.summarise_labels.input.labels,
-        rules.summarise_labels.output,
-        tables("model_selection", "model_selection_scenes", "model_selection_spectra"),
-        tables("speed_accuracy_labels"),
-        figure_files("labels"),
+        LABEL_FILES,
     message:
-        "all label sets and their tables"
+        "all label sets"

@@ -21,7 +21,7 @@ rule render_phy:
     message:
         "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        "../scripts/render_phy.py"
+        str(SCRIPTS / "render_phy.py")  # absolute, for rules that are made of this one
 
 
 rule train_cgan:
@@ -54,7 +54,7 @@ rule train_cgan:
     message:
         "cGAN training"
     script:
-        "../scripts/train_cgan.py"
+        str(SCRIPTS / "train_cgan.py")  # absolute, for rules that are made of this one
 
 
 rule render_cgan:
@@ -90,6 +90,5 @@ rule renders:
         rendered_files("cgan", "test"),
         rendered_files("phy", "labels"),
         rendered_files("phy", "test"),
-        figure_files("renders"),
     message:
         "label sets and test masks rendered by both methods"

@@ -1,37 +1,9 @@
 # Where flight and benchmark come from: how many frames and scenes there are, and what they are called.
 
 from lib import sources
-from snakemake.logging import logger
 
 SOURCE = config["source"]
 OWN = config["import"]
-
-# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
-REAL = config["realism"]["real_snow_radar"]
-REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
-if REAL and not REAL_FILES:
-    raise WorkflowError(
-        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
-    )
-
-# What the source cannot give, and why.
-NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
-DETECTED = NOT_SYNTHETIC | {"Doppler spectra": "files of detected power hold no phase"}
-IMAGES = NOT_SYNTHETIC | {
-    "Doppler spectra": "images hold no phase",
-    "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
-}
-LACKING = {
-    "reference": {},
-    "nsidc": DETECTED,
-    "cresis": DETECTED,
-    "opr": DETECTED,
-    "png_pairs": IMAGES,
-}
-for what, reason in LACKING[SOURCE].items():
-    logger.info(f"source {SOURCE}: left out: {what}: {reason}")
-NO_CROPS = {"crops of real Snow Radar": "no folder of it is given"}
-LEFT_OUT = LACKING[SOURCE] | ({} if REAL and SOURCE == "reference" else NO_CROPS)
 
 
 def frame_inputs(row_of):

@@ -35,7 +35,7 @@ rule train_tracker:
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
-        "../scripts/train_tracker.py"
+        str(SCRIPTS / "train_tracker.py")  # absolute, for rules that are made of this one
 
 
 rule score_tracker:
@@ -64,7 +64,7 @@ rule score_tracker:
     message:
         "edge scores of {wildcards.training_set}, every replica"
     script:
-        "../scripts/score_tracker.py"
+        str(SCRIPTS / "score_tracker.py")  # absolute, for rules that are made of this one
 
 
 rule tabulate_trackers:
@@ -106,35 +106,8 @@ rule tabulate_trackers:
         "../scripts/tabulate_trackers.py"
 
 
-rule track_samples:
-    input:
-        scenes=benchmark_files("test"),
-        networks=expand(
-            "results/tracker/{training_set}/0.safetensors", training_set=TRAINING_SETS
-        ),
-        code=imported_by("track_samples.py"),
-    output:
-        samples="results/tracker/samples.nc",
-    log:
-        "logs/track_samples.log",
-    benchmark:
-        "results/benchmarks/track_samples/all.tsv"
-    resources:
-        mem_mb=2000,
-        gpu=int(config["tracker"]["device"] == "cuda"),
-    params:
-        training_sets=list(TRAINING_SETS),
-        device=config["tracker"]["device"],
-        n_scenes=2,
-    message:
-        "side outputs on a few test scenes"
-    script:
-        "../scripts/track_samples.py"
-
-
 rule trackers:
     input:
         rules.tabulate_trackers.output,
-        figure_files("tracker"),
     message:
-        "Table III, errors of picks, and their figures"
+        "Table III, errors of picks"

@@ -1,0 +1,73 @@
+"""The machine and the software a run uses, and seconds of every repeat of work on it."""
+
+import os
+import platform
+import time
+from importlib import metadata
+
+from lib.progress import kernel_field
+
+PACKAGES = (
+    "snowsim",
+    "numpy",
+    "scipy",
+    "numba",
+    "xarray",
+    "scikit-image",
+    "matplotlib",
+    "pandas",
+    "torch",
+    "snakemake",
+)
+
+
+def describe_machine():
+    """Names and texts: processor, cores in reach, memory, system, Python."""
+    model = kernel_field("/proc/cpuinfo", "model name")
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    total = kernel_field("/proc/meminfo", "MemTotal")
+    return {
+        "processor": model or platform.processor() or platform.machine(),
+        "cores in reach": str(cores),
+        "memory": f"{int(total.split()[0]) / 2**20:.0f} GiB" if total else "unknown",
+        "system": f"{platform.system()} {platform.release()}, {platform.machine()}",
+        "Python": platform.python_version(),
+    }
+
+
+def describe_versions():
+    """Version of this package and of those it leans on, by name; only those installed."""
+    versions = {}
+    for name in PACKAGES:
+        try:
+            versions[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    return versions
+
+
+def device_name():
+    """Where the clock ran: kind of processor, one thread."""
+    return f"cpu {platform.machine()}, 1 thread"
+
+
+def time_rounds(works, n_rounds, *, n_warm_up=1, clock=time.perf_counter):
+    """Runs ``(name, repeat, seconds)`` of works, callables by name, in the order they ran.
+
+    Each runs once a round, so that a busy machine slows all of them alike, and `n_warm_up` times
+    right before: these compile, and bring back to the cache what other work drove out. Without a
+    round, ValueError.
+    """
+    if n_rounds < 1 or n_warm_up < 0:
+        got = f"got {n_rounds} and {n_warm_up}"
+        msg = f"expected n_rounds of at least 1 and n_warm_up of at least 0, {got}"
+        raise ValueError(msg)
+    runs = []
+    for repeat in range(n_rounds):
+        for name, work in works.items():
+            for _ in range(n_warm_up):
+                work()
+            start = clock()
+            work()
+            runs.append((name, repeat, clock() - start))
+    return runs

@@ -1,0 +1,85 @@
+# What the rules of the evaluation share.
+
+import copy
+import hashlib
+
+from snakemake.logging import logger
+from snakemake.utils import update_config
+
+EVALUATION = ROOT / "workflow/evaluation/scripts"
+
+# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
+REAL = config["realism"]["real_snow_radar"]
+REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
+if REAL and not REAL_FILES:
+    raise WorkflowError(
+        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
+    )
+
+# What the source cannot give, and why.
+NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
+DETECTED = NOT_SYNTHETIC | {"Doppler spectra": "files of detected power hold no phase"}
+IMAGES = NOT_SYNTHETIC | {
+    "Doppler spectra": "images hold no phase",
+    "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
+}
+LACKING = {
+    "reference": {},
+    "nsidc": DETECTED,
+    "cresis": DETECTED,
+    "opr": DETECTED,
+    "png_pairs": IMAGES,
+}
+LEFT_OUT = LACKING[SOURCE]
+for what, reason in LEFT_OUT.items():
+    logger.info(f"source {SOURCE}: left out: {what}: {reason}")
+
+
+def flight_files(pattern):
+    """Input function: files of all frames; where there are only images, a line that says so."""
+
+    def files(wildcards):
+        if not FRAMES:
+            reason = LEFT_OUT["map and echogram of the flight"]
+            raise WorkflowError(f"source {SOURCE}: there are no frames: {reason}")
+        return expand(pattern, frame=FRAMES)
+
+    return files
+
+
+def middle_frame(pattern):
+    """Input function: file of the frame in the middle of the flight."""
+    files = flight_files(pattern)
+    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
+
+
+def tables(*names):
+    """Tables of results by their names."""
+    return [f"results/tables/{name}.csv" for name in names]
+
+
+# What the run as printed leaves for the report.
+PRINTED_TABLES = [
+    "results/as_printed/tables/table2.csv",
+    "results/as_printed/tables/table3_intervals.csv",
+]
+
+# Stage of every figure.
+FIGURES = {}
+
+
+def caption_file(figure):
+    """Where the caption of a figure stands."""
+    return ROOT / f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
+
+
+def drawn(stage, *files):
+    """Outputs that are figures of a stage, with captions for Snakemake's own report."""
+    outputs = {}
+    for file in files:
+        path = Path("results/figures") / file
+        FIGURES[str(path)] = stage
+        outputs[file.replace(".", "_")] = report(
+            path, caption=str(caption_file(file)), category=stage
+        )
+    return outputs

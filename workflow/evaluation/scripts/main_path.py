@@ -1,0 +1,8 @@
+"""The way to the scripts of the main path: what runs those runs these, too."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+
+from job import logger, progress, run  # noqa: E402, F401
