@@ -151,8 +151,7 @@ def _plain(text):
 
 def recipe_settings(stage, told):
     """Settings of the recipes of a stage: the first one's values, and where others differ."""
-    name, *others = told["recipes"]
-    path = ("reference",) if stage == "reference" else (stage, f"recipe: {name}")
+    path = (f"Recipes of {stage}",)
     yield Setting(path, None, "", f"Recipes: `{'`, `'.join(told['recipes'])}`.")
     yield from _of_recipe(told["properties"], told["recipes"], path)
 

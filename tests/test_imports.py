@@ -10,7 +10,7 @@ import pytest
 import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
-CORE = {"constants", "echoes", "echogram", "seeding", "patches", "training"}
+CORE = {"constants", "echoes", "echogram", "seeding", "settings", "patches", "training"}
 # For people who script: they may import any stage, and nothing imports them.
 FRONT = {"cli", "front", "scoring"}
 # A stage never imports another stage, but for these.

@@ -208,14 +208,25 @@ class RadarSettings:
 class PickSettings:
     """Annotation: what can be seen, and what the picker finds."""
 
-    visible_db: float = limited(1.0, 0, 30)
-    gap_db: float = limited(0.2, 0, 30)
-    picker_db: float = limited(1.3, 0, 30)
-    picker_lines: int = limited(9, 1, 200)
-    shortest_run: int = limited(16, 1, 200)
+    visible_db: float = limited(
+        1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
+    )
+    gap_db: float = limited(
+        0.2, 0, 30, "[dB] a pick of the flight is missing where its horizon rises less than this"
+    )
+    picker_db: float = limited(
+        1.3,
+        0,
+        30,
+        "[dB] the semi-automatic picker of train scenes loses a layer that rises less than this",
+    )
+    picker_lines: int = limited(9, 1, 200, "[range lines] that the picker averages")
+    shortest_run: int = limited(
+        16, 1, 200, "[range lines] pieces of a layer shorter than this are not picked"
+    )
 
     def __post_init__(self):
-        check_settings(self, "pick.")
+        check_settings(self, "picks.")
 
 
 @dataclass(frozen=True)
