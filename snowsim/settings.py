@@ -49,13 +49,15 @@ def _expected(value, each):
         return None
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "be a number"
-    is_whole = int in kinds
-    if math.isfinite(value) and _is_within(value, limits) and (value == int(value) or not is_whole):
+    is_kind = isinstance(value, int) or int not in kinds
+    if is_kind and math.isfinite(value) and _is_within(value, limits):
         return None
+    if limits.get("exclusiveMinimum") == 0 and "exclusiveMaximum" not in limits:
+        return "be positive and finite"
     if "minimum" in limits and "maximum" in limits:
         return f"lie in [{limits['minimum']:g}, {limits['maximum']:g}]"
     said = [f"{words} {limits[name]:g}" for name, words in WORDS.items() if name in limits]
-    return f"be {'an integer' if is_whole else 'a finite number'} {' and '.join(said)}".rstrip()
+    return f"be {'an integer' if int in kinds else 'a finite number'} {' and '.join(said)}".rstrip()
 
 
 def _is_within(value, limits):

@@ -154,6 +154,13 @@ def test_a_setting_named_beside_a_recipe_wins_and_the_rest_is_the_recipe_s():
     assert filled({"reference": "greenland_2012"})["reference"] == CONFIG["reference"]
 
 
+def test_a_configuration_that_names_every_setting_means_what_it_says():
+    changed = deepcopy(CONFIG)
+    changed["phy"]["align"] = "gaussian"
+    assert filled(changed) == changed
+    assert Draft202012Validator(SCHEMA).is_valid(changed)
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
