@@ -146,8 +146,7 @@ def precision_of(name, settings):
 def project_paper(seconds):
     """Time a slice of the paper-scale training; the whole is its mean step times their number."""
     paper = yaml.safe_load((CONFIG / "paper.yaml").read_text())["cgan"]["training"]
-    default = yaml.safe_load((CONFIG / "config.yaml").read_text())["cgan"]["training"]
-    settings = Settings(**{**default, **paper})
+    settings = Settings(**paper)
     device = "cuda" if torch.cuda.is_available() else "cpu"
     # Heights as the benchmark has them: half of the scenes 300 rows, the others up to 750.
     scenes = [

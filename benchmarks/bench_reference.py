@@ -40,7 +40,7 @@ def merged(name):
 
 def main():
     config = yaml.safe_load((CONFIG / "config.yaml").read_text())
-    settings = checked_settings(config["reference"])
+    settings = checked_settings({})
     climate = draw_climate(settings, rng=random_stream(config["seed"], "climate"))
     n_looks = config["benchmark"]["n_looks"]
     shared = {"climate": climate, "settings": settings}

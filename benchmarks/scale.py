@@ -21,6 +21,10 @@ import pandas as pd
 import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "workflow"))
+
+from lib.configuration import filled  # noqa: E402
+
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 MEASURED = (1500, 15_000)  # label sets
 PROJECTED = 150_000
@@ -213,7 +217,7 @@ def measure(run, n_scenes):
 
 
 def default_config():
-    return yaml.safe_load((ROOT / "config/config.yaml").read_text())
+    return filled(yaml.safe_load((ROOT / "config/config.yaml").read_text()))
 
 
 def shard_size():

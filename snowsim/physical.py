@@ -172,8 +172,8 @@ def _sweep(start_hz, stop_hz, bin_s=None, **others):
 
 
 # Height 500 m: nominal of Operation IceBridge. Beam 40 degrees, 5 looks, 5.2 m and 27 dB: the
-# reference flight's, see config/config.yaml; no published beam was at hand, and on slopes of 0.03
-# it makes 2 % of the decay.
+# reference flight's, see snowsim.reference.settings; no published beam was at hand, and on slopes
+# of 0.03 it makes 2 % of the decay.
 PRESETS = {
     # Sweep: Table I of Yari et al. (2021), IEEE JSTARS 14; bins: product of 2016, 1.30 cm of air.
     "snow-2-8": _sweep(2e9, 8e9, bin_s=8.67e-11),

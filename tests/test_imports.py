@@ -10,7 +10,16 @@ import pytest
 import snowsim.reference
 
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
-CORE = {"constants", "echoes", "echogram", "rounding", "seeding", "patches", "training"}
+CORE = {
+    "constants",
+    "echoes",
+    "echogram",
+    "patches",
+    "rounding",
+    "seeding",
+    "settings",
+    "training",
+}
 # For people who script: they may import any stage, and nothing imports them.
 FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 # A stage never imports another stage, but for these.

@@ -11,7 +11,6 @@ EDGE_BINS = 10.0  # about the surface, where depth counts bin by bin
 FALLS_BINS = (30.0, 100.0, 300.0)
 # Range lines over which the brightness of an observed layer is averaged: speckle must not tell it.
 ALONG = 33
-METHODS = ("pix2pix", "depth")
 
 
 def place_map(scene, layer_bins, n_range_bins, brightness=None):

@@ -1,80 +1,68 @@
-"""Settings of the conditional GAN."""
+"""Settings of the conditional GAN, and the recipe of pix2pix: Isola et al. (2017)."""
 
 from dataclasses import dataclass
 
-from snowsim.cgan.inputs import METHODS
-from snowsim.echogram import check_choice
-
-CHOICES = {
-    "method": METHODS,
-    "statistics": ("scene", "pixel"),
-    "adversarial": ("bce", "none"),
-    "precision": ("float32", "bfloat16"),
-}
+from snowsim.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Networks and training of the conditional GAN; `method: pix2pix` is as published.
+    """Networks and training of the conditional GAN; `method: pix2pix` is as published."""
 
-    Attributes
-    ----------
-    method : str
-        `pix2pix`, as published; `depth`: both networks know the depth, and noise is more than
-        dropout.
-    width : int
-        Channels of the outermost stage of both networks; 64 as published.
-    depth, n_strided : int
-        Halvings of the generator and of the discriminator; 8 and 3 (patches of 70 pixels) as
-        published.
-    n_steps, batch_size : int
-        Gradient steps of each network; patches a step.
-    n_range_bins, n_range_lines : int or None
-        Size of random crops; None takes whole scenes, as pix2pix does.
-    statistics : str
-        Normalise by those of each `scene`, as pix2pix does: they change with its height. `pixel`:
-        over the channels of each pixel, so that a layer is drawn alike in scenes of any height.
-    learning_rate, beta1, beta2 : float
-        Of Adam; the rate is constant for half the steps, then falls linearly to zero.
-    l1_weight : float
-        Of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
-    adversarial : str
-        `bce`, as published, or `none`: without a discriminator, on the L1 term alone.
-    dropout : float
-        Share of dropped values in the noisy stages of the generator.
-    precision : str
-        Arithmetic, `float32` or `bfloat16`.
-    """
-
-    method: str = "depth"
-    width: int = 16
-    depth: int = 5
-    n_strided: int = 3
-    n_steps: int = 2000
-    batch_size: int = 1
-    n_range_bins: int | None = 256
-    n_range_lines: int | None = 192
-    statistics: str = "pixel"
-    learning_rate: float = 5e-4
-    beta1: float = 0.5
-    beta2: float = 0.999
-    l1_weight: float = 100.0
-    adversarial: str = "bce"
-    dropout: float = 0.0
-    precision: str = "bfloat16"
+    method: str = setting(
+        "depth",
+        "both networks know depths and how bright layers are; pix2pix: the mask alone, as "
+        "published",
+        enum=("pix2pix", "depth"),
+    )
+    width: int = setting(16, "[channels] of the outermost stage; paper scale 64", minimum=1)
+    depth: int = setting(5, "[halvings] of the generator; pix2pix: 8", minimum=2, maximum=10)
+    n_strided: int = setting(
+        3, "[halvings] of the discriminator: patches of 70 pixels", minimum=1, maximum=6
+    )
+    n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", minimum=1)
+    batch_size: int = setting(1, "[patches]", minimum=1)
+    n_range_bins: int | None = setting(
+        256, "[range bins] of a random crop; null: whole scenes, as in pix2pix", minimum=32
+    )
+    n_range_lines: int | None = setting(
+        192, "[range lines] of a random crop; null: whole scenes", minimum=32
+    )
+    statistics: str = setting(
+        "pixel",
+        "features are normalised over the channels of each pixel; scene: as in pix2pix, by "
+        "those of the whole scene, which change with its height",
+        enum=("scene", "pixel"),
+    )
+    learning_rate: float = setting(
+        0.0005,
+        "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4",
+        exclusiveMinimum=0,
+    )
+    beta1: float = setting(0.5, "Adam", minimum=0, exclusiveMaximum=1)
+    beta2: float = setting(0.999, "Adam", minimum=0, exclusiveMaximum=1)
+    l1_weight: float = setting(100, "paper, eq. (7)", minimum=0)
+    adversarial: str = setting(
+        "bce", "loss: binary cross-entropy; none: the L1 term alone", enum=("bce", "none")
+    )
+    dropout: float = setting(
+        0.0, "[1] share of values; pix2pix: 0.5, its only noise", minimum=0, exclusiveMaximum=1
+    )
+    precision: str = setting(
+        "bfloat16", "of the arithmetic; weights are float32 in both", enum=("float32", "bfloat16")
+    )
 
     def __post_init__(self):
-        for name in ("n_steps", "batch_size", "n_range_bins", "n_range_lines"):
-            value = getattr(self, name)
-            if value is not None and value < 1:
-                msg = f"{name} must be at least 1, got {value}"
-                raise ValueError(msg)
-        if not 0 <= self.dropout < 1:
-            msg = f"dropout must lie in [0, 1), got {self.dropout}"
-            raise ValueError(msg)
-        if self.l1_weight < 0 or not self.learning_rate > 0:
-            msg = "expected l1_weight >= 0 and learning_rate > 0, "
-            msg += f"got {self.l1_weight} and {self.learning_rate}"
-            raise ValueError(msg)
-        for name, choices in CHOICES.items():
-            check_choice(name, getattr(self, name), choices)
+        check_settings(self)
+
+
+PAPER = Settings(
+    method="pix2pix",
+    depth=8,
+    n_range_bins=None,
+    n_range_lines=None,
+    statistics="scene",
+    learning_rate=2e-4,
+    dropout=0.5,
+)
+RECIPES = {"measured": Settings(), "paper": PAPER}

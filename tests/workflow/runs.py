@@ -24,10 +24,12 @@ from snakemake.settings.types import (
     ResourceSettings,
 )
 
+from lib.configuration import filled, whole_schema
 from lib.imports import ROOT
 
-CONFIG = yaml.safe_load(configuration.CONFIG.read_text())
-SCHEMA = yaml.safe_load(configuration.SCHEMA.read_text())
+# The default as rules read it, and its schema.
+CONFIG = filled(yaml.safe_load(configuration.CONFIG.read_text()))
+SCHEMA = whole_schema()
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")

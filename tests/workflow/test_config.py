@@ -3,26 +3,31 @@
 import re
 from copy import deepcopy
 from dataclasses import asdict, fields
-from functools import reduce
-from operator import or_
+from inspect import signature
 
+import configuration
 import pytest
 import yaml
 from configuration import resolved
 from jsonschema import Draft202012Validator
 from runs import CONFIG, SCHEMA, lines_with, parsed, refused, run_snakemake, settings, text_of
 
+from lib.configuration import filled, stages
 from lib.imports import ROOT
 from snowsim import cgan, tracker
+from snowsim.labels import prepare
+from snowsim.labels.settings import Settings as LabelSettings
+from snowsim.phy.settings import Settings as PhySettings
 from snowsim.reference.settings import GROUPS
 
 # Dataclasses of the package whose fields are settings.
-SETTINGS = {
-    ("cgan", "training"): cgan.Settings,
-    ("tracker", "training"): tracker.Settings,
-    **{("reference", name): group for name, group in GROUPS.items()},
-}
-KINDS = {"integer": int, "number": float, "boolean": bool, "array": tuple, "null": None}
+SETTINGS = [
+    cgan.Settings,
+    tracker.Settings,
+    LabelSettings,
+    PhySettings,
+    *GROUPS.values(),
+]
 
 
 def sections(values, schema=SCHEMA, path=()):
@@ -34,14 +39,6 @@ def sections(values, schema=SCHEMA, path=()):
     for key, value in values.items():
         if isinstance(value, dict):
             yield from sections(value, properties[key], (*path, key))
-
-
-def kind(part):
-    """Type of a setting in the package, from the schema."""
-    if "enum" in part:
-        return type(part["enum"][0])
-    names = part["type"] if isinstance(part["type"], list) else [part["type"]]
-    return reduce(or_, [KINDS[name] for name in names])
 
 
 def at_the_limits(part):
@@ -68,12 +65,8 @@ def test_every_key_of_the_default_is_required_and_no_other_is_known():
         assert schema["additionalProperties"] is False, path
         # Others of its study hold what differs from cgan.training.
         if path[:2] != ("studies", "cgan") or path[-1] in ("cgan", "atlas"):
-            assert list(values) == list(schema["properties"]) == schema["required"], path
-        # The comments of the default describe its keys; only a pattern is put into words in the
-        # schema.
-        described = [key for key in values if "description" in schema["properties"][key]]
-        with_pattern = [key for key in values if "pattern" in schema["properties"][key]]
-        assert described == with_pattern, path
+            keys = sorted(values)
+            assert keys == sorted(schema["properties"]) == sorted(schema["required"]), path
 
 
 def test_the_schema_accepts_the_default_and_refuses_what_its_limits_exclude():
@@ -93,28 +86,79 @@ def test_the_schema_accepts_the_default_and_refuses_what_its_limits_exclude():
     assert n_limits > 150
 
 
-@pytest.mark.parametrize("path", SETTINGS, ids=".".join)
-def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration(path):
-    settings = SETTINGS[path]
-    given, schema = next(
-        (values, schema) for place, values, schema in sections(CONFIG) if place == path
-    )
-    assert asdict(settings()) == asdict(settings(**given))
-    # Those of another section are the script's to join: cgan.statistics.
-    here = [field for field in fields(settings) if field.name in given]
-    assert [field.name for field in here] == list(given)
-    assert {field.name for field in fields(settings)} - set(given) <= {"statistics"}
-    for field in here:
-        part = schema["properties"][field.name]
-        assert field.type == kind(part), field.name
-        inside, outside = at_the_limits(part)
-        # Settings of the flight also limit each other; of a network the package refuses only what
-        # cannot be computed.
-        for value in inside if path[0] != "reference" else []:
-            settings(**given | {field.name: value})
-        for value in outside if path[0] == "reference" or "enum" in part else []:
-            with pytest.raises(ValueError, match=field.name):
-                settings(**given | {field.name: value})
+def leaves(values):
+    """How many values of a parsed file are no mapping; a list counts once."""
+    return sum(map(leaves, values.values())) if isinstance(values, dict) else 1
+
+
+def test_the_default_names_what_a_user_turns_and_no_setting_of_a_recipe():
+    written = yaml.safe_load(configuration.CONFIG.read_text())
+    assert leaves(written) <= 110
+    for stage, told in stages().items():
+        if isinstance(written[stage], dict):
+            assert set(written[stage]) & set(told["properties"]) == set(), stage
+            assert written[stage]["recipe"] == next(iter(told["recipes"]))
+        else:
+            assert written[stage] in told["recipes"]
+
+
+def test_the_schema_of_the_package_s_settings_is_made_from_their_dataclasses():
+    made = configuration.settings_text()
+    assert configuration.SETTINGS.read_text() == made, "python docs/configuration.py settings"
+    described = [
+        part["description"]
+        for _, _, schema in sections(CONFIG)
+        for part in schema["properties"].values()
+        if "description" in part
+    ]
+    assert len(described) > 120
+    assert all(described)
+
+
+@pytest.mark.parametrize("group", SETTINGS)
+def test_the_package_refuses_what_the_schema_of_its_settings_excludes(group):
+    for each in fields(group):
+        inside, outside = at_the_limits(dict(each.metadata))
+        # Settings of the flight also limit each other.
+        for value in inside if group not in GROUPS.values() else []:
+            group(**{each.name: value})
+        for value in outside:
+            with pytest.raises(ValueError, match=each.name):
+                group(**{each.name: value})
+
+
+def test_the_default_recipes_are_those_of_the_package():
+    drawn = signature(prepare).parameters
+    for each in fields(LabelSettings):
+        if each.name in drawn:
+            assert drawn[each.name].default == each.default, each.name
+    assert CONFIG["tracker"]["training"] | {"scales": (1.0,)} == asdict(tracker.Settings())
+    statistics = CONFIG["cgan"]["statistics"]
+    assert cgan.Settings(**CONFIG["cgan"]["training"], statistics=statistics) == cgan.Settings()
+
+
+def test_a_setting_named_beside_a_recipe_wins_and_the_rest_is_the_recipe_s():
+    given = {
+        "labels": {"recipe": "paper", "surface": "measured"},
+        "cgan": {"recipe": "paper", "training": {"width": 3}},
+        "reference": {"climate": {"accumulation_factor": 0.5}},
+    }
+    made = filled(given)
+    assert made["labels"]["surface"] == "measured"
+    assert made["labels"]["n_layers"] == "uniform"
+    assert made["cgan"]["training"]["width"] == 3
+    assert made["cgan"]["training"]["method"] == "pix2pix"
+    factor = {"accumulation_factor": 0.5}
+    climate = CONFIG["reference"]["climate"] | factor
+    assert made["reference"] == CONFIG["reference"] | {"climate": climate}
+    assert filled({"reference": "greenland_2012"})["reference"] == CONFIG["reference"]
+
+
+def test_a_configuration_that_names_every_setting_means_what_it_says():
+    changed = deepcopy(CONFIG)
+    changed["phy"]["align"] = "gaussian"
+    assert filled(changed) == changed
+    assert Draft202012Validator(SCHEMA).is_valid(changed)
 
 
 @pytest.mark.parametrize(
@@ -122,6 +166,9 @@ def test_defaults_types_and_limits_of_the_package_are_those_of_the_configuration
     [
         ("sead: 7", "sead"),
         ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
+        ("phy: {recipe: papers}", "phy.recipe: expected measured or paper, got papers"),
+        ("reference: antarctica", "reference: expected greenland_2012, got antarctica"),
+        ("reference: {climate: {snow: 1}}", "reference.climate: .*'snow' was unexpected"),
         (
             "studies: {cgan: {stability: {}}}",
             r"studies\.cgan: .*'stability' was unexpected.*\(expected: .*atlas\)",
@@ -183,7 +230,7 @@ def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
 
 
 def test_what_is_printed_otherwise_stands_among_the_departures():
-    printed = yaml.safe_load((ROOT / "config/as_printed.yaml").read_text())
+    printed = filled(yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
     text = (ROOT / "docs/stages/choices.md").read_text()
     after = text.split("## Where the default departs from the paper")[1]
     departures = after.split("\n## ")[0]

@@ -15,6 +15,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=False)).parents
 # What scripts import is read by the code that tests use, too; tables of own data by the package that the jobs use.
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
+from lib.configuration import filled, whole_schema
 from lib.sources import check_disk, check_folders
 from lib.imports import SCRIPTS, closure
 
@@ -38,9 +39,8 @@ def or_refused(function, *arguments):
 
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
-    schema = read_yaml("workflow/schemas/config.schema.yaml")
     error = jsonschema.exceptions.best_match(
-        jsonschema.Draft202012Validator(schema).iter_errors(config)
+        jsonschema.Draft202012Validator(whole_schema()).iter_errors(config)
     )
     if error is not None:
         key = ".".join(str(part) for part in error.absolute_path) or "top level"
@@ -57,6 +57,9 @@ def check_config(config):
         )
 
 
+# As given, for a run beside this one with other recipes; then with all settings of the recipes.
+GIVEN = copy.deepcopy(config)
+config.update(or_refused(filled, config))
 check_config(config)
 
 SPLITS = ("train", "validation", "test")

@@ -1,7 +1,7 @@
 # The paper as printed beside the run: the same flight and benchmark, other choices from statistics to Table III, in
 # results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
 
-PRINTED = copy.deepcopy(config)
+PRINTED = copy.deepcopy(GIVEN)
 update_config(PRINTED, read_yaml("config/as_printed.yaml"))
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"
 PRINTED["checkpoints"]["events"] = "logs/as_printed/tensorboard"
