@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from snowsim.io.trackers import read_tracker, write_tracker
+from snowsim.io.trackers import read_tracker, shipped_trackers, write_tracker
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
 from snowsim.tracker.calibration import calibrate, fused_logits
 from snowsim.tracker.card import make_card
@@ -11,7 +11,6 @@ from snowsim.training import load_weights
 
 WIDTH = 8  # of the tracker that comes with the package
 ONE_IN = 10  # scenes is not trained on but calibrated on
-SHIPPED = Path(__file__).parent / "data"
 
 
 def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m, progress=iter):
@@ -79,10 +78,10 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
 
 def weights_of_tracker(name):
     """Weights of a tracker, by its name if it comes with the package, or by its file."""
-    shipped = SHIPPED / f"{name}.onnx"
-    path = shipped if shipped.is_file() else Path(name)
+    shipped = shipped_trackers()
+    path = Path(shipped.get(name, name))
     if not path.is_file():
-        known = ", ".join(sorted(each.stem for each in SHIPPED.glob("*.onnx")))
+        known = ", ".join(shipped)
         msg = f"{name}: expected a tracker that comes with the package ({known}) or an .onnx file"
         raise ValueError(msg)
     content, _ = read_tracker(path)

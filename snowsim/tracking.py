@@ -17,7 +17,7 @@ from snowsim.io.guard import container_of, existing, is_zarr, refusal
 from snowsim.io.images import read_image
 from snowsim.io.layer_files import refuse_existing, write_layer_files, write_layers
 from snowsim.io.pictures import write_picture
-from snowsim.io.weights import read_weights, shipped_weights
+from snowsim.io.trackers import read_tracker, shipped_trackers
 from snowsim.picking import (
     canonical,
     checked_card,
@@ -42,7 +42,7 @@ CONTRASTS_DB = (20.0, 100.0)
 
 def list_pretrained():
     """Names that `Tracker.from_pretrained` knows."""
-    return sorted(shipped_weights())
+    return sorted(shipped_trackers())
 
 
 class Tracker:
@@ -69,7 +69,7 @@ class Tracker:
     @classmethod
     def from_pretrained(cls, name="universal"):
         """A tracker that comes with the package; see `list_pretrained`."""
-        shipped = shipped_weights()
+        shipped = shipped_trackers()
         if name not in shipped:
             known = ", ".join(sorted(shipped)) or "none"
             msg = f"no weights named {name!r} come with the package, but {known}"
@@ -82,7 +82,7 @@ class Tracker:
 
         ValueError unless both are whole, belong together and are of this version.
         """
-        weights, card = read_weights(path)
+        weights, card = read_tracker(path)
         return cls(weights, card, str(path))
 
     def annotate(self, echogram):
@@ -182,7 +182,7 @@ def track_files(
     int
         Files that failed.
     """
-    shipped = shipped_weights()
+    shipped = shipped_trackers()
     tracker = Tracker.load(shipped.get(model, model))
     folder = Path(folder)
     n_failed = 0

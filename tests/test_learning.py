@@ -42,8 +42,8 @@ def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     ("name", "expected"),
     [
         ("unheard_of", r"expected a tracker that comes with the package \(universal\)"),
-        ("text.onnx", "text.json: expected the card of text.onnx, cannot be read"),
-        ("other.onnx", "expected the file of sha256"),
+        ("text.onnx", "text.json: card: expected JSON"),
+        ("other.onnx", "expected that of its card, sha256 0"),
         ("old.onnx", "expected a card of format 'snowsim tracker 1', got 'snowsim tracker 0'"),
         ("list.onnx", r"expected a card of format 'snowsim tracker 1', got \[\]"),
     ],

@@ -2,10 +2,12 @@
 
 import hashlib
 import json
+from importlib import resources
 from pathlib import Path
 
 from snowsim import __version__
 from snowsim.io.files import written_whole
+from snowsim.io.guard import existing, library_errors, refusal
 
 FORMAT = "snowsim tracker 1"
 
@@ -32,22 +34,29 @@ def write_tracker(path, content, card):
 
 
 def read_tracker(path):
-    """Network (ONNX, bytes) and card of a tracker; ValueError, in a line, if they do not fit."""
-    path = Path(path)
-    content = path.read_bytes()
-    path_to_card = path.with_suffix(".json")
-    try:
-        card = json.loads(path_to_card.read_text())
-    except (OSError, ValueError) as error:
-        msg = f"{path_to_card}: expected the card of {path.name}, cannot be read: {error}"
-        raise ValueError(msg) from error
+    """Network (ONNX, bytes) and card of a tracker.
+
+    ValueError, in a line, unless the card is whole, of this format and of this very network.
+    """
+    path = existing(path)
+    if path.suffix != ".onnx":
+        raise refusal(path, "tracker", "a file that ends in .onnx", path.suffix or "no ending")
+    path_to_card = existing(path.with_suffix(".json"))
+    with library_errors(path_to_card, "card", "JSON"):
+        card = json.loads(path_to_card.read_text(encoding="utf-8"))
     if not isinstance(card, dict) or card.get("format") != FORMAT:
         got = card.get("format") if isinstance(card, dict) else card
         msg = f"{path_to_card}: expected a card of format '{FORMAT}', got {got!r}"
         raise ValueError(msg)
+    content = path.read_bytes()
     digest = hashlib.sha256(content).hexdigest()
     if card.get("sha256") != digest:
-        msg = f"{path}: expected the file of sha256 {card.get('sha256')} that its card names, "
-        msg += f"got {digest}"
-        raise ValueError(msg)
+        raise refusal(path, "tracker", f"that of its card, sha256 {card.get('sha256')}", digest)
     return content, card
+
+
+def shipped_trackers():
+    """Paths of the trackers that come with the package, by name."""
+    folder = Path(str(resources.files("snowsim"))) / "data"
+    found = sorted(folder.glob("*.onnx"))
+    return {path.stem: path for path in found if path.with_suffix(".json").is_file()}

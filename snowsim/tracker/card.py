@@ -3,6 +3,7 @@
 import numpy as np
 
 VERSION = "1"
+FARTHEST = 1.5  # times the line spacing of the training: undulations are that much steeper
 SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
@@ -67,4 +68,14 @@ def ranges_of(statistics, ranges):
         "n_looks": ranges.n_looks,
         "line_gain_spread_db": ranges.line_gain_spread_db,
     }
-    return {name: [round(float(value), 1) for value in span] for name, span in spans.items()}
+    rounded = {name: [round(float(value), 1) for value in span] for name, span in spans.items()}
+    shortest, longest = ranges.pulse_length
+    bin_s = statistics.attrs["bin_size_s"]
+    # Range bins are brought to those of the training: a pulse shown in fewer bins was in it.
+    rounded["bin_s"] = [float(f"{bin_s / longest:.3g}"), float(f"{bin_s / shortest:.3g}")]
+    # Lines farther apart are used as they are.
+    rounded["line_spacing_m"] = [
+        0.0,
+        round(FARTHEST * float(statistics.attrs["line_spacing_m"]), 1),
+    ]
+    return rounded

@@ -183,7 +183,7 @@ def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
         ({"bin_s": "long"}, "bin_s: expected a number above 0, got 'long'"),
         ({"temperature": 0}, "temperature: expected a number above 0"),
         ({"threshold": 1.5}, "threshold: expected a probability below 1"),
-        ({"sha256": "0" * 64}, "weights: expected those of the card"),
+        ({"sha256": "0" * 64}, "tracker: expected that of its card"),
     ],
 )
 def test_a_damaged_card_or_one_of_another_version_is_refused(tmp_path, changes, message):
