@@ -42,7 +42,7 @@ def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     ("name", "expected"),
     [
         ("unheard_of", r"expected a tracker that comes with the package \(universal\)"),
-        ("text.onnx", "text.json: card: expected JSON"),
+        ("text.onnx", "text.json: path: expected a file, found nothing"),
         ("other.onnx", "expected that of its card, sha256 0"),
         ("old.onnx", "expected a card of format 'snowsim tracker 1', got 'snowsim tracker 0'"),
         ("list.onnx", r"expected a card of format 'snowsim tracker 1', got \[\]"),
