@@ -30,12 +30,15 @@ class Settings:
     n_steps, batch_size : int
         Gradient steps of each network; patches a step.
     n_range_bins, n_range_lines : int or None
-        Size of random crops; None takes whole scenes, as pix2pix does.
+        Size of random crops; None takes whole scenes. Of `pix2pix`, that scenes are resized to;
+        multiples of ``2**depth``.
     statistics : str
-        Normalise by those of each `scene`, as pix2pix does: they change with its height. `pixel`:
-        over the channels of each pixel, so that a layer is drawn alike in scenes of any height.
+        Of `depth`: normalise by those of each `scene`, as pix2pix always does: they change with its
+        height. `pixel`: over the channels of each pixel, so that a layer is drawn alike in scenes
+        of any height.
     learning_rate, beta1, beta2 : float
-        Of Adam; the rate is constant for half the steps, then falls linearly to zero.
+        Of Adam; the rate is constant for half the steps, then falls linearly to zero; that of
+        `pix2pix` is constant.
     l1_weight : float
         Of the mean absolute error against the adversarial loss, eq. (7) of Yari et al. (2021).
     adversarial : str
@@ -78,3 +81,8 @@ class Settings:
             raise ValueError(msg)
         for name, choices in CHOICES.items():
             check_choice(name, getattr(self, name), choices)
+        sizes = (self.n_range_bins, self.n_range_lines)
+        if self.method == "pix2pix" and any(not size or size % 2**self.depth for size in sizes):
+            msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
+            msg += f"got {sizes[0]} and {sizes[1]}"
+            raise ValueError(msg)
