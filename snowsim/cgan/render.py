@@ -20,7 +20,7 @@ def render(generator, scene, settings, *, brightness=None, rng):
 
     Parameters
     ----------
-    generator : UNetGenerator
+    generator : UNetGenerator or PublishedGenerator
     scene : Scene
         ValueError if its mask holds no layer.
     settings : Settings

@@ -167,9 +167,8 @@ def test_rates_a_hundred_times_too_high_are_found():
     settings = replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate)
     examined = {seed: trained_faults(settings, seed) for seed in (200, *range(400, 410))}
     missed = {seed: numbers for seed, (found, numbers) in examined.items() if not found}
-    # One of eleven is not found: it gets worse (0.73 of the contrast, healthy ones 0.56) but does
-    # not collapse.
-    assert set(missed) <= {404}, missed
+    # One of eleven is not found: it errs by 0.74 of the contrast, but answers to the mask.
+    assert set(missed) <= {409}, missed
 
 
 @pytest.mark.study
