@@ -1,16 +1,33 @@
 """What a generator knows of each pixel: whether a layer runs through it, how bright, how deep."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import torch
 from scipy.ndimage import uniform_filter1d
-
-from snowsim.patches import to_signed
 
 EDGE_BINS = 10.0  # about the surface, where depth counts bin by bin
 # Further down: echoes fall about so; below three of the last nothing changes.
 FALLS_BINS = (30.0, 100.0, 300.0)
 # Range lines over which the brightness of an observed layer is averaged: speckle must not tell it.
 ALONG = 33
+N_CHANNELS = 2 + len(FALLS_BINS)  # of `conditions`
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1].
+
+    `inputs`: what both networks know; `image`: as observed; `noise`: a dict, of any size.
+    """
+
+    inputs: torch.Tensor
+    image: torch.Tensor
+    noise: dict
+
+    def on(self, device):
+        """The same on a device; noise follows when it is needed."""
+        return Batch(self.inputs.to(device), self.image.to(device), self.noise)
 
 
 def place_map(scene, layer_bins, n_range_bins, brightness=None):
@@ -66,21 +83,14 @@ def observed_brightness(image, layer_bins):
     return mean / max(mean_of_first, 1.0)
 
 
-def n_channels(method):
-    """Number of channels of `conditions`."""
-    return 1 if method == "pix2pix" else 2 + len(FALLS_BINS)
-
-
-def conditions(method, masks, places):
-    """What networks know: the mask and, not `pix2pix`, depth, in [-1, 1].
+def conditions(places):
+    """What networks know: layers and how bright these are, and the depth, in [-1, 1].
 
     (patch, channel, range_bin, range_line). `places` (patch, range_bin, range_line, 3) are as
     `place_map` gives them. Depth has four channels, all bounded: deeper than what was trained on
-    looks much like the deepest that was. With `depth`, the mask's pixels of layers say how bright
-    these are: 1 is as bright as the uppermost.
+    looks much like the deepest that was. The pixels of layers say how bright these are: 1 is as
+    bright as the uppermost.
     """
-    if method == "pix2pix":
-        return to_signed(masks)
     percent = places[..., 2].astype(np.float32)
     bright = torch.from_numpy(percent / 50 - 1)[:, None]
     depth = torch.from_numpy(places[..., 0].astype(np.float32))[:, None]

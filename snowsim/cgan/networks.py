@@ -1,4 +1,4 @@
-"""The two networks of pix2pix: a U-Net generator with skips and a PatchGAN discriminator."""
+"""A U-Net generator with skips that knows depths, and pix2pix's PatchGAN discriminator."""
 
 import numpy as np
 import torch
@@ -8,46 +8,39 @@ from torch.nn import functional
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
 EPSILON = 1e-5
 MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
-N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out, pix2pix
+N_NOISY_BLOCKS = 3  # decoder blocks outside the innermost that drop out
 
 
 class UNetGenerator(nn.Module):
-    """U-Net of pix2pix, inputs to images: (patch, channel, range_bin, range_line) in [-1, 1].
+    """U-Net, inputs to images: (patch, channel, range_bin, range_line) in [-1, 1].
 
-    Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8, ...)``,
-    `depth` halvings; an image has one channel. Any image size: inputs, the mask first, are
+    After pix2pix, Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8,
+    ...)``, `depth` halvings; an image has one channel. Any image size: inputs, the mask first, are
     continued to a multiple of ``2**depth``, downwards without layers and sideways with the last
     range line, and the output cut back. With `statistics` ``scene`` features are normalised by the
-    images at hand, as published, with ``pixel`` over the channels of each pixel: then an image
-    depends on what is within ``3 * 2**depth`` pixels alone. With `is_noisy` its inputs have a
-    random level for each slab, and it doubles images before it convolves them (Odena, Dumoulin &
-    Olah 2016, Distill): equal inputs leave no lattice. With `has_grain` it learns a `grain` to be
-    added to its images.
+    images at hand, with ``pixel`` over the channels of each pixel: then an image depends on what is
+    within ``3 * 2**depth`` pixels alone. Its inputs have a random level for each slab, and it
+    doubles images before it convolves them (Odena, Dumoulin & Olah 2016, Distill): equal inputs
+    leave no lattice. With `has_grain` it learns a `grain` to be added to its images.
     """
 
-    def __init__(
-        self, width=64, depth=8, n_inputs=1, *, statistics="scene", is_noisy=False, has_grain=False
-    ):
+    def __init__(self, width=64, depth=8, n_inputs=1, *, statistics="pixel", has_grain=False):
         super().__init__()
         if depth < 2 or width < 1:
             msg = f"a generator needs depth >= 2 and width >= 1, got depth {depth}, width {width}"
             raise ValueError(msg)
         self.depth = depth
         self.statistics = statistics
-        self.is_noisy = is_noisy
         self.has_grain = has_grain
-        self.channels = _channels(width, depth)
-        n_inputs += is_noisy
+        self.channels = stage_channels(width, depth)
+        n_inputs += 1  # the level of its slab
         # First weights are drawn in the order in which layers are named here.
         self._add_encoder(n_inputs)
         self._add_decoder()
         outermost = 2 * self.channels[0]
-        if is_noisy:
-            n_last = max(width // 2, 1)
-            self.out = _doubling(outermost, n_last, resized=True, bias=True)
-            self.last = nn.Conv2d(n_last + n_inputs, 1, 3, padding=1)
-        else:
-            self.out = _doubling(outermost, 1, resized=False, bias=True)
+        n_last = max(width // 2, 1)
+        self.out = ResizeConvolution(outermost, n_last, 3, padding=1)
+        self.last = nn.Conv2d(n_last + n_inputs, 1, 3, padding=1)
         if has_grain:
             # Range lines are independent.
             self.grains = nn.Conv2d(1, 1, (5, 1), padding=(2, 0), bias=False)
@@ -67,8 +60,8 @@ class UNetGenerator(nn.Module):
             # The innermost stage has no skip; every other joins what came up with what went down.
             if stage < self.depth - 1:
                 n_in *= 2
-            doubling = _doubling(n_in, self.channels[stage - 1], resized=self.is_noisy)
-            self.up.append(doubling)
+            n_out = self.channels[stage - 1]
+            self.up.append(ResizeConvolution(n_in, n_out, 3, padding=1, bias=False))
 
     def _add_norms(self):
         self.norm_down = nn.ModuleDict()
@@ -86,8 +79,8 @@ class UNetGenerator(nn.Module):
         """Noise of one pass for inputs of the shape of `slabs`, the slab of each pixel.
 
         `slabs` is (patch, range_bin, range_line). A dict of tensors (patch, channel, row, column):
-        by stage dropout, 0 or 1 / (1 - dropout), the only noise of pix2pix; where the generator
-        takes them ``white`` noise, and ``slab``, the same throughout a slab.
+        by stage dropout, 0 or 1 / (1 - dropout); with grain ``white`` noise; ``slab``, the same
+        throughout a slab.
         """
         n_patches, n_range_bins, n_range_lines = slabs.shape
         rows = n_range_bins + self._lacking(n_range_bins)
@@ -102,24 +95,20 @@ class UNetGenerator(nn.Module):
             for name, n_rows in (("white", rows), ("line", 1)):
                 drawn = rng.standard_normal((n_patches, 1, n_rows, columns), dtype=np.float32)
                 noise[name] = torch.from_numpy(drawn)
-        if self.is_noisy:
-            n_slabs = int(slabs.max()) + 1
-            levels = rng.standard_normal((n_patches, n_slabs), dtype=np.float32)
-            level = np.take_along_axis(levels, slabs.reshape(n_patches, -1), axis=1)
-            noise["slab"] = torch.from_numpy(level.reshape(n_patches, 1, *slabs.shape[1:]))
+        n_slabs = int(slabs.max()) + 1
+        levels = rng.standard_normal((n_patches, n_slabs), dtype=np.float32)
+        level = np.take_along_axis(levels, slabs.reshape(n_patches, -1), axis=1)
+        noise["slab"] = torch.from_numpy(level.reshape(n_patches, 1, *slabs.shape[1:]))
         return noise
 
     def forward(self, inputs, noise):
         """Image of some inputs, given the noise of `draw_noise`."""
         n_range_bins, n_range_lines = inputs.shape[2:]
-        if self.is_noisy:
-            inputs = torch.cat([inputs, noise["slab"].to(inputs)], dim=1)
+        inputs = torch.cat([inputs, noise["slab"].to(inputs)], dim=1)
         inputs = self._continued(inputs)
         features = self._decode(self._encode(inputs), noise)
-        if self.is_noisy:
-            joined = torch.cat([functional.relu(features), inputs.to(features)], dim=1)
-            features = self.last(joined)
-        return torch.tanh(features)[:, :, :n_range_bins, :n_range_lines]
+        joined = torch.cat([functional.relu(features), inputs.to(features)], dim=1)
+        return torch.tanh(self.last(joined))[:, :, :n_range_bins, :n_range_lines]
 
     def grain(self, noise, n_range_bins, n_range_lines):
         """What to add to an image of this size: filtered noise.
@@ -173,23 +162,25 @@ class PatchDiscriminator(nn.Module):
     """PatchGAN of pix2pix: logits, one per patch, for real (mask, image) pairs against rendered.
 
     Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that
-    halve, of 1 to 4.
+    halve, of 1 to 4. Convolutions before a normalisation have biases as published with
+    `has_biases`: the normalisation takes them out.
     """
 
-    def __init__(self, width=64, n_strided=3, n_inputs=1):
+    def __init__(self, width=64, n_strided=3, n_inputs=1, *, has_biases=False):
         super().__init__()
         if n_strided < 1 or width < 1:
             msg = "a discriminator needs n_strided >= 1 and width >= 1, "
             msg += f"got n_strided {n_strided}, width {width}"
             raise ValueError(msg)
-        channels = _channels(width, n_strided + 1)
+        channels = stage_channels(width, n_strided + 1)
         outermost = _halving(n_inputs + 1, channels[0], bias=True)
         layers = [outermost, nn.LeakyReLU(SLOPE)]
         for stage in range(1, n_strided + 1):
             n_out = channels[stage]
             stride = 2 if stage < n_strided else 1
+            options = {"stride": stride, "padding": 1, "bias": has_biases}
             layers += [
-                nn.Conv2d(channels[stage - 1], n_out, 4, stride=stride, padding=1, bias=False),
+                nn.Conv2d(channels[stage - 1], n_out, 4, **options),
                 nn.BatchNorm2d(n_out, track_running_stats=False),
                 nn.LeakyReLU(SLOPE),
             ]
@@ -211,6 +202,10 @@ class Norm(nn.Module):
 
     def forward(self, x, statistics):
         """By mean and variance of channels over images (`scene`), or of each pixel (`pixel`)."""
+        if statistics == "scene" and x[:, 0].numel() == 1:
+            # Its own mean: the offset is left.
+            gain = self.weight[:, None, None]
+            return (x - x) * gain + self.bias[:, None, None]
         if statistics == "scene":
             return functional.batch_norm(x, None, None, self.weight, self.bias, training=True)
         channels_last = x.permute(0, 2, 3, 1)
@@ -257,15 +252,15 @@ def initialise(network, *, rng):
             parameter.copy_(torch.from_numpy(weights))
 
 
-def _channels(width, n_stages):
+def adversarial_loss(logits, target):
+    """Mean cross-entropy of a map of logits that should all say `target`."""
+    logits = logits.float() if logits.dtype == torch.bfloat16 else logits
+    return functional.binary_cross_entropy_with_logits(logits, torch.full_like(logits, target))
+
+
+def stage_channels(width, n_stages):
     """Channels of each stage, outermost first."""
     return [width * min(2**stage, 8) for stage in range(n_stages)]
-
-
-def _doubling(n_in, n_out, *, resized, bias=False):
-    if resized:
-        return ResizeConvolution(n_in, n_out, 3, padding=1, bias=bias)
-    return nn.ConvTranspose2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)
 
 
 def _halving(n_in, n_out, *, bias=False):

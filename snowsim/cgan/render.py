@@ -3,6 +3,7 @@
 import numpy as np
 import torch
 
+from snowsim.cgan import published
 from snowsim.cgan.inputs import conditions, place_map
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
@@ -14,12 +15,12 @@ from snowsim.training import arithmetic, load_weights
 def render(generator, scene, settings, *, brightness=None, rng):
     """Echogram of the layers of a `Scene`, uint8, (range_bin, range_line), of any size.
 
-    The whole is rendered at once. It does not depend on which others are rendered, in what order or
-    by how many processes.
+    The whole is rendered at once, by `pix2pix` at the size of its crops. It does not depend on
+    which others are rendered, in what order or by how many processes.
 
     Parameters
     ----------
-    generator : UNetGenerator
+    generator : UNetGenerator or PublishedGenerator
     scene : Scene
         ValueError if its mask holds no layer.
     settings : Settings
@@ -35,19 +36,27 @@ def render(generator, scene, settings, *, brightness=None, rng):
         msg = f"scene {scene.name}: mask without layers, "
         msg += f"expected at least one annotated pixel in {mask.shape}"
         raise ValueError(msg)
-    places = place_map(scene, scene.layer_bins, scene.n_range_bins, brightness)[None]
-    inputs = conditions(settings.method, mask[None], places)
     generator.eval()
+    if settings.method == "pix2pix":
+        image = published.render_image(generator, scene, settings, rng=rng)
+    else:
+        image = _render_image(generator, scene, settings, brightness, rng)
+    if not torch.isfinite(image).all():
+        msg = "generator renders values that are not finite: its training diverged"
+        raise FloatingPointError(msg)
+    return from_signed(image.clamp(-1, 1)[None, None])[0]
+
+
+def _render_image(generator, scene, settings, brightness, rng):
+    """Image with its grain, (range_bin, range_line)."""
+    places = place_map(scene, scene.layer_bins, scene.n_range_bins, brightness)[None]
+    inputs = conditions(places)
     device = next(generator.parameters()).device
     noise = generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise)
-        grain = generator.grain(noise, *mask.shape)
-    if not torch.isfinite(image).all():
-        msg = "generator renders values that are not finite: its training diverged"
-        raise FloatingPointError(msg)
-    grainy = (image + grain).clamp(-1, 1)
-    return from_signed(grainy)[0]
+        grain = generator.grain(noise, *inputs.shape[2:])
+    return (image + grain)[0, 0]
 
 
 def trained_generator(weights, settings, *, device="cpu"):

@@ -23,20 +23,23 @@ class Settings:
     n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", minimum=1)
     batch_size: int = setting(1, "[patches]", minimum=1)
     n_range_bins: int | None = setting(
-        256, "[range bins] of a random crop; null: whole scenes, as in pix2pix", minimum=32
+        256,
+        "[range bins] of a random crop; null: whole scenes; pix2pix: 256 of scenes resized to 286",
+        minimum=32,
     )
     n_range_lines: int | None = setting(
-        192, "[range lines] of a random crop; null: whole scenes", minimum=32
+        192, "[range lines] of a random crop; null: whole scenes; pix2pix: 256 of 286", minimum=32
     )
     statistics: str = setting(
         "pixel",
         "features are normalised over the channels of each pixel; scene: as in pix2pix, by "
-        "those of the whole scene, which change with its height",
+        "those of the whole scene, which change with its height; not of method: pix2pix, always "
+        "by scene",
         enum=("scene", "pixel"),
     )
     learning_rate: float = setting(
         0.0005,
-        "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4",
+        "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4, constant",
         exclusiveMinimum=0,
     )
     beta1: float = setting(0.5, "Adam", minimum=0, exclusiveMaximum=1)
@@ -54,15 +57,21 @@ class Settings:
 
     def __post_init__(self):
         check_settings(self)
+        sizes = (self.n_range_bins, self.n_range_lines)
+        if self.method == "pix2pix" and any(not size or size % 2**self.depth for size in sizes):
+            msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
+            msg += f"got {sizes[0]} and {sizes[1]}"
+            raise ValueError(msg)
 
 
 PAPER = Settings(
     method="pix2pix",
     depth=8,
-    n_range_bins=None,
-    n_range_lines=None,
+    n_range_bins=256,
+    n_range_lines=256,
     statistics="scene",
     learning_rate=2e-4,
     dropout=0.5,
+    precision="float32",
 )
 RECIPES = {"measured": Settings(), "paper": PAPER}

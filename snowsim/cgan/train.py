@@ -1,14 +1,19 @@
-"""Training of the conditional GAN: pix2pix with its settings, resumable to the byte."""
+"""Training of the conditional GAN, resumable to the byte."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 import torch
 from torch.nn import functional
 
-from snowsim.cgan.inputs import conditions, n_channels, place_map
-from snowsim.cgan.networks import PatchDiscriminator, UNetGenerator, initialise
+from snowsim.cgan import published
+from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, place_map
+from snowsim.cgan.networks import (
+    PatchDiscriminator,
+    UNetGenerator,
+    adversarial_loss,
+    initialise,
+)
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
@@ -31,11 +36,11 @@ class Training:
         self.device = device
         self.step = 0
         self.generator, self.discriminator = networks_of(settings)
-        self._optimisers = {}
+        self.optimisers = {}
         for name, network in self._networks().items():
             initialise(network, rng=random_stream(seed, "cgan", name))
             network.to(device=device, memory_format=torch.channels_last)
-            self._optimisers[f"{name}_adam"] = _adam(network, settings)
+            self.optimisers[f"{name}_adam"] = _adam(network, settings)
 
     def _networks(self):
         return {"generator": self.generator, "discriminator": self.discriminator}
@@ -43,7 +48,7 @@ class Training:
     def state(self):
         """Everything that a step changes but `step`, nested dicts of CPU tensors for `restore`."""
         state = {name: network.state_dict() for name, network in self._networks().items()}
-        for name, optimiser in self._optimisers.items():
+        for name, optimiser in self.optimisers.items():
             state[name] = moments_of(optimiser)
         return on_cpu(state)
 
@@ -54,24 +59,25 @@ class Training:
         """
         for name, network in self._networks().items():
             load_weights(network, state.get(name, {}), name)
-        for name, optimiser in self._optimisers.items():
+        for name, optimiser in self.optimisers.items():
             load_moments(optimiser, state.get(name, {}), name)
         self.step = step
 
 
 def networks_of(settings):
     """Generator and discriminator of some `Settings`, not initialised."""
-    n_inputs = n_channels(settings.method)
+    if settings.method == "pix2pix":
+        generator = published.PublishedGenerator(settings.width, settings.depth)
+        return generator, PatchDiscriminator(settings.width, settings.n_strided, has_biases=True)
     generator = UNetGenerator(
         settings.width,
         settings.depth,
-        n_inputs,
+        N_CHANNELS,
         statistics=settings.statistics,
-        is_noisy=settings.method == "depth",
         # Nothing but a discriminator teaches grain.
-        has_grain=settings.method == "depth" and settings.adversarial != "none",
+        has_grain=settings.adversarial != "none",
     )
-    return generator, PatchDiscriminator(settings.width, settings.n_strided, n_inputs)
+    return generator, PatchDiscriminator(settings.width, settings.n_strided, N_CHANNELS)
 
 
 def least_bytes(settings):
@@ -86,7 +92,8 @@ def train_steps(training, scenes):
     """Train from where `training` is to its last step; yields steps taken and losses of each.
 
     A step updates the discriminator, then the generator, on random crops of scenes, drawn without
-    replacement until all were seen, flipped left to right half of the time. Losses: ``L_D = (A(D(x,
+    replacement until all were seen, flipped left to right half of the time; that of `pix2pix` is
+    `published.update`. Losses: ``L_D = (A(D(x,
     y), 1) + A(D(x, G(x, z)), 0)) / 2``, ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the
     adversarial A a cross-entropy (0.69 is undecided): Isola et al. (2017), eq. (7) of Yari et al.
     (2021); `l1` is a share of half the grey range. ValueError without scenes or for one not
@@ -97,7 +104,7 @@ def train_steps(training, scenes):
         raise ValueError(msg)
     held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
     while training.step < training.settings.n_steps:
-        losses = _step(training, _draw_batch(training, held, len(scenes)))
+        losses = _take_step(training, held, len(scenes))
         training.step += 1
         if not np.isfinite(list(losses.values())).all():
             msg = f"training diverged at step {training.step}: {losses}"
@@ -105,28 +112,30 @@ def train_steps(training, scenes):
         yield training.step, losses
 
 
-@dataclass(frozen=True)
-class Batch:
-    """What a step is given, tensors (patch, channel, range_bin, range_line) in [-1, 1].
-
-    `inputs`: what both networks know; `image`: as observed; `noise`: a dict, of any size.
-    """
-
-    inputs: torch.Tensor
-    image: torch.Tensor
-    noise: dict
-
-
-def _draw_batch(training, scene_at, n_scenes):
-    """`Batch` of the next step."""
+def _take_step(training, scene_at, n_scenes):
+    """Take the next step; its losses, numbers."""
     settings = training.settings
     rng = random_stream(training.seed, "cgan", "step", training.step)
+    _begin_step(training)
+    if settings.method == "pix2pix":
+        batch = published.draw_batch(training.generator, scene_at, n_scenes, settings, rng=rng)
+        losses = published.update(training, batch.on(training.device))
+    else:
+        batch = _draw_batch(training, scene_at, n_scenes, rng)
+        losses = _update(training, batch.on(training.device))
+    values = torch.stack(list(losses.values())).tolist()
+    return dict(zip(losses, values, strict=True))
+
+
+def _draw_batch(training, scene_at, n_scenes, rng):
+    """`Batch` of the next step."""
+    settings = training.settings
     first = training.step * settings.batch_size
     numbers = [
         draw_index(n_scenes, position, training.seed, "cgan", "scenes")
         for position in range(first, first + settings.batch_size)
     ]
-    images, masks, places = draw_patches(
+    images, _, places = draw_patches(
         [scene_at(number) for number in numbers],
         settings.n_range_bins,
         settings.n_range_lines,
@@ -137,16 +146,15 @@ def _draw_batch(training, scene_at, n_scenes):
     # rendered ones.
     dither = rng.random(images.shape, dtype=np.float32) - np.float32(0.5)
     image = to_signed(images) + torch.from_numpy(dither[:, None] / 127.5)
-    inputs = conditions(settings.method, masks, places)
+    inputs = conditions(places)
     noise = training.generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
-    return Batch(inputs.to(training.device), image.to(training.device), noise)
+    return Batch(inputs, image, noise)
 
 
-def _step(training, batch):
+def _update(training, batch):
     """Update both networks on one batch; the losses before the update."""
     settings = training.settings
     generator = training.generator
-    _begin_step(training)
     with arithmetic(training.device, settings.precision):
         rendered = generator(batch.inputs, batch.noise)
         grain = generator.grain(batch.noise, *rendered.shape[2:])
@@ -165,20 +173,19 @@ def _step(training, batch):
         losses = _step_discriminator(training, batch, rendered.detach())
         training.discriminator.requires_grad_(False)
         _, decision = _decide(training, batch, rendered)
-        losses["generator_adversarial"] = _adversarial(decision, 1.0)
+        losses["generator_adversarial"] = adversarial_loss(decision, 1.0)
         loss = losses["generator_adversarial"] + loss
     loss.backward()
-    training._optimisers["generator_adam"].step()
+    training.optimisers["generator_adam"].step()
     training.discriminator.requires_grad_(True)
     losses["l1"] = l1
-    values = torch.stack(list(losses.values())).tolist()
-    return dict(zip(losses, values, strict=True))
+    return losses
 
 
 def _begin_step(training):
     """Set the rate of both optimisers, and forget the gradients of the last step."""
     rate = learning_rate(training.settings, training.step)
-    for optimiser in training._optimisers.values():
+    for optimiser in training.optimisers.values():
         for group in optimiser.param_groups:
             group["lr"] = rate
         optimiser.zero_grad(set_to_none=True)
@@ -187,10 +194,10 @@ def _begin_step(training):
 def _step_discriminator(training, batch, rendered):
     """Update the discriminator; its losses before."""
     real, fake = _decide(training, batch, rendered)
-    on_real = _adversarial(real, 1.0)
-    on_fake = _adversarial(fake, 0.0)
+    on_real = adversarial_loss(real, 1.0)
+    on_fake = adversarial_loss(fake, 0.0)
     (0.5 * (on_real + on_fake)).backward()
-    training._optimisers["discriminator_adam"].step()
+    training.optimisers["discriminator_adam"].step()
     return {"discriminator_real": on_real, "discriminator_fake": on_fake}
 
 
@@ -214,9 +221,6 @@ def _decide(training, batch, rendered):
     """Logits of observed and of rendered images."""
     discriminator = training.discriminator
     with arithmetic(training.device, training.settings.precision):
-        if training.settings.method == "pix2pix":
-            real = discriminator(batch.inputs, batch.image)
-            return real, discriminator(batch.inputs, rendered)
         # Normalised together: by themselves, renders of twice the contrast are the same to it.
         inputs = torch.cat([batch.inputs, batch.inputs])
         images = torch.cat([batch.image, rendered])
@@ -224,16 +228,15 @@ def _decide(training, batch, rendered):
 
 
 def learning_rate(settings, step):
-    """Rate of the step after `step` others: constant for half of them, then linearly to zero."""
+    """Rate of the step after `step` others: constant for half of them, then linearly to zero.
+
+    Of `pix2pix` constant throughout.
+    """
+    if settings.method == "pix2pix":
+        return settings.learning_rate
     half = settings.n_steps // 2
     share_left = (settings.n_steps - step) / (settings.n_steps - half)
     return settings.learning_rate * min(1.0, share_left)
-
-
-def _adversarial(logits, target):
-    """Mean loss of a map of logits that should all say `target`."""
-    logits = logits.float()
-    return functional.binary_cross_entropy_with_logits(logits, torch.full_like(logits, target))
 
 
 def _adam(network, settings):

@@ -13,7 +13,7 @@ from lib import cgan_health as health
 from lib.cgan_health import checkerboard, faults, measure_losses, measure_renders
 from snowsim.cgan import Settings, Training, render
 
-PIX2PIX = {"method": "pix2pix", "statistics": "scene", "dropout": 0.5}
+PIX2PIX = {"method": "pix2pix", "dropout": 0.5}
 SIZE = {"width": 8, "depth": 4, "n_strided": 2, "n_range_bins": 64, "n_range_lines": 64}
 SETTINGS = Settings(**PIX2PIX, **SIZE, learning_rate=1e-3, n_steps=240)
 
@@ -127,7 +127,7 @@ def test_weights_that_are_not_finite_are_named():
     settings = replace(SETTINGS, width=2)
     training = Training(settings, seed=1)
     with torch.no_grad():
-        training.generator.out.bias.fill_(torch.nan)
+        training.generator.up[0].weight.fill_(torch.nan)
     with pytest.raises(FloatingPointError, match="not finite"):
         render(training.generator, toy_scenes(1)[0], settings, rng=np.random.default_rng(1))
     numbers = measure_renders(training.generator, toy_scenes(2), settings, seed=1)
@@ -139,7 +139,7 @@ def trained_faults(settings, seed, *, freeze_discriminator=False):
     training, steps = begun(settings, seed, n_scenes=24)
     unseen = toy_scenes(28)[24:]
     if freeze_discriminator:
-        training._optimisers["discriminator_adam"].step = lambda: None
+        training.optimisers["discriminator_adam"].step = lambda: None
     losses, found, examined = [], [], []
     try:
         for step, step_losses in steps:
@@ -167,9 +167,8 @@ def test_rates_a_hundred_times_too_high_are_found():
     settings = replace(SETTINGS, learning_rate=100 * SETTINGS.learning_rate)
     examined = {seed: trained_faults(settings, seed) for seed in (200, *range(400, 410))}
     missed = {seed: numbers for seed, (found, numbers) in examined.items() if not found}
-    # One of eleven is not found: it gets worse (0.73 of the contrast, healthy ones 0.56) but does
-    # not collapse.
-    assert set(missed) <= {404}, missed
+    # One of eleven is not found: it errs by 0.74 of the contrast, but answers to the mask.
+    assert set(missed) <= {409}, missed
 
 
 @pytest.mark.study

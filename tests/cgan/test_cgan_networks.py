@@ -7,15 +7,6 @@ from torch import nn
 from snowsim.cgan.networks import PatchDiscriminator, ResizeConvolution, UNetGenerator, initialise
 
 
-@pytest.mark.parametrize(
-    ("width", "generator", "discriminator"), [(64, 54_407_873, 2_764_609), (16, 3_402_929, 175_057)]
-)
-def test_parameter_counts_are_the_published_ones(width, generator, discriminator):
-    networks = UNetGenerator(width, depth=8), PatchDiscriminator(width)
-    counts = [sum(parameter.numel() for parameter in network.parameters()) for network in networks]
-    assert counts == [generator, discriminator]
-
-
 @pytest.mark.parametrize("shape", [(24, 20), (2, 3)])  # few weights for a pixel, and many
 def test_doubling_within_a_convolution_is_doubling_before_it(shape):
     torch.manual_seed(1)
@@ -50,26 +41,14 @@ def test_a_logit_sees_a_patch_of_the_stated_size(n_strided, patch, rng):
     assert seen[-1] - seen[0] + 1 == patch
 
 
-def test_weights_start_as_in_pix2pix(rng):
-    network = UNetGenerator(16, depth=6)
-    initialise(network, rng=rng)
-    weights = network.down[4].weight.detach().numpy()
-    # 262144 normal draws: the spread is known to 0.02 / sqrt(2 n); allow four of those.
-    assert_allclose(weights.std(), 0.02, rtol=4 / np.sqrt(2 * weights.size))
-    norms = [*network.norm_down.values(), *network.norm_up]
-    gains = torch.cat([norm.weight.detach() for norm in norms]).numpy()
-    assert_allclose(gains.mean(), 1, atol=4 * 0.02 / np.sqrt(gains.size))
-    assert all((norm.bias == 0).all() for norm in norms)
-
-
 def no_slabs(n_patches, *size):
     return np.zeros((n_patches, *size), int)
 
 
 @pytest.fixture
 def generator(rng):
-    """Small generator with random weights, normalised pixel by pixel, without noise of its own."""
-    network = UNetGenerator(4, depth=4, statistics="pixel")
+    """Small generator with random weights, normalised pixel by pixel, without grain."""
+    network = UNetGenerator(4, depth=4)
     initialise(network, rng=rng)
     return network.eval()
 
@@ -86,9 +65,8 @@ def test_any_image_size_keeps_its_size(generator, size, rng):
 
 def test_noise_is_dropout_outside_the_innermost_stage_and_changes_the_image(generator, rng):
     noise = generator.draw_noise(no_slabs(1, 64, 64), dropout=0.3, rng=rng)
-    assert list(noise) == [2, 1]
-    assert list(UNetGenerator(1, depth=8).noisy_stages()) == [6, 5, 4]  # at published depth
-    values = torch.cat([factor.flatten() for factor in noise.values()]).numpy()
+    assert list(noise) == [2, 1, "slab"]
+    values = torch.cat([noise[stage].flatten() for stage in (2, 1)]).numpy()
     assert set(np.unique(values)) == {0, np.float32(1 / 0.7)}
     assert_allclose((values == 0).mean(), 0.3, atol=4 * np.sqrt(0.21 / values.size))
     mask = torch.full((1, 1, 64, 64), -1.0)

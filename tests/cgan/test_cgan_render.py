@@ -24,7 +24,7 @@ SIZE = {
 }
 SETTINGS = Settings(**SIZE)
 SILENCE = SimpleNamespace(random=np.ones, standard_normal=np.zeros)  # random numbers that are none
-PIX2PIX = Settings(**SIZE, method="pix2pix", statistics="scene", dropout=0.5)
+PIX2PIX = Settings(**SIZE, method="pix2pix", dropout=0.5)
 
 
 def untrained(settings):
