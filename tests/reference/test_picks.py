@@ -3,8 +3,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.echogram import check_layer_bins
+from snowsim.reference import checked_settings, draw_climate, draw_frame
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
 from snowsim.reference.settings import PickSettings
+from snowsim.statistics import fit
 
 SETTINGS = PickSettings(picker_db=1.6, wrong_share=0)
 
@@ -110,3 +112,32 @@ def test_a_share_of_pieces_behind_a_gap_follows_the_layer_above_or_below(rng):
     # Of 39 pieces a quarter: 0.25 +- 0.07, and what was lost to others; four of those.
     assert 0 < wrong[0.25] < 0.55
     assert_allclose(wrong[0.25], 0.25, atol=0.28)
+
+
+@pytest.mark.slow
+def test_statistics_by_the_picker_s_picks_are_near_those_by_exact_ones():
+    fitted = {}
+    for picks in ("oracle", "picker"):
+        settings = checked_settings({"picks": {"of_flight": picks}})
+        climate = draw_climate(settings, rng=np.random.default_rng(1))
+        common = {"climate": climate, "settings": settings}
+        # Picks are drawn last: both see the same echograms.
+        frames = [
+            draw_frame(4 * i, 20, 1024, **common, rng=np.random.default_rng(i)) for i in range(5)
+        ]
+        fitted[picks] = fit(frames)
+    exact, by_picker = fitted["oracle"], fitted["picker"]
+    # What needs no picks is the same.
+    assert_allclose(by_picker["noise_power"], exact["noise_power"], rtol=1e-5)
+    assert_allclose(by_picker["line_gain_spread_db"], exact["line_gain_spread_db"], rtol=1e-2)
+    # Picks follow speckle: lines aligned on their peaks fall faster, and vary less on the picks.
+    # Of the default flight 17 % and 11 %.
+    ratio = by_picker["decay_rate"].values[1] / exact["decay_rate"].values[1]
+    assert 1 < ratio < 1.3
+    assert 1 < by_picker.attrs["n_looks"] / exact.attrs["n_looks"] < 1.25
+    n_layers = min(exact.sizes["layer"], by_picker.sizes["layer"])
+    power_db = [10 * np.log10(one["peak_power"].values[1:n_layers]) for one in (by_picker, exact)]
+    # On the default flight the median differs by .2 dB, two layers by more than 1 dB.
+    assert abs(np.median(power_db[0] - power_db[1])) < 0.5
+    thickness = [one["thickness_mean_bins"].values[:, 0] for one in (by_picker, exact)]
+    assert_allclose(thickness[0], thickness[1], rtol=0.1)
