@@ -87,7 +87,8 @@ def scene_set(source):
 
     kind = "pairs" if source.is_dir() and not is_zarr(source) else sniff(source)
     if kind in ECHOGRAMS:
-        msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE"
+        msg = f"{source} is {in_words(kind)}: name the file of its layers, --layers FILE; "
+        msg += "where there are none, snowsim track picks them"
         raise click.UsageError(msg)
     return PairSet(source) if kind == "pairs" else SceneSet(source)
 

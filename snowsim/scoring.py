@@ -3,6 +3,7 @@
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from functools import partial
+from numbers import Real
 
 import numpy as np
 import pandas as pd
@@ -98,6 +99,15 @@ def score_folders(
     >>> [round(float(table[column][0]), 2) for column in columns]
     [1.0, 1.0, 0.0]
     """
+    _check_numbers(
+        tolerance=tolerance,
+        tolerance_bins=tolerance_bins,
+        max_distance_bins=max_distance_bins,
+        within_bins=within_bins,
+        n_bootstrap=n_bootstrap,
+        seed=seed,
+        processes=processes,
+    )
     truths = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
     with ExitStack() as stack:
@@ -127,6 +137,17 @@ def score_folders(
     table = _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
     table.attrs["notes"] = _notes(truths, matched_only, without_layers, table)
     return table
+
+
+def _check_numbers(**numbers):
+    """ValueError for what is no number, or below 0."""
+    for name, value in numbers.items():
+        if value is None and name == "tolerance_bins":
+            continue
+        is_number = isinstance(value, Real) and not isinstance(value, bool)
+        if not is_number or not value >= 0:
+            msg = f"{name} must be a number of at least 0, got {value!r}"
+            raise ValueError(msg)
 
 
 def _empty(rows):
