@@ -227,7 +227,10 @@ def describe_targets():
     width = max(len(item.name) for item in targets())
     lines = {group: [f"{group}: {about}"] for group, about in TARGET_GROUPS.items()}
     for item in targets():
-        places = (item.name, Path(item.snakefile).stem)
+        kind = (
+            "studies" if item.name.startswith("study_") else Path(item.snakefile).stem
+        )
+        places = (item.name, kind)
         group = next((name for name in places if name in lines), "main")
         lines[group].append(f"  {item.name:<{width}}  {item.message}")
     return "\n".join(
