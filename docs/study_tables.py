@@ -1,5 +1,6 @@
 """Tables of the accuracy page that studies fill."""
 
+from flight_tables import FLIGHT_BLOCKS
 from table_parts import RUNS, SETS, difference, markdown, read, share
 
 
@@ -111,4 +112,4 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
-STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, tracker_atlas)
+STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, tracker_atlas, *FLIGHT_BLOCKS)

@@ -26,7 +26,7 @@ def compare(counts, pairs, *, n_bootstrap, rng):
     same for every name, give the images' error. Columns `name, base, metric, mean, base_mean`,
     those of `paired_difference`, and `bootstrap_low, bootstrap_high`, percentiles of resamples of
     images and replicas at once, narrow where replicas are few. Names without counts, or with unlike
-    numbers of replicas or images, are refused.
+    numbers of replicas or images, are refused. `p_holm` follows `p_value`, corrected for all rows.
     """
     stacked = {
         name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()
@@ -64,7 +64,10 @@ def compare(counts, pairs, *, n_bootstrap, rng):
             row |= paired_difference(here - there, image_error, n_images)
             row |= {"bootstrap_low": low, "bootstrap_high": high}
             rows.append(row)
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    after_p_value = table.columns.get_loc("p_value") + 1
+    table.insert(after_p_value, "p_holm", holm(table["p_value"]))
+    return table
 
 
 def paired_difference(differences, image_error, n_images):

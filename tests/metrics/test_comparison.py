@@ -74,6 +74,7 @@ def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     same = table.loc[("a", "ods")]
     assert (same["difference"], same["detectable"], same["outcome"]) == (0, 0, "not resolved")
     assert same["p_value"] == 1
+    assert_allclose(table["p_holm"], holm(table["p_value"]))
     ods = table.loc[("b", "ods")]
     assert ods["outcome"] == "higher"
     # Best of three thresholds, each a mean of 6000 trials: 0.006 and some.

@@ -8,7 +8,7 @@ import pandas as pd
 
 from lib.score_tables import tracker_intervals
 from snowsim.echogram import zone_of
-from snowsim.metrics.comparison import compare, holm
+from snowsim.metrics.comparison import compare
 from snowsim.metrics.edges import precision_recall
 from snowsim.metrics.pick_tables import ZONES, pool_picks
 from snowsim.seeding import random_stream
@@ -36,16 +36,10 @@ def fused_curves(counts, training_sets):
 
 
 def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Fused scores of training sets against others, by pairs.
-
-    `p_holm` is corrected for the number of rows.
-    """
+    """Fused scores of training sets against others, by pairs."""
     fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
     table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng)
-    table = table.rename(columns={"name": "training_set"})
-    after_p_value = table.columns.get_loc("p_value") + 1
-    table.insert(after_p_value, "p_holm", holm(table["p_value"]))
-    return table
+    return table.rename(columns={"name": "training_set"})
 
 
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):

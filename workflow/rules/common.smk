@@ -190,8 +190,10 @@ TARGET_GROUPS = {
 def group_of(item):
     """The group of a target, by where its rule stands."""
     file = Path(os.path.relpath(item.snakefile, ROOT / "workflow"))
-    if file.stem in ("studies", "pretrained"):
-        return file.stem
+    if item.name.startswith("stud"):
+        return "studies"
+    if file.stem == "pretrained":
+        return "pretrained"
     return "evaluation" if file.parts[0] == "evaluation" else "main"
 
 

@@ -63,7 +63,7 @@ rule draw_labels:
     message:
         "label sets, shard {wildcards.shard}"
     script:
-        "../scripts/draw_labels.py"
+        str(SCRIPTS / "draw_labels.py")  # absolute, for rules that are made of this one
 
 
 rule labels:

@@ -1,0 +1,153 @@
+"""Flights of the study of flights: their settings, and the trainings that each is made of.
+
+A run is a training set by name: those of Table III, drawn scenes alone, `CONTROLS`, and those of
+the learning curve, `Few`.
+"""
+
+import copy
+from dataclasses import dataclass
+
+from snowsim.seeding import random_stream
+
+FIRST_SEED = 2000  # 1000 to 1999 serve for choosing settings
+# What differs between flights, drawn uniformly: about each default, as far as flights over dry snow
+# of Greenland and radars of this kind differ. What is not named stays as it is configured.
+RANGES = {
+    "climate": {
+        "accumulation_factor": (0.70, 1.25),
+        "anomaly_sd": (0.12, 0.24),
+        "undulation_sd": (0.05, 0.10),
+        "drift_sd": (0.06, 0.11),
+        "relief_sd": (0.03, 0.06),
+        "open_year": (0.6, 1.0),
+    },
+    "firn": {
+        "surface_density_kg_m3": (310.0, 370.0),
+        "horizon_jump_kg_m3": (120.0, 200.0),
+        "horizon_year_sd": (0.30, 0.54),
+        "crusts_per_year": (0.6, 1.8),
+        "crust_jump_kg_m3": (30.0, 50.0),
+        "layering_sd_kg_m3": (46.0, 56.0),
+        "fade_depth_m": (1.8, 3.6),
+    },
+    "radar": {
+        "bandwidth_hz": (4.5e9, 6.0e9),
+        "surface_slope": (0.016, 0.030),
+        "horizon_slope": (0.022, 0.036),
+        "roughness_m": (0.012, 0.028),
+        "surface_to_noise_db": (23.0, 31.0),
+        "sidelobe_db": (-38.0, -30.0),
+        "band_noise_db": (-7.0, -2.0),
+        "line_gain_sd_db": (0.2, 0.6),
+    },
+}
+# Sets with real scenes or drawn ones, their networks made by the rules of the main path.
+MAIN = ("rd", "pd", "gd", "rd_pd", "rd_gd", "rd_pd_gd")
+
+
+@dataclass(frozen=True)
+class Control:
+    """A training set that no run but this study has.
+
+    `labels` are those of the real scenes, `with_phy` adds label sets rendered by PHY, `with_own`
+    the annotated blocks that the statistics come from.
+    """
+
+    labels: str = "picked"
+    with_phy: bool = False
+    with_own: bool = False
+
+
+CONTROLS = {
+    "rd_full": Control(labels="complete"),
+    "rd_full_pd": Control(labels="complete", with_phy=True),
+    "rd_own": Control(with_own=True),
+}
+
+
+@dataclass(frozen=True)
+class Few:
+    """A training set of the learning curve: `training_set` made from `n` annotated scenes alone."""
+
+    training_set: str
+    n: int
+
+    @property
+    def name(self):
+        """Its name among the runs of a flight."""
+        return f"{self.training_set}_of_{self.n}"
+
+    @property
+    def has_real(self):
+        """Whether the annotated scenes are trained on."""
+        return self.training_set != "pd"
+
+    @property
+    def has_drawn(self):
+        """Whether scenes drawn from their statistics are trained on."""
+        return self.training_set != "rd"
+
+
+CURVE_SETS = ("rd", "pd", "rd_pd")
+
+
+def few_of(study):
+    """Runs of the learning curve by name."""
+    runs = [Few(training_set, n) for n in study["curve"] for training_set in CURVE_SETS]
+    return {run.name: run for run in runs}
+
+
+def flights_of(study):
+    """Names of the flights, which are their seeds."""
+    return [str(FIRST_SEED + number) for number in range(study["n_flights"])]
+
+
+def with_curve(study):
+    """Names of those flights that have a learning curve, too."""
+    return flights_of(study)[: study["n_curve_flights"]]
+
+
+def draw_reference(reference, seed):
+    """Section `reference` of a flight: what `RANGES` names drawn anew, by group and name."""
+    drawn = copy.deepcopy(reference)
+    for group, ranges in RANGES.items():
+        for name, (low, high) in ranges.items():
+            rng = random_stream(seed, "flights", group, name)
+            value = float(f"{rng.uniform(low, high):.4g}")
+            drawn.setdefault(group, {})[name] = value
+    return drawn
+
+
+def flight_config(config, flight):
+    """Configuration of a whole run for one flight of the study: seed, climate, radar are its own.
+
+    All else is as configured, so that settings are the same for every flight.
+    """
+    own = copy.deepcopy(config)
+    study = own["studies"]["flights"]
+    own["seed"] = int(flight)
+    own["reference"] = draw_reference(config["reference"], own["seed"])
+    # Each run keeps what is unfinished in its own folder.
+    own["checkpoints"]["folder"] = "results/checkpoints"
+    own["checkpoints"]["events"] = "logs/tensorboard"
+    if flight not in with_curve(study):
+        study["curve"] = []
+    return own
+
+
+def check_curve(study, n_train):
+    """ValueError unless there are as many train scenes as the learning curve asks for."""
+    most = max(study["curve"], default=0)
+    if most > n_train:
+        wanted = f"at most benchmark.n_scenes.train = {n_train}"
+        msg = f"config: studies.flights.curve: expected {wanted}, got {most}"
+        raise ValueError(msg)
+
+
+def drawn_rows(reference, flight):
+    """What was drawn for a flight: a row of its name and the settings that `RANGES` names."""
+    row = {"flight": flight}
+    for group, ranges in RANGES.items():
+        for name in ranges:
+            row[name] = reference[group][name]
+    return row

@@ -1,0 +1,369 @@
+# What synthetic scenes are worth over flights of their own climates and radars, and how many annotated scenes they save.
+# Nothing on the way from flight to Table III depends on this file; not part of the default run.
+#
+# Every flight is a whole run of this workflow in a folder of its own, with a configuration of its own. The first part
+# holds what such a run makes beyond the main path; the second starts the runs and puts their scores together.
+
+import sys
+
+from evaluation.lib import flights
+
+FLIGHTS_STUDY = config["studies"]["flights"]
+FLIGHTS = flights.flights_of(FLIGHTS_STUDY)
+FEW = flights.few_of(FLIGHTS_STUDY)
+FLIGHT_RUNS = [*flights.MAIN, *flights.CONTROLS, *FEW]
+FLIGHT_REPLICAS = list(range(FLIGHTS_STUDY["n_trainings"]))
+or_refused(flights.check_curve, FLIGHTS_STUDY, N_SCENES["train"])
+
+
+wildcard_constraints:
+    flight=r"\d+",
+    n_few=r"\d+",
+    control="|".join(flights.CONTROLS),
+    few="|".join(FEW) or "none",
+    flight_run="|".join(FLIGHT_RUNS),
+
+
+# One flight: the annotated blocks that its statistics come from, as scenes to train on.
+
+
+rule cut_flight:
+    input:
+        echograms=lambda w: expand(
+            "results/flight/{frame}.nc", frame=FRAME_SHARDS[w.shard]
+        ),
+        layers=lambda w: expand(
+            "results/flight/{frame}_layers.nc", frame=FRAME_SHARDS[w.shard]
+        ),
+        code=imported_by(EVALUATION / "cut_flight.py"),
+    output:
+        scenes="results/one_flight/blocks/{shard}.nc",
+    log:
+        "logs/cut_flight/{shard}.log",
+    benchmark:
+        "results/benchmarks/cut_flight/{shard}.tsv"
+    message:
+        "annotated blocks of the sample flight, shard {wildcards.shard}"
+    script:
+        "../scripts/cut_flight.py"
+
+
+def scenes_of_control(wildcards):
+    """Real scenes of a control: the train scenes, and the flight's own blocks where it has them."""
+    blocks = expand("results/one_flight/blocks/{shard}.nc", shard=FRAME_SHARDS)
+    with_own = flights.CONTROLS[wildcards.control].with_own
+    return benchmark_files("train") + (blocks if with_own else [])
+
+
+def phy_of_control(wildcards):
+    """Label sets rendered by PHY where a control adds them."""
+    with_phy = flights.CONTROLS[wildcards.control].with_phy
+    return rendered_files("phy", "labels") if with_phy else []
+
+
+use rule train_tracker as train_flight_control with:
+    input:
+        real=scenes_of_control,
+        phy=phy_of_control,
+        cgan=[],
+        code=imported_by("train_tracker.py"),
+    output:
+        network="results/one_flight/{control}/{replica}.safetensors",
+        losses="results/one_flight/{control}/{replica}_losses.csv",
+    log:
+        "logs/train_flight_control/{control}/{replica}.log",
+    benchmark:
+        "results/benchmarks/train_flight_control/{control}/{replica}.tsv"
+    params:
+        data=lambda w: {
+            "added_per_real": config["tracker"]["added_per_real"],
+            "order": config["tracker"]["order"],
+            "labels": flights.CONTROLS[w.control].labels,
+        },
+        checkpoint=f"{CHECKPOINTS}/train_flight_control_{{control}}_{{replica}}.safetensors",
+        events=None,
+    message:
+        "tracker on {wildcards.control}, replica {wildcards.replica}"
+
+
+# Its learning curve: from a few annotated scenes and their picks come statistics, label sets, and trackers.
+
+
+rule take_few:
+    input:
+        scenes=benchmark_files("train"),
+        code=imported_by(EVALUATION / "take_few.py"),
+    output:
+        few="results/one_flight/few/{n_few}/scenes.nc",
+    log:
+        "logs/take_few/{n_few}.log",
+    benchmark:
+        "results/benchmarks/take_few/{n_few}.tsv"
+    params:
+        n_scenes=lambda wildcards: int(wildcards.n_few),
+    message:
+        "the first {wildcards.n_few} train scenes"
+    script:
+        "../scripts/take_few.py"
+
+
+rule summarise_few:
+    input:
+        scenes="results/one_flight/few/{n_few}/scenes.nc",
+        code=imported_by("summarise_scenes.py"),
+    output:
+        summary="results/one_flight/few/{n_few}/summary.nc",
+    log:
+        "logs/summarise_few/{n_few}.log",
+    benchmark:
+        "results/benchmarks/summarise_few/{n_few}.tsv"
+    params:
+        bin_s=config["reference"]["radar"]["bin_size_s"],
+        line_spacing_m=config["reference"]["radar"]["line_spacing_m"],
+        contrast_db=None,
+        synthetic=SYNTHETIC,
+    message:
+        "sums over {wildcards.n_few} train scenes"
+    script:
+        str(SCRIPTS / "summarise_scenes.py")
+
+
+use rule fit_statistics as fit_few with:
+    input:
+        summaries=["results/one_flight/few/{n_few}/summary.nc"],
+        segment=[],
+        code=imported_by("fit_statistics.py"),
+    output:
+        statistics="results/one_flight/few/{n_few}/statistics.nc",
+    log:
+        "logs/fit_few/{n_few}.log",
+    benchmark:
+        "results/benchmarks/fit_few/{n_few}.tsv"
+    message:
+        "statistics of {wildcards.n_few} train scenes"
+
+
+use rule draw_labels as draw_few with:
+    input:
+        statistics="results/one_flight/few/{n_few}/statistics.nc",
+        code=imported_by("draw_labels.py"),
+    output:
+        labels="results/one_flight/few/{n_few}/labels/{shard}.nc",
+    log:
+        "logs/draw_few/{n_few}/{shard}.log",
+    benchmark:
+        "results/benchmarks/draw_few/{n_few}/{shard}.tsv"
+    message:
+        "label sets after {wildcards.n_few} train scenes, shard {wildcards.shard}"
+
+
+use rule render_phy as render_few with:
+    input:
+        layers="results/one_flight/few/{n_few}/labels/{shard}.nc",
+        statistics="results/one_flight/few/{n_few}/statistics.nc",
+        code=imported_by("render_phy.py"),
+    output:
+        scenes="results/one_flight/few/{n_few}/phy/{shard}.nc",
+    log:
+        "logs/render_few/{n_few}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_few/{n_few}/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 220),
+    message:
+        "PHY renders after {wildcards.n_few} train scenes, shard {wildcards.shard}"
+
+
+def real_of_few(wildcards):
+    """The annotated scenes of a run of the learning curve, where they are trained on."""
+    run = FEW[wildcards.few]
+    return [f"results/one_flight/few/{run.n}/scenes.nc"] if run.has_real else []
+
+
+def drawn_of_few(wildcards):
+    """Scenes drawn from their statistics, where those are trained on."""
+    run = FEW[wildcards.few]
+    pattern = f"results/one_flight/few/{run.n}/phy/{{shard}}.nc"
+    return expand(pattern, shard=shards("labels")) if run.has_drawn else []
+
+
+use rule train_tracker as train_few with:
+    input:
+        real=real_of_few,
+        phy=drawn_of_few,
+        cgan=[],
+        code=imported_by("train_tracker.py"),
+    output:
+        network="results/one_flight/{few}/{replica}.safetensors",
+        losses="results/one_flight/{few}/{replica}_losses.csv",
+    log:
+        "logs/train_few/{few}/{replica}.log",
+    benchmark:
+        "results/benchmarks/train_few/{few}/{replica}.tsv"
+    params:
+        checkpoint=f"{CHECKPOINTS}/train_few_{{few}}_{{replica}}.safetensors",
+        events=None,
+    message:
+        "tracker on {wildcards.few} scenes, replica {wildcards.replica}"
+
+
+# Its scores.
+
+
+def network_of_run(wildcards):
+    """Where a network of a flight lies: one of the main path's training sets, or of this file's."""
+    folder = "tracker" if wildcards.flight_run in flights.MAIN else "one_flight"
+    return [f"results/{folder}/{wildcards.flight_run}/{wildcards.replica}.safetensors"]
+
+
+use rule score_tracker as score_flight_run with:
+    input:
+        scenes=benchmark_files("test"),
+        networks=network_of_run,
+        code=imported_by("score_tracker.py"),
+    output:
+        counts=["results/one_flight/{flight_run}/{replica}_counts.parquet"],
+    log:
+        "logs/score_flight_run/{flight_run}/{replica}.log",
+    benchmark:
+        "results/benchmarks/score_flight_run/{flight_run}/{replica}.tsv"
+    params:
+        outputs=["fuse"],
+    message:
+        "fused edge scores of {wildcards.flight_run}, replica {wildcards.replica}"
+
+
+rule collect_flight:
+    input:
+        counts=expand(
+            "results/one_flight/{run}/{replica}_counts.parquet",
+            run=FLIGHT_RUNS,
+            replica=FLIGHT_REPLICAS,
+        ),
+        code=imported_by(EVALUATION / "collect_flight.py"),
+    output:
+        table="results/one_flight/counts.parquet",
+    log:
+        "logs/collect_flight.log",
+    benchmark:
+        "results/benchmarks/collect_flight/all.tsv"
+    params:
+        runs=[(run, replica) for run in FLIGHT_RUNS for replica in FLIGHT_REPLICAS],
+    message:
+        "edge counts of all trainings of this flight"
+    script:
+        "../scripts/collect_flight.py"
+
+
+# All flights.
+
+
+rule set_flight:
+    input:
+        code=imported_by(EVALUATION / "set_flight.py"),
+    output:
+        settings_file="results/studies/flights/{flight}/config.yaml",
+    log:
+        "logs/set_flight/{flight}.log",
+    benchmark:
+        "results/benchmarks/set_flight/{flight}.tsv"
+    params:
+        settings=lambda wildcards: flights.flight_config(config, wildcards.flight),
+    message:
+        "climate, radar and seed of flight {wildcards.flight}"
+    script:
+        "../scripts/set_flight.py"
+
+
+# A whole run, which goes on where it was stopped. Its folder belongs to this job alone: a lock in it is that of a job
+# that was killed. Code is named so that it is asked anew; which of its jobs that concerns is for the run to say.
+rule fly:
+    input:
+        settings="results/studies/flights/{flight}/config.yaml",
+        code=sorted(
+            path
+            for folder in ("snowsim", "workflow")
+            for path in (ROOT / folder).rglob("*.py")
+        ),
+    output:
+        counts="results/studies/flights/{flight}/results/one_flight/counts.parquet",
+    log:
+        "logs/fly/{flight}.log",
+    benchmark:
+        "results/benchmarks/fly/{flight}.tsv"
+    threads: 4
+    resources:
+        mem_mb=12000,
+        runtime=1440,
+        results_mb=1500,
+    params:
+        snakemake=f"{sys.executable} -m snakemake",
+        snakefile=ROOT / "Snakefile",
+        profile=ROOT / "profiles/default",
+        folder="results/studies/flights/{flight}",
+        target="results/one_flight/counts.parquet",
+    message:
+        "a whole run for flight {wildcards.flight}"
+    shell:
+        "{params.snakemake} --snakefile {params.snakefile} --directory {params.folder} --profile none"
+        " --workflow-profile {params.profile} --configfile {input.settings} --cores {threads} --nolock"
+        " -- {params.target} > {log} 2>&1"
+
+
+rule tabulate_flights:
+    input:
+        counts=expand(
+            "results/studies/flights/{flight}/results/one_flight/counts.parquet",
+            flight=FLIGHTS,
+        ),
+        code=imported_by(EVALUATION / "tabulate_flights.py"),
+    output:
+        scores="results/studies/flights/scores.csv",
+        worth="results/studies/flights/worth.csv",
+        curve="results/studies/flights/curve.csv",
+        drawn="results/studies/flights/flights.csv",
+    log:
+        "logs/tabulate_flights.log",
+    benchmark:
+        "results/benchmarks/tabulate_flights/all.tsv"
+    resources:
+        mem_mb=3000,
+    params:
+        seed=config["seed"],
+        n_bootstrap=config["tracker"]["n_bootstrap"],
+        flights=FLIGHTS,
+        numbers=FLIGHTS_STUDY["curve"],
+        with_curve=flights.with_curve(FLIGHTS_STUDY),
+        reference=config["reference"],
+    message:
+        "worth of training sets over flights, and the learning curve"
+    script:
+        "../scripts/tabulate_flights.py"
+
+
+rule plot_study_flights:
+    input:
+        worth="results/studies/flights/worth.csv",
+        scores="results/studies/flights/scores.csv",
+        curve="results/studies/flights/curve.csv",
+        code=imported_by(EVALUATION / "plot_study_flights.py"),
+    output:
+        **drawn("study_flights", "flights_worth.svg", "learning_curve.svg"),
+    log:
+        "logs/plot_study_flights.log",
+    benchmark:
+        "results/benchmarks/plot_study_flights/all.tsv"
+    params:
+        source=NOTE,
+    message:
+        "figures of the study of flights"
+    script:
+        "../scripts/plot_study_flights.py"
+
+
+rule study_flights:
+    input:
+        rules.tabulate_flights.output,
+        rules.plot_study_flights.output,
+    message:
+        "worth of synthetic scenes on flights of other climates and radars, and the annotated scenes they save"

@@ -1,0 +1,44 @@
+"""Scores over flights, the learning curve, and what was drawn for each flight."""
+
+import pandas as pd
+from main_path import progress, run
+
+from evaluation.lib.flight_scores import (
+    PAIRS,
+    compare_over_flights,
+    curve_table,
+    errors_in_flight,
+    score_rows,
+    stacked_runs,
+)
+from evaluation.lib.flights import draw_reference, drawn_rows
+from snowsim.io.files import read_table, write_table
+from snowsim.seeding import random_stream
+
+CURVE = ["flight", "training_set", "n_scenes", "ods"]
+
+
+def tabulate_flights(
+    counts, scores, worth, curve, drawn,
+    *, flights, numbers, with_curve, reference, n_bootstrap, seed,
+):  # fmt: skip
+    scored = []
+    errors = {}
+    curves = [pd.DataFrame(columns=CURVE)]
+    for path, flight in progress(list(zip(counts, flights, strict=True)), "flights"):
+        runs = stacked_runs(read_table(path))
+        scored.append(score_rows(flight, runs))
+        rng = random_stream(seed, "tabulate_flights", flight)
+        for name, base in PAIRS:
+            pair = (runs[name], runs[base])
+            errors[flight, name, base] = errors_in_flight(*pair, n_bootstrap=n_bootstrap, rng=rng)
+        if flight in with_curve and numbers:
+            curves.append(curve_table(flight, runs, numbers, n_bootstrap=n_bootstrap, rng=rng))
+    table = pd.concat(scored)
+    write_table(scores, table)
+    write_table(worth, compare_over_flights(table, errors))
+    write_table(curve, pd.concat(curves[1:] or curves))
+    write_table(drawn, pd.DataFrame([drawn_rows(draw_reference(reference, f), f) for f in flights]))
+
+
+run(tabulate_flights)
