@@ -212,8 +212,8 @@ class PickSettings:
         1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
     )
     of_flight: str = setting(
-        "picker",
-        "picks of the sample flight: those of the picker of train scenes; oracle: exact positions",
+        "oracle",
+        "picks of the sample flight: exact positions, or those of the picker of train scenes",
         enum=("picker", "oracle"),
     )
     gap_db: float = limited(
