@@ -196,10 +196,16 @@ def scenes_for(score, numbers, curve):
 
 
 def scenes_saved(curves, numbers):
-    """Scenes that RD needs beyond each number to score like another set, (set, number)."""
-    real = curves[CURVE_SETS.index("rd")]
-    saved = [[scenes_for(score, numbers, real) for score in curve] for curve in curves]
-    return np.array(saved) - np.asarray(numbers)
+    """Scenes that RD needs beyond each number to score like another set, (set, number).
+
+    Of RD itself NaN.
+    """
+    base = CURVE_SETS.index("rd")
+    saved = np.empty_like(curves)
+    for row, curve in enumerate(curves):
+        saved[row] = [scenes_for(score, numbers, curves[base]) for score in curve]
+    saved[base] = np.nan
+    return saved - np.asarray(numbers)
 
 
 def curve_table(flight, runs, numbers, *, n_bootstrap, rng):
