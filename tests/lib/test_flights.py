@@ -58,6 +58,7 @@ def test_the_interval_over_flights_is_student_s_t():
     assert_allclose(result["high"] - result["difference"], student.ppf(0.975, 3) * error)
     assert_allclose(result["p_value"], 2 * student.sf(0.015 / error, 3))
     assert np.isnan(mean_over_flights([0.01])["low"])
+    assert mean_over_flights([0.0, 0.0])["p_value"] == 1
 
 
 def drawn_images(shift, n_images, rng):

@@ -97,8 +97,10 @@ def mean_over_flights(differences):
     spread = differences.std(ddof=1) if n > 1 else np.nan
     error = spread / np.sqrt(n)
     reach = student.ppf(1 - LEVEL / 2, n - 1) * error
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p_value = 2 * student.sf(abs(mean) / error, n - 1)
+    p_value = 1.0  # also of scores that are all the same
+    if mean != 0:
+        with np.errstate(divide="ignore"):
+            p_value = 2 * student.sf(abs(mean) / error, n - 1)
     return {
         "difference": mean,
         "low": mean - reach,
