@@ -58,6 +58,7 @@ def test_the_interval_over_flights_is_student_s_t():
     assert_allclose(result["high"] - result["difference"], student.ppf(0.975, 3) * error)
     assert_allclose(result["p_value"], 2 * student.sf(0.015 / error, 3))
     assert np.isnan(mean_over_flights([0.01])["low"])
+    assert mean_over_flights([0.0, 0.0])["p_value"] == 1
 
 
 def drawn_images(shift, n_images, rng):
@@ -111,6 +112,6 @@ def test_scenes_saved_are_the_distance_between_the_curves():
     assert_allclose(scenes_for(0.575, numbers, [0.5, 0.7, 0.6]), np.sqrt(4 * 8))
     assert scenes_for(0.68, numbers, [0.5, 0.7, 0.6]) == np.inf
     curves = np.array([real, [0.6, 0.7, 0.7], [0.7, 0.7, 0.8]])
-    expected = [[0, 0, 0], [4, 8, 0], [12, 8, np.inf]]
+    expected = [[np.nan] * 3, [4, 8, 0], [12, 8, np.inf]]
     # Rounding of a logarithm and back: some eps of 16.
     assert_allclose(scenes_saved(curves, numbers), expected, atol=1e-13)

@@ -97,8 +97,10 @@ def mean_over_flights(differences):
     spread = differences.std(ddof=1) if n > 1 else np.nan
     error = spread / np.sqrt(n)
     reach = student.ppf(1 - LEVEL / 2, n - 1) * error
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p_value = 2 * student.sf(abs(mean) / error, n - 1)
+    p_value = 1.0  # also of scores that are all the same
+    if mean != 0:
+        with np.errstate(divide="ignore"):
+            p_value = 2 * student.sf(abs(mean) / error, n - 1)
     return {
         "difference": mean,
         "low": mean - reach,
@@ -196,10 +198,16 @@ def scenes_for(score, numbers, curve):
 
 
 def scenes_saved(curves, numbers):
-    """Scenes that RD needs beyond each number to score like another set, (set, number)."""
-    real = curves[CURVE_SETS.index("rd")]
-    saved = [[scenes_for(score, numbers, real) for score in curve] for curve in curves]
-    return np.array(saved) - np.asarray(numbers)
+    """Scenes that RD needs beyond each number to score like another set, (set, number).
+
+    Of RD itself NaN.
+    """
+    base = CURVE_SETS.index("rd")
+    saved = np.empty_like(curves)
+    for row, curve in enumerate(curves):
+        saved[row] = [scenes_for(score, numbers, curves[base]) for score in curve]
+    saved[base] = np.nan
+    return saved - np.asarray(numbers)
 
 
 def curve_table(flight, runs, numbers, *, n_bootstrap, rng):

@@ -77,15 +77,15 @@ class Few:
         """Its name among the runs of a flight."""
         return f"{self.training_set}_of_{self.n}"
 
-    @property
-    def has_real(self):
-        """Whether the annotated scenes are trained on."""
-        return self.training_set != "pd"
+    def real_files(self):
+        """The file of the annotated scenes, where they are trained on."""
+        return [] if self.training_set == "pd" else [f"results/one_flight/few/{self.n}/scenes.nc"]
 
-    @property
-    def has_drawn(self):
-        """Whether scenes drawn from their statistics are trained on."""
-        return self.training_set != "rd"
+    def drawn_files(self, shards):
+        """Files of the scenes drawn from their statistics, where those are trained on."""
+        if self.training_set == "rd":
+            return []
+        return [f"results/one_flight/few/{self.n}/phy/{shard}.nc" for shard in shards]
 
 
 CURVE_SETS = ("rd", "pd", "rd_pd")
@@ -95,6 +95,12 @@ def few_of(study):
     """Runs of the learning curve by name."""
     runs = [Few(training_set, n) for n in study["curve"] for training_set in CURVE_SETS]
     return {run.name: run for run in runs}
+
+
+def network_files(run, replicas):
+    """Where the networks of a run lie: one of the main path's training sets, or of this study's."""
+    folder = "tracker" if run in MAIN else "one_flight"
+    return [f"results/{folder}/{run}/{replica}.safetensors" for replica in replicas]
 
 
 def flights_of(study):
@@ -130,6 +136,8 @@ def flight_config(config, flight):
     # Each run keeps what is unfinished in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"
     own["checkpoints"]["events"] = "logs/tensorboard"
+    # A flight left out because its cGAN collapsed would be one chosen by its result.
+    own["cgan"]["on_collapse"] = "go_on"
     if flight not in with_curve(study):
         study["curve"] = []
     return own

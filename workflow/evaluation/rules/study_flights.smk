@@ -13,6 +13,7 @@ FLIGHTS = flights.flights_of(FLIGHTS_STUDY)
 FEW = flights.few_of(FLIGHTS_STUDY)
 FLIGHT_RUNS = [*flights.MAIN, *flights.CONTROLS, *FEW]
 FLIGHT_REPLICAS = list(range(FLIGHTS_STUDY["n_trainings"]))
+OWN_BLOCKS = expand("results/one_flight/blocks/{shard}.nc", shard=FRAME_SHARDS)
 or_refused(flights.check_curve, FLIGHTS_STUDY, N_SCENES["train"])
 
 
@@ -48,23 +49,15 @@ rule cut_flight:
         "../scripts/cut_flight.py"
 
 
-def scenes_of_control(wildcards):
-    """Real scenes of a control: the train scenes, and the flight's own blocks where it has them."""
-    blocks = expand("results/one_flight/blocks/{shard}.nc", shard=FRAME_SHARDS)
-    with_own = flights.CONTROLS[wildcards.control].with_own
-    return benchmark_files("train") + (blocks if with_own else [])
-
-
-def phy_of_control(wildcards):
-    """Label sets rendered by PHY where a control adds them."""
-    with_phy = flights.CONTROLS[wildcards.control].with_phy
-    return rendered_files("phy", "labels") if with_phy else []
-
-
 use rule train_tracker as train_flight_control with:
     input:
-        real=scenes_of_control,
-        phy=phy_of_control,
+        real=lambda w: benchmark_files("train")
+        + (OWN_BLOCKS if flights.CONTROLS[w.control].with_own else []),
+        phy=lambda w: (
+            rendered_files("phy", "labels")
+            if flights.CONTROLS[w.control].with_phy
+            else []
+        ),
         cgan=[],
         code=imported_by("train_tracker.py"),
     output:
@@ -174,23 +167,10 @@ use rule render_phy as render_few with:
         "PHY renders after {wildcards.n_few} train scenes, shard {wildcards.shard}"
 
 
-def real_of_few(wildcards):
-    """The annotated scenes of a run of the learning curve, where they are trained on."""
-    run = FEW[wildcards.few]
-    return [f"results/one_flight/few/{run.n}/scenes.nc"] if run.has_real else []
-
-
-def drawn_of_few(wildcards):
-    """Scenes drawn from their statistics, where those are trained on."""
-    run = FEW[wildcards.few]
-    pattern = f"results/one_flight/few/{run.n}/phy/{{shard}}.nc"
-    return expand(pattern, shard=shards("labels")) if run.has_drawn else []
-
-
 use rule train_tracker as train_few with:
     input:
-        real=real_of_few,
-        phy=drawn_of_few,
+        real=lambda w: FEW[w.few].real_files(),
+        phy=lambda w: FEW[w.few].drawn_files(shards("labels")),
         cgan=[],
         code=imported_by("train_tracker.py"),
     output:
@@ -210,27 +190,24 @@ use rule train_tracker as train_few with:
 # Its scores.
 
 
-def network_of_run(wildcards):
-    """Where a network of a flight lies: one of the main path's training sets, or of this file's."""
-    folder = "tracker" if wildcards.flight_run in flights.MAIN else "one_flight"
-    return [f"results/{folder}/{wildcards.flight_run}/{wildcards.replica}.safetensors"]
-
-
 use rule score_tracker as score_flight_run with:
     input:
         scenes=benchmark_files("test"),
-        networks=network_of_run,
+        networks=lambda w: flights.network_files(w.flight_run, FLIGHT_REPLICAS),
         code=imported_by("score_tracker.py"),
     output:
-        counts=["results/one_flight/{flight_run}/{replica}_counts.parquet"],
+        counts=expand(
+            "results/one_flight/{{flight_run}}/{replica}_counts.parquet",
+            replica=FLIGHT_REPLICAS,
+        ),
     log:
-        "logs/score_flight_run/{flight_run}/{replica}.log",
+        "logs/score_flight_run/{flight_run}.log",
     benchmark:
-        "results/benchmarks/score_flight_run/{flight_run}/{replica}.tsv"
+        "results/benchmarks/score_flight_run/{flight_run}.tsv"
     params:
         outputs=["fuse"],
     message:
-        "fused edge scores of {wildcards.flight_run}, replica {wildcards.replica}"
+        "fused edge scores of {wildcards.flight_run}, every replica"
 
 
 rule collect_flight:
@@ -278,6 +255,7 @@ rule set_flight:
 # A whole run, which goes on where it was stopped. Its folder belongs to this job alone: a lock in it is that of a job
 # that was killed. Code is named so that it is asked anew; which of its jobs that concerns is for the run to say.
 rule fly:
+    # Not by a script: it needs Snakemake itself, which the environment of scripts is without.
     input:
         settings="results/studies/flights/{flight}/config.yaml",
         code=sorted(
@@ -300,14 +278,16 @@ rule fly:
         snakemake=f"{sys.executable} -m snakemake",
         snakefile=ROOT / "Snakefile",
         profile=ROOT / "profiles/default",
-        folder="results/studies/flights/{flight}",
+        folder=lambda wildcards: f"results/studies/flights/{wildcards.flight}",
         target="results/one_flight/counts.parquet",
     message:
         "a whole run for flight {wildcards.flight}"
-    shell:
-        "{params.snakemake} --snakefile {params.snakefile} --directory {params.folder} --profile none"
-        " --workflow-profile {params.profile} --configfile {input.settings} --cores {threads} --nolock"
-        " -- {params.target} > {log} 2>&1"
+    run:
+        shell(
+            "{params.snakemake} --snakefile {params.snakefile} --directory {params.folder}"
+            " --profile none --workflow-profile {params.profile} --configfile {input.settings}"
+            " --cores {threads} --nolock -- {params.target} > {log} 2>&1"
+        )
 
 
 rule tabulate_flights:

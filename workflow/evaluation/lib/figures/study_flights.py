@@ -6,6 +6,7 @@ from evaluation.lib.figures.style import (
     BLACK,
     COLOURS,
     GREY,
+    SKY,
     list_downwards,
     name_of,
     named_style,
@@ -13,6 +14,12 @@ from evaluation.lib.figures.style import (
     new_panel,
 )
 
+# PD and RD+PD share a colour elsewhere, and a panel here.
+STYLES = {
+    "rd": named_style("rd"),
+    "pd": {**named_style("pd"), "color": SKY},
+    "rd_pd": named_style("rd_pd"),
+}
 FARTHEST = 1.15  # of the last number of scenes: where more than that is drawn
 
 
@@ -61,7 +68,7 @@ def draw_scores(ax, rows, name):
     reach = [rows["ods"] - rows["low"], rows["high"] - rows["ods"]]
     # A mean of all trainings need not lie between percentiles of few resamples.
     reach = np.maximum(reach, 0)
-    ax.errorbar(rows["n_scenes"], rows["ods"], yerr=reach, marker="o", **named_style(name))
+    ax.errorbar(rows["n_scenes"], rows["ods"], yerr=reach, marker="o", **STYLES[name])
 
 
 def draw_saved(ax, rows, name):
@@ -69,8 +76,8 @@ def draw_saved(ax, rows, name):
     n = rows["n_scenes"]
     most = FARTHEST * n.max() - n
     is_known = np.isfinite(rows["saved"])
-    colour = COLOURS[name]
+    colour = STYLES[name]["color"]
     ax.vlines(n, rows["saved_low"].clip(upper=most), rows["saved_high"].clip(upper=most), colour)
-    ax.plot(n[is_known], rows["saved"][is_known], "o", **named_style(name))
+    ax.plot(n[is_known], rows["saved"][is_known], "o", **STYLES[name])
     ax.plot(n[~is_known], most[~is_known], "^", color=colour)
     ax.axhline(0, color="0.5", linewidth=0.8)
