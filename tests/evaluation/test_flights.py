@@ -9,13 +9,15 @@ from scipy.stats import t as student
 
 from evaluation.lib import flights
 from evaluation.lib.flight_scores import mean_over_flights, scenes_for, scenes_saved
+from lib.configuration import filled
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.reference import checked_settings
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def config():
-    return yaml.safe_load(CONFIG.read_text())
+    given = yaml.safe_load(CONFIG.read_text())
+    return given | filled(given)
 
 
 def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown(config):
