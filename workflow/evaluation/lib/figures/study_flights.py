@@ -14,7 +14,7 @@ from evaluation.lib.figures.style import (
     new_panel,
 )
 
-# PD and RD+PD share a colour elsewhere, and a panel here.
+# Drawn scenes alone and mixed share a colour elsewhere, and a panel here.
 STYLES = {
     "rd": named_style("rd"),
     "pd": {**named_style("pd"), "color": SKY},
