@@ -26,6 +26,7 @@ NETWORKS = (
     "snowsim.patches",
     "snowsim.training",
     "snowsim.io.models",
+    "snowsim.learning",
 )
 # With these modules not to be had, import all others, then run the examples of the public
 # functions.
