@@ -163,11 +163,12 @@ rule pretrained:
         rules.ship_tracker.output,
         rules.calibrate_pretrained.output.reliability,
     message:
-        "the tracker that comes with the package, with its card: about half an hour of one core"
+        "the tracker that comes with the package, with its card: about 50 min of one core"
 
 
 # Flights that nothing was trained or tuned on. The same network on scenes of the default flight, and as a control on
-# fully annotated scenes of each flight.
+# fully annotated scenes of each flight: each for as long as the longest of the control's trainings.
+AS_LONG_AS_CONTROL = LARGER | {"n_steps": max(TRANSFER["n_steps"])}
 
 
 use rule train_tracker as train_compared with:
@@ -181,7 +182,7 @@ use rule train_tracker as train_compared with:
     params:
         replica="compared",
         n_epochs=None,
-        settings=LARGER,
+        settings=AS_LONG_AS_CONTROL,
         checkpoint=f"{CHECKPOINTS}/train_compared_{{training_set}}.safetensors",
         events=None,
     message:
