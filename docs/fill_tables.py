@@ -1,21 +1,28 @@
-"""Fill the tables of README.md and docs/accuracy.md: ``python docs/fill_tables.py [results]``.
+"""Fill the tables of the pages: ``python docs/fill_tables.py [--earlier WORDS] [results]``.
 
-A block stands between ``<!-- name -->`` and ``<!-- /name -->``; what was there is replaced. So
-every number on these pages has a file it came from, and a run of the default configuration renews
-them all. Blocks whose tables a run did not write stay as they are and are named on stderr.
+A block stands between ``<!-- name: stamp -->`` and ``<!-- /name -->``; what was there is replaced,
+and the stamp tells of which flight, benchmark scenes and label sets it is. So every number in these
+tables has a file it came from, and a run of the default configuration renews them all. A run of
+another flight than that whose statistics the package holds is refused.
+
+Blocks whose tables a run did not write, or wrote before its flight or its label sets, stay as they
+are and are named on stderr. With ``--earlier WORDS`` those of another stamp are marked on the page
+as "of an earlier WORDS".
 """
 
-import sys
 from pathlib import Path
 
+import click
 import pandas as pd
-from study_tables import STUDY_BLOCKS
+import stamps
+from study_tables import STUDY_BLOCKS, STUDY_FILES
 from table_parts import METRICS, SETS, amount, difference, digits, error, markdown, read, share
 
 ROOT = Path(__file__).resolve().parents[1]
 EDGE_METRICS = ("ods", "ois", "ap")
 ENOUGH_TRAININGS = 5  # of each set, for intervals to be more than indicative
-PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md")
+PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md", ROOT / "docs/reference-flight.md")
+PACKAGED = ROOT / "snowsim/data/reference_flight.nc"  # statistics of the flight in use
 
 
 def similarity(results):
@@ -78,8 +85,12 @@ def intervals(results):
 
 
 def of_defaults(results):
-    """Rows of the tracker's study that compare default trainings with RD; none without a study."""
-    if not (results / "studies/tracker/worth.csv").is_file():
+    """Rows of the tracker's study that compare default trainings with RD; none without a study.
+
+    Nor are there any of a study of earlier label sets.
+    """
+    file = STUDY_FILES["worth"]
+    if not (results / file).is_file() or stamps.is_stale(results, file):
         return pd.DataFrame()
     query = "setting == 'default' and base == 'default' and base_training_set == 'rd'"
     return read(results, "worth", "studies/tracker").query(query)
@@ -211,6 +222,23 @@ def realism(results):
     return markdown(["quantity", "unit", "here: value (95 % interval)", "real", "agrees"], rows)
 
 
+def difficulty(results):
+    """The benchmark beside the paper's."""
+    real = read(results, "realism").set_index("quantity")
+    shallow = real.loc["test scenes of fewer than 6 layers"]
+    most = real.loc["most layers of a test scene"]
+    intervals = read(results, "table3_intervals").set_index(["output", "training_set", "metric"])
+    fuse = intervals.loc[("fuse", "rd", "ods")]
+    n_scenes = f"{fuse['n_images']:.0f}"
+    rows = [
+        [shallow.name, f"{100 * shallow['value']:.0f} % of {n_scenes}", "57 % of 260"],
+        [most.name, f"{most['value']:.0f} of {n_scenes}", "34 of 260"],
+    ]
+    trained = f"{share(fuse['mean'])}, mean of {fuse['n_replicas']:.0f} trainings (`table3.csv`)"
+    rows.append(["fuse ODS of a tracker trained on RD", trained, ".815"])
+    return markdown(["", "this flight", "Yari et al. (2021)"], rows)
+
+
 def cost(results):
     """Seconds and memory of every rule, from Snakemake's benchmarks."""
     found = []
@@ -247,43 +275,65 @@ BLOCKS = (
     plans,
     atlas,
     realism,
+    difficulty,
     cost,
     *STUDY_BLOCKS,
 )
 
 
-def fill(text, results):
-    """Text with its blocks filled, and the names of those whose tables are not there.
+class StaleTableError(Exception):
+    """A study's table is of an earlier flight, or of earlier label sets."""
 
+
+def made(name, results):
+    """Text of a block by a run. StaleTableError or FileNotFoundError where this has none."""
+    file = STUDY_FILES.get(name)
+    if file and (results / file).is_file() and stamps.is_stale(results, file):
+        msg = f"{file} is older than the run's statistics or label sets"
+        raise StaleTableError(msg)
+    maker = next(block for block in BLOCKS if block.__name__ == name)
+    try:
+        return f"{maker(results)}\n"
+    except FileNotFoundError as missing:
+        msg = f"{missing.filename} is not there"
+        raise FileNotFoundError(msg) from missing
+
+
+def fill(text, results, stamp, earlier=""):
+    """Text with its blocks filled, and the names of those that are left, with the reasons.
+
+    `earlier` are the words that mark blocks which are left and have another stamp.
     ValueError if a block is opened and not closed.
     """
     left = []
-    for block in BLOCKS:
-        name = block.__name__
-        opened, closed = f"<!-- {name} -->\n", f"<!-- /{name} -->"
-        if opened not in text:
-            continue
-        before, after = text.split(opened, 1)
-        if closed not in after:
-            msg = f"expected {closed} after {opened.strip()}, found none"
-            raise ValueError(msg)
+    for old in stamps.blocks_of(text):
         try:
-            made = block(results)
-        except FileNotFoundError as missing:
-            left.append(f"{name} ({missing.filename} is not there)")
-        else:
-            text = before + opened + made + "\n" + closed + after.split(closed, 1)[1]
+            new = stamps.Block(old.name, stamp, made(old.name, results))
+        except (FileNotFoundError, StaleTableError) as reason:
+            left.append(f"{old.name} ({reason})")
+            is_stale = old.has_table and old.stamp != stamp and not old.is_marked
+            new = old.marked(earlier) if earlier and is_stale else old
+        text = text.replace(str(old), str(new))
     return text, left
 
 
-def main(results):
+@click.command()
+@click.argument("results", type=click.Path(path_type=Path), default=ROOT / "results")
+@click.option("--earlier", default="", metavar="WORDS", help="Mark tables left: of an earlier ...")
+def main(results, earlier):
     """Fill all pages."""
+    of_run = stamps.of_statistics(results / "statistics.nc")
+    in_use = stamps.of_statistics(PACKAGED)
+    if of_run != in_use:
+        msg = f"{results}: expected a run of flight {in_use}, the package's, found flight {of_run}"
+        raise click.ClickException(msg)
+    stamp = stamps.of_run(results)
     for page in PAGES:
-        text, left = fill(page.read_text(), results)
+        text, left = fill(page.read_text(), results, stamp, earlier)
         page.write_text(text)
         for name in left:
-            sys.stderr.write(f"{page.name}: left as it is: {name}\n")
+            click.echo(f"{page.name}: left as it is: {name}", err=True)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "results")
+    main()

@@ -112,4 +112,13 @@ def result_of(runs):
     return f"{runs['result'].mean():.2f}" if failed.empty else failed.iloc[0]
 
 
+# Tables that are made from label sets of the run that they lie in.
+STUDY_FILES = {
+    "budgets": "studies/budgets/tracker.csv",
+    "renderers": "studies/cgan/renderers.csv",
+    "cgan_atlas": "studies/cgan/atlas.csv",
+    "worth": "studies/tracker/worth.csv",
+    "ablation": "studies/tracker/ablation.csv",
+    "tracker_atlas": "studies/tracker/atlas.csv",
+}
 STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, tracker_atlas, *FLIGHT_BLOCKS)

@@ -1,16 +1,23 @@
 """Parts of pages that are made: the configuration reference, and README's tables."""
 
+import os
 import re
 
 import configuration
 import fill_tables
+import numpy as np
 import pandas as pd
 import pytest
+import stamps
+import xarray as xr
 import yaml
+from click.testing import CliRunner
 from result_tables import SETS, picks, table2, table3_intervals, worth
 from runs import SCHEMA
 
 from lib.configuration import stages
+
+STAMP = "flight 00000000, scenes 00000000, labels 00000000"
 
 
 def test_every_setting_is_listed_once_with_its_default_and_a_comment():
@@ -61,7 +68,7 @@ def results(tmp_path):
 
 def test_a_block_is_replaced_by_its_table_and_the_rest_is_kept(results):
     text = "before\n<!-- similarity -->\nold\n<!-- /similarity -->\nafter\n"
-    filled, left = fill_tables.fill(text, results)
+    filled, left = fill_tables.fill(text, results, STAMP)
     assert left == []
     assert filled.startswith("before\n")
     assert filled.endswith("after\n")
@@ -74,8 +81,8 @@ def test_filling_twice_changes_nothing_more(results):
     text = "".join(
         f"<!-- {name} -->\n<!-- /{name} -->\n" for name in ("intervals", "picks", "cost")
     )
-    once, _ = fill_tables.fill(text, results)
-    assert fill_tables.fill(once, results)[0] == once
+    once, _ = fill_tables.fill(text, results, STAMP)
+    assert fill_tables.fill(once, results, STAMP)[0] == once
     assert "| ODS | -0.2500 [-0.5000, +0.0000] |" in once
     assert "2 trainings a set are too few" in once
     assert "| mean absolute error [bins] | 1.00 | 1.00 | 1.00 | 1.00 |" in once
@@ -88,21 +95,21 @@ def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
     for n_replicas, shown in ((5, True), (2, False)):
         of_study = worth(n_replicas, difference=0.125, low=0.0625, high=0.1875)
         of_study.to_csv(results / "studies/tracker/worth.csv", index=False)
-        filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results)
+        filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results, STAMP)
         assert ("| ODS | +0.1250 [+0.0625, +0.1875] |" in filled) == shown
         assert ("5 trainings a set" in filled) == shown
 
 
 def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
-    readme, accuracy = (page.read_text() for page in fill_tables.PAGES)
-    study = re.search(r"<!-- worth -->(.*)<!-- /worth -->", accuracy, re.DOTALL)[1]
+    readme, accuracy, _ = (page.read_text() for page in fill_tables.PAGES)
+    study = re.search(r"<!-- worth: [^>]*-->(.*)<!-- /worth -->", accuracy, re.DOTALL)[1]
     if "too few for more than an indication" in readme:
         # Two trainings, for the study was not repeated: the page says of what it is.
-        assert "with an earlier draw of label sets" in accuracy
+        assert "Of an earlier draw of label sets" in study
         return
     of_study = dict(re.findall(r"\| (RD\S+ less RD \| \w+) \|[^|]*\| ([^|]*) \|", study))
     shown = re.search(
-        r"<!-- tables -->.*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL
+        r"<!-- tables: .*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL
     )[1]
     for metric in ("ODS", "OIS", "AP"):
         cells = re.search(rf"\| {metric} \| (.*) \|", shown)[1].split(" | ")
@@ -117,17 +124,116 @@ def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
 
 def test_a_block_without_its_table_is_left_and_named_and_one_not_closed_is_refused(results):
     text = "<!-- realism -->\nold\n<!-- /realism -->\n"
-    filled, (left,) = fill_tables.fill(text, results)
+    filled, (left,) = fill_tables.fill(text, results, STAMP)
     assert filled == text
     assert "realism.csv" in left
     with pytest.raises(ValueError, match=r"expected <!-- /similarity -->"):
-        fill_tables.fill("<!-- similarity -->\nold\n", results)
+        fill_tables.fill("<!-- similarity -->\nold\n", results, STAMP)
 
 
 @pytest.mark.parametrize("page", fill_tables.PAGES, ids=lambda page: page.name)
 def test_pages_hold_blocks_that_are_known_and_closed(page):
     text = page.read_text()
-    opened = re.findall(r"<!-- (\w+) -->", text)
+    opened = [block.name for block in stamps.blocks_of(text)]
     assert opened
     assert set(opened) <= {block.__name__ for block in fill_tables.BLOCKS}
     assert re.findall(r"<!-- /(\w+) -->", text) == opened
+
+
+def test_every_table_on_a_page_is_of_the_flight_in_use_or_says_in_its_first_line_that_it_is_not():
+    blocks = [block for page in fill_tables.PAGES for block in stamps.blocks_of(page.read_text())]
+    current = next(block.stamp for block in blocks if block.name == "tables")
+    assert current.startswith(f"flight {stamps.of_statistics(fill_tables.PACKAGED)}, ")
+    unmarked = [block for block in blocks if block.has_table and not block.is_marked]
+    assert [block.name for block in unmarked if block.stamp != current] == []
+    marked = [block for block in blocks if block.is_marked]
+    assert [block.name for block in marked if block.stamp in ("", current)] == []
+
+
+@pytest.fixture
+def finished(results):
+    """A run with statistics, label sets and a study that is newer."""
+    (results / "labels").mkdir()
+    values = {"power": ("layer", np.array([1.0, 0.1])), "n": ("layer", np.array([3, 4]))}
+    xr.Dataset(values).to_netcdf(results / "statistics.nc")
+    (results / "labels/0000.nc").write_bytes(b"drawn")
+    (results / "studies/tracker").mkdir(parents=True)
+    study = results / "studies/tracker/worth.csv"
+    table = worth(5, difference=0.125, low=0.0625, high=0.1875)
+    resampled = {"bootstrap_low": 0.0625, "bootstrap_high": 0.1875}
+    means = {"mean": 0.75, "base_mean": 0.625}
+    table = table.assign(**resampled, **means, n_images=60, outcome="higher")
+    table.to_csv(study, index=False)
+    return results
+
+
+def test_statistics_have_the_same_stamp_in_the_package_s_precision_and_another_if_they_differ(
+    finished,
+):
+    ours = stamps.of_statistics(finished / "statistics.nc")
+    with xr.open_dataset(finished / "statistics.nc") as statistics:
+        statistics.assign(power=statistics["power"].astype(np.float32)).to_netcdf(
+            finished / "packaged.nc"
+        )
+        statistics.assign(power=1.001 * statistics["power"]).to_netcdf(finished / "other.nc")
+    assert stamps.of_statistics(finished / "packaged.nc") == ours
+    assert stamps.of_statistics(finished / "other.nc") != ours
+
+
+def test_the_stamp_of_a_run_tells_flight_and_label_sets_apart(finished):
+    before = stamps.of_run(finished)
+    (finished / "labels/0000.nc").write_bytes(b"drawn again")
+    after = stamps.of_run(finished)
+    assert before.split(", ")[:2] == after.split(", ")[:2]
+    assert before.split(", ")[2] != after.split(", ")[2]
+
+
+def test_a_study_older_than_the_label_sets_is_refused_and_what_the_page_holds_is_marked(finished):
+    text = "<!-- worth: flight 1 -->\n| a |\n|---|\n<!-- /worth -->\n"
+    renewed, left = fill_tables.fill(text, finished, STAMP)
+    assert left == []
+    assert f"<!-- worth: {STAMP} -->" in renewed
+    assert "5 trainings a set" in fill_tables.intervals(finished)
+    of_study = finished / "studies/tracker/worth.csv"
+    os.utime(of_study, (0, 0))
+    filled, (reason,) = fill_tables.fill(text, finished, STAMP)
+    assert filled == text
+    assert "studies/tracker/worth.csv is older than" in reason
+    for page in (text, text.replace("worth: flight 1", "worth")):
+        marked, _ = fill_tables.fill(page, finished, STAMP, "flight: the last")
+        (block,) = stamps.blocks_of(marked)
+        assert block.is_marked
+        assert block.text.startswith("*Of an earlier flight: the last.*\n\n| a |")
+        assert fill_tables.fill(marked, finished, STAMP, "flight: another")[0] == marked
+    assert "5 trainings a set" not in fill_tables.intervals(finished)
+
+
+def test_a_run_of_another_flight_than_the_package_s_is_refused_in_one_line(finished):
+    before = [page.read_bytes() for page in fill_tables.PAGES]
+    told = CliRunner().invoke(fill_tables.main, [str(finished)])
+    assert told.exit_code == 1
+    assert re.fullmatch(
+        r"Error: .*: expected a run of flight \w{8}, the package's, found flight \w{8}\n",
+        told.output,
+    )
+    assert [page.read_bytes() for page in fill_tables.PAGES] == before
+
+
+def test_scores_of_conventions_on_the_page_of_choices_are_those_of_the_table():
+    accuracy, choices = (
+        (fill_tables.ROOT / page).read_text()
+        for page in ("docs/accuracy.md", "docs/stages/choices.md")
+    )
+    table = next(block for block in stamps.blocks_of(accuracy) if block.name == "conventions")
+    rows = [line.strip("| ").split(" | ") for line in table.text.splitlines()[2:] if line]
+    scores = {tuple(name.strip("`") for name in row[:4]): row[-1] for row in rows}
+    assert f"default's is {scores['deblended', 'peak', 'peak', 'fitted']}," in choices
+    departures = {
+        "estimator, scale and place": ("paper", "none", "gaussian", "paper"),
+        "scale of the waveform alone": ("deblended", "none", "peak", "fitted"),
+        "place of the waveform alone": ("deblended", "peak", "gaussian", "fitted"),
+        "width alone": ("deblended", "peak", "peak", "paper"),
+    }
+    for departure, convention in departures.items():
+        (row,) = re.findall(rf"\| {departure}.*", choices)
+        assert re.search(r"closed loop ([\d.]+)", row)[1] == scores[convention], departure
