@@ -97,7 +97,7 @@ def test_one_tracks_frames_without_annotation(snowsim, tmp_path):
         assert layers["layer"][0] == "surface"
         assert np.isfinite(layers["twtt"].values[1:]).any()
         assert (tmp_path / f"picked/{name}_picks.png").is_file()
-    with pytest.raises(AssertionError, match="is there"):
+    with pytest.raises(AssertionError, match="expected none to be there"):
         run("track", "test_e.nc", "-o", "picked")
 
 
