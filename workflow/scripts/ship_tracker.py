@@ -3,7 +3,7 @@
 from job import run
 
 from lib.pretraining import scores_for_card
-from lib.tracker_scores import read_calibration, read_tracker
+from lib.tracker_scores import read_calibration, read_confidence, read_tracker
 from snowsim.io.files import read_dataset
 from snowsim.io.trackers import write_tracker
 from snowsim.statistics import Ranges
@@ -17,7 +17,10 @@ LIMITS = (
 )
 
 
-def ship(network, calibration, statistics, tracker, card, *, n_scenes, n_variants, radar, scores):
+def ship(
+    network, calibration, confidence, statistics, tracker, card,
+    *, n_scenes, n_variants, radar, scores,
+):  # fmt: skip
     trained = read_tracker(network)
     calibrated = read_calibration(calibration)
     of_flight, of_variants = n_scenes
@@ -34,6 +37,7 @@ def ship(network, calibration, statistics, tracker, card, *, n_scenes, n_variant
         ranges=ranges_of(read_dataset(statistics), Ranges()),
         scores=scores_for_card(scores),
         limits=LIMITS,
+        confidence=read_confidence(confidence),
     )
     write_tracker(tracker, to_onnx(trained.network, calibrated.offset), written)
 
