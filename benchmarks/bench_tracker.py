@@ -66,7 +66,6 @@ def plain_steps(settings, scenes):
     )
     for step in range(settings.n_steps):
         rng = random_stream(SEED, "tracker", "step", step)
-        rng.integers(len(settings.scales))
         batch = [
             scenes[step * settings.batch_size + number] for number in range(settings.batch_size)
         ]
