@@ -59,8 +59,13 @@ class PublishedNetwork(MultiScaleNetwork):
 def published_optimiser(network, settings):
     """Stochastic gradient descent with one group per rate and decay.
 
-    A call a group costs more than the step of a small network.
+    A call a group costs more than the step of a small network. ValueError for settings of what
+    copies of whole scenes cannot be.
     """
+    cut = settings.n_range_bins or settings.n_range_lines
+    if settings.batch_size > 1 or cut or settings.mask_unannotated:
+        msg = "network published: expected batch_size 1, no crop and mask_unannotated false"
+        raise ValueError(msg)
     groups = {}
     for name, parameter in network.named_parameters():
         rate = settings.learning_rate

@@ -62,10 +62,6 @@ class Settings:
         if not self.scales or not all(0 < scale <= 1 for scale in self.scales):
             msg = f"scales must be one or more in (0, 1], got {self.scales}"
             raise ValueError(msg)
-        cut = self.n_range_bins or self.n_range_lines
-        if self.network == "published" and (self.batch_size > 1 or cut or self.mask_unannotated):
-            msg = "network published: expected batch_size 1, no crop and mask_unannotated false"
-            raise ValueError(msg)
 
     @property
     def n_copies(self):
