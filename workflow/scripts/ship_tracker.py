@@ -12,8 +12,7 @@ from snowsim.tracker.portable import to_onnx
 
 LIMITS = (
     "annual layers of dry snow and firn, 2-8 GHz, surface in row 50; no scene held brightness "
-    "jumps, roll fades, sidelobes of deconvolution, ice lenses, layers that percolation breaks, "
-    "or horizontal bands of coherent noise, which it takes for layers where they are strong"
+    "jumps, roll fades, sidelobes of deconvolution, ice lenses, or layers that percolation breaks"
 )
 
 
@@ -26,7 +25,8 @@ def ship(
     of_flight, of_variants = n_scenes
     settings = trained.settings
     trained_on = f"{SYNTHETIC}: {of_flight} scenes of the statistics of the reference flight and "
-    trained_on += f"{of_variants} of {n_variants} variants of these, rendered by PHY; "
+    trained_on += f"{of_variants} of {n_variants} variants of these with crusts and bands of noise, "
+    trained_on += "rendered by PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
     written = make_card(
