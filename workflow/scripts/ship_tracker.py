@@ -25,8 +25,8 @@ def ship(
     of_flight, of_variants = n_scenes
     settings = trained.settings
     trained_on = f"{SYNTHETIC}: {of_flight} scenes of the statistics of the reference flight and "
-    trained_on += f"{of_variants} of {n_variants} variants of these with crusts and bands of noise, "
-    trained_on += "rendered by PHY; "
+    trained_on += f"{of_variants} of {n_variants} variants of these with crusts and bands of "
+    trained_on += "noise, rendered by PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
     written = make_card(
