@@ -52,11 +52,12 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Two years after the best shift of the earlier (column,) [rows]."""
+    """Two years after the best shift of the earlier (column,) [rows]; the earlier without it."""
 
     shift: np.ndarray
     earlier: Found
     later: Found
+    unshifted: Found
 
 
 def as_echogram(means_db, bin_s):
@@ -156,7 +157,8 @@ def compare(earlier, later, spacing):
     shift = best_shift(earlier, later, spacing)
     moved = earlier + shift
     of_earlier = found_in(moved, later, spacing)
-    return Comparison(shift, of_earlier, found_in(later, moved, spacing))
+    of_later = found_in(later, moved, spacing)
+    return Comparison(shift, of_earlier, of_later, found_in(earlier, later, spacing))
 
 
 def fold(*years):
@@ -194,7 +196,11 @@ def control(earlier, later, spacing, n_draws, *, rng):
 
 
 def repeat_table(comparison, controls, spacing):
-    """A row for each of the years: its layers found in the other, beside the control."""
+    """A row for each of the years: its layers found in the other, beside the control.
+
+    Distances of picks to the nearest of the other year are medians, of the control the median of
+    these; `unshifted_distance_rows` is that of the earlier year before the shift.
+    """
     rows = []
     for year in ("earlier", "later"):
         found = getattr(comparison, year)
@@ -214,6 +220,7 @@ def repeat_table(comparison, controls, spacing):
             "n_draws": len(controls),
             "distance_rows": found.distance_rows,
             "control_distance_rows": np.median(distances) if controls else np.nan,
+            "unshifted_distance_rows": comparison.unshifted.distance_rows,
             "mean_shift_rows": comparison.shift.mean(),
             "spacing_rows": spacing,
         }

@@ -23,7 +23,9 @@ def tracked(tracker, means_db):
 
 
 def match_repeat_pass(picks, table, *, folder, weights, n_draws, seed):
-    tracker = Tracker.load(*weights)
+    # One file, with its digest.
+    (path,) = weights
+    tracker = Tracker.load(path)
     # By their dates: the earlier first.
     pictures = dict(sorted(read_greenland(folder).items()))
     earlier, later = map(partial(tracked, tracker), pictures.values())
@@ -32,7 +34,7 @@ def match_repeat_pass(picks, table, *, folder, weights, n_draws, seed):
     rng = random_stream(seed, "match_repeat_pass")
     controls = repeat_pass.control(earlier, later, spacing, n_draws, rng=rng)
     found = repeat_pass.repeat_table(comparison, controls, spacing)
-    logger.info("%s %s\n%s", tracker.card.name, tracker.card.version, found.T.to_string())
+    logger.info("%s, %s\n%s", path, weights[path], found.T.to_string())
     write_table(table, found)
     write_dataset(picks, repeat_pass.picks_dataset(pictures, (earlier, later), comparison))
 
