@@ -378,15 +378,6 @@ rule realism:
 # Layers that the tracker of the package picks in real pictures of one place in two years. Not part of the default run.
 
 
-def repeat_pass_files(wildcards):
-    """Files of the folder of real pictures; without one, a line that says so."""
-    if not REAL:
-        raise WorkflowError(
-            "repeat_pass: realism.real_snow_radar: expected a folder of real Snow Radar material, got null"
-        )
-    return [file for file in REAL_FILES if "greenland_2011_2012" in file]
-
-
 rule match_repeat_pass:
     input:
         unread=repeat_pass_files,
