@@ -1,4 +1,4 @@
-"""Fill the tables of README.md and docs/accuracy.md: ``python docs/fill_tables.py [results]``.
+"""Fill the tables of README.md and of pages: ``python docs/fill_tables.py [results]``.
 
 A block stands between ``<!-- name -->`` and ``<!-- /name -->``; what was there is replaced. So
 every number on these pages has a file it came from, and a run of the default configuration renews
@@ -11,11 +11,12 @@ from pathlib import Path
 import pandas as pd
 from study_tables import STUDY_BLOCKS
 from table_parts import METRICS, SETS, amount, difference, digits, error, markdown, read, share
+from transfer_tables import TRANSFER_BLOCKS
 
 ROOT = Path(__file__).resolve().parents[1]
 EDGE_METRICS = ("ods", "ois", "ap")
 ENOUGH_TRAININGS = 5  # of each set, for intervals to be more than indicative
-PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md")
+PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md", ROOT / "docs/stages/track.md")
 
 
 def similarity(results):
@@ -249,6 +250,7 @@ BLOCKS = (
     realism,
     cost,
     *STUDY_BLOCKS,
+    *TRANSFER_BLOCKS,
 )
 
 
