@@ -61,6 +61,7 @@ format: setup
 	.venv/bin/ruff format .
 	.venv/bin/snakefmt Snakefile workflow
 
+benchmarks: export PYTHONPATH = workflow
 benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
@@ -68,6 +69,7 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_tracker.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
 
