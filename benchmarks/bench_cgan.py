@@ -1,13 +1,15 @@
 """Cost of training the conditional GAN: against a plain PyTorch loop, and at the paper's scale.
 
-``PYTHONPATH=workflow python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager,
+``python benchmarks/bench_cgan.py`` times steps of this package and of a plain loop in turn (eager,
 float32, contiguous layout, Adam as it comes) on the same scenes, trains both for as many steps from
 the same weights and prints the ratio of their cost beside their losses. It fails where the package
 is slower.
 
-``PYTHONPATH=workflow python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless
+``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless
 told) of the training that config/paper.yaml asks for, on a GPU where there is one, and prints what
 the whole would take.
+
+Both need the folder ``workflow`` on ``PYTHONPATH``, as ``make benchmarks`` sets it.
 """
 
 import dataclasses

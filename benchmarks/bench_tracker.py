@@ -2,15 +2,17 @@
 
 Against a plain PyTorch loop and the arithmetic alone, and at the paper's scale.
 
-``PYTHONPATH=workflow python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn
+``python benchmarks/bench_tracker.py`` times steps of this package and of a plain loop in turn
 (eager, float32, contiguous layout, AdamW as it comes, loss and fusion as usually written) on the
 same scenes, and a product of matrices with as many multiplications as a step's convolutions. It
 prints the ratios and fails where the package is slower.
 
-``PYTHONPATH=workflow python benchmarks/bench_tracker.py RESULTS`` takes an epoch of two real scenes, of two label
+``python benchmarks/bench_tracker.py RESULTS`` takes an epoch of two real scenes, of two label
 scenes and of the highest label scene (10 gradients and an update each) by the published recipe, on
 a GPU where there is one. It prints seconds a megapixel and the peak of memory, and what the four
 trainings would take by their gradients and mean heights.
+
+Both need the folder ``workflow`` on ``PYTHONPATH``, as ``make benchmarks`` sets it.
 """
 
 import logging
