@@ -21,7 +21,7 @@ help:
 	@echo "make format        mend style"
 	@echo "make benchmarks    time the stages"
 	@echo "make docs          documentation, to build/docs/index.html"
-	@echo "make package-data  statistics of the default run, and the tracker trained on them, into the package"
+	@echo "make package-data  statistics of the default run, and the tracker trained on variants of them, into the package"
 	@echo "make clean         remove results, logs and caches"
 	@echo "CORES=4 takes four cores; TORCH_INDEX= takes a build of torch for GPUs."
 
