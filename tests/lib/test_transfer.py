@@ -59,7 +59,12 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert expected["radar"].pop("bin_size_s") == 2.886e-10
     assert found == expected
     # Bins a little more than half as long: an image has that share of rows once resampled.
-    assert_allclose(scale_of(flight, CONFIG["reference"]["radar"]), (1.6 / 2.886, 1))
+    radar = CONFIG["reference"]["radar"]
+    assert_allclose(scale_of(flight, radar), (1.6 / 2.886, 1))
+    # Lines are averaged where they are closer, and never invented.
+    closer, farther = ({"reference": {"radar": {"line_spacing_m": at}}} for at in (2.6, 8.0))
+    assert_allclose(scale_of(closer, radar), (1, 2.6 / 5.2))
+    assert_allclose(scale_of(farther, radar), (1, 1))
 
 
 def test_parts_of_a_flight_share_no_scene_and_shards_hold_every_variant_once():
