@@ -21,7 +21,7 @@ help:
 	@echo "make format        mend style"
 	@echo "make benchmarks    time the stages"
 	@echo "make docs          documentation, to build/docs/index.html"
-	@echo "make package-data  statistics of the default run, and the tracker trained on them, into the package"
+	@echo "make package-data  statistics of the default run, and the tracker trained on variants of them, into the package"
 	@echo "make clean         remove results, logs and caches"
 	@echo "CORES=4 takes four cores; TORCH_INDEX= takes a build of torch for GPUs."
 
@@ -61,6 +61,7 @@ format: setup
 	.venv/bin/ruff format .
 	.venv/bin/snakefmt Snakefile workflow
 
+benchmarks: export PYTHONPATH = workflow
 benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
@@ -68,6 +69,7 @@ benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_tracker.py
+	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
 

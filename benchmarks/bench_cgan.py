@@ -8,6 +8,8 @@ is slower.
 ``python benchmarks/bench_cgan.py --paper [SECONDS]`` runs a slice of that many seconds (60 unless
 told) of the training that config/paper.yaml asks for, on a GPU where there is one, and prints what
 the whole would take.
+
+Both need the folder ``workflow`` on ``PYTHONPATH``, as ``make benchmarks`` sets it.
 """
 
 import dataclasses

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from snowsim.io.weights import read_weights, shipped_weights
+from snowsim.io.trackers import read_tracker, shipped_trackers
 from snowsim.picking import canonical, checked_card, evidence_of, layers_of_frames
 from snowsim.picking.network import network
 from snowsim.reference import checked_settings, draw_climate, draw_frame
@@ -73,8 +73,8 @@ def quantised(path):
 def main():
     """Print the table."""
     warnings.simplefilter("ignore")
-    path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped_weights()["universal"]
-    weights, card = read_weights(path)
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped_trackers()["universal"]
+    weights, card = read_tracker(path)
     card = checked_card(card, path)
     echogram = draw_echogram()
     plain = network(weights)

@@ -11,6 +11,8 @@ prints the ratios and fails where the package is slower.
 scenes and of the highest label scene (10 gradients and an update each) by the published recipe, on
 a GPU where there is one. It prints seconds a megapixel and the peak of memory, and what the four
 trainings would take by their gradients and mean heights.
+
+Both need the folder ``workflow`` on ``PYTHONPATH``, as ``make benchmarks`` sets it.
 """
 
 import logging
@@ -66,7 +68,6 @@ def plain_steps(settings, scenes):
     )
     for step in range(settings.n_steps):
         rng = random_stream(SEED, "tracker", "step", step)
-        rng.integers(len(settings.scales))
         batch = [
             scenes[step * settings.batch_size + number] for number in range(settings.batch_size)
         ]

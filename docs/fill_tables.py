@@ -17,11 +17,17 @@ import pandas as pd
 import stamps
 from study_tables import STUDY_BLOCKS, STUDY_FILES
 from table_parts import METRICS, SETS, amount, difference, digits, error, markdown, read, share
+from transfer_tables import TRANSFER_BLOCKS
 
 ROOT = Path(__file__).resolve().parents[1]
 EDGE_METRICS = ("ods", "ois", "ap")
 ENOUGH_TRAININGS = 5  # of each set, for intervals to be more than indicative
-PAGES = (ROOT / "README.md", ROOT / "docs/accuracy.md", ROOT / "docs/reference-flight.md")
+PAGES = (
+    ROOT / "README.md",
+    ROOT / "docs/accuracy.md",
+    ROOT / "docs/reference-flight.md",
+    ROOT / "docs/stages/track.md",
+)
 PACKAGED = ROOT / "snowsim/data/reference_flight.nc"  # statistics of the flight in use
 
 
@@ -278,6 +284,7 @@ BLOCKS = (
     difficulty,
     cost,
     *STUDY_BLOCKS,
+    *TRANSFER_BLOCKS,
 )
 
 

@@ -56,6 +56,11 @@ def learning_curve(results):
     """Scores by the number of annotated scenes, and scenes that drawn ones save."""
     rows = []
     for r in read(results, "curve", FLIGHTS).itertuples():
+        if np.isnan(r.ods):
+            rows.append(
+                [r.flight, r.n_scenes, NAMES[r.training_set], "too little to draw from", ""]
+            )
+            continue
         score = f"{share(r.ods)} [{share(r.low)}, {share(r.high)}]"
         saved = ""
         if r.training_set != "rd":

@@ -33,7 +33,7 @@ over_option = click.option("--force", is_flag=True, help="Write over files that 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__)
 def commands():
-    """Simulate airborne snow radar, and score what tracks its layers; the workflow is Snakemake's.
+    """Simulate snow radar, and score what tracks its layers; the whole workflow is `make run`.
 
     Errors are one line; exit codes 1 bad data or no room, 2 bad usage, 130 interrupted.
     """
@@ -285,7 +285,7 @@ def train(sources, model, n_steps, force, **settings):
 
 
 @commands.command(
-    short_help="Echogram and layers of a radar over annual snow.", context_settings=SHOWN
+    short_help="Echogram and layers over annual snow or a profile.", context_settings=SHOWN
 )
 @click.argument("echogram", type=click.Path(dir_okay=False, path_type=Path))
 @click.option("--radar", type=click.Choice(PRESETS), default="snow-2-8")

@@ -115,7 +115,7 @@ def test_a_state_of_other_settings_is_refused_in_one_line(
         (TRACKER, {"learning_rate": 0.0}),
         (TRACKER, {"scales": ()}),
         (TRACKER, {"scales": (2.0,)}),
-        (TRACKER, {"optimiser": "lion"}),
+        (TRACKER, {"network": "resnet"}),
     ],
 )
 def test_settings_out_of_range_are_refused(settings, change):

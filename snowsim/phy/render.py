@@ -77,8 +77,11 @@ def render(
     )
 
 
-def mean_field(scene_plan, *, rng):
-    """Mean power of a planned scene with texture and gain, (range_bin, range_line)."""
+def mean_field(scene_plan, *, rng, added_power=None):
+    """Mean power of a planned scene with texture and gain, (range_bin, range_line).
+
+    `added_power`, of the same shape, is of no echo in the plan.
+    """
     power = planned_power(scene_plan, added_power=scene_plan.noise_power)
     if scene_plan.texture is not None:
         texture = draw_texture(*power.shape, scene_plan.texture, rng=rng)
@@ -87,6 +90,8 @@ def mean_field(scene_plan, *, rng):
             scene_plan.waveforms, scene_plan.textured_layers, LEAST_TAIL * scene_plan.noise_power
         )
         power += texture
+    if added_power is not None:
+        power += added_power
     if scene_plan.line_gain_spread_db > 0:
         power *= draw_gain(power.shape[1], scene_plan.line_gain_spread_db, rng=rng)
     return power
@@ -100,12 +105,21 @@ def render_plan(scene_plan, *, rng, mean=None):
 
 
 def render_scene(
-    scene, *, rng, tolerance_db, echoes=None, speckle=None, normalise="peak", align="peak"
+    scene,
+    *,
+    rng,
+    tolerance_db,
+    echoes=None,
+    added_power=None,
+    speckle=None,
+    normalise="peak",
+    align="peak",
 ):
     """The scene with its image and its plan's notes, without echoes and complete layers.
 
-    Rendered are the scene's own `echoes` unless others are given; further options are those of
-    `render`. ValueError where there are none.
+    Rendered are the scene's own `echoes` unless others are given, ValueError where there are none;
+    mean power `added_power` (range_bin, range_line) of what is no echo is added to theirs. Further
+    options are those of `render`.
     """
     echoes = echoes or scene.echoes
     if echoes is None:
@@ -120,7 +134,8 @@ def render_scene(
         normalise=normalise,
         align=align,
     )
-    image, noise_floor_db, maximum_db = to_uint8(render_plan(planned, rng=rng))
+    mean = mean_field(planned, rng=rng, added_power=added_power)
+    image, noise_floor_db, maximum_db = to_uint8(render_plan(planned, rng=rng, mean=mean))
     return dataclasses.replace(
         scene,
         image=image,

@@ -32,9 +32,9 @@ def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
     n_lines = surface.line.size
     for piece in (surface, *pieces):
         of_piece = confidence(piece, n_lines, coefficients)
-        row, of_pick = _on_lines(piece, of_piece, lines, longest)
-        rows.append(_between_lines(row, grid.line))
-        sure.append(_between_lines(of_pick, grid.line))
+        row, of_pick = on_lines(piece, of_piece, lines, longest)
+        rows.append(between_lines(row, grid.line))
+        sure.append(between_lines(of_pick, grid.line))
     rows = np.array(rows)
     sure = np.array(sure)
     # A chain straight across a gap may touch a surface that jumps.
@@ -79,7 +79,7 @@ def doubtful_lines(canonical):
     return doubtful
 
 
-def _on_lines(piece, of_pick, lines, longest):
+def on_lines(piece, of_pick, lines, longest):
     """Rows of a piece and how sure they are, on range lines of the image, NaN where it has none."""
     inside = (piece.line >= lines[0]) & (piece.line <= lines[-1])
     reach = np.flatnonzero(inside)
@@ -100,7 +100,7 @@ def _on_lines(piece, of_pick, lines, longest):
     return row, sure
 
 
-def _between_lines(values, place):
+def between_lines(values, place):
     """Values at places between range lines, NaN where one of the two has none."""
     left = np.floor(place).astype(int)
     right = np.minimum(left + 1, values.size - 1)

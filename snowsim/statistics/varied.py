@@ -43,6 +43,8 @@ class Ranges:
     correlated_share : float
         Probability that speckle is correlated down range as in the flight; else bins are
         independent.
+    crusts_per_slab, crust_db, bands_per_100_bins, band_db : (float, float)
+        Of `snowsim.labels.clutter.Clutter`.
     """
 
     thickness: tuple = (0.4, 2.8)
@@ -52,11 +54,18 @@ class Ranges:
     line_gain_spread_db: tuple = (0.0, 1.2)
     n_looks: tuple = (4.0, 40.0)
     correlated_share: float = 0.5
+    crusts_per_slab: tuple = (0.0, 2.0)
+    crust_db: tuple = (-16.0, -6.0)
+    bands_per_100_bins: tuple = (0.0, 1.5)
+    band_db: tuple = (-10.0, 2.0)
 
 
 @dataclass(frozen=True)
 class Variation:
-    """One draw of `Ranges`: how a climate and radar differ from the flight's."""
+    """One draw of `Ranges`: how a climate and radar differ from the flight's.
+
+    What no statistic holds, crusts and bands, is for those who draw scenes: see `Clutter`.
+    """
 
     thickness: float = 1.0
     pulse_length: float = 1.0
@@ -65,6 +74,10 @@ class Variation:
     line_gain_spread_db: float | None = None  # None: the flight's
     n_looks: float | None = None  # None: the flight's
     correlated: bool = True
+    crusts_per_slab: float = 0.0
+    crust_db: float = 0.0
+    bands_per_100_bins: float = 0.0
+    band_db: float = 0.0
 
     @classmethod
     def draw(cls, ranges, *, rng):
@@ -77,6 +90,10 @@ class Variation:
             line_gain_spread_db=rng.uniform(*ranges.line_gain_spread_db),
             n_looks=_log_uniform(ranges.n_looks, rng),
             correlated=bool(rng.uniform() < ranges.correlated_share),
+            crusts_per_slab=rng.uniform(*ranges.crusts_per_slab),
+            crust_db=rng.uniform(*ranges.crust_db),
+            bands_per_100_bins=rng.uniform(*ranges.bands_per_100_bins),
+            band_db=rng.uniform(*ranges.band_db),
         )
 
 
@@ -84,10 +101,11 @@ def varied(statistics, *, rng, ranges=None):
     """Statistics of another climate and radar, drawn about those of a flight.
 
     Drawn are thickness of snow, pulse length, noise, power of unpicked snow, gain from line to
-    line, looks, and whether speckle is correlated; see `Ranges`. What label sets and PHY read
-    changes consistently: a factor of thickness moves means, zones and spectra alike. Neglected:
-    numbers of layers, powers of layers relative to the surface, fading and texture stay the
-    flight's, and so do statistics that nothing is drawn from, as measured waveforms.
+    line, looks, and whether speckle is correlated; see `Ranges`. Crusts and bands of noise, which
+    no statistic holds, are drawn, too, and stand in the attributes alone. What label sets and PHY
+    read changes consistently: a factor of thickness moves means, zones and spectra alike.
+    Neglected: numbers of layers, powers of layers relative to the surface, fading and texture stay
+    the flight's, and so do statistics that nothing is drawn from, as measured waveforms.
 
     Parameters
     ----------

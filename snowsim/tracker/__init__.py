@@ -1,15 +1,12 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import (
-    MultiScaleNetwork,
-    PublishedNetwork,
-    track,
-    trained_network,
-)
+from snowsim.tracker.loss import annotated_pixels
+from snowsim.tracker.network import MultiScaleNetwork, track
+from snowsim.tracker.published import PublishedNetwork
 from snowsim.tracker.sampling import Completed, TrainingSet
 from snowsim.tracker.settings import Settings, published
-from snowsim.tracker.train import Training, annotated_pixels, train_steps
+from snowsim.tracker.train import Training, train_steps, trained_network
 
 __all__ = [
     "OUTPUTS",

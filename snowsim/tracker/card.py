@@ -24,14 +24,16 @@ def make_card(
     ranges,
     scores,
     limits,
+    confidence=None,
 ):
     """Card of a tracker with its `Calibration`, as a dict of what JSON holds.
 
     `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of the scenes it was trained on, or of
     most of them; `ranges` span them, (least, most) by name and unit, `scores` are those of unseen
-    flights. What is not known is None.
+    flights, `confidence` the coefficients of `snowsim.picking.confidence`, None: those of the
+    package. What else is not known is None.
     """
-    return {
+    card = {
         "name": name,
         "version": VERSION,
         "trained_on": trained_on,
@@ -48,6 +50,9 @@ def make_card(
         "scores": scores,
         "limits": limits,
     }
+    if confidence is not None:
+        card["confidence"] = [round(value, 4) for value in confidence]
+    return card
 
 
 def ranges_of(statistics, ranges):

@@ -9,13 +9,10 @@ from torch import nn
 from torch.nn import functional
 
 from snowsim.patches import to_signed
-from snowsim.training import arithmetic, load_weights
+from snowsim.training import arithmetic
 
 # Channels in units of the width, and number of convolutions: VGG16.
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
-# Mean grey level that the published code takes off: its means of red, green and blue, weighted as
-# for luminance.
-MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 
 class MultiScaleNetwork(nn.Module):
@@ -68,7 +65,7 @@ class MultiScaleNetwork(nn.Module):
     @staticmethod
     def enlarged(logit, factor, size):
         """A side map as many times as large, about pixel centres, cut on the right and below."""
-        return _enlarged(logit, factor)[:, :, : size[0], : size[1]]
+        return enlarge(logit, factor)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
         """Draw the weights.
@@ -88,43 +85,8 @@ class MultiScaleNetwork(nn.Module):
                     parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
 
 
-class PublishedNetwork(MultiScaleNetwork):
-    """The multi-scale network as the published code has it.
-
-    Other input, first weights and place of side maps.
-    """
-
-    @staticmethod
-    def to_input(images):
-        """Grey level less `MEAN_GREY`, float32 (patch, 1, range_bin, range_line)."""
-        grey = np.asarray(images).astype(np.float32)
-        return torch.from_numpy(grey - np.float32(MEAN_GREY))[:, None]
-
-    @staticmethod
-    def enlarged(logit, factor, size):
-        """A side map as many times as large, corners on corners, and the middle of it."""
-        logit = _enlarged(logit, factor, align_corners=True)
-        n_rows, n_lines = size
-        # Half a pixel goes to the even one, as Python rounds.
-        top = round((logit.shape[2] - n_rows) / 2)
-        left = round((logit.shape[3] - n_lines) / 2)
-        return logit[:, :, top : top + n_rows, left : left + n_lines]
-
-    def initialise(self, *, rng):
-        """Draw weights and biases as PyTorch does, within +-1 / sqrt(n inputs); a mean fuses."""
-        with torch.no_grad():
-            for name, parameter in self.named_parameters():
-                is_bias = name.endswith("bias")
-                if name.startswith("fuse"):
-                    parameter.fill_(0 if is_bias else 1 / len(STAGES))
-                    continue
-                if not is_bias:  # a bias follows its weights, and has their number of inputs
-                    n_inputs = parameter[0].numel()
-                drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
-                parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
-
-
-def _enlarged(x, factor, *, align_corners=False):
+def enlarge(x, factor, *, align_corners=False):
+    """Maps (patch, 1, row, column) as many times as large, bilinear."""
     if factor == 1:
         return x
     return functional.interpolate(
@@ -132,14 +94,11 @@ def _enlarged(x, factor, *, align_corners=False):
     )
 
 
-NETWORKS = {"multi_scale": MultiScaleNetwork, "published": PublishedNetwork}
-
-
 def track(network, image, *, precision="float32"):
     """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
-    `network` is one of `NETWORKS`, `image` uint8 (range_bin, range_line) of any size; ValueError if
-    it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
+    `network` is that of a training, `image` uint8 (range_bin, range_line) of any size; ValueError
+    if it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
     """
     image = np.asarray(image)
     check_image(image)
@@ -158,10 +117,3 @@ def check_image(image):
     if image.size == 0 or image.min() == image.max():
         msg = f"image without contrast, of shape {image.shape}"
         raise ValueError(msg)
-
-
-def trained_network(weights, settings, *, device="cpu"):
-    """Network for `track`, of weights (dict of arrays) and the `Settings` of their training."""
-    network = NETWORKS[settings.network](settings.width)
-    load_weights(network, weights, "tracker")
-    return network.to(device=device, memory_format=torch.channels_last).eval()

@@ -14,6 +14,7 @@ import yaml
 from click.testing import CliRunner
 from result_tables import SETS, picks, table2, table3_intervals, worth
 from runs import SCHEMA
+from transfer_tables import TRACKERS
 
 from lib.configuration import stages
 
@@ -98,6 +99,32 @@ def test_intervals_are_those_of_the_study_where_it_has_more_trainings(results):
         filled, _ = fill_tables.fill("<!-- intervals -->\n<!-- /intervals -->\n", results, STAMP)
         assert ("| ODS | +0.1250 [+0.0625, +0.1875] |" in filled) == shown
         assert ("5 trainings a set" in filled) == shown
+
+
+def test_tables_of_flights_never_seen_hold_every_tracker_and_what_its_confidence_is_worth(results):
+    scores = dict.fromkeys(("ods", "ois", "ap", "f", "recall", "precision"), 0.5)
+    scores |= {"mean_error_bins": 0.75, "missed_share": 0.125, "false_share": 0.25}
+    rows = [
+        {"flight": flight, "tracker": tracker, **scores}
+        for flight in ("a_flight", "mean")
+        for tracker in TRACKERS
+    ]
+    pd.DataFrame(rows).to_csv(results / "tables/transfer.csv", index=False)
+    curve = {"tracker": "universal", "said": [0.1, 0.5, 0.9], "seen": [0.9, 0.4, 0.85]}
+    curves = [pd.DataFrame(curve).assign(flight=name) for name in "ab"]
+    # Of the first class, one pick in a thousand: too few to be shown.
+    pd.concat(curve.assign(n_pixels=[1, 499, 500]) for curve in curves).to_csv(
+        results / "tables/transfer_reliability.csv", index=False
+    )
+    names = ("transfer", "transfer_picks", "transfer_confidence")
+    text = "".join(f"<!-- {name} -->\n<!-- /{name} -->\n" for name in names)
+    filled, left = fill_tables.fill(text, results, STAMP)
+    assert left == []
+    assert "| a flight |" + " .500/.500/.500 |" * len(TRACKERS) in filled
+    assert "| mean | universal | .500 | .500 | .500 | 0.75 | 12 % | 25 % |" in filled
+    assert "Largest difference 0.100" in filled
+    assert "| .500 | .400 | 50 % |" in filled
+    assert ".100 | .900" not in filled
 
 
 def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():

@@ -1,16 +1,25 @@
 """Flights of the study: drawn within their ranges, alike but for that, and scored over flights."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from configuration import CONFIG
+from edge_counts import image_counts
 from numpy.testing import assert_allclose
 from scipy.stats import t as student
 
 from evaluation.lib import flights
-from evaluation.lib.flight_scores import mean_over_flights, scenes_for, scenes_saved
+from evaluation.lib.flight_scores import (
+    PAIRS,
+    curve_table,
+    mean_over_flights,
+    scenes_for,
+    scenes_saved,
+)
 from lib.configuration import filled
 from snowsim.metrics.comparison import METRICS, replica_scores
+from snowsim.metrics.edges import stack_counts
 from snowsim.reference import checked_settings
 
 
@@ -51,6 +60,46 @@ def test_flights_differ_in_seed_climate_and_radar_alone(config):
 def test_a_curve_beyond_the_train_scenes_is_refused_in_one_line():
     with pytest.raises(ValueError, match=r"at most benchmark\.n_scenes\.train = 20, got 30$"):
         flights.check_curve({"curve": [4, 30]}, 20)
+
+
+def test_few_scenes_that_hold_too_little_leave_real_ones_to_train_on(tmp_path):
+    study = {"curve": [4, 8], "n_trainings": 2}
+    for n, radiometry in ((4, "refused"), (8, "constant")):
+        text = f"n_scenes,radiometry,reason\n{n},{radiometry},\n"
+        (tmp_path / f"{n}.csv").write_text(text)
+    runs = dict(flights.few_runs(sorted(tmp_path.glob("*.csv")), study))
+    assert set(runs) == {"rd_of_4", "rd_of_8", "pd_of_8", "rd_pd_of_8"}
+    # What is drawn from few scenes is all that is added to them.
+    few = flights.few_of(study)
+    assert few["rd_of_4"].drawn_files(["0000"]) == few["pd_of_4"].real_files() == []
+    files = [*few["rd_pd_of_4"].real_files(), *few["rd_pd_of_4"].drawn_files(["0000"])]
+    assert all(file.startswith("results/one_flight/few/4/") for file in files)
+    assert {name for pair in PAIRS for name in pair} <= set(dict(flights.whole_runs(study)))
+
+
+def drawn_runs(shares, rng):
+    """Stacked counts of two trainings of every run of a curve, by the share that each finds."""
+    runs = {}
+    for name, share in shares.items():
+        runs[name] = [stack_counts(image_counts(share, 30, rng=rng)) for _ in range(2)]
+    return runs
+
+
+def test_the_table_of_a_curve_has_intervals_and_leaves_open_what_could_not_be_drawn(rng):
+    shares = {"rd_of_4": 0.5, "rd_of_8": 0.7, "pd_of_8": 0.6, "rd_pd_of_8": 0.8}
+    few = pd.DataFrame({"n_scenes": [4, 8], "radiometry": ["refused", "measured"]})
+    table = curve_table("2000", drawn_runs(shares, rng), few, n_bootstrap=50, rng=rng)
+    rows = table.set_index(["training_set", "n_scenes"])
+    for name, share in shares.items():
+        training_set, n = name.split("_of_")
+        row = rows.loc[training_set, int(n)]
+        # Of 6000 trials twice: 0.0045, four of those and what the best of three thresholds adds.
+        assert_allclose(row["ods"], share, atol=0.03)
+        assert row["low"] < row["ods"] < row["high"]
+    assert rows.loc["pd", 4][["ods", "low", "saved", "saved_high"]].isna().all()
+    # 0.6 lies halfway between RD's scores of 4 and 8 scenes.
+    assert_allclose(rows.loc["pd", 8]["saved"], np.sqrt(4 * 8) - 8, atol=0.8)
+    assert rows.loc["rd_pd", 8]["saved"] == np.inf
 
 
 def test_the_interval_over_flights_is_student_s_t():

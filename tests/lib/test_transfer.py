@@ -1,18 +1,27 @@
 """The study of flights never seen: which flights, and how trackers are scored on them."""
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose
 from runs import CONFIG
+from scipy.special import expit
 from toy_scenes import toy_scenes
 
 from lib.transfer import check_flights, parts_of, reference_of, scale_of, variants_of
-from lib.transfer_scores import logits_at, pick_scores, score_tracker
-from snowsim.tracker.calibration import Calibration
+from lib.transfer_scores import (
+    Compared,
+    fit_confidence,
+    followed,
+    on_pixels,
+    pick_scores,
+    reliability_of,
+    resized,
+    score_tracker,
+)
+from snowsim.tracker.calibration import Calibration, fused_logits
 
 TUNING = CONFIG["pretrained"]["tuning"]
 UNSEEN = CONFIG["studies"]["transfer"]["flights"]
@@ -50,7 +59,12 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert expected["radar"].pop("bin_size_s") == 2.886e-10
     assert found == expected
     # Bins a little more than half as long: an image has that share of rows once resampled.
-    assert_allclose(scale_of(flight, CONFIG["reference"]["radar"]), (1.6 / 2.886, 1))
+    radar = CONFIG["reference"]["radar"]
+    assert_allclose(scale_of(flight, radar), (1.6 / 2.886, 1))
+    # Lines are averaged where they are closer, and never invented.
+    closer, farther = ({"reference": {"radar": {"line_spacing_m": at}}} for at in (2.6, 8.0))
+    assert_allclose(scale_of(closer, radar), (1, 2.6 / 5.2))
+    assert_allclose(scale_of(farther, radar), (1, 1))
 
 
 def test_parts_of_a_flight_share_no_scene_and_shards_hold_every_variant_once():
@@ -62,29 +76,73 @@ def test_parts_of_a_flight_share_no_scene_and_shards_hold_every_variant_once():
     assert spans == [(0, 12), (12, 24), (24, 30)]
 
 
-def true_map(scene, moved_bins=0.0):
-    """A probability that is high at every layer of a scene, or so many bins below."""
+def true_logits(scene, moved_bins=0.0):
+    """Logits that are high at every layer of a scene, or so many bins below."""
     row = np.arange(scene.n_range_bins)[:, None]
     below = np.abs(row - scene.layer_bins[:, None, :] - moved_bins).min(axis=0)
-    return 1 / (1 + np.exp(4 * below - 6))
+    return (6 - 4 * below).astype(np.float32)
+
+
+def picks_of(scene, moved_bins=0.0):
+    return followed(true_logits(scene, moved_bins), PERFECT, scene.image.shape)
+
+
+PERFECT = Compared("perfect", None, SURE)
 
 
 def test_picks_of_a_perfect_map_find_every_layer_and_nothing_else():
     scenes = toy_scenes(3)
-    scores = pick_scores([true_map(scene) for scene in scenes], scenes, 0.5)
+    scores = pick_scores([picks_of(scene) for scene in scenes], scenes)
     assert scores["n_layers"] == 12
     assert scores["missed_share"] == scores["false_share"] == 0
-    # Edge maps fade over five of 64 range lines at either end.
-    assert scores["recall"] > 0.85
+    assert scores["recall"] > 0.98
     assert scores["precision"] > 0.98
     assert scores["mean_error_bins"] < 0.6
 
 
 def test_picks_three_bins_off_are_found_but_not_within_two():
     scenes = toy_scenes(3)
-    scores = pick_scores([true_map(scene, 3.0) for scene in scenes], scenes, 0.5)
+    scores = pick_scores([picks_of(scene, 3.0) for scene in scenes], scenes)
     assert_allclose(scores["mean_error_bins"], 3, atol=0.3)
     assert scores["f"] < 0.05
+
+
+def test_picks_of_an_image_seen_smaller_lie_on_its_own_pixels():
+    (scene,) = toy_scenes(1)
+    own = true_logits(scene)
+    # Every second row and line: a map that was tracked at half the size, its pixels at 2 i + 0.5.
+    half = (own[::2, ::2] + own[1::2, 1::2]) / 2
+    picks = followed(half, PERFECT, scene.image.shape)
+    scores = pick_scores([picks], [scene])
+    assert picks.bins.shape[1] == scene.image.shape[1]
+    assert scores["recall"] > 0.95
+    assert scores["mean_error_bins"] < 0.6
+
+
+def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
+    scenes = toy_scenes(12)
+    # Every third scene is picked five bins too low, at three quarters of the height.
+    logits = []
+    for number, scene in enumerate(scenes):
+        wrong = number % 3 == 0
+        logits.append(true_logits(scene, 5.0 * wrong) * (0.75 if wrong else 1))
+    found = fit_confidence(logits, scenes, SURE)
+    tracker = Compared("fitted", None, SURE, found)
+    picks = [
+        followed(each, tracker, scene.image.shape)
+        for each, scene in zip(logits, scenes, strict=True)
+    ]
+    sure = np.concatenate([each.sure[np.isfinite(each.bins)] for each in picks])
+    # A logistic fit with an offset says, in the mean, what it was fitted to.
+    assert_allclose(sure.mean(), 2 / 3, atol=0.1)
+    curve = reliability_of(picks, scenes)
+    assert curve.n_pixels.sum() == sure.size
+
+
+def test_confidence_without_a_pick_is_refused_in_one_line():
+    scenes = toy_scenes(1)
+    with pytest.raises(ValueError, match="expected picks to fit their confidence to, got none"):
+        fit_confidence([true_logits(scenes[0]) - 99], scenes, SURE)
 
 
 class Brightness(torch.nn.Module):
@@ -105,8 +163,9 @@ class Brightness(torch.nn.Module):
 def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
     row = np.arange(120)[:, None] + np.zeros((1, 60))
     image = np.rint(127 + 100 * np.sin(row / 8)).astype(np.uint8)
-    at_its_own = logits_at(Brightness(), image, (1, 1))
-    resampled = logits_at(Brightness(), image, (0.55, 0.65))
+    at_its_own = fused_logits(Brightness(), resized(image, (1, 1)))
+    smaller = fused_logits(Brightness(), resized(image, (0.55, 0.65)))
+    resampled = on_pixels(smaller, image.shape)
     assert resampled.shape == image.shape
     # Waves of 50 rows on bins of 1.8: averaging takes 1 % off, and rounding to grey 1/32.
     assert np.abs(resampled - at_its_own)[4:-4].max() < 0.15
@@ -114,9 +173,10 @@ def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
 
 def test_a_row_of_scores_has_every_score_and_its_reliability():
     scenes = [
-        dataclasses.replace(scene, image=np.uint8(255 * true_map(scene))) for scene in toy_scenes(2)
+        dataclasses.replace(scene, image=np.uint8(255 * expit(true_logits(scene))))
+        for scene in toy_scenes(2)
     ]
-    tracker = SimpleNamespace(name="bright", network=Brightness(), calibration=SURE)
+    tracker = Compared("bright", Brightness(), SURE)
     row, curve = score_tracker(tracker, scenes, (1, 1))
     assert row["tracker"] == "bright"
     assert row["ods"] > 0.95

@@ -9,7 +9,7 @@ from toy_scenes import toy_scene, toy_scenes
 from snowsim.echogram import layer_mask
 from snowsim.patches import draw_patches
 from snowsim.tracker import Settings, Training, TrainingSet, annotated_pixels, train_steps
-from snowsim.tracker.train import balanced_cross_entropy
+from snowsim.tracker.loss import balanced_cross_entropy
 
 
 @pytest.fixture

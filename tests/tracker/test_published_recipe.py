@@ -129,9 +129,9 @@ def test_only_copies_let_a_scene_without_layers_pass():
         train_steps(Training(published(10, width=2), seed=1), TrainingSet(scenes, seed=1))
     )
     assert set(losses.values()) == {0}
-    drawn = published(10, width=2, augmentation="drawn")
+    small = Training(Settings(width=2, n_steps=10), seed=1)
     with pytest.raises(ValueError, match="mask without layers"):
-        next(train_steps(Training(drawn, seed=1), TrainingSet(scenes, seed=1)))
+        next(train_steps(small, TrainingSet(scenes, seed=1)))
 
 
 def test_the_paper_s_configuration_is_the_published_recipe():
@@ -157,13 +157,14 @@ def test_the_paper_s_configuration_is_the_published_recipe():
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"n_range_bins": 64}, "copies: expected batch_size 1, no crop"),
-        ({}, "epoch of 5 gradients never fills .* 10"),
-    ],
+    "changes", [{"n_range_bins": 64}, {"batch_size": 2}, {"mask_unannotated": True}]
 )
-def test_copies_refuse_crops_and_epochs_too_short_for_an_update(changes, words):
-    training = Training(published(10, width=2, **changes), seed=1)
-    with pytest.raises(ValueError, match=words):
+def test_the_published_recipe_refuses_crops_batches_and_masks(changes):
+    with pytest.raises(ValueError, match="published: expected batch_size 1, no crop"):
+        Training(published(10, width=2, **changes), seed=1)
+
+
+def test_an_epoch_too_short_for_an_update_is_refused():
+    training = Training(published(10, width=2), seed=1)
+    with pytest.raises(ValueError, match=r"epoch of 5 gradients never fills .* 10"):
         next(train_steps(training, TrainingSet(toy_scenes(1), seed=1)))

@@ -4,7 +4,7 @@ import torch
 from numpy.testing import assert_allclose
 
 from snowsim.constants import OUTPUTS
-from snowsim.tracker.network import MultiScaleNetwork, PublishedNetwork
+from snowsim.tracker import MultiScaleNetwork, PublishedNetwork
 
 
 @pytest.mark.parametrize(("width", "n_parameters"), [(64, 14_715_019), (16, 920_875), (8, 230_619)])

@@ -2,7 +2,7 @@
 
 import re
 from copy import deepcopy
-from dataclasses import asdict, fields
+from dataclasses import fields
 from inspect import signature
 
 import configuration
@@ -132,7 +132,7 @@ def test_the_default_recipes_are_those_of_the_package():
     for each in fields(LabelSettings):
         if each.name in drawn:
             assert drawn[each.name].default == each.default, each.name
-    assert CONFIG["tracker"]["training"] | {"scales": (1.0,)} == asdict(tracker.Settings())
+    assert tracker.Settings(**CONFIG["tracker"]["training"]) == tracker.Settings()
     statistics = CONFIG["cgan"]["statistics"]
     assert cgan.Settings(**CONFIG["cgan"]["training"], statistics=statistics) == cgan.Settings()
 
@@ -167,6 +167,10 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
         ("sead: 7", "sead"),
         ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
         ("phy: {recipe: papers}", "phy.recipe: expected measured or paper, got papers"),
+        (
+            "tracker: {training: {optimiser: sgd, loss: sigmoids}}",
+            "expected: tracker.training.network: published, in place of optimiser, loss",
+        ),
         ("reference: antarctica", "reference: expected greenland_2012, got antarctica"),
         ("reference: {climate: {snow: 1}}", "reference.climate: .*'snow' was unexpected"),
         (

@@ -40,6 +40,12 @@ def read_calibration(path):
     return Calibration(**read_table(path).iloc[0].to_dict())
 
 
+def read_confidence(path):
+    """Coefficients of `snowsim.picking.confidence` in a table of one row, (offset, near, far)."""
+    row = read_table(path).iloc[0]
+    return tuple(float(row[name]) for name in ("offset", "near", "far"))
+
+
 def count_edges(tracker, scenes, outputs=OUTPUTS):
     """Edge counts of some outputs, and the suppressed edge maps of the fused one, a scene each.
 

@@ -1,85 +1,168 @@
-"""Scores of trackers on another flight: edges, picks and calibration of the fused output."""
+"""Scores of trackers on another flight: of edges in the fused output, and of picks."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 import torch
+from scipy.special import logit
 from torch.nn import functional
 
-from snowsim.metrics.edges import suppress
 from snowsim.metrics.pick_tables import layer_rows
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking.candidates import find_candidates
+from snowsim.picking.card import CONFIDENCE
+from snowsim.picking.confidence import confidence, features, fit_coefficients
+from snowsim.picking.joining import join_through_fades, ordered
+from snowsim.picking.layers import between_lines, on_lines
+from snowsim.picking.linking import Linking, link
 from snowsim.tracker.calibration import (
+    WITHIN_BINS,
     Calibration,
     edge_scores,
     fused_logits,
     reliability,
-    ridges_of,
 )
+
+AS_THEY_ARE = (1, 1)
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A tracker that is compared: its network, and what it was calibrated to elsewhere."""
+    """A tracker that is compared: its network, and what it was calibrated to elsewhere.
+
+    `confidence` are the coefficients of `snowsim.picking.confidence`.
+    """
 
     name: str
     network: torch.nn.Module
     calibration: Calibration
+    confidence: tuple = CONFIDENCE
 
 
-def logits_at(network, image, scale):
-    """Fused logits on the image's own pixels, tracked at another size: `scale` (bin, line).
+@dataclass(frozen=True, eq=False)
+class Picks:
+    """Layers followed through a scene: range bins, and how sure each is, (layer, range_line)."""
 
-    What the network was not trained for is brought to its range bins and line spacing, and back.
-    """
-    if scale == (1, 1):
-        return fused_logits(network, image)
+    bins: np.ndarray
+    sure: np.ndarray
+
+
+def resized(image, scale):
+    """An image with so many times the range bins and range lines, `scale` (bin, line)."""
+    if tuple(scale) == AS_THEY_ARE:
+        return image
     size = tuple(max(16, round(n * factor)) for n, factor in zip(image.shape, scale, strict=True))
     given = torch.from_numpy(image)[None, None]
-    smaller = functional.interpolate(given, size=size, mode="bilinear", antialias=True)
-    logits = torch.from_numpy(fused_logits(network, smaller[0, 0].numpy()))[None, None]
-    return functional.interpolate(logits, size=image.shape, mode="bilinear")[0, 0].numpy()
+    return functional.interpolate(given, size=size, mode="bilinear", antialias=True)[0, 0].numpy()
 
 
-def followed(probability, threshold, *, where):
-    """Picks (layer, range_line) of a map of probability: the one place that links them here."""
-    return pick_layers(suppress(probability), threshold=threshold, where=where)
+def on_pixels(logits, shape):
+    """Logits on the pixels of an image that was tracked at another size."""
+    if logits.shape == shape:
+        return logits
+    given = torch.from_numpy(logits)[None, None]
+    return functional.interpolate(given, size=shape, mode="bilinear")[0, 0].numpy()
+
+
+def pieces_of(logits, calibration):
+    """Pieces of layers in a map of logits, linked as `snowsim track` links them, downwards."""
+    linking = Linking()
+    log_odds = (logits - calibration.offset) / calibration.temperature
+    threshold = float(logit(calibration.threshold))
+    candidates = find_candidates(log_odds, threshold + linking.even - linking.skipped)
+    return ordered(join_through_fades(link(candidates, linking, threshold)))
+
+
+def followed(logits, tracker, shape):
+    """`Picks` on the pixels of an image, of the logits of a tracker that may be of another size."""
+    n_rows, n_lines = logits.shape
+    lines = np.arange(n_lines)
+    own_lines = np.linspace(0, n_lines - 1, shape[1])
+    bins = []
+    sure = []
+    for piece in pieces_of(logits, tracker.calibration):
+        of_piece = confidence(piece, n_lines, tracker.confidence)
+        row, of_pick = on_lines(piece, of_piece, lines, Linking().longest)
+        # Middles of pixels, not their edges, are counted.
+        own_row = (row + 0.5) * shape[0] / n_rows - 0.5
+        bins.append(between_lines(own_row, own_lines))
+        sure.append(between_lines(of_pick, own_lines))
+    empty = np.empty((0, shape[1]))
+    return Picks(np.array(bins), np.array(sure)) if bins else Picks(empty, empty)
+
+
+def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):
+    """Whether a layer of a scene lies within some range bins of each pick, (pick,)."""
+    distance = np.abs(scene.layer_bins[:, line] - bins)
+    nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
+    return nearest <= within_bins
+
+
+def fit_confidence(logits, scenes, calibration):
+    """Coefficients of the confidence of picks, by scenes with every layer annotated."""
+    seen = [np.empty((2, 0))]
+    hits = [np.empty(0, bool)]
+    for each, scene in zip(logits, scenes, strict=True):
+        for piece in pieces_of(each, calibration):
+            seen.append(features(piece, each.shape[1]))
+            hits.append(near_a_layer(piece.row, piece.line, scene))
+    return fit_coefficients(np.concatenate(seen, axis=1), np.concatenate(hits))
+
+
+def reliability_of(picks, scenes, scale=AS_THEY_ARE):
+    """`Reliability` of the confidence of picks on scenes with every layer annotated.
+
+    Hits lie within 2 bins of the size that the tracker saw.
+    """
+    within_bins = WITHIN_BINS / scale[0]
+    sure = []
+    hits = []
+    for each, scene in zip(picks, scenes, strict=True):
+        picked = np.isfinite(each.bins)
+        line = np.nonzero(picked)[1]
+        sure.append(each.sure[picked])
+        hits.append(near_a_layer(each.bins[picked], line, scene, within_bins))
+    return reliability(np.concatenate(sure), np.concatenate(hits))
 
 
 def score_tracker(tracker, scenes, scale):
     """A row of `scores` and the `reliability` table of a tracker on annotated scenes.
 
+    What a network was not trained for is brought to its range bins and line spacing by `scale`
+    (bin, line).
+
     Returns
     -------
     scores : dict
-        `tracker`; `ods`, `ois`, `ap`; at its `threshold`, of picks: `recall`, `precision` and `f`
-        within 2 bins, `mean_error_bins` of picks that belong to a layer, `missed_share` and
+        `tracker`; `ods`, `ois`, `ap`; of picks, linked at its `threshold`: `recall`, `precision`
+        and `f` within 2 bins, `mean_error_bins` of picks that belong to a layer, `missed_share` and
         `false_share`, layers missed and false pieces, of the number of true layers; `deviation` of
-        its reliability.
+        the reliability of its confidence.
     curve : pandas.DataFrame
-        `tracker, said, seen, n_pixels`, a row a class.
+        `tracker, said, seen, n_pixels`, a row a class of confidence.
     """
-    logits = [logits_at(tracker.network, scene.image, scale) for scene in scenes]
-    probability = [tracker.calibration.probability(each) for each in logits]
-    edges = edge_scores(probability, scenes)
-    ridges = ridges_of(logits, scenes)
-    curve = reliability(tracker.calibration.probability(ridges.logits), ridges.hits)
+    logits = [fused_logits(tracker.network, resized(scene.image, scale)) for scene in scenes]
+    own = [on_pixels(each, scene.image.shape) for each, scene in zip(logits, scenes, strict=True)]
+    edges = edge_scores([tracker.calibration.probability(each) for each in own], scenes)
     scores = {name: edges[name] for name in ("ods", "ois", "ap")}
     row = {"tracker": tracker.name, **scores, "threshold": tracker.calibration.threshold}
-    row |= pick_scores(probability, scenes, tracker.calibration.threshold)
+    picks = [
+        followed(each, tracker, scene.image.shape)
+        for each, scene in zip(logits, scenes, strict=True)
+    ]
+    row |= pick_scores(picks, scenes)
+    curve = reliability_of(picks, scenes, scale)
     row["deviation"] = curve.deviation
     return row, pd.DataFrame({"tracker": tracker.name, **vars(curve)})
 
 
-def pick_scores(probability, scenes, threshold):
-    """Scores of followed picks, pooled over scenes, by name; see `score_tracker`."""
+def pick_scores(picks, scenes):
+    """Scores of `Picks`, pooled over scenes, by name; see `score_tracker`."""
     n_picked = 0
     tables = []
-    for each, scene in zip(probability, scenes, strict=True):
-        picks = followed(each, threshold, where=scene.name)
-        n_picked += int(np.isfinite(picks).sum())
-        tables.append(layer_rows(picks, scene.layer_bins))
+    for each, scene in zip(picks, scenes, strict=True):
+        n_picked += int(np.isfinite(each.bins).sum())
+        tables.append(layer_rows(each.bins, scene.layer_bins))
     sums = pd.concat(tables).sum()
     recall = sums["n_within"] / sums["n_true"]
     precision = sums["n_within"] / max(n_picked, 1)

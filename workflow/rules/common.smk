@@ -37,6 +37,17 @@ def or_refused(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
+# Settings of the tracker's training that `network: published` now chooses together.
+GONE = [
+    "optimiser",
+    "loss",
+    "reduction",
+    "schedule",
+    "augmentation",
+    "published_multipliers",
+]
+
+
 def check_config(config):
     """Refuse unknown keys, wrong types and impossible values before any job starts, in one line."""
     error = jsonschema.exceptions.best_match(
@@ -47,6 +58,9 @@ def check_config(config):
         expected = error.schema.get("description", "")
         if error.validator == "additionalProperties":
             expected = ", ".join(error.schema["properties"])
+            gone = [name for name in GONE if name in error.instance]
+            if key == "tracker.training" and gone:
+                expected = f"tracker.training.network: published, in place of {', '.join(gone)}"
         hint = f" (expected: {expected})" if expected else ""
         raise WorkflowError(f"config: {key}: {error.message}{hint}")
     labels = config["labels"]

@@ -130,10 +130,30 @@ rule calibrate_pretrained:
         "../scripts/calibrate_tracker.py"
 
 
+rule calibrate_picks:
+    input:
+        network="results/pretrained/network.safetensors",
+        calibration="results/pretrained/calibration.csv",
+        scenes=expand("results/other_flights/{flight}/test.nc", flight=TUNING),
+        code=imported_by("calibrate_picks.py"),
+    output:
+        confidence="results/pretrained/confidence.csv",
+        reliability="results/pretrained/pick_reliability.csv",
+    log:
+        "logs/calibrate_picks.log",
+    benchmark:
+        "results/benchmarks/calibrate_picks/all.tsv"
+    message:
+        "how sure picks of the tracker are that comes with the package"
+    script:
+        "../scripts/calibrate_picks.py"
+
+
 rule ship_tracker:
     input:
         network="results/pretrained/network.safetensors",
         calibration="results/pretrained/calibration.csv",
+        confidence="results/pretrained/confidence.csv",
         statistics="results/statistics.nc",
         code=imported_by("ship_tracker.py"),
     output:
@@ -162,6 +182,7 @@ rule pretrained:
     input:
         rules.ship_tracker.output,
         rules.calibrate_pretrained.output.reliability,
+        rules.calibrate_picks.output.reliability,
     message:
         "the tracker that comes with the package, with its card: about 50 min of one core"
 
@@ -245,6 +266,7 @@ rule score_transfer:
             *expand("results/transfer/{name}/calibration.csv", name=COMPARED),
             "results/transfer/control/{other_flight}/calibration.csv",
         ],
+        confidence="results/pretrained/confidence.csv",
         code=imported_by("score_transfer.py"),
     output:
         scores="results/transfer/scores/{other_flight}.csv",

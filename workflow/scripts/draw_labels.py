@@ -1,51 +1,12 @@
 """Draw one shard of synthetic layer sets from the flight statistics."""
 
-from job import progress, run
+from job import run
 
-from snowsim.io.files import read_dataset
-from snowsim.io.scenes import write_scenes
-from snowsim.labels import Dress, Nonstationary, check_labels, draw_scene, prepare
-from snowsim.seeding import random_stream
+from lib.label_sets import draw_shard
 
 
-def draw_shard(
-    statistics,
-    labels,
-    *,
-    span,
-    n_range_lines,
-    n_layers,
-    n_layers_range,
-    first_slab,
-    surface,
-    correlation,
-    radiometry,
-    nonstationary,
-    choices,
-    seed,
-):
-    flight = read_dataset(statistics)
-    zones = nonstationary["zones"]
-    folds = nonstationary | {"zones": zones and tuple(zones)}
-    model = prepare(
-        flight,
-        n_range_lines,
-        n_layers=tuple(n_layers_range) if n_layers == "uniform" else n_layers,
-        first_slab=first_slab,
-        surface=surface,
-        correlation=correlation,
-        radiometry=radiometry,
-        nonstationary=Nonstationary(**folds),
-        dress=Dress(**choices),
-    )
-    check_labels(model, rng=random_stream(seed, "check_labels"))
-    names = [f"label_{number:06d}" for number in range(*span)]
-    scenes = (
-        # By scene, never by shard: how scenes are divided must not change them.
-        draw_scene(model, n_range_lines, name=name, rng=random_stream(seed, "draw_labels", name))
-        for name in progress(names, "labels")
-    )
-    write_scenes(labels, scenes, {"synthetic": flight.attrs["synthetic"]})
+def draw_labels(statistics, labels, **settings):
+    draw_shard(statistics, labels, **settings)
 
 
-run(draw_shard)
+run(draw_labels)

@@ -3,7 +3,7 @@
 from job import run
 
 from lib.pretraining import scores_for_card
-from lib.tracker_scores import read_calibration, read_tracker
+from lib.tracker_scores import read_calibration, read_confidence, read_tracker
 from snowsim.io.files import read_dataset
 from snowsim.io.trackers import write_tracker
 from snowsim.statistics import Ranges
@@ -12,18 +12,21 @@ from snowsim.tracker.portable import to_onnx
 
 LIMITS = (
     "annual layers of dry snow and firn, 2-8 GHz, surface in row 50; no scene held brightness "
-    "jumps, roll fades, sidelobes of deconvolution, ice lenses, layers that percolation breaks, "
-    "or horizontal bands of coherent noise, which it takes for layers where they are strong"
+    "jumps, roll fades, sidelobes of deconvolution, ice lenses, or layers that percolation breaks"
 )
 
 
-def ship(network, calibration, statistics, tracker, card, *, n_scenes, n_variants, radar, scores):
+def ship(
+    network, calibration, confidence, statistics, tracker, card,
+    *, n_scenes, n_variants, radar, scores,
+):  # fmt: skip
     trained = read_tracker(network)
     calibrated = read_calibration(calibration)
     of_flight, of_variants = n_scenes
     settings = trained.settings
     trained_on = f"{SYNTHETIC}: {of_flight} scenes of the statistics of the reference flight and "
-    trained_on += f"{of_variants} of {n_variants} variants of these, rendered by PHY; "
+    trained_on += f"{of_variants} of {n_variants} variants of these with crusts and bands of "
+    trained_on += "noise, rendered by PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
     written = make_card(
@@ -34,6 +37,7 @@ def ship(network, calibration, statistics, tracker, card, *, n_scenes, n_variant
         ranges=ranges_of(read_dataset(statistics), Ranges()),
         scores=scores_for_card(scores),
         limits=LIMITS,
+        confidence=read_confidence(confidence),
     )
     write_tracker(tracker, to_onnx(trained.network, calibrated.offset), written)
 

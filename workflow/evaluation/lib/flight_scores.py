@@ -151,11 +151,16 @@ def _parts(spread, errors):
 
 
 def curve_scores(runs, numbers, images, replicas):
-    """Fused ODS of the learning curve on some images, means of some replicas, (set, number)."""
+    """Fused ODS of the learning curve on some images, means of some replicas, (set, number).
+
+    NaN where the scenes held too little to draw from.
+    """
     ods = METRICS.index("ods")
-    scores = np.empty((len(CURVE_SETS), len(numbers)))
+    scores = np.full((len(CURVE_SETS), len(numbers)), np.nan)
     for (row, name), (column, n) in product(enumerate(CURVE_SETS), enumerate(numbers)):
-        trained = runs[f"{name}_of_{n}"]
+        trained = runs.get(f"{name}_of_{n}")
+        if trained is None:
+            continue
         chosen = [trained[replica] for replica in replicas]
         scores[row, column] = replica_scores(chosen, images)[:, ods].mean()
     return scores
@@ -182,8 +187,11 @@ def scenes_for(score, numbers, curve):
     """Annotated scenes with which a learning curve comes to a score.
 
     The curve is made to rise (isotonic regression) and is straight between `numbers` in their
-    logarithm. Infinite for a score above its end; the least of `numbers` for one below its start.
+    logarithm. Infinite for a score above its end; the least of `numbers` for one below its start;
+    NaN for none.
     """
+    if np.isnan(score):
+        return np.nan
     rising = isotonic_regression(curve).x
     reached = np.flatnonzero(rising >= score)
     if reached.size == 0:
@@ -210,12 +218,14 @@ def scenes_saved(curves, numbers):
     return saved - np.asarray(numbers)
 
 
-def curve_table(flight, runs, numbers, *, n_bootstrap, rng):
+def curve_table(flight, runs, few, *, n_bootstrap, rng):
     """Learning curve of a flight, with 95 % intervals over its trainings and images.
 
     Rows of `flight, training_set, n_scenes, ods, low, high, saved, saved_low, saved_high`; saved
-    scenes are infinite where RD does not come to the score.
+    scenes are infinite where RD does not come to the score. `few` says, by `n_scenes`, of what
+    `radiometry` drawn scenes could be.
     """
+    numbers = list(few["n_scenes"])
     n_replicas = len(runs[f"rd_of_{numbers[0]}"])
     means = curve_scores(runs, numbers, slice(None), range(n_replicas))
     drawn = resampled_curves(runs, numbers, n_bootstrap=n_bootstrap, rng=rng)
@@ -240,6 +250,7 @@ def curve_table(flight, runs, numbers, *, n_bootstrap, rng):
                 "saved_low": saved_low[at],
                 "saved_high": saved_high[at],
                 "n_replicas": n_replicas,
+                "radiometry": few["radiometry"].iloc[column],
             }
         )
     return pd.DataFrame(rows)

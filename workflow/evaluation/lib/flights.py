@@ -5,7 +5,10 @@ the learning curve, `Few`.
 """
 
 import copy
+import csv
 from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
 
 from snowsim.seeding import random_stream
 
@@ -95,6 +98,33 @@ def few_of(study):
     """Runs of the learning curve by name."""
     runs = [Few(training_set, n) for n in study["curve"] for training_set in CURVE_SETS]
     return {run.name: run for run in runs}
+
+
+def whole_runs(study):
+    """Trainings on the whole of a flight, (run, replica)."""
+    return list(product([*MAIN, *CONTROLS], range(study["n_trainings"])))
+
+
+def few_runs(choices, study):
+    """Trainings of the learning curve that can be made, (run, replica).
+
+    `choices` are the files that say what can be drawn from few scenes.
+    """
+    refused = set()
+    for path in choices:
+        (row,) = csv.DictReader(Path(path).read_text().splitlines())
+        if row["radiometry"] == "refused":
+            refused.add(int(row["n_scenes"]))
+    runs = []
+    for name, run in few_of(study).items():
+        if run.training_set == "rd" or run.n not in refused:
+            runs.append(name)
+    return list(product(runs, range(study["n_trainings"])))
+
+
+def count_files(runs):
+    """Where the counts of trainings lie."""
+    return [f"results/one_flight/{run}/{replica}_counts.parquet" for run, replica in runs]
 
 
 def network_files(run, replicas):

@@ -16,6 +16,16 @@ if REAL and not REAL_FILES:
         f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
     )
 
+
+def repeat_pass_files(wildcards):
+    """Files of the folder of real pictures; without one, a line that says so."""
+    if not REAL:
+        raise WorkflowError(
+            "repeat_pass: realism.real_snow_radar: expected a folder of real Snow Radar material, got null"
+        )
+    return [file for file in REAL_FILES if "greenland_2011_2012" in file]
+
+
 # What the source cannot give, and why.
 NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
 DETECTED = NOT_SYNTHETIC | {"Doppler spectra": "files of detected power hold no phase"}

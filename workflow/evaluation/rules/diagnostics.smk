@@ -375,6 +375,41 @@ rule realism:
         "how real the flight and the benchmark look"
 
 
+# Layers that the tracker of the package picks in real pictures of one place in two years. Not part of the default run.
+
+
+rule match_repeat_pass:
+    input:
+        unread=repeat_pass_files,
+        code=imported_by(EVALUATION / "match_repeat_pass.py"),
+    output:
+        picks="results/repeat_pass.nc",
+        table="results/tables/repeat_pass.csv",
+    log:
+        "logs/match_repeat_pass.log",
+    benchmark:
+        "results/benchmarks/match_repeat_pass/all.tsv"
+    params:
+        folder=REAL,
+        # Of this run, if it has trained a tracker, else as it comes with the package.
+        weights=finished(["results/shipped/universal.onnx"])
+        or finished([str(ROOT / "snowsim/data/universal.onnx")]),
+        n_draws=1000,
+        seed=config["seed"],
+    message:
+        "layers of real pictures that are found in both years"
+    script:
+        "../scripts/match_repeat_pass.py"
+
+
+rule repeat_pass:
+    input:
+        rules.match_repeat_pass.output,
+        rules.plot_repeat_pass.output,
+    message:
+        "the tracker that comes with the package on real pictures of one place in two years"
+
+
 rule measure_phy:
     input:
         rendered=rendered_files("phy", "labels"),

@@ -288,6 +288,24 @@ rule plot_crops:
         "../scripts/plot_crops.py"
 
 
+rule plot_repeat_pass:
+    input:
+        picks="results/repeat_pass.nc",
+        code=imported_by(EVALUATION / "plot_repeat_pass.py"),
+    output:
+        **drawn("realism", "repeat_pass.svg"),
+    log:
+        "logs/plot_repeat_pass.log",
+    benchmark:
+        "results/benchmarks/plot_repeat_pass/all.tsv"
+    params:
+        source="real Snow Radar, means over 100 m",
+    message:
+        "layers of real pictures that are found in both years"
+    script:
+        "../scripts/plot_repeat_pass.py"
+
+
 rule plot_convolution:
     input:
         convolution_accuracy=tables("convolution_accuracy"),

@@ -13,6 +13,12 @@ FLIGHTS = flights.flights_of(FLIGHTS_STUDY)
 FEW = flights.few_of(FLIGHTS_STUDY)
 FLIGHT_RUNS = [*flights.MAIN, *flights.CONTROLS, *FEW]
 FLIGHT_REPLICAS = list(range(FLIGHTS_STUDY["n_trainings"]))
+# As rule draw_labels has them.
+LABEL_SETTINGS = {
+    name: value
+    for name, value in rules.draw_labels.params.items()
+    if name not in ("seed", "span")
+}
 OWN_BLOCKS = expand("results/one_flight/blocks/{shard}.nc", shard=FRAME_SHARDS)
 or_refused(flights.check_curve, FLIGHTS_STUDY, N_SCENES["train"])
 
@@ -100,54 +106,53 @@ rule take_few:
         "../scripts/take_few.py"
 
 
-rule summarise_few:
+# Few scenes may hold too little for statistics, or for label sets: what is trained beyond this is known when it is made.
+checkpoint fit_few:
     input:
-        scenes="results/one_flight/few/{n_few}/scenes.nc",
-        code=imported_by("summarise_scenes.py"),
-    output:
-        summary="results/one_flight/few/{n_few}/summary.nc",
-    log:
-        "logs/summarise_few/{n_few}.log",
-    benchmark:
-        "results/benchmarks/summarise_few/{n_few}.tsv"
-    params:
-        bin_s=config["reference"]["radar"]["bin_size_s"],
-        line_spacing_m=config["reference"]["radar"]["line_spacing_m"],
-        contrast_db=None,
-        synthetic=SYNTHETIC,
-    message:
-        "sums over {wildcards.n_few} train scenes"
-    script:
-        str(SCRIPTS / "summarise_scenes.py")
-
-
-use rule fit_statistics as fit_few with:
-    input:
-        summaries=["results/one_flight/few/{n_few}/summary.nc"],
-        segment=[],
-        code=imported_by("fit_statistics.py"),
+        few="results/one_flight/few/{n_few}/scenes.nc",
+        code=imported_by(EVALUATION / "fit_few.py"),
     output:
         statistics="results/one_flight/few/{n_few}/statistics.nc",
+        choice="results/one_flight/few/{n_few}/choice.csv",
     log:
         "logs/fit_few/{n_few}.log",
     benchmark:
         "results/benchmarks/fit_few/{n_few}.tsv"
+    params:
+        seed=config["seed"],
+        estimator=config["statistics"]["estimator"],
+        bin_s=config["reference"]["radar"]["bin_size_s"],
+        line_spacing_m=config["reference"]["radar"]["line_spacing_m"],
+        contrast_db=None,
+        synthetic=SYNTHETIC,
+        labels=LABEL_SETTINGS,
     message:
         "statistics of {wildcards.n_few} train scenes"
+    script:
+        "../scripts/fit_few.py"
 
 
-use rule draw_labels as draw_few with:
+rule draw_few:
     input:
         statistics="results/one_flight/few/{n_few}/statistics.nc",
-        code=imported_by("draw_labels.py"),
+        choice="results/one_flight/few/{n_few}/choice.csv",
+        code=imported_by(EVALUATION / "draw_few.py"),
     output:
         labels="results/one_flight/few/{n_few}/labels/{shard}.nc",
     log:
         "logs/draw_few/{n_few}/{shard}.log",
     benchmark:
         "results/benchmarks/draw_few/{n_few}/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 18),
+    params:
+        seed=config["seed"],
+        span=lambda wildcards: shard_range("labels", wildcards.shard),
+        settings=LABEL_SETTINGS,
     message:
         "label sets after {wildcards.n_few} train scenes, shard {wildcards.shard}"
+    script:
+        "../scripts/draw_few.py"
 
 
 use rule render_phy as render_few with:
@@ -212,20 +217,34 @@ use rule score_tracker as score_flight_run with:
 
 rule collect_flight:
     input:
-        counts=expand(
-            "results/one_flight/{run}/{replica}_counts.parquet",
-            run=FLIGHT_RUNS,
-            replica=FLIGHT_REPLICAS,
+        counts=flights.count_files(
+            flights.whole_runs(FLIGHTS_STUDY),
+        ),
+        few_counts=lambda wildcards: flights.count_files(
+            flights.few_runs(
+                [
+                    checkpoints.fit_few.get(n_few=n).output.choice
+                    for n in FLIGHTS_STUDY["curve"]
+                ],
+                FLIGHTS_STUDY,
+            )
+        ),
+        choices=expand(
+            "results/one_flight/few/{n}/choice.csv", n=FLIGHTS_STUDY["curve"]
         ),
         code=imported_by(EVALUATION / "collect_flight.py"),
     output:
         table="results/one_flight/counts.parquet",
+        few="results/one_flight/few.csv",
     log:
         "logs/collect_flight.log",
     benchmark:
         "results/benchmarks/collect_flight/all.tsv"
     params:
-        runs=[(run, replica) for run in FLIGHT_RUNS for replica in FLIGHT_REPLICAS],
+        runs=lambda wildcards, input: [
+            *flights.whole_runs(FLIGHTS_STUDY),
+            *flights.few_runs(input.choices, FLIGHTS_STUDY),
+        ],
     message:
         "edge counts of all trainings of this flight"
     script:
@@ -265,6 +284,7 @@ rule fly:
         ),
     output:
         counts="results/studies/flights/{flight}/results/one_flight/counts.parquet",
+        few="results/studies/flights/{flight}/results/one_flight/few.csv",
     log:
         "logs/fly/{flight}.log",
     benchmark:
@@ -296,6 +316,10 @@ rule tabulate_flights:
             "results/studies/flights/{flight}/results/one_flight/counts.parquet",
             flight=FLIGHTS,
         ),
+        few=expand(
+            "results/studies/flights/{flight}/results/one_flight/few.csv",
+            flight=FLIGHTS,
+        ),
         code=imported_by(EVALUATION / "tabulate_flights.py"),
     output:
         scores="results/studies/flights/scores.csv",
@@ -312,8 +336,6 @@ rule tabulate_flights:
         seed=config["seed"],
         n_bootstrap=config["tracker"]["n_bootstrap"],
         flights=FLIGHTS,
-        numbers=FLIGHTS_STUDY["curve"],
-        with_curve=flights.with_curve(FLIGHTS_STUDY),
         reference=config["reference"],
     message:
         "worth of training sets over flights, and the learning curve"

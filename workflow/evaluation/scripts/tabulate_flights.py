@@ -19,21 +19,23 @@ CURVE = ["flight", "training_set", "n_scenes", "ods"]
 
 
 def tabulate_flights(
-    counts, scores, worth, curve, drawn,
-    *, flights, numbers, with_curve, reference, n_bootstrap, seed,
+    counts, few, scores, worth, curve, drawn,
+    *, flights, reference, n_bootstrap, seed,
 ):  # fmt: skip
     scored = []
     errors = {}
     curves = [pd.DataFrame(columns=CURVE)]
-    for path, flight in progress(list(zip(counts, flights, strict=True)), "flights"):
+    files = list(zip(counts, few, flights, strict=True))
+    for path, path_to_few, flight in progress(files, "flights"):
         runs = stacked_runs(read_table(path))
         scored.append(score_rows(flight, runs))
         rng = random_stream(seed, "tabulate_flights", flight)
         for name, base in PAIRS:
             pair = (runs[name], runs[base])
             errors[flight, name, base] = errors_in_flight(*pair, n_bootstrap=n_bootstrap, rng=rng)
-        if flight in with_curve and numbers:
-            curves.append(curve_table(flight, runs, numbers, n_bootstrap=n_bootstrap, rng=rng))
+        drawn_from = read_table(path_to_few)
+        if len(drawn_from):
+            curves.append(curve_table(flight, runs, drawn_from, n_bootstrap=n_bootstrap, rng=rng))
     table = pd.concat(scored)
     write_table(scores, table)
     write_table(worth, compare_over_flights(table, errors))

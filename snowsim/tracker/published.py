@@ -1,0 +1,132 @@
+"""The published tracker: network, copies of scenes, loss and updates of its code.
+
+github.com/BinaLab/MultiScale: Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67.
+"""
+
+import numpy as np
+import torch
+from torch.nn import functional
+
+from snowsim.patches import whole_copy
+from snowsim.tracker.loss import balanced_cross_entropy
+from snowsim.tracker.network import STAGES, MultiScaleNetwork, enlarge
+from snowsim.tracker.sampling import copy_shown
+from snowsim.training import arithmetic
+
+MOMENTUM = 0.9
+# Rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate,
+# and no decay, but for those of the last stage, where the key is misspelt.
+MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
+DECAYING_BIASES = "stages.4"
+# Mean grey level that the published code takes off: its means of red, green and blue, weighted as
+# for luminance.
+MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
+
+
+class PublishedNetwork(MultiScaleNetwork):
+    """The multi-scale network with the input, first weights and side maps of the published code."""
+
+    @staticmethod
+    def to_input(images):
+        """Grey level less `MEAN_GREY`, float32 (patch, 1, range_bin, range_line)."""
+        grey = np.asarray(images).astype(np.float32)
+        return torch.from_numpy(grey - np.float32(MEAN_GREY))[:, None]
+
+    @staticmethod
+    def enlarged(logit, factor, size):
+        """A side map as many times as large, corners on corners, and the middle of it."""
+        logit = enlarge(logit, factor, align_corners=True)
+        n_rows, n_lines = size
+        # Half a pixel goes to the even one, as Python rounds.
+        top = round((logit.shape[2] - n_rows) / 2)
+        left = round((logit.shape[3] - n_lines) / 2)
+        return logit[:, :, top : top + n_rows, left : left + n_lines]
+
+    def initialise(self, *, rng):
+        """Draw weights and biases as PyTorch does, within +-1 / sqrt(n inputs); a mean fuses."""
+        with torch.no_grad():
+            for name, parameter in self.named_parameters():
+                is_bias = name.endswith("bias")
+                if name.startswith("fuse"):
+                    parameter.fill_(0 if is_bias else 1 / len(STAGES))
+                    continue
+                if not is_bias:  # a bias follows its weights, and has their number of inputs
+                    n_inputs = parameter[0].numel()
+                drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
+                parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
+
+
+def published_optimiser(network, settings):
+    """Stochastic gradient descent with one group per rate and decay.
+
+    A call a group costs more than the step of a small network. ValueError for settings of what
+    copies of whole scenes cannot be.
+    """
+    cut = settings.n_range_bins or settings.n_range_lines
+    if settings.batch_size > 1 or cut or settings.mask_unannotated:
+        msg = "network published: expected batch_size 1, no crop and mask_unannotated false"
+        raise ValueError(msg)
+    groups = {}
+    for name, parameter in network.named_parameters():
+        rate = settings.learning_rate
+        decay = settings.weight_decay
+        for part, factor in MULTIPLIERS.items():
+            if name.startswith(part):
+                rate *= factor
+        if name.endswith("bias"):
+            rate *= 2
+            if not name.startswith(DECAYING_BIASES):
+                decay = 0.0
+        group = {"params": [], "lr": rate, "highest": rate, "weight_decay": decay}
+        groups.setdefault((rate, decay), group)["params"].append(parameter)
+    return torch.optim.SGD(list(groups.values()), lr=settings.learning_rate, momentum=MOMENTUM)
+
+
+def published_rate(settings, n_updates):
+    """Rate, of the highest, of the update after so many others."""
+    return 0.1 ** (n_updates // settings.n_steps_per_tenth)
+
+
+def copy_at(step, scenes, settings, seed):
+    """The scene of a gradient, whole, and its mask, as stacks of one.
+
+    An epoch shows every scene once at each scale and once mirrored, in random order.
+    """
+    draw, copy = copy_shown(step, scenes.n_per_epoch, settings.n_copies, seed)
+    is_mirrored = copy == len(settings.scales)
+    scale = 1 if is_mirrored else settings.scales[copy]
+    image, mask = whole_copy(scenes[draw], scale, is_mirrored)
+    return image[None], mask[None]
+
+
+def cost_of_probabilities(logits, layer):
+    """Cross-entropy of each pixel: probabilities are float32, logarithms cut at -100."""
+    probability = torch.sigmoid(logits.float())
+    truth = layer.expand_as(probability)
+    return functional.binary_cross_entropy(probability, truth, reduction="none")
+
+
+def published_gradient(training, scenes):
+    """Add the gradient of the next copy, and update when enough are there; the losses before.
+
+    (output,), summed over pixels. Gradients are counted anew in every epoch; those that filled no
+    update stay in the sum. ValueError if an epoch never fills one.
+    """
+    settings = training.settings
+    n_per_epoch = settings.n_copies * scenes.n_per_epoch
+    if n_per_epoch < settings.n_accumulated:
+        update = f"an update of {settings.n_accumulated}"
+        msg = f"an epoch of {n_per_epoch} gradients never fills {update}"
+        raise ValueError(msg)
+    images, masks = copy_at(training.step, scenes, settings, training.seed)
+    masks = torch.from_numpy(masks).to(training.device)
+    with arithmetic(training.device, settings.precision):
+        logits = training.network(training.network.to_input(images).to(training.device))
+    per_output = balanced_cross_entropy(logits, masks, cost=cost_of_probabilities)
+    (per_output.sum() / settings.n_accumulated).backward()
+    epoch, within = divmod(training.step, n_per_epoch)
+    if (within + 1) % settings.n_accumulated == 0:
+        n_updates = epoch * (n_per_epoch // settings.n_accumulated)
+        n_updates += within // settings.n_accumulated
+        training.update(published_rate(settings, n_updates))
+    return per_output.detach() / masks[0].numel()
