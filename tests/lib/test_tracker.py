@@ -8,7 +8,17 @@ import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
 
-from evaluation.lib.tracker_runs import check_names, data_of, pairs_of, training_of, worth_of
+from evaluation.lib.tracker_runs import (
+    check_names,
+    choices_of,
+    data_of,
+    draws,
+    labels_of,
+    pairs_of,
+    renders_of,
+    training_of,
+    worth_of,
+)
 from lib.score_tables import COUNTS, tracker_intervals
 from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
@@ -42,6 +52,21 @@ def test_a_setting_changes_what_it_names_and_nothing_else():
     assert (
         data_of({"order": "synthetic_first", "zones": [0]}, TRACKER)["order"] == "synthetic_first"
     )
+
+
+def test_a_setting_with_label_sets_of_its_own_draws_and_renders_them_by_what_it_names():
+    labels = {"n_layers": "measured", "surface": "measured"}
+    phy = {"n_looks": 16, "background": "measured", "estimator": "deblended"}
+    uniform = {"draw": {"n_layers": "uniform"}}
+    assert draws(uniform)
+    assert not draws({"phy": {"n_looks": 100}})
+    assert labels_of(uniform, labels) == {"n_layers": "uniform", "surface": "measured"}
+    assert choices_of({"draw": {}, "phy": {"n_looks": 100}}, ["n_looks"], phy) == {"n_looks": 100}
+    assert choices_of(uniform, ["n_looks"], phy) == {"n_looks": 16}
+    default = ["results/phy/labels/0000.nc"]
+    assert renders_of("longer", {"steps": 2}, default) == default
+    own = ["results/studies/tracker/uniform/phy/0000.nc"]
+    assert renders_of("uniform", uniform, default) == own
 
 
 def test_runs_are_compared_with_what_is_named_once_or_with_their_default():

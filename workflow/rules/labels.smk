@@ -28,6 +28,8 @@ rule fit_statistics:
 
 
 N_LAYERS_RANGE = [config["labels"]["n_layers_min"], config["labels"]["n_layers_max"]]
+# Of PHY, which a label set records.
+CHOICES = ["width", "width_bounds", "n_looks", "speckle_correlation"]
 LABEL_FILES = expand("results/labels/{shard}.nc", shard=shards("labels"))
 
 
@@ -54,12 +56,7 @@ rule draw_labels:
         correlation=config["labels"]["correlation"],
         radiometry=config["labels"]["radiometry"],
         nonstationary=config["labels"]["nonstationary"],
-        choices={
-            "width": config["phy"]["width"],
-            "width_bounds": config["phy"]["width_bounds"],
-            "n_looks": config["phy"]["n_looks"],
-            "speckle_correlation": config["phy"]["speckle_correlation"],
-        },
+        choices={name: config["phy"][name] for name in CHOICES},
     message:
         "label sets, shard {wildcards.shard}"
     script:

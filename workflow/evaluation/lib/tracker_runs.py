@@ -3,8 +3,8 @@
 Settings, and how each differs from the default.
 
 A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`,
-`steps` (a factor), `skip` (a share), `phy` and `training`. A run is a pair of names, (setting,
-training set). `tracker` is the section of the configuration.
+`steps` (a factor), `skip` (a share), `draw` (of label sets of its own), `phy` and `training`. A run
+is a pair of names, (setting, training set). `tracker` is the section of the configuration.
 """
 
 from collections import Counter
@@ -85,22 +85,38 @@ def phy_of(changes, phy):
 
     The estimator of the statistics is no convention of PHY.
     """
-    conventions = phy | changes["phy"]
+    conventions = phy | changes.get("phy", {})
     conventions.pop("estimator", None)
     return conventions
 
 
 def estimator_of(changes, config):
     """Estimator of the statistics that PHY of a setting renders with."""
-    return changes["phy"].get("estimator", config["statistics"]["estimator"])
+    return changes.get("phy", {}).get("estimator", config["statistics"]["estimator"])
+
+
+def draws(changes):
+    """Whether a setting has label sets of its own, not the default's."""
+    return "draw" in changes
+
+
+def labels_of(changes, labels):
+    """How label sets are drawn in a setting, from `labels` of the configuration."""
+    return labels | changes["draw"]
+
+
+def choices_of(changes, choices, phy):
+    """`choices` of the label sets, each as PHY of a setting has it."""
+    of_setting = phy_of(changes, phy)
+    return {name: of_setting[name] for name in choices}
 
 
 def renders_of(setting, changes, files):
     """Label sets as PHY of a setting renders them.
 
-    Of its own where it changes PHY, else `files`, the default's.
+    Of its own where it changes PHY or draws label sets, else `files`, the default's.
     """
-    if "phy" not in changes:
+    if "phy" not in changes and not draws(changes):
         return files
     return [f"results/studies/tracker/{setting}/phy/{Path(file).name}" for file in files]
 

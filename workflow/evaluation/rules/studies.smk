@@ -7,7 +7,7 @@ from evaluation.lib import tracker_runs
 STUDY = config["studies"]["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
 WORTH_SEEDS = list(range(STUDY["n_seeds"]))
-ABLATION = tracker_runs.ablation_of(STUDY, TRAINING_SETS)
+ABLATION = tracker_runs.ablation_of(STUDY, [*TRAINING_SETS, "pd"])
 ABLATION_RUNS = [
     (setting, training_set)
     for setting, changes in ABLATION.items()
@@ -23,9 +23,38 @@ wildcard_constraints:
     any_setting="|".join(ABLATION),
 
 
+def drawn_by(name):
+    """Params function: how the label sets of a setting are drawn, by the name of what differs."""
+    return lambda w: tracker_runs.labels_of(ABLATION[w.setting], config["labels"])[name]
+
+
+use rule draw_labels as draw_study_labels with:
+    output:
+        labels="results/studies/tracker/{setting}/labels/{shard}.nc",
+    log:
+        "logs/draw_study_labels/{setting}/{shard}.log",
+    benchmark:
+        "results/benchmarks/draw_study_labels/{setting}/{shard}.tsv"
+    params:
+        n_layers=drawn_by("n_layers"),
+        first_slab=drawn_by("first_slab"),
+        surface=drawn_by("surface"),
+        correlation=drawn_by("correlation"),
+        radiometry=drawn_by("radiometry"),
+        choices=lambda w: tracker_runs.choices_of(
+            ABLATION[w.setting], CHOICES, config["phy"]
+        ),
+    message:
+        "label sets of {wildcards.setting}, shard {wildcards.shard}"
+
+
 use rule render_phy as render_study_phy with:
     input:
-        layers="results/labels/{shard}.nc",
+        layers=lambda w: (
+            f"results/studies/tracker/{w.setting}/labels/{w.shard}.nc"
+            if tracker_runs.draws(ABLATION[w.setting])
+            else f"results/labels/{w.shard}.nc"
+        ),
         statistics=lambda w: STATISTICS[
             tracker_runs.estimator_of(ABLATION[w.setting], config)
         ],
@@ -40,7 +69,7 @@ use rule render_phy as render_study_phy with:
         results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 220),
     params:
         phy=lambda w: tracker_runs.phy_of(ABLATION[w.setting], config["phy"]),
-        by_other_statistics=True,
+        by_other_statistics=lambda w: not tracker_runs.draws(ABLATION[w.setting]),
     message:
         "PHY renders of {wildcards.setting}, shard {wildcards.shard}"
 
