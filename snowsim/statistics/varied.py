@@ -45,6 +45,12 @@ class Ranges:
         independent.
     crusts_per_slab, crust_db, bands_per_100_bins, band_db : (float, float)
         Of `snowsim.labels.clutter.Clutter`.
+    tail_length : (float, float)
+        Factor of the length of the tail alone, log-uniform: it grows with height over the snow.
+    line_spacing : (float, float)
+        Factor of the distance between range lines, log-uniform, at least 1.
+    bin_size : (float, float)
+        Range bins that scenes are drawn in, of those that they are resampled to, log-uniform.
     """
 
     thickness: tuple = (0.4, 2.8)
@@ -58,13 +64,17 @@ class Ranges:
     crust_db: tuple = (-16.0, -6.0)
     bands_per_100_bins: tuple = (0.0, 1.5)
     band_db: tuple = (-10.0, 2.0)
+    tail_length: tuple = (0.7, 3.0)
+    line_spacing: tuple = (1.0, 2.0)
+    bin_size: tuple = (0.5, 1.0)
 
 
 @dataclass(frozen=True)
 class Variation:
     """One draw of `Ranges`: how a climate and radar differ from the flight's.
 
-    What no statistic holds, crusts and bands, is for those who draw scenes: see `Clutter`.
+    What no statistic holds is for those who draw scenes: crusts and bands, see `Clutter`, and
+    distances of range lines and bins.
     """
 
     thickness: float = 1.0
@@ -78,6 +88,9 @@ class Variation:
     crust_db: float = 0.0
     bands_per_100_bins: float = 0.0
     band_db: float = 0.0
+    tail_length: float = 1.0
+    line_spacing: float = 1.0
+    bin_size: float = 1.0
 
     @classmethod
     def draw(cls, ranges, *, rng):
@@ -94,15 +107,19 @@ class Variation:
             crust_db=rng.uniform(*ranges.crust_db),
             bands_per_100_bins=rng.uniform(*ranges.bands_per_100_bins),
             band_db=rng.uniform(*ranges.band_db),
+            tail_length=_log_uniform(ranges.tail_length, rng),
+            line_spacing=_log_uniform(ranges.line_spacing, rng),
+            bin_size=_log_uniform(ranges.bin_size, rng),
         )
 
 
 def varied(statistics, *, rng, ranges=None):
     """Statistics of another climate and radar, drawn about those of a flight.
 
-    Drawn are thickness of snow, pulse length, noise, power of unpicked snow, gain from line to
-    line, looks, and whether speckle is correlated; see `Ranges`. Crusts and bands of noise, which
-    no statistic holds, are drawn, too, and stand in the attributes alone. What label sets and PHY
+    Drawn are thickness of snow, lengths of pulse and tail, noise, power of unpicked snow, gain from
+    line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What
+    no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
+    and the distance of range lines. What label sets and PHY
     read changes consistently: a factor of thickness moves means, zones and spectra alike.
     Neglected: numbers of layers, powers of layers relative to the surface, fading and texture stay
     the flight's, and so do statistics that nothing is drawn from, as measured waveforms.
@@ -132,7 +149,7 @@ def varied(statistics, *, rng, ranges=None):
     >>> from snowsim.io.files import read_dataset
     >>> flight = read_dataset(REFERENCE)
     >>> other = varied(flight, rng=np.random.default_rng(1))
-    >>> ratio = other["zone_edge_bins"] / flight["zone_edge_bins"]
+    >>> ratio = other["zone_edge_bins"] / flight["zone_edge_bins"] * other.attrs["varied_bin_size"]
     >>> bool(np.allclose(ratio, other.attrs["varied_thickness"]))
     True
     """
@@ -141,8 +158,11 @@ def varied(statistics, *, rng, ranges=None):
 
 def changed(statistics, variation):
     """Statistics of a flight changed by a `Variation`; ValueError where they lack what changes."""
-    factors = {name: variation.thickness**power for name, power in OF_THICKNESS.items()}
-    factors |= {name: variation.pulse_length**power for name, power in OF_PULSE_LENGTH.items()}
+    thickness = variation.thickness / variation.bin_size
+    pulse_length = variation.pulse_length / variation.bin_size
+    factors = {name: thickness**power for name, power in OF_THICKNESS.items()}
+    factors |= {name: pulse_length**power for name, power in OF_PULSE_LENGTH.items()}
+    factors["decay_rate"] /= variation.tail_length
     factors["noise_power"] = 10 ** (variation.noise_db / 10)
     factors["background_power"] = 10 ** (variation.background_db / 10)
     new = {}
@@ -153,11 +173,10 @@ def changed(statistics, variation):
     if gain_db is not None and "line_gain_spread_db" in statistics:
         gain = statistics["line_gain_spread_db"]
         new["line_gain_spread_db"] = gain.copy(data=np.full_like(gain.values, gain_db))
-    if not variation.correlated and "speckle_correlation" in statistics:
+    if "speckle_correlation" in statistics:
         correlation = statistics["speckle_correlation"]
-        alone = np.zeros_like(correlation.values)
-        alone[0] = 1
-        new["speckle_correlation"] = correlation.copy(data=alone)
+        stretched = _stretched(correlation.values, variation)
+        new["speckle_correlation"] = correlation.copy(data=stretched)
     attributes = {f"varied_{name}": _stored(value) for name, value in asdict(variation).items()}
     if variation.n_looks is not None:
         attributes["n_looks"] = variation.n_looks
@@ -175,6 +194,14 @@ def _scaled(statistics, name, factor):
     if error in statistics and statistics[error].attrs.get("units") == values.attrs.get("units"):
         scaled[error] = statistics[error].copy(data=statistics[error].values * factor)
     return scaled
+
+
+def _stretched(correlation, variation):
+    """Correlation of speckle by lag in range bins of another size; of none but the bin itself."""
+    lag = np.arange(correlation.size)
+    if not variation.correlated:
+        return (lag == 0).astype(correlation.dtype)
+    return np.interp(lag * variation.bin_size, lag, correlation).astype(correlation.dtype)
 
 
 def _stored(value):

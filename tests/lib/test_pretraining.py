@@ -1,12 +1,16 @@
 """What the shipped tracker is trained on: scenes of variants of the flight."""
 
+import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from runs import CONFIG
 
-from lib.pretraining import scores_for_card, varied_scenes
+from lib.pretraining import on_lines, scores_for_card, varied_scenes
+from lib.resizing import in_bins
+from snowsim.echogram import Scene
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
+from snowsim.labels import draw_scene
 from snowsim.patches import check_trainable
 
 
@@ -29,6 +33,31 @@ def test_scenes_of_a_variant_do_not_depend_on_which_others_are_drawn(flight):
         assert_array_equal(alone.layer_bins, scene.layer_bins)
     for scene in together:
         check_trainable(scene)
+
+
+def test_lines_farther_apart_are_lines_left_out_with_texture_as_much_shorter(flight):
+    scene = draw_scene(flight, 64, name="whole", rng=np.random.default_rng(1))
+    thinned = on_lines(scene, np.arange(0, 64, 2))
+    assert_array_equal(thinned.layer_bins, scene.layer_bins[:, ::2])
+    assert_array_equal(thinned.echoes.bins, scene.echoes.bins[:, ::2])
+    assert_array_equal(thinned.echoes.power, scene.echoes.power[:, ::2])
+    assert thinned.echoes.texture == (*scene.echoes.texture[:2], scene.echoes.texture[2] / 2)
+
+
+def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():
+    row = np.arange(320.0)[:, None]
+    layer_bins = np.array([[80.25] * 64, [200.5] * 64])
+    near = np.abs(row - layer_bins[:, 0]).min(axis=1)
+    image = np.repeat(np.uint8(255 * np.exp(-(near**2) / 50))[:, None], 64, axis=1)
+    scene = Scene(name="two layers", n_range_bins=320, layer_bins=layer_bins, image=image)
+    smaller = in_bins(scene, 0.6)
+    assert smaller.image.shape == (192, 64)
+    for layer in smaller.layer_bins[:, 0]:
+        about = slice(round(layer) - 15, round(layer) + 16)
+        brightness = smaller.image[about, 0].astype(float)
+        middle = (brightness * np.arange(192)[about]).sum() / brightness.sum()
+        # Eight bits of brightness on 31 rows.
+        assert abs(middle - layer) < 0.05
 
 
 def test_scores_of_the_card_are_those_of_the_shipped_tracker(tmp_path):

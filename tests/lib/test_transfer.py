@@ -10,6 +10,7 @@ from runs import CONFIG
 from scipy.special import expit
 from toy_scenes import toy_scenes
 
+from lib.resizing import resized
 from lib.transfer import check_flights, parts_of, reference_of, scale_of, variants_of
 from lib.transfer_scores import (
     Compared,
@@ -18,7 +19,6 @@ from lib.transfer_scores import (
     on_pixels,
     pick_scores,
     reliability_of,
-    resized,
     score_tracker,
 )
 from snowsim.tracker.calibration import Calibration, fused_logits

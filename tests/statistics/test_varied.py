@@ -17,6 +17,8 @@ from snowsim.statistics.varied import OF_PULSE_LENGTH, OF_THICKNESS
 CHANGES = {*OF_THICKNESS, *OF_PULSE_LENGTH, "noise_power", "background_power"}
 CHANGES |= {"line_gain_spread_db", "speckle_correlation"}
 
+LOG_UNIFORM = ("thickness", "pulse_length", "n_looks", "tail_length", "line_spacing", "bin_size")
+
 
 @pytest.fixture(scope="module")
 def flight():
@@ -84,6 +86,24 @@ def test_gain_looks_and_correlation_of_speckle_reach_the_echoes(flight):
     assert_array_equal(echoes.speckle_correlation, np.eye(9)[0])
 
 
+def test_half_as_large_bins_hold_the_same_snow_and_pulse_in_twice_as_many(flight):
+    finer = changed(flight, Variation(bin_size=0.5))
+    twice = changed(flight, Variation(thickness=2.0, pulse_length=2.0))
+    for name in (*OF_THICKNESS, *OF_PULSE_LENGTH):
+        assert_array_equal(finer[name], twice[name], err_msg=name)
+    correlation = flight["speckle_correlation"].values
+    assert_array_equal(
+        finer["speckle_correlation"][::2], correlation[: (len(correlation) + 1) // 2]
+    )
+
+
+def test_a_longer_tail_lengthens_nothing_else(flight):
+    other = changed(flight, Variation(tail_length=2.0))
+    assert_allclose(other["decay_rate"], flight["decay_rate"] / 2)
+    for name in set(OF_PULSE_LENGTH) - {"decay_rate"}:
+        assert_array_equal(other[name], flight[name], err_msg=name)
+
+
 def test_all_else_stays_and_what_was_drawn_is_told(flight, rng):
     other = varied(flight, rng=rng)
     errors = {f"{name}_standard_error" for name in CHANGES}
@@ -114,7 +134,7 @@ def test_draws_fill_their_ranges_and_no_more(rng):
         assert (low <= values).all(), name
         assert (values <= high).all(), name
         # The chance that 2000 draws leave out the first or the last hundredth: 2 * .99^2000.
-        spread = np.log(bounds) if name in ("thickness", "pulse_length", "n_looks") else bounds
+        spread = np.log(bounds) if name in LOG_UNIFORM else bounds
         placed = np.log(values) if spread is not bounds else values
         share = (placed - spread[0]) / (spread[1] - spread[0])
         assert share.min() < 0.01, name

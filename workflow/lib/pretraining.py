@@ -2,9 +2,11 @@
 
 import dataclasses
 
+import numpy as np
 import pandas as pd
 
 from lib.phy_renders import render_by_phy
+from lib.resizing import in_bins
 from snowsim.labels import Dress, draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
 from snowsim.seeding import random_stream
@@ -15,24 +17,50 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
     """`n_scenes` scenes of each of some variants of a flight's statistics, rendered by PHY.
 
     Variants are numbers; looks and correlation of speckle are theirs, whatever `phy` says. So are
-    crusts between layers and bands of coherent noise, which are not labelled.
+    crusts between layers and bands of coherent noise, which are not labelled, the distance of range
+    lines, and the range bins that a scene is drawn in before it is resampled to the flight's.
     """
     phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
     choices, _ = Dress.split(phy)
     for variant in variants:
         statistics = varied(flight, rng=random_stream(seed, "varied", variant))
-        model = prepare(statistics, n_range_lines, dress=choices)
+        # Lines farther apart are lines left out.
+        spacing = statistics.attrs["varied_line_spacing"]
+        lines = (np.arange(n_range_lines) * spacing).astype(int)
+        n_drawn = int(lines[-1]) + 1
+        model = prepare(statistics, n_drawn, dress=choices)
         clutter = clutter_of(statistics)
         for number in range(n_scenes):
             name = f"variant_{variant:03d}_{number:03d}"
             # By scene, never by shard: how scenes are divided must not change them.
             rng = random_stream(seed, "varied_scenes", name)
-            drawn = draw_scene(model, n_range_lines, name=name, rng=rng)
+            drawn = on_lines(draw_scene(model, n_drawn, name=name, rng=rng), lines)
             echoes = with_crusts(drawn.echoes, clutter, rng=rng)
             shape = (drawn.n_range_bins, n_range_lines)
             coherent = bands(shape, echoes.noise_power, clutter, rng=rng)
             cluttered = dataclasses.replace(drawn, echoes=echoes)
-            yield render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
+            rendered = render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
+            yield in_bins(rendered, statistics.attrs["varied_bin_size"])
+
+
+def on_lines(scene, lines):
+    """A drawn scene on some of its range lines, (range_line,)."""
+    echoes = scene.echoes
+    texture = echoes.texture
+    if texture is not None:
+        every = max(1, (lines[-1] - lines[0]) / (len(lines) - 1))
+        variance, length_bins, length_lines = texture
+        texture = (variance, length_bins, length_lines / every)
+    kept = dataclasses.replace(
+        echoes, bins=echoes.bins[:, lines], power=echoes.power[:, lines], texture=texture
+    )
+    complete = scene.complete_layer_bins
+    return dataclasses.replace(
+        scene,
+        layer_bins=scene.layer_bins[:, lines],
+        complete_layer_bins=None if complete is None else complete[:, lines],
+        echoes=kept,
+    )
 
 
 def clutter_of(statistics):

@@ -1,7 +1,11 @@
-"""Images at other numbers of range bins and range lines."""
+"""Images and scenes at other numbers of range bins and range lines."""
+
+import dataclasses
 
 import torch
 from torch.nn import functional
+
+from snowsim.io.scenes import SceneSet
 
 AS_THEY_ARE = (1, 1)
 LEAST_SIZE = 16  # of an image that the tracker takes
@@ -20,3 +24,31 @@ def resized(image, scale):
 def resized_rows(row, n_rows, n_resized):
     """Rows of an image of `n_rows` in one of `n_resized`: middles of pixels are counted."""
     return (row + 0.5) * n_resized / n_rows - 0.5
+
+
+def in_bins(scene, share):
+    """An annotated scene with its image in fewer range bins, a `share` of its own."""
+    if share == 1:
+        return scene
+    image = resized(scene.image, (share, 1))
+    n_rows = len(image)
+    layer_bins = resized_rows(scene.layer_bins, scene.n_range_bins, n_rows)
+    complete = scene.complete_layer_bins
+    if complete is not None:
+        complete = resized_rows(complete, scene.n_range_bins, n_rows)
+    return dataclasses.replace(
+        scene,
+        image=image,
+        n_range_bins=n_rows,
+        layer_bins=layer_bins,
+        complete_layer_bins=complete,
+    )
+
+
+def scenes_in_bins(paths, shares):
+    """Scenes of some files, those of each file in a share of their range bins."""
+    scenes = []
+    for path, share in zip(paths, shares, strict=True):
+        with SceneSet([path]) as annotated:
+            scenes += [in_bins(scene, share) for scene in annotated]
+    return scenes

@@ -8,6 +8,7 @@ import torch
 from scipy.special import logit
 from torch.nn import functional
 
+from lib.resizing import AS_THEY_ARE, resized, resized_rows
 from snowsim.metrics.pick_tables import layer_rows
 from snowsim.picking.candidates import find_candidates
 from snowsim.picking.card import CONFIDENCE
@@ -22,8 +23,6 @@ from snowsim.tracker.calibration import (
     fused_logits,
     reliability,
 )
-
-AS_THEY_ARE = (1, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,15 +44,6 @@ class Picks:
 
     bins: np.ndarray
     sure: np.ndarray
-
-
-def resized(image, scale):
-    """An image with so many times the range bins and range lines, `scale` (bin, line)."""
-    if tuple(scale) == AS_THEY_ARE:
-        return image
-    size = tuple(max(16, round(n * factor)) for n, factor in zip(image.shape, scale, strict=True))
-    given = torch.from_numpy(image)[None, None]
-    return functional.interpolate(given, size=size, mode="bilinear", antialias=True)[0, 0].numpy()
 
 
 def on_pixels(logits, shape):
@@ -83,8 +73,7 @@ def followed(logits, tracker, shape):
     for piece in pieces_of(logits, tracker.calibration):
         of_piece = confidence(piece, n_lines, tracker.confidence)
         row, of_pick = on_lines(piece, of_piece, lines, Linking().longest)
-        # Middles of pixels, not their edges, are counted.
-        own_row = (row + 0.5) * shape[0] / n_rows - 0.5
+        own_row = resized_rows(row, n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
         sure.append(between_lines(of_pick, own_lines))
     empty = np.empty((0, shape[1]))

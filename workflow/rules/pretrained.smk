@@ -19,6 +19,10 @@ if workflow.is_main_process:
     or_refused(
         transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config
     )
+# Of range bins, as scenes are brought to the default's.
+TUNING_SHARES = [
+    transfer.scale_of(flight, config["reference"]["radar"])[0] for flight in TUNING.values()
+]
 # Parts of another flight: its split of the benchmark, and the scenes of that.
 PARTS = transfer.parts_of(TRANSFER["n_scenes"])
 # Of the default flight.
@@ -124,6 +128,8 @@ rule calibrate_pretrained:
         "logs/calibrate_pretrained.log",
     benchmark:
         "results/benchmarks/calibrate_pretrained/all.tsv"
+    params:
+        bin_shares=TUNING_SHARES,
     message:
         "calibration of the tracker that comes with the package"
     script:
@@ -143,6 +149,8 @@ rule calibrate_picks:
         "logs/calibrate_picks.log",
     benchmark:
         "results/benchmarks/calibrate_picks/all.tsv"
+    params:
+        bin_shares=TUNING_SHARES,
     message:
         "how sure picks of the tracker are that comes with the package"
     script:
@@ -222,6 +230,8 @@ use rule calibrate_pretrained as calibrate_compared with:
         "logs/calibrate_compared/{training_set}.log",
     benchmark:
         "results/benchmarks/calibrate_compared/{training_set}.tsv"
+    params:
+        bin_shares=[1 for _ in benchmark_files("validation")],
     message:
         "calibration of the larger tracker on {wildcards.training_set}"
 

@@ -3,18 +3,17 @@
 import pandas as pd
 from job import progress, run
 
+from lib.resizing import scenes_in_bins
 from lib.tracker_scores import read_calibration, read_tracker
 from lib.transfer_scores import Compared, fit_confidence, followed, reliability_of
 from snowsim.io.files import write_table
-from snowsim.io.scenes import SceneSet
 from snowsim.tracker.calibration import fused_logits
 
 
-def calibrate_picks(network, calibration, scenes, confidence, reliability):
+def calibrate_picks(network, calibration, scenes, confidence, reliability, *, bin_shares):
     trained = read_tracker(network).network
     calibrated = read_calibration(calibration)
-    with SceneSet(scenes) as annotated:
-        held = list(annotated)
+    held = scenes_in_bins(scenes, bin_shares)
     logits = [fused_logits(trained, scene.image) for scene in progress(held, "tracked")]
     found = fit_confidence(logits, held, calibrated)
     tracker = Compared("fitted", trained, calibrated, found)

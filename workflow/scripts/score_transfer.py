@@ -3,8 +3,9 @@
 import pandas as pd
 from job import progress, run
 
+from lib.resizing import AS_THEY_ARE
 from lib.tracker_scores import read_calibration, read_confidence, read_tracker
-from lib.transfer_scores import AS_THEY_ARE, Compared, score_tracker
+from lib.transfer_scores import Compared, score_tracker
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 
