@@ -9,7 +9,7 @@ LARGER = TRACKER["training"] | {
     "width": PRETRAINED["width"],
     "n_steps": PRETRAINED["n_steps"],
 }
-VARIANTS_PER_SHARD = 12
+VARIANTS_PER_SHARD = 72
 VARIED_SHARDS = numbered(math.ceil(PRETRAINED["n_variants"] / VARIANTS_PER_SHARD))
 TUNING = {flight["name"]: flight for flight in PRETRAINED["tuning"]}
 UNSEEN = {flight["name"]: flight for flight in TRANSFER["flights"]}
@@ -21,7 +21,8 @@ if workflow.is_main_process:
     )
 # Of range bins, as scenes are brought to the default's.
 TUNING_SHARES = [
-    transfer.scale_of(flight, config["reference"]["radar"])[0] for flight in TUNING.values()
+    transfer.scale_of(flight, config["reference"]["radar"])[0]
+    for flight in TUNING.values()
 ]
 # Parts of another flight: its split of the benchmark, and the scenes of that.
 PARTS = transfer.parts_of(TRANSFER["n_scenes"])
