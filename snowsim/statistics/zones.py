@@ -79,7 +79,8 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
     `n_gap_blocks (slab)`; `first_thickness_quantile_bins (quantile)`, evenly from 0 to 1,
     `n_blocks_by_layers (zone, n_layers)` by layers below the surface, from 0; `n_blocks`,
     `n_blocks_placed_by_other_slabs`, `n_blocks_not_placed`, `n_blocks_without_layers`,
-    `n_spectral_lines`. ValueError if no block has slab 0 picked in half of its lines.
+    `n_spectral_lines`. ValueError if no block has slab 0 picked in half of its lines, or none that
+    is placed has a stretch without gaps.
 
     A block counts for the mean of a slab if half of its lines have both layers, for its spectrum if
     all have; if hardly a block is without gaps, spectra are those of shorter stretches,
@@ -117,6 +118,11 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
         served=np.isfinite(of_placed).all(axis=2),
         typical=_typical(level[placed], zone, edges),
     )
+    if not blocks.served.any():
+        length = series.shape[2]
+        msg = f"spectra of thickness need {length} lines of a slab picked without gaps in a block "
+        msg += f"that slab 0 places, of {placed.sum()} such blocks none has them"
+        raise ValueError(msg)
     result = _moments_by_zone(blocks)
     result |= _spectra_by_zone(blocks, tapered)
     relative = blocks.mean / blocks.level[:, None]

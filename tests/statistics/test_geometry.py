@@ -210,3 +210,13 @@ def test_spectra_are_those_of_the_longest_stretches_that_are_often_whole(rng):
     thickness[:, :, ::8] = np.nan
     with pytest.raises(ValueError, match="need 16 lines of a slab picked without gaps, got none"):
         zone_statistics(thickness)
+
+
+def test_stretches_without_gaps_count_only_where_slab_0_places_the_block(rng):
+    thickness = 20 + rng.standard_normal((8, 2, 256))
+    # No block has both slabs: slab 1 says nothing of slab 0.
+    thickness[:4, 1] = np.nan
+    thickness[4:, 0] = np.nan
+    thickness[:4, 0, ::8] = np.nan
+    with pytest.raises(ValueError, match="that slab 0 places, of 4 such blocks none has them"):
+        zone_statistics(thickness)
