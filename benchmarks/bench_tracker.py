@@ -52,7 +52,7 @@ class PlainNetwork(MultiScaleNetwork):
             x = functional.max_pool2d(x, 2, ceil_mode=True) if number else x
             for convolution in stage:
                 x = functional.relu(convolution(x))
-            sides.append(self.enlarged(side(x), 2**number, image.shape[2:]))
+            sides.append(self.enlarged(side(x), (2**number, 2**number), image.shape[2:]))
         return torch.stack([*sides, self.fuse(torch.cat(sides, dim=1))])
 
 

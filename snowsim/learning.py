@@ -6,10 +6,12 @@ from snowsim.io.trackers import read_tracker, shipped_trackers, write_tracker
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
 from snowsim.tracker.calibration import calibrate, fused_logits
 from snowsim.tracker.card import make_card
-from snowsim.tracker.portable import to_onnx, weights_of_onnx, width_of
+from snowsim.tracker.portable import network_of_onnx, to_onnx
 from snowsim.training import load_weights
 
-WIDTH = 8  # of the tracker that comes with the package
+# Of the tracker that comes with the package.
+WIDTH = 8
+N_AVERAGED = 2
 ONE_IN = 10  # scenes is not trained on but calibrated on
 
 
@@ -47,11 +49,13 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     if len(scenes) < 2:
         msg = f"expected at least 2 scenes, one of them to calibrate on, got {len(scenes)}"
         raise ValueError(msg)
-    weights = None if start is None else weights_of_tracker(start)
-    width = WIDTH if weights is None else width_of(weights)
-    training = Training(Settings(width=width, n_steps=n_steps), seed=seed)
-    if weights is not None:
-        load_weights(training.network, weights, str(start))
+    shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
+    if start is not None:
+        begun_with = network_of_tracker(start)
+        shape = {"width": begun_with.width, "n_averaged": begun_with.n_averaged}
+    training = Training(Settings(**shape, n_steps=n_steps), seed=seed)
+    if start is not None:
+        load_weights(training.network, begun_with.state_dict(), str(start))
     places = range(len(scenes))
     taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
     for _ in progress(train_steps(training, TrainingSet(taken, seed=seed))):
@@ -76,8 +80,8 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     return card
 
 
-def weights_of_tracker(name):
-    """Weights of a tracker, by its name if it comes with the package, or by its file."""
+def network_of_tracker(name):
+    """Network of a tracker, by its name if it comes with the package, or by its file."""
     shipped = shipped_trackers()
     path = Path(shipped.get(name, name))
     if not path.is_file():
@@ -85,7 +89,7 @@ def weights_of_tracker(name):
         msg = f"{name}: expected a tracker that comes with the package ({known}) or an .onnx file"
         raise ValueError(msg)
     content, _ = read_tracker(path)
-    return weights_of_onnx(content)
+    return network_of_onnx(content)
 
 
 class Chosen:

@@ -1,13 +1,12 @@
 """A tracker trained on a user's own scenes: what it starts from, holds out and writes."""
 
-import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from toy_scenes import toy_scenes
 
 from snowsim.io.trackers import read_tracker
-from snowsim.learning import Chosen, joined, train_tracker, weights_of_tracker
-from snowsim.tracker.portable import weights_of_onnx, width_of
+from snowsim.learning import Chosen, joined, network_of_tracker, train_tracker
+from snowsim.tracker.portable import network_of_onnx
 
 OWN = {"seed": 1, "bin_s": 2e-10, "line_spacing_m": 4.0}
 
@@ -19,7 +18,8 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
     assert (read["bin_s"], read["line_spacing_m"]) == (2e-10, 4.0)
     assert "9 scenes" in read["trained_on"]  # of 11 every tenth, from the first on, is held out
     assert read["temperature"] == card["temperature"] > 0
-    assert width_of(weights_of_onnx(content)) == 8
+    network = network_of_onnx(content)
+    assert (network.width, network.n_averaged) == (8, 2)
     again = tmp_path / "again.onnx"
     train_tracker(again, toy_scenes(11), n_steps=3, **OWN)
     assert again.read_bytes() == content
@@ -28,14 +28,14 @@ def test_training_writes_a_network_and_the_card_that_fits_it(tmp_path):
 def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     path = tmp_path / "mine.onnx"
     train_tracker(path, toy_scenes(3), start="universal", n_steps=1, **OWN)
-    shipped = weights_of_tracker("universal")
-    found = weights_of_tracker(path)
+    shipped = network_of_tracker("universal").state_dict()
+    found = network_of_tracker(path).state_dict()
     for name, values in shipped.items():
         if name == "fuse.bias":  # takes in the offset of the calibration
             continue
         # One step of a thousandth at most, Adam's, and decay of a hundredth of that.
-        assert np.abs(found[name] - values).max() < 1.1e-3, name
-    assert any(np.abs(found[name] - values).max() > 0 for name, values in shipped.items())
+        assert (found[name] - values).abs().max() < 1.1e-3, name
+    assert any((found[name] - values).abs().max() > 0 for name, values in shipped.items())
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_what_is_no_tracker_is_refused_in_a_line(tmp_path, monkeypatch, name, ex
     for stem in (*cards, "text"):
         (tmp_path / f"{stem}.onnx").write_bytes(b"no network")
     with pytest.raises(ValueError, match=expected) as refused:
-        weights_of_tracker(name)
+        network_of_tracker(name)
     assert "\n" not in str(refused.value)
 
 

@@ -1,16 +1,18 @@
 """Log-odds of layers over a whole echogram, by windows that overlap.
 
-Pooling reduces by 16: windows that begin on a grid of 16 pixels and overlap by more than a pixel
-sees give what the whole gives.
+Pooling reduces by 16, of range lines that may have been averaged in pairs: windows that begin on a
+grid of so many pixels and overlap by more than a pixel sees give what the whole gives.
 """
 
 import numpy as np
 
-GRID = 16
+GRID_ROWS = 16
+GRID_LINES = 2 * GRID_ROWS
 # Farther than a pixel sees: 98 pixels, by the last stage's convolutions, and 16 of its up-sampling.
-MARGIN = 8 * GRID
-WINDOW_LINES = 64 * GRID
-WINDOW_ROWS = 64 * GRID
+MARGIN_ROWS = 8 * GRID_ROWS
+MARGIN_LINES = 8 * GRID_LINES
+WINDOW_ROWS = 64 * GRID_ROWS
+WINDOW_LINES = 64 * GRID_LINES
 
 
 def log_odds_by_lines(
@@ -20,17 +22,17 @@ def log_odds_by_lines(
 
     `run` gives log-odds of a stack of inputs, `image_of(first, stop)` the 8-bit image (row,
     range_line) of range lines; no more than a window of either is in memory. Windows are whole
-    multiples of `GRID`.
+    multiples of `GRID_LINES` and `GRID_ROWS`.
     """
     for first in range(0, n_lines, window_lines):
         stop = min(first + window_lines, n_lines)
-        left = max(0, first - MARGIN)
-        image = image_of(left, min(stop + MARGIN, n_lines))
+        left = max(0, first - MARGIN_LINES)
+        image = image_of(left, min(stop + MARGIN_LINES, n_lines))
         log_odds = np.empty((n_rows, stop - first), dtype=np.float32)
         for top in range(0, n_rows, window_rows):
             bottom = min(top + window_rows, n_rows)
-            above = max(0, top - MARGIN)
-            window = image[above : min(bottom + MARGIN, n_rows)]
+            above = max(0, top - MARGIN_ROWS)
+            window = image[above : min(bottom + MARGIN_ROWS, n_rows)]
             found = run(to_input(window))[0, 0]
             rows = slice(top - above, bottom - above)
             log_odds[top:bottom] = found[rows, first - left : stop - left]

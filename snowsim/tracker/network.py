@@ -22,13 +22,16 @@ class MultiScaleNetwork(nn.Module):
     classifier and without batch normalisation, a 1x1 convolution on each stage, brought to the size
     of the image, a 1x1 convolution over the five. Pooling keeps odd edges (ceil mode); what is then
     too large by up to 15 pixels is cut, so that pixel (0, 0) stays where it is at any image size.
+    Not published: `n_averaged` range lines may be averaged first; maps are then as much wider.
     """
 
-    def __init__(self, width=64):
+    def __init__(self, width=64, n_averaged=1):
         super().__init__()
         if width < 1:
             msg = f"width must be at least 1, got {width}"
             raise ValueError(msg)
+        self.width = width
+        self.n_averaged = n_averaged
         self.stages = nn.ModuleList()
         self.sides = nn.ModuleList()
         n_in = 1
@@ -44,18 +47,26 @@ class MultiScaleNetwork(nn.Module):
 
     def forward(self, image):
         """Logits, (output, patch, 1, range_bin, range_line), of images as from `to_input`."""
-        x = image
+        x = self.averaged(image)
         logits = []
         for number, (stage, side) in enumerate(zip(self.stages, self.sides, strict=True)):
             if number:
                 x = functional.max_pool2d(x, 2, stride=2, ceil_mode=True)
             for convolution in stage:
                 x = functional.relu(convolution(x))
-            logits.append(self.enlarged(side(x).float(), 2**number, image.shape[2:]))
+            factors = (2**number, 2**number * self.n_averaged)
+            logits.append(self.enlarged(side(x).float(), factors, image.shape[2:]))
         sides = torch.stack(logits)
         # The 1x1 convolution, over maps that are stacked and not side by side.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
+
+    def averaged(self, image):
+        """Images of which every `n_averaged` range lines are one; the last may be of fewer."""
+        if self.n_averaged == 1:
+            return image
+        size = (1, self.n_averaged)
+        return functional.avg_pool2d(image, size, ceil_mode=True)
 
     @staticmethod
     def to_input(images):
@@ -63,9 +74,9 @@ class MultiScaleNetwork(nn.Module):
         return to_signed(images)
 
     @staticmethod
-    def enlarged(logit, factor, size):
+    def enlarged(logit, factors, size):
         """A side map as many times as large, about pixel centres, cut on the right and below."""
-        return enlarge(logit, factor)[:, :, : size[0], : size[1]]
+        return enlarge(logit, factors)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
         """Draw the weights.
@@ -85,12 +96,13 @@ class MultiScaleNetwork(nn.Module):
                     parameter.copy_(torch.from_numpy(np.float32(spread) * drawn))
 
 
-def enlarge(x, factor, *, align_corners=False):
-    """Maps (patch, 1, row, column) as many times as large, bilinear."""
-    if factor == 1:
+def enlarge(x, factors, *, align_corners=False):
+    """Maps (patch, 1, row, column) as many times as high and wide, bilinear."""
+    if factors == (1, 1):
         return x
+    scale = tuple(float(factor) for factor in factors)
     return functional.interpolate(
-        x, scale_factor=float(factor), mode="bilinear", align_corners=align_corners
+        x, scale_factor=scale, mode="bilinear", align_corners=align_corners
     )
 
 

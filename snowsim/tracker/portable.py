@@ -1,4 +1,4 @@
-"""The network as ONNX, which runs without torch, and its weights read back."""
+"""The network as ONNX, which runs without torch, and read back."""
 
 import copy
 import io
@@ -10,6 +10,7 @@ from onnx import numpy_helper
 from torch import nn
 
 from snowsim.tracker.network import STAGES, MultiScaleNetwork
+from snowsim.training import load_weights
 
 INPUT = "image"
 OUTPUT = "logit"
@@ -58,10 +59,10 @@ def to_onnx(network, offset=0.0):
     return content.getvalue()
 
 
-def weights_of_onnx(content):
-    """Weights of the network that `to_onnx` gave (bytes), by name, as `trained_network` takes them.
+def network_of_onnx(content):
+    """The `MultiScaleNetwork` in what `to_onnx` gave (bytes); its bias holds the offset.
 
-    ValueError where these are no weights of a `MultiScaleNetwork`.
+    ValueError where this is no such network.
     """
     try:
         model = onnx.load_model_from_string(content)
@@ -69,10 +70,14 @@ def weights_of_onnx(content):
         msg = f"expected a network as ONNX, cannot be read: {error}"
         raise ValueError(msg) from error
     held = {each.name: numpy_helper.to_array(each).copy() for each in model.graph.initializer}
+    n_averaged = 1
     for node in model.graph.node:
         # Weights that are equal are kept once.
         if node.op_type == "Identity" and node.input[0] in held:
             held[node.output[0]] = held[node.input[0]]
+        if node.op_type == "AveragePool":
+            sizes = {each.name: each.ints for each in node.attribute}
+            n_averaged = sizes["kernel_shape"][1]
     weights = {
         name.removeprefix(PREFIX): values
         for name, values in held.items()
@@ -83,9 +88,7 @@ def weights_of_onnx(content):
     if missing:
         msg = f"expected weights of a network of {len(STAGES)} stages, {min(missing)} is missing"
         raise ValueError(msg)
-    return {name: weights[name] for name in expected}
-
-
-def width_of(weights):
-    """Width of the network of some weights."""
-    return int(weights["stages.0.0.bias"].size)
+    width = int(weights["stages.0.0.bias"].size)
+    network = MultiScaleNetwork(width, n_averaged)
+    load_weights(network, {name: weights[name] for name in expected}, "tracker")
+    return network.eval()

@@ -33,9 +33,9 @@ class PublishedNetwork(MultiScaleNetwork):
         return torch.from_numpy(grey - np.float32(MEAN_GREY))[:, None]
 
     @staticmethod
-    def enlarged(logit, factor, size):
+    def enlarged(logit, factors, size):
         """A side map as many times as large, corners on corners, and the middle of it."""
-        logit = enlarge(logit, factor, align_corners=True)
+        logit = enlarge(logit, factors, align_corners=True)
         n_rows, n_lines = size
         # Half a pixel goes to the even one, as Python rounds.
         top = round((logit.shape[2] - n_rows) / 2)

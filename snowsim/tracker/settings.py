@@ -19,6 +19,12 @@ class Settings:
         enum=("multi_scale", "published"),
     )
     width: int = setting(4, "[channels] of the first stage; tracker paper: 64", minimum=1)
+    n_averaged: int = setting(
+        1,
+        "[range lines] that the network averages before all else; published: none",
+        minimum=1,
+        maximum=2,
+    )
     n_steps: int = setting(1000, "[gradients] see budgets on the accuracy page", minimum=1)
     batch_size: int = setting(4, "[patches]", minimum=1)
     n_range_bins: int | None = setting(

@@ -19,7 +19,7 @@ def network_of(settings):
     """Network of `Settings`, its weights not yet drawn."""
     if settings.network == "published":
         return PublishedNetwork(settings.width)
-    return MultiScaleNetwork(settings.width)
+    return MultiScaleNetwork(settings.width, settings.n_averaged)
 
 
 def trained_network(weights, settings, *, device="cpu"):

@@ -11,7 +11,7 @@ from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.confidence import confidence, half_width_rows
 from snowsim.picking.joining import join_through_fades, ordered
 from snowsim.picking.linking import Linking, Piece, link
-from snowsim.picking.windows import MARGIN, log_odds_by_lines
+from snowsim.picking.windows import MARGIN_LINES, MARGIN_ROWS, log_odds_by_lines
 
 EVEN = 0.0
 
@@ -122,13 +122,13 @@ def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
     assert (half_width_rows(high) < half_width_rows(low)).all()
 
 
-@pytest.fixture(scope="module")
-def multi_scale():
-    """Logits of a network as it is shipped, of width 1, with drawn weights."""
+@pytest.fixture(scope="module", params=[1, 2])
+def multi_scale(request):
+    """Logits of a network of width 1 with drawn weights, as shipped and without averages."""
     torch = pytest.importorskip("torch")
     from snowsim.tracker.network import MultiScaleNetwork
 
-    network = MultiScaleNetwork(1)
+    network = MultiScaleNetwork(1, n_averaged=request.param)
     network.initialise(rng=np.random.default_rng(3))
     with torch.no_grad():
         for side in network.sides:
@@ -149,11 +149,13 @@ def test_an_echogram_in_windows_gives_what_the_whole_gives(multi_scale, rng, siz
     def cut(first, stop):
         return image[:, first:stop]
 
-    def logits(window):
-        parts = log_odds_by_lines(multi_scale, cut, *size, window_lines=window, window_rows=window)
+    def logits(rows, lines):
+        parts = log_odds_by_lines(multi_scale, cut, *size, window_lines=lines, window_rows=rows)
         return np.concatenate([part for _, part in parts], axis=1)
 
-    whole = logits(4096)
+    whole = logits(4096, 4096)
     assert np.ptp(whole) > 1e-3
     # Sums of 32-bit products in another order.
-    assert_allclose(logits(2 * MARGIN), whole, atol=2e-6 * np.abs(whole).max() + 1e-6)
+    assert_allclose(
+        logits(2 * MARGIN_ROWS, MARGIN_LINES), whole, atol=2e-6 * np.abs(whole).max() + 1e-6
+    )

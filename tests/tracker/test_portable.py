@@ -11,14 +11,14 @@ from snowsim.front import REFERENCE
 from snowsim.io.trackers import read_tracker
 from snowsim.patches import to_signed
 from snowsim.tracker import MultiScaleNetwork
-from snowsim.tracker.portable import to_onnx, weights_of_onnx, width_of
+from snowsim.tracker.portable import network_of_onnx, to_onnx
 
 SHIPPED = REFERENCE.parent / "universal.onnx"
 
 
-@pytest.fixture(scope="module")
-def network():
-    network = MultiScaleNetwork(8)
+@pytest.fixture(scope="module", params=[1, 2])
+def network(request):
+    network = MultiScaleNetwork(8, n_averaged=request.param)
     network.initialise(rng=np.random.default_rng(1))
     with torch.no_grad():
         # Larger than drawn: probabilities then differ from a half.
@@ -62,18 +62,19 @@ def test_an_offset_is_taken_off_every_logit(network, rng):
 
 def test_weights_are_read_back_equal_ones_too(network):
     # As drawn all biases are zero, and the file keeps equal weights once.
-    weights = weights_of_onnx(to_onnx(network))
+    read = network_of_onnx(to_onnx(network))
     expected = network.state_dict()
-    assert weights.keys() == expected.keys()
+    found = read.state_dict()
+    assert found.keys() == expected.keys()
     for name, values in expected.items():
-        assert_array_equal(weights[name], values.numpy(), err_msg=name)
-    assert width_of(weights) == 8
+        assert_array_equal(found[name], values, err_msg=name)
+    assert (read.width, read.n_averaged) == (8, network.n_averaged)
 
 
 @pytest.mark.parametrize("content", [b"", b"no network", b"\x00" * 100])
 def test_what_is_no_network_is_refused_in_a_line(content):
     with pytest.raises(ValueError, match="expected (a network as ONNX|weights)") as refused:
-        weights_of_onnx(content)
+        network_of_onnx(content)
     assert "\n" not in str(refused.value)
 
 
@@ -82,11 +83,8 @@ def test_the_shipped_tracker_fits_its_card_and_is_a_network_of_this_package():
     assert card["name"] == "universal"
     assert "never scored on an annotated real frame" in card["trained_on"]
     assert len(content) < 4e6
-    network = MultiScaleNetwork(width_of(weights_of_onnx(content)))
-    network.load_state_dict(
-        {name: torch.as_tensor(values) for name, values in weights_of_onnx(content).items()}
-    )
+    network = network_of_onnx(content)
     image = np.random.default_rng(1).integers(0, 256, (1, 90, 70), dtype=np.uint8)
     with torch.no_grad():
-        expected = torch.sigmoid(network.eval()(to_signed(image))[-1]).numpy()
+        expected = torch.sigmoid(network(to_signed(image))[-1]).numpy()
     assert_allclose(expit(run(content, image)), expected, atol=1e-5)

@@ -44,6 +44,18 @@ def test_every_output_has_the_size_of_the_image(kind, size):
     assert logits.shape == (len(OUTPUTS), 2, 1, *size)
 
 
+@pytest.mark.parametrize("size", [(64, 64), (33, 47), (1, 1)])
+def test_averaged_range_lines_count_by_their_mean_alone(rng, noise, size):
+    network = drawn(MultiScaleNetwork(2, n_averaged=2), rng)
+    image = noise(*size)
+    means = torch.repeat_interleave(network.averaged(image), 2, dim=3)[..., : size[1]]
+    if size[1] % 2:
+        assert torch.equal(means[..., -1], image[..., -1])
+    logits = network(image)
+    assert logits.shape == (len(OUTPUTS), 1, 1, *size)
+    assert_allclose(logits, network(means), atol=1e-6)
+
+
 def test_an_image_moved_by_sixteen_rows_moves_every_output(network, noise):
     image = noise(400, 32)
     here, below = network(image), network(image.roll(16, dims=2))
