@@ -4,11 +4,8 @@
 from lib import transfer
 
 PRETRAINED, TRANSFER = config["pretrained"], config["studies"]["transfer"]
-# As the small recipe, but for its size: all networks that are compared are alike.
-LARGER = TRACKER["training"] | {
-    "width": PRETRAINED["width"],
-    "n_steps": PRETRAINED["n_steps"],
-}
+# All networks that are compared are alike.
+LARGER = TRACKER["training"] | PRETRAINED["training"]
 VARIANTS_PER_SHARD = 72
 VARIED_SHARDS = numbered(math.ceil(PRETRAINED["n_variants"] / VARIANTS_PER_SHARD))
 TUNING = {flight["name"]: flight for flight in PRETRAINED["tuning"]}
