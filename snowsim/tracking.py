@@ -3,7 +3,6 @@
 Only `snowsim.io` opens files, only `snowsim.picking` knows how to pick: this joins them.
 """
 
-import re
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,12 @@ from snowsim.echogram import bin_size_s, from_uint8
 from snowsim.io import read_echogram
 from snowsim.io.guard import container_of, existing, is_zarr, refusal
 from snowsim.io.images import read_image
-from snowsim.io.layer_files import refuse_existing, write_layer_files, write_layers
+from snowsim.io.layer_files import (
+    named_frame,
+    refuse_existing,
+    write_layer_files,
+    write_layers,
+)
 from snowsim.io.pictures import write_picture
 from snowsim.io.trackers import read_tracker, shipped_trackers
 from snowsim.picking import (
@@ -29,8 +33,6 @@ from snowsim.picking.network import network
 
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
-# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
-NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 SURFACE_NAME = "surface"
 # Frames of a segment follow one another where no more time lies between them.
 PAUSE = np.timedelta64(2, "s")
@@ -215,9 +217,9 @@ def _see(tracker, path, bin_s, seen):
     evidence = tracker.see(echogram, str(path))
     if echogram.attrs.get("source_format") == "image":
         return _Seen(path, evidence, None, None)
-    named = NAMED.search(path.stem)
-    if named:
-        return _Seen(path, evidence, named[1], int(named[2]))
+    segment, number = named_frame(path)
+    if segment:
+        return _Seen(path, evidence, segment, number)
     day = str(echogram["slow_time"].values[0])[:10].replace("-", "")
     segment = echogram.attrs.get("day_seg") or f"{day}_01"
     number = 1 + max((each.number for each in seen if each.segment == segment), default=0)

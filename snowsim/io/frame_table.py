@@ -14,7 +14,9 @@ from snowsim.io.guard import existing, library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
 
 COLUMNS = ("frame", "echogram", "layers", "role")
-ROLES = ("statistics", "train", "validation", "test")
+# Frames to track need no layers, and may have any other role, too.
+TRACK = "track"
+ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
 
 
@@ -22,9 +24,9 @@ def read_frames(path):
     """The table of frames, checked as far as it goes without opening the files it names.
 
     Tab-separated text with a header: `frame` (a name), `echogram` and `layers` (files, relative to
-    the table's folder; made absolute), `role` ("statistics", "train", "validation" or "test").
-    Lines that begin with # are remarks. Rows that fail are reported together, each in a line; an
-    echogram held out may have no other role.
+    the table's folder; made absolute), `role` ("statistics", "train", "validation", "test", or
+    "track", which needs no layers). Lines that begin with # are remarks. Rows that fail are
+    reported together, each in a line; an echogram held out may have no other role but "track".
     """
     path = existing(path)
     with library_errors(path, "table", "tab-separated text"):
@@ -56,11 +58,12 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     size most of them have. With `blocks`, frames of the benchmark are cut into scenes, too: a frame
     that gives none fails.
 
-    Returned is the table with `n_range_lines`, `n_range_bins`, `n_layers`, `bin_size_s`, how many
-    scenes a frame was cut into (`n_scenes`), how many of its blocks are none (`n_skipped`) and of
-    these for a flagged line (`n_flagged_blocks`); how many range lines are flagged
-    (`n_flagged_lines`), and how many have which flag (`flags`).
+    Returned is the table, but for frames to track, with `n_range_lines`, `n_range_bins`,
+    `n_layers`, `bin_size_s`, how many scenes a frame was cut into (`n_scenes`), how many of its
+    blocks are none (`n_skipped`) and of these for a flagged line (`n_flagged_blocks`); how many
+    range lines are flagged (`n_flagged_lines`), and how many have which flag (`flags`).
     """
+    table = table[table["role"] != TRACK]
     rows = []
     failed = []
     missing = set(options.get("layer_names") or ())
@@ -192,7 +195,8 @@ def each_frame(table, role=None, **options):
 
 def _trouble(row, table):
     """What is wrong with a row, or nothing."""
-    empty = [name for name in COLUMNS if not getattr(row, name)]
+    needed = [name for name in COLUMNS if name != "layers" or row.role != TRACK]
+    empty = [name for name in needed if not getattr(row, name)]
     if empty:
         return f"{', '.join(empty)}: expected a value, found none"
     if (table["frame"] == row.frame).sum() > 1:
@@ -200,11 +204,11 @@ def _trouble(row, table):
     if row.role not in ROLES:
         return f"role: expected {', '.join(ROLES)}, found {row.role}"
     for name in ("echogram", "layers"):
-        file = Path(getattr(row, name))
+        file = getattr(row, name)
         # A Zarr store is a directory.
-        if not file.exists():
+        if file and not Path(file).exists():
             return f"{name}: expected a file, found nothing at {file}"
-    roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]))
+    roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]) - {TRACK})
     for held_out in HELD_OUT:
         if held_out in roles and len(roles) > 1:
             found = " and ".join(roles)

@@ -1,6 +1,7 @@
 """Layers of a tracker as layer files that the field's own tools read."""
 
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,16 @@ HEADER_BYTES = 116
 HEADER = b"MATLAB 5.0 MAT-file, layers by snowsim".ljust(HEADER_BYTES)
 VERSION = "1"
 POSITIONS = {"lat": "Latitude", "lon": "Longitude", "elev": "Elevation"}
+# Segment and frame in a name: Data_20120330_04_001.mat, IRSNO1B_20120330_04_001_deconv.nc.
+NAMED = re.compile(r"(\d{8}_\d{2})_(\d{3})(?!\d)")
 GROUP_OF_SURFACE = "standard"
 GROUP = "snowsim"
+
+
+def named_frame(path):
+    """Segment and number of the frame that a file's name tells, (None, None) if it tells none."""
+    named = NAMED.search(Path(path).stem)
+    return (named[1], int(named[2])) if named else (None, None)
 
 
 def write_layer_files(folder, segment, frames, *, force=False):

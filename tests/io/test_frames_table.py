@@ -45,7 +45,7 @@ def test_a_table_gives_every_frame_level_at_the_bin_size_asked_for_and_checked_i
 
 def test_rows_that_fail_are_named_together_before_a_file_is_opened(flight):
     two_roles = "expected a test frame to have no other role, found test and train"
-    no_role = "expected statistics, train, validation, test, found holdout"
+    no_role = "expected statistics, train, validation, test, track, found holdout"
     rows = {
         "one\ta.nc\tnowhere.mat\ttrain": "layers: expected a file, found nothing at",
         f"two\ta.nc\t{LAYERS}\ttest": f"echogram: {two_roles}",

@@ -46,6 +46,31 @@ def own_frames(path_to_table):
     return frames
 
 
+def frames_to_track(path_to_table, per_job):
+    """Rows of the table of frames to be tracked, by job: lists of dicts, each of whole segments.
+
+    Layers keep their names along a segment, so that it is not divided, however long it is; a frame
+    whose file names none is one by itself.
+    """
+    from snowsim.io.frame_table import TRACK, read_frames
+    from snowsim.io.layer_files import named_frame
+
+    table = read_frames(path_to_table)
+    segments = {}
+    for row in table[table["role"] == TRACK].to_dict("records"):
+        segment, _ = named_frame(row["echogram"])
+        segments.setdefault(segment or row["echogram"], []).append(row)
+    jobs = []
+    for rows in segments.values():
+        if not jobs or len(jobs[-1]) + len(rows) > per_job:
+            jobs.append([])
+        jobs[-1] += rows
+    if not jobs:
+        msg = f"{path_to_table}: role: expected at least one frame for {TRACK}, found none"
+        raise ValueError(msg)
+    return jobs
+
+
 def frame_files(row, source):
     """Files of a row of the table: echogram, layers and, where NSIDC has any, quality flags."""
     from snowsim.io.nsidc import find_supplement

@@ -195,7 +195,7 @@ def targets(prefix=""):
 
 TARGET_GROUPS = {
     "main": "from the flight to Tables II and III",
-    "pretrained": "the tracker that comes with the package, not part of the default run",
+    "pretrained": "the tracker that comes with the package, and what it picks; not part of the default run",
     "evaluation": "what judges and shows; nothing on the main path depends on it",
     "studies": "many trainings each, not part of the default run",
 }
@@ -206,7 +206,7 @@ def group_of(item):
     file = Path(os.path.relpath(item.snakefile, ROOT / "workflow"))
     if item.name.startswith("stud"):
         return "studies"
-    if file.stem == "pretrained":
+    if file.stem in ("pretrained", "picks"):
         return "pretrained"
     return "evaluation" if file.parts[0] == "evaluation" else "main"
 

@@ -1,0 +1,63 @@
+"""Own frames tracked by the workflow: whole segments to a job, bad frames in nobody's way."""
+
+import formats
+import pandas as pd
+import pytest
+import yaml
+from planted_layers import SEGMENT, content_of, planted, ridge_weights, write_weights
+from runs import lines_with, run_snakemake, settings
+
+from lib.sources import frames_to_track
+from snowsim.io import read_layers
+
+OTHER = "20120507_03"
+
+
+def table_of(folder, names, role="track"):
+    """Table of frames with the role, whose layers are not known."""
+    rows = [f"{name}\tData_{name}.mat\t\t{role}\n" for name in names]
+    path = folder / "frames.tsv"
+    path.write_text("".join([f"{formats.TABLE_HEADER}\n", *rows]))
+    return path
+
+
+def test_jobs_hold_whole_segments(tmp_path):
+    names = [f"{SEGMENT}_00{n}" for n in (1, 2, 3)] + [f"{OTHER}_00{n}" for n in (1, 2)] + ["other"]
+    for name in names:
+        (tmp_path / f"Data_{name}.mat").touch()
+    table = table_of(tmp_path, names)
+    for per_job, expected in ((1, [3, 2, 1]), (3, [3, 3]), (5, [5, 1]), (100, [6])):
+        jobs = frames_to_track(table, per_job)
+        assert [len(job) for job in jobs] == expected
+        assert [row["frame"] for job in jobs for row in job] == names
+
+
+def test_a_table_without_frames_to_track_is_refused(tmp_path):
+    (tmp_path / "Data_1.mat").touch()
+    table = table_of(tmp_path, ["1"])
+    table.write_text(table.read_text().replace("\t\ttrack", "\tData_1.mat\ttest"))
+    with pytest.raises(ValueError, match="expected at least one frame for track, found none"):
+        frames_to_track(table, 10)
+
+
+@pytest.mark.slow
+def test_frames_are_tracked_without_annotation(tmp_path, rng):
+    echogram, layers = planted(rng, n_lines=500)
+    names = [f"{SEGMENT}_007", f"{SEGMENT}_008", f"{OTHER}_001"]
+    for name, part in zip(names, (slice(0, 260), slice(260, 500)), strict=False):
+        formats.write_mat5(tmp_path / f"Data_{name}.mat", content_of(echogram, part))
+    (tmp_path / f"Data_{OTHER}_001.mat").write_bytes(b"no echogram")
+    tracker = write_weights(tmp_path, ridge_weights())
+    own = {"frames": str(table_of(tmp_path, names)), "tracker": str(tracker)}
+    configs = settings(tmp_path, yaml.safe_dump({"import": own}))
+    done = run_snakemake(tmp_path / "run", "--", "picks", configs=configs)
+    results = tmp_path / "run/results"
+    table = pd.read_csv(results / "tables/picks.csv", keep_default_na=False)
+    assert table["frame"].tolist() == names
+    assert table["tracked"].tolist() == [True, True, False]
+    assert table["n_layers"].tolist() == [4, 4, 0]
+    assert f"Data_{OTHER}_001.mat" in table["remarks"].iloc[2]
+    assert lines_with(done, "warning: 1 of 3 frames could not be tracked")
+    for name in names[:2]:
+        found = read_layers(results / f"picks/0000/CSARP_layer/{SEGMENT}/Data_{name}.mat")
+        assert found.sizes["layer"] == layers.sizes["layer"]

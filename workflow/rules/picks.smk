@@ -1,0 +1,59 @@
+# Layers of own echograms without annotation: every frame of the table of frames with the role track, for any `source`.
+
+from functools import cache
+
+
+# The table is read only where this target is asked for.
+@cache
+def frames_by_job():
+    """Frames to track, by the number of the job."""
+    jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
+    return dict(zip(numbered(len(jobs)), jobs))
+
+
+rule track_frames:
+    input:
+        echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
+        unread=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
+        code=imported_by("track_frames.py"),
+    output:
+        folder=directory("results/picks/{shard}"),
+        table="results/tables/picks/{shard}.csv",
+    log:
+        "logs/track_frames/{shard}.log",
+    benchmark:
+        "results/benchmarks/track_frames/{shard}.tsv"
+    resources:
+        mem_mb=4000,
+    params:
+        frames=lambda w: [row["frame"] for row in frames_by_job()[w.shard]],
+        model=OWN["tracker"],
+    message:
+        "layers of own frames, job {wildcards.shard}"
+    script:
+        "../scripts/track_frames.py"
+
+
+rule tabulate_picks:
+    input:
+        tables=lambda w: expand(
+            "results/tables/picks/{shard}.csv", shard=frames_by_job()
+        ),
+        code=imported_by("tabulate_picks.py"),
+    output:
+        table="results/tables/picks.csv",
+    log:
+        "logs/tabulate_picks.log",
+    benchmark:
+        "results/benchmarks/tabulate_picks/all.tsv"
+    message:
+        "what was picked in which frame"
+    script:
+        "../scripts/tabulate_picks.py"
+
+
+rule picks:
+    input:
+        rules.tabulate_picks.output,
+    message:
+        "layers of own echograms without annotation: frames of import.frames with the role track"

@@ -1,0 +1,42 @@
+"""Layers of some own frames by a trained tracker, and a table of what was found in which."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from job import logger, progress, run
+
+from snowsim.io.files import read_dataset, write_table
+from snowsim.tracking import track_files
+
+
+def track(echograms, folder, table, *, frames, model):
+    # Also where no frame can be tracked.
+    Path(folder).mkdir()
+    said = []
+    track_files(
+        echograms,
+        folder,
+        model=model,
+        say=said.append,
+        progress=lambda paths: progress(paths, "frames"),
+    )
+    rows = []
+    for frame, echogram in zip(frames, echograms, strict=True):
+        found = Path(folder) / f"{Path(echogram).stem}_layers.nc"
+        lines = [line for line in said if str(echogram) in line]
+        rows.append({"frame": frame, **picked(found), "remarks": "; ".join(lines)})
+    for line in said:
+        logger.info(line)
+    write_table(table, pd.DataFrame(rows))
+
+
+def picked(path):
+    """Layers below the surface and picks of them in a file of layers; none where it is missing."""
+    if not path.exists():
+        return {"tracked": False, "n_layers": 0, "n_picks": 0}
+    twtt = read_dataset(path)["twtt"].values[1:]
+    return {"tracked": True, "n_layers": len(twtt), "n_picks": int(np.isfinite(twtt).sum())}
+
+
+run(track)
