@@ -3,7 +3,6 @@
 import numpy as np
 
 VERSION = "1"
-FARTHEST = 1.5  # times the line spacing of the training: undulations are that much steeper
 SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
@@ -78,9 +77,7 @@ def ranges_of(statistics, ranges):
     bin_s = statistics.attrs["bin_size_s"]
     # Range bins are brought to those of the training: a pulse shown in fewer bins was in it.
     rounded["bin_s"] = [float(f"{bin_s / longest:.3g}"), float(f"{bin_s / shortest:.3g}")]
-    # Lines farther apart are used as they are.
-    rounded["line_spacing_m"] = [
-        0.0,
-        round(FARTHEST * float(statistics.attrs["line_spacing_m"]), 1),
-    ]
+    # Lines nearer to each other are averaged.
+    farthest_m = ranges.line_spacing[1] * float(statistics.attrs["line_spacing_m"])
+    rounded["line_spacing_m"] = [0.0, round(farthest_m, 1)]
     return rounded
