@@ -156,26 +156,40 @@ def stages(config):
 
 def costs_of(run, config):
     """Costs of the stages by name."""
-    jobs = read_jobs(run)
-    costs = {}
-    for name, stage in stages(config).items():
-        own = [job for job in jobs if job.rule == stage.rule]
-        work_s = sum(job.work_s for job in own)
-        whole_s = sum(job.seconds for job in own)
-        costs[name] = Cost(
-            stage,
-            seconds=work_s / stage.n_units,
-            bytes=size_of(run, stage.files) / stage.n_units,
-            start_s=(whole_s - work_s) / len(own),
-            memory_mb=max(job.memory_mb for job in own),
-        )
-    return costs
+    return {name: cost_of(run, stage) for name, stage in stages(config).items()}
 
 
-def call(folder, n_scenes, *arguments):
-    """Run Snakemake for a number of label sets."""
-    override = folder / f"{n_scenes}.yaml"
-    override.write_text(f"labels: {{n_scenes: {n_scenes}}}\n")
+def cost_of(run, stage):
+    """Cost of one stage."""
+    own = [job for job in read_jobs(run) if job.rule == stage.rule]
+    work_s = sum(job.work_s for job in own)
+    whole_s = sum(job.seconds for job in own)
+    return Cost(
+        stage,
+        seconds=work_s / stage.n_units,
+        bytes=size_of(run, stage.files) / stage.n_units,
+        start_s=(whole_s - work_s) / len(own),
+        memory_mb=max(job.memory_mb for job in own),
+    )
+
+
+def cost_of_picks(run):
+    """Cost of the layers of all frames of a run's flight, tracked without annotation."""
+    frames = sorted((run / "results/flight").glob("[0-9][0-9][0-9][0-9].nc"))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        rows = [f"{path.stem}\t{path}\t\ttrack" for path in frames]
+        table = folder / "frames.tsv"
+        table.write_text("\n".join(["frame\techogram\tlayers\trole", *rows]))
+        call(folder, {"import": {"frames": str(table)}}, "--", "picks")
+        stage = Stage("track_frames", len(frames), "frame", "picks/**/*.*")
+        return cost_of(folder, stage)
+
+
+def call(folder, settings, *arguments):
+    """Run Snakemake with some settings."""
+    override = folder / "settings.yaml"
+    override.write_text(yaml.safe_dump(settings))
     words = [SNAKEMAKE, "--cores", 1, "--directory", folder]
     words += ["--configfile", ROOT / "config/config.yaml", override, *arguments]
     words = [str(word) for word in words]
@@ -193,15 +207,16 @@ def call(folder, n_scenes, *arguments):
 
 def measure(run, n_scenes):
     """Plan the workflow for a number of label sets, and draw these from a run's statistics."""
+    settings = {"labels": {"n_scenes": n_scenes}}
     with tempfile.TemporaryDirectory() as folder:
-        plan = call(Path(folder), n_scenes, "--dry-run")
+        plan = call(Path(folder), settings, "--dry-run")
     n_jobs = re.search(r"^total\s+(\d+)$", plan.output, flags=re.MULTILINE)[1]
     files = [f"results/labels/{shard:04d}.nc" for shard in range(-(-n_scenes // shard_size()))]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "results").mkdir()
         shutil.copy2(run / "results/statistics.nc", folder / "results")
-        done = call(folder, n_scenes, "--allowed-rules", "draw_labels", "--", *files)
+        done = call(folder, settings, "--allowed-rules", "draw_labels", "--", *files)
         inside_s = sum(job.seconds for job in read_jobs(folder))
         n_bytes = size_of(folder, "labels/*.nc")
     return pd.Series(
@@ -234,7 +249,7 @@ def write(run):
     yield ""
     yield from write_costs(run, costs)
     yield from write_label_sets(run, costs)
-    yield from write_archive(config, costs)
+    yield from write_archive(config, costs, cost_of_picks(run))
 
 
 def write_costs(run, costs):
@@ -310,7 +325,7 @@ def write_label_sets(run, costs):
     )
 
 
-def write_archive(config, costs):
+def write_archive(config, costs, picks):
     """What statistics and tracking of all of IceBridge would take."""
     n_lines = ARCHIVE_KM * 1000 / config["reference"]["radar"]["line_spacing_m"]
     frame_lines = config["flight"]["n_range_lines"]
@@ -329,6 +344,7 @@ def write_archive(config, costs):
     yield f"| stage | core h | min on {CORES} cores | jobs | files [GB] |"
     yield "|---|---|---|---|---|"
     yield archive_row("statistics", costs["statistics"], n_frames, n_frames / 100)
+    yield archive_row("layers without annotation, `picks`", picks, n_frames, n_frames / 100)
     for name, stage in {
         "PHY render of every scene": "PHY",
         "cGAN render of every scene, CPU": "cGAN",
