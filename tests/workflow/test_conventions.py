@@ -106,6 +106,15 @@ def test_both_snakefiles_plan_the_same_jobs(tmp_path):
     assert ours == theirs
 
 
+def test_no_two_rules_write_one_file(rules):
+    writers = {}
+    for rule in rules:
+        for output in rule.declared.output:
+            writers.setdefault(str(output), []).append(rule.name)
+    assert len(writers) > 100
+    assert [names for names in writers.values() if len(names) > 1] == []
+
+
 @pytest.mark.parametrize("snakefile", SNAKEFILES)
 def test_another_workflow_can_use_this_one_as_a_module(tmp_path, snakefile):
     shutil.copy2(ROOT / "config/config.yaml", tmp_path / "config.yaml")

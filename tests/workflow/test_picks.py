@@ -52,7 +52,7 @@ def test_frames_are_tracked_without_annotation(tmp_path, rng):
     configs = settings(tmp_path, yaml.safe_dump({"import": own}))
     done = run_snakemake(tmp_path / "run", "--", "picks", configs=configs)
     results = tmp_path / "run/results"
-    table = pd.read_csv(results / "tables/picks.csv", keep_default_na=False)
+    table = pd.read_csv(results / "tables/tracked_frames.csv", keep_default_na=False)
     assert table["frame"].tolist() == names
     assert table["tracked"].tolist() == [True, True, False]
     assert table["n_layers"].tolist() == [4, 4, 0]

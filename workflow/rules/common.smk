@@ -3,6 +3,7 @@
 import math
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 import jsonschema
@@ -165,6 +166,14 @@ def added_scenes(method):
 # Where trainings keep what is no output of theirs.
 CHECKPOINTS = config["checkpoints"]["folder"]
 EVENTS = config["checkpoints"]["events"]
+
+
+# The table is read only where this target is asked for.
+@cache
+def frames_by_job():
+    """Frames to track, by the number of the job."""
+    jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
+    return dict(zip(numbered(len(jobs)), jobs))
 
 
 def imported_by(script):

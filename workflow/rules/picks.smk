@@ -1,15 +1,5 @@
 # Layers of own echograms without annotation: every frame of the table of frames with the role track, for any `source`.
 
-from functools import cache
-
-
-# The table is read only where this target is asked for.
-@cache
-def frames_by_job():
-    """Frames to track, by the number of the job."""
-    jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
-    return dict(zip(numbered(len(jobs)), jobs))
-
 
 rule track_frames:
     input:
@@ -18,7 +8,7 @@ rule track_frames:
         code=imported_by("track_frames.py"),
     output:
         folder=directory("results/picks/{shard}"),
-        table="results/tables/picks/{shard}.csv",
+        table="results/tables/tracked_frames/{shard}.csv",
     log:
         "logs/track_frames/{shard}.log",
     benchmark:
@@ -37,11 +27,11 @@ rule track_frames:
 rule tabulate_picks:
     input:
         tables=lambda w: expand(
-            "results/tables/picks/{shard}.csv", shard=frames_by_job()
+            "results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()
         ),
         code=imported_by("tabulate_picks.py"),
     output:
-        table="results/tables/picks.csv",
+        table="results/tables/tracked_frames.csv",
     log:
         "logs/tabulate_picks.log",
     benchmark:

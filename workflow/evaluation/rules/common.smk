@@ -93,3 +93,8 @@ def drawn(stage, *files):
             path, caption=str(caption_file(file)), category=stage
         )
     return outputs
+
+
+def drawn_by(name):
+    """Params function: how the label sets of a setting are drawn, by the name of what differs."""
+    return lambda w: tracker_runs.labels_of(ABLATION[w.setting], config["labels"])[name]

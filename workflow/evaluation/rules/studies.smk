@@ -23,11 +23,6 @@ wildcard_constraints:
     any_setting="|".join(ABLATION),
 
 
-def drawn_by(name):
-    """Params function: how the label sets of a setting are drawn, by the name of what differs."""
-    return lambda w: tracker_runs.labels_of(ABLATION[w.setting], config["labels"])[name]
-
-
 use rule draw_labels as draw_study_labels with:
     output:
         labels="results/studies/tracker/{setting}/labels/{shard}.nc",
