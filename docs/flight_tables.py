@@ -9,6 +9,7 @@ NAMES = {
     "rd_full": "RD, full labels",
     "rd_full_pd": "RD, full labels, +PD",
     "rd_own": "RD + own blocks",
+    "universal": "tracker of the package",
 }
 
 

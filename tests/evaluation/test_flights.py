@@ -88,7 +88,8 @@ def drawn_runs(shares, rng):
 def test_the_table_of_a_curve_has_intervals_and_leaves_open_what_could_not_be_drawn(rng):
     shares = {"rd_of_4": 0.5, "rd_of_8": 0.7, "pd_of_8": 0.6, "rd_pd_of_8": 0.8}
     few = pd.DataFrame({"n_scenes": [4, 8], "radiometry": ["refused", "measured"]})
-    table = curve_table("2000", drawn_runs(shares, rng), few, n_bootstrap=50, rng=rng)
+    runs = drawn_runs(shares | {"universal": 0.6}, rng)
+    table = curve_table("2000", runs, few, n_bootstrap=50, rng=rng)
     rows = table.set_index(["training_set", "n_scenes"])
     for name, share in shares.items():
         training_set, n = name.split("_of_")
@@ -100,6 +101,9 @@ def test_the_table_of_a_curve_has_intervals_and_leaves_open_what_could_not_be_dr
     # 0.6 lies halfway between RD's scores of 4 and 8 scenes.
     assert_allclose(rows.loc["pd", 8]["saved"], np.sqrt(4 * 8) - 8, atol=0.8)
     assert rows.loc["rd_pd", 8]["saved"] == np.inf
+    # The tracker that was trained on nothing of the flight saves all of them.
+    assert_allclose(rows.loc["universal", 0]["saved"], np.sqrt(4 * 8), atol=0.8)
+    assert list(table["training_set"]).count("universal") == 1
 
 
 def test_the_interval_over_flights_is_student_s_t():
@@ -162,7 +166,7 @@ def test_scenes_saved_are_the_distance_between_the_curves():
     # A dip counts as chance: both of its ends are taken for 0.65.
     assert_allclose(scenes_for(0.575, numbers, [0.5, 0.7, 0.6]), np.sqrt(4 * 8))
     assert scenes_for(0.68, numbers, [0.5, 0.7, 0.6]) == np.inf
-    curves = np.array([real, [0.6, 0.7, 0.7], [0.7, 0.7, 0.8]])
-    expected = [[np.nan] * 3, [4, 8, 0], [12, 8, np.inf]]
+    curves = np.array([real, [0.6, 0.7, 0.7], [0.7, 0.7, 0.8], [0.6, 0.6, 0.6]])
+    expected = [[np.nan] * 3, [4, 8, 0], [12, 8, np.inf], [8, 8, 8]]
     # Rounding of a logarithm and back: some eps of 16.
     assert_allclose(scenes_saved(curves, numbers), expected, atol=1e-13)

@@ -56,13 +56,19 @@ def count_edges(tracker, scenes, outputs=OUTPUTS):
     for scene in scenes:
         probabilities = dict(zip(OUTPUTS, tracker.track(scene.image), strict=True))
         for output in outputs:
-            edges = suppress(probabilities[output], where=scene.name)
-            counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
-            keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
-            tables.append(pd.DataFrame(keys | counts))
+            table, edges = count_output(probabilities[output], scene, output)
+            tables.append(table)
             if output == "fuse":
                 fused.append(edges.astype(np.float32))
     return pd.concat(tables), fused
+
+
+def count_output(probability, scene, output):
+    """Edge counts of one output on a scene, as from `count_edges`, and its suppressed edge map."""
+    edges = suppress(probability, where=scene.name)
+    counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
+    keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
+    return pd.DataFrame(keys | counts), edges
 
 
 def pick_scenes(scenes, edges, counts):

@@ -14,7 +14,7 @@ import pandas as pd
 from scipy.optimize import isotonic_regression
 from scipy.stats import t as student
 
-from evaluation.lib.flights import CURVE_SETS
+from evaluation.lib.flights import CURVE_SETS, UNIVERSAL
 from lib.score_tables import counts_by_image
 from snowsim.metrics.comparison import METRICS, holm, replica_scores
 from snowsim.metrics.edges import stack_counts
@@ -36,7 +36,11 @@ PAIRS = (
     ("pd", "rd_full"),
     ("rd_pd", "rd_full"),
     ("rd_pd", "rd_own"),
+    (UNIVERSAL, "rd"),
+    (UNIVERSAL, "rd_pd"),
+    (UNIVERSAL, "rd_full"),
 )
+ON_CURVE = (*CURVE_SETS, UNIVERSAL)
 
 
 def stacked_runs(table):
@@ -151,12 +155,14 @@ def _parts(spread, errors):
 
 
 def curve_scores(runs, numbers, images, replicas):
-    """Fused ODS of the learning curve on some images, means of some replicas, (set, number).
+    """Fused ODS of `ON_CURVE` on some images, means of some replicas, (set, number).
 
-    NaN where the scenes held too little to draw from.
+    NaN where the scenes held too little to draw from; the universal tracker's is the same at every
+    number.
     """
     ods = METRICS.index("ods")
-    scores = np.full((len(CURVE_SETS), len(numbers)), np.nan)
+    scores = np.full((len(ON_CURVE), len(numbers)), np.nan)
+    scores[-1] = replica_scores(runs[UNIVERSAL], images)[:, ods].mean()
     for (row, name), (column, n) in product(enumerate(CURVE_SETS), enumerate(numbers)):
         trained = runs.get(f"{name}_of_{n}")
         if trained is None:
@@ -206,16 +212,17 @@ def scenes_for(score, numbers, curve):
 
 
 def scenes_saved(curves, numbers):
-    """Scenes that RD needs beyond each number to score like another set, (set, number).
+    """Scenes of `ON_CURVE` that RD needs beyond their own to score alike, (set, number).
 
-    Of RD itself NaN.
+    Of RD itself NaN. The universal tracker has no scenes of its own.
     """
     base = CURVE_SETS.index("rd")
     saved = np.empty_like(curves)
     for row, curve in enumerate(curves):
         saved[row] = [scenes_for(score, numbers, curves[base]) for score in curve]
     saved[base] = np.nan
-    return saved - np.asarray(numbers)
+    saved[:-1] -= numbers
+    return saved
 
 
 def curve_table(flight, runs, few, *, n_bootstrap, rng):
@@ -223,7 +230,7 @@ def curve_table(flight, runs, few, *, n_bootstrap, rng):
 
     Rows of `flight, training_set, n_scenes, ods, low, high, saved, saved_low, saved_high`; saved
     scenes are infinite where RD does not come to the score. `few` says, by `n_scenes`, of what
-    `radiometry` drawn scenes could be.
+    `radiometry` drawn scenes could be. The universal tracker has one row, of no scenes.
     """
     numbers = list(few["n_scenes"])
     n_replicas = len(runs[f"rd_of_{numbers[0]}"])
@@ -236,21 +243,23 @@ def curve_table(flight, runs, few, *, n_bootstrap, rng):
     ends = {"q": [50 * LEVEL, 100 - 50 * LEVEL], "axis": 0, "method": "nearest"}
     saved_low, saved_high = np.percentile(saved_drawn, **ends)
     rows = []
-    for (row, name), (column, n) in product(enumerate(CURVE_SETS), enumerate(numbers)):
+    for (row, name), (column, n) in product(enumerate(ON_CURVE), enumerate(numbers)):
+        if name == UNIVERSAL and column:
+            continue
         at = (row, column)
         rows.append(
             {
                 "flight": flight,
                 "training_set": name,
-                "n_scenes": n,
+                "n_scenes": 0 if name == UNIVERSAL else n,
                 "ods": means[at],
                 "low": low[at],
                 "high": high[at],
                 "saved": saved[at],
                 "saved_low": saved_low[at],
                 "saved_high": saved_high[at],
-                "n_replicas": n_replicas,
-                "radiometry": few["radiometry"].iloc[column],
+                "n_replicas": len(runs[UNIVERSAL]) if name == UNIVERSAL else n_replicas,
+                "radiometry": "" if name == UNIVERSAL else few["radiometry"].iloc[column],
             }
         )
     return pd.DataFrame(rows)

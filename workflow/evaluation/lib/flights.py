@@ -1,7 +1,7 @@
 """Flights of the study of flights: their settings, and the trainings that each is made of.
 
-A run is a training set by name: those of Table III, drawn scenes alone, `CONTROLS`, and those of
-the learning curve, `Few`.
+A run is a training set by name: those of Table III, drawn scenes alone, `CONTROLS`, those of the
+learning curve, `Few`, and `UNIVERSAL`, which was trained on nothing of the flight.
 """
 
 import copy
@@ -46,6 +46,9 @@ RANGES = {
 }
 # Sets with real scenes or drawn ones, their networks made by the rules of the main path.
 MAIN = ("rd", "pd", "gd", "rd_pd", "rd_gd", "rd_pd_gd")
+
+
+UNIVERSAL = "universal"  # the tracker that comes with the package
 
 
 @dataclass(frozen=True)
@@ -101,8 +104,9 @@ def few_of(study):
 
 
 def whole_runs(study):
-    """Trainings on the whole of a flight, (run, replica)."""
-    return list(product([*MAIN, *CONTROLS], range(study["n_trainings"])))
+    """Trainings on the whole of a flight, and the universal tracker, (run, replica)."""
+    trained = product([*MAIN, *CONTROLS], range(study["n_trainings"]))
+    return [*trained, (UNIVERSAL, 0)]
 
 
 def few_runs(choices, study):

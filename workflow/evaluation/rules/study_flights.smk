@@ -215,6 +215,23 @@ use rule score_tracker as score_flight_run with:
         "fused edge scores of {wildcards.flight_run}, every replica"
 
 
+rule score_universal:
+    input:
+        scenes=benchmark_files("test"),
+        weights=str(ROOT / "snowsim/data/universal.onnx"),
+        code=imported_by(EVALUATION / "score_universal.py"),
+    output:
+        counts="results/one_flight/universal/0_counts.parquet",
+    log:
+        "logs/score_universal.log",
+    benchmark:
+        "results/benchmarks/score_universal/all.tsv"
+    message:
+        "fused edge scores of the tracker that comes with the package"
+    script:
+        "../scripts/score_universal.py"
+
+
 rule collect_flight:
     input:
         counts=flights.count_files(

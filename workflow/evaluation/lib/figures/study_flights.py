@@ -13,12 +13,14 @@ from evaluation.lib.figures.style import (
     new_figure,
     new_panel,
 )
+from evaluation.lib.flights import UNIVERSAL
 
 # Drawn scenes alone and mixed share a colour elsewhere, and a panel here.
 STYLES = {
     "rd": named_style("rd"),
     "pd": {**named_style("pd"), "color": SKY},
     "rd_pd": named_style("rd_pd"),
+    UNIVERSAL: {**named_style(UNIVERSAL), "linestyle": "--"},
 }
 FARTHEST = 1.15  # of the last number of scenes: where more than that is drawn
 
@@ -48,13 +50,17 @@ def learning_curve(curve):
     for column, flight in enumerate(flights):
         above, below = axes[:, column]
         of_flight = curve[curve["flight"] == flight]
-        for name, rows in of_flight.groupby("training_set", sort=False):
+        annotated = of_flight[of_flight["n_scenes"] > 0]
+        for name, rows in annotated.groupby("training_set", sort=False):
             draw_scores(above, rows, name)
             if name != "rd":
                 draw_saved(below, rows, name)
+        for row in of_flight[of_flight["n_scenes"] == 0].itertuples():
+            # Without annotation, so at no place of the logarithmic axis.
+            above.axhline(row.ods, **STYLES[row.training_set])
         above.set_title(f"flight {flight}")
         below.set_xscale("log", base=2)
-        numbers = sorted(set(of_flight["n_scenes"]))
+        numbers = sorted(set(annotated["n_scenes"]))
         below.set_xticks(numbers, map(str, numbers))
         below.set_xlabel("annotated scenes")
         above.legend()

@@ -39,6 +39,7 @@ COLOURS = {
     "rd_pd_gd": GREEN,
     "gd": RED,
     "pd": BLUE,
+    "universal": PINK,
     # Estimators, and spectra of label models.
     "paper": RED,
     "deblended": BLUE,
@@ -104,6 +105,7 @@ NAMES = {
     "rd_full": "RD, full labels",
     "rd_full_pd": "RD, full labels, +PD",
     "rd_own": "RD+own blocks",
+    "universal": "tracker of the package",
     "psnr": "PSNR [dB]",
     "rmse": "RMSE",
     "ssim": "SSIM",
