@@ -104,8 +104,11 @@ def cross_entropy(prediction, label):
     return nn.BCELoss(weight=weight, reduction="sum")(prediction, label)
 
 
-def train(net, epochs, *, lr, decay, momentum, itersize, stepsize):
-    """Train on lists of items an epoch; the sum of pixels of every output at every gradient."""
+def train(net, epochs, *, lr, decay, momentum, itersize, stepsize, step_by_epoch=False):
+    """Train on lists of items an epoch; the sum of pixels of every output at every gradient.
+
+    The code of 2020 steps its schedule by epochs, that of 2021 by updates.
+    """
     optimiser = torch.optim.SGD(
         parameter_groups(net, lr, decay), lr=lr, momentum=momentum, weight_decay=decay
     )
@@ -121,6 +124,9 @@ def train(net, epochs, *, lr, decay, momentum, itersize, stepsize):
             if counter == itersize:
                 optimiser.step()
                 optimiser.zero_grad()
-                scheduler.step()
+                if not step_by_epoch:
+                    scheduler.step()
                 counter = 0
+        if step_by_epoch:
+            scheduler.step()
     return losses

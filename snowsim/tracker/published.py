@@ -82,8 +82,10 @@ def published_optimiser(network, settings):
     return torch.optim.SGD(list(groups.values()), lr=settings.learning_rate, momentum=MOMENTUM)
 
 
-def published_rate(settings, n_updates):
-    """Rate, of the highest, of the update after so many others."""
+def published_rate(settings, n_updates, epoch):
+    """Rate, of the highest, of the update after so many others and so many whole epochs."""
+    if settings.n_epochs_per_tenth is not None:
+        return 0.1 ** (epoch // settings.n_epochs_per_tenth)
     return 0.1 ** (n_updates // settings.n_steps_per_tenth)
 
 
@@ -128,5 +130,5 @@ def published_gradient(training, scenes):
     if (within + 1) % settings.n_accumulated == 0:
         n_updates = epoch * (n_per_epoch // settings.n_accumulated)
         n_updates += within // settings.n_accumulated
-        training.update(published_rate(settings, n_updates))
+        training.update(published_rate(settings, n_updates, epoch))
     return per_output.detach() / masks[0].numel()

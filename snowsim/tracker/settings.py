@@ -61,6 +61,11 @@ class Settings:
     n_steps_per_tenth: int = setting(
         10000, "published: [updates] after which the rate is a tenth", minimum=1
     )
+    n_epochs_per_tenth: int | None = setting(
+        None,
+        "published: [epochs] after which it is, in place of n_steps_per_tenth; code of 2020: 3",
+        minimum=1,
+    )
 
     def __post_init__(self):
         object.__setattr__(self, "scales", tuple(self.scales))

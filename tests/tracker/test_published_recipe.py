@@ -58,11 +58,13 @@ def items_of_epochs(scenes, draws, seed):
     return [items[first : first + 14] for first in range(0, RECIPE.n_steps, 14)]
 
 
-def test_losses_and_weights_equal_those_of_the_published_code():
+@pytest.mark.parametrize("step_by_epoch", [False, True])
+def test_losses_and_weights_equal_those_of_the_published_code(step_by_epoch):
     scenes, seed = unlike_scenes(), 5
+    recipe = replace(RECIPE, n_epochs_per_tenth=2 if step_by_epoch else None)
     draws, training, net = (
         TrainingSet(scenes, seed=seed),
-        Training(RECIPE, seed=seed),
+        Training(recipe, seed=seed),
         published_code.Net(4),
     )
     with torch.no_grad():
@@ -80,6 +82,7 @@ def test_losses_and_weights_equal_those_of_the_published_code():
         momentum=0.9,
         itersize=10,
         stepsize=2,
+        step_by_epoch=step_by_epoch,
     )
     n_pixels = np.array([image.numel() for items in epochs for image, _ in items])
     got = np.array([[losses[name] for name in OUTPUTS] for losses in found]) * n_pixels[:, None]
