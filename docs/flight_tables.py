@@ -13,12 +13,18 @@ NAMES = {
 }
 
 
+def called(run):
+    """What tables call a run; one of the learning curve draws by the picks of train scenes."""
+    name, _, n = run.partition("_of_")
+    return f"{NAMES[name]} by picks of {n} scenes" if n else NAMES[name]
+
+
 def flights(results):
     """Worth of training sets over flights, the endpoint first."""
     table = read(results, "worth", FLIGHTS)
     rows = []
     for r in table.itertuples():
-        sets = f"{NAMES[r.run]} less {NAMES[r.base]}"
+        sets = f"{called(r.run)} less {called(r.base)}"
         means = f"{share(r.mean)} - {share(r.base_mean)}"
         higher = f"{r.n_higher} of {r.n_flights}"
         corrected = digits(r.p_holm, 2)
@@ -36,7 +42,7 @@ def flight_parts(results):
     rows = []
     for r in read(results, "worth", FLIGHTS).query("metric == 'ods'").itertuples():
         parts = (r.flight_spread, r.between_flights, r.training_error, r.image_error)
-        rows.append([f"{NAMES[r.run]} less {NAMES[r.base]}", *map(four_digits, parts)])
+        rows.append([f"{called(r.run)} less {called(r.base)}", *map(four_digits, parts)])
     header = ["sets", "between flights", "flight and generator", "trainings", "images"]
     return markdown(header, rows)
 

@@ -54,7 +54,7 @@ def test_flights_differ_in_seed_climate_and_radar_alone(config):
         del own["seed"], own["reference"]
     assert first == second
     config["studies"]["flights"]["n_curve_flights"] = 1
-    assert flights.flight_config(config, "2001")["studies"]["flights"]["curve"] == []
+    assert flights.flight_config(config, "2001")["studies"]["flights"]["curve"] == [120]
 
 
 def test_a_curve_beyond_the_train_scenes_is_refused_in_one_line():

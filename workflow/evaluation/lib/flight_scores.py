@@ -43,6 +43,14 @@ PAIRS = (
 ON_CURVE = (*CURVE_SETS, UNIVERSAL)
 
 
+def pairs_of(curve):
+    """`PAIRS`, and drawn scenes by the picks of as many train scenes as a learning curve has."""
+    if not curve:
+        return PAIRS
+    n = max(curve)
+    return (*PAIRS, (f"pd_of_{n}", "rd"), (f"rd_pd_of_{n}", "rd"))
+
+
 def stacked_runs(table):
     """Counts of a flight's trainings by run, a list over replicas, stacked over images.
 
@@ -116,18 +124,20 @@ def mean_over_flights(differences):
     }
 
 
-def compare_over_flights(scores, errors):
-    """Worth of runs over flights: a row per pair of `PAIRS` and metric, the endpoint first.
+def compare_over_flights(scores, errors, pairs):
+    """Worth of runs over flights: a row per pair and metric, the endpoint first.
 
-    `scores` of `score_rows`; `errors` maps (flight, run, base) to `errors_in_flight`. Columns
+    `scores` of `score_rows`; `errors` maps (flight, run, base) to `errors_in_flight`, and flights
+    that have not both are left out, and pairs that no flight has. Columns
     `run, base, metric, family`, means, those of `mean_over_flights`, `p_holm` within the family,
     and what parts of `flight_spread` there are: `training_error` and `image_error` of one flight,
     `between_flights` what is left, of flights and generators.
     """
     means = scores.groupby(["run", "flight"])[list(METRICS)].mean()
     rows = []
-    for (run, base), metric in product(PAIRS, METRICS):
-        differences = means.loc[run, metric] - means.loc[base, metric]
+    had = [pair for pair in pairs if pair[0] in set(scores["run"])]
+    for (run, base), metric in product(had, METRICS):
+        differences = (means.loc[run, metric] - means.loc[base, metric]).dropna()
         here = [errors[flight, run, base][metric] for flight in differences.index]
         is_endpoint = (run, base, metric) == ENDPOINT
         family = "endpoint" if is_endpoint else f"exploratory, {metric}"

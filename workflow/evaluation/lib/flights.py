@@ -143,7 +143,7 @@ def flights_of(study):
 
 
 def with_curve(study):
-    """Names of those flights that have a learning curve, too."""
+    """Names of those flights that have a learning curve; the others have its last number alone."""
     return flights_of(study)[: study["n_curve_flights"]]
 
 
@@ -173,7 +173,7 @@ def flight_config(config, flight):
     # A flight left out because its cGAN collapsed would be one chosen by its result.
     own["cgan"]["on_collapse"] = "go_on"
     if flight not in with_curve(study):
-        study["curve"] = []
+        study["curve"] = study["curve"][-1:]
     return own
 
 

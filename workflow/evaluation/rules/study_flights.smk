@@ -354,6 +354,7 @@ rule tabulate_flights:
         n_bootstrap=config["tracker"]["n_bootstrap"],
         flights=FLIGHTS,
         reference=config["reference"],
+        numbers=FLIGHTS_STUDY["curve"],
     message:
         "worth of training sets over flights, and the learning curve"
     script:

@@ -151,7 +151,8 @@ PLANTED = "planted layers, no observed data"
 
 def name_of(key):
     """What figures call a method, a training set, a metric, a quantity."""
-    return NAMES.get(key, key.replace("_", " "))
+    name, of, n = key.partition("_of_")
+    return NAMES.get(name, name.replace("_", " ")) + (f" of {n}" if of else "")
 
 
 def named_style(key):
