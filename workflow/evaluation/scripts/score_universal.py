@@ -18,7 +18,7 @@ def score_universal(scenes, weights, counts):
     tables = []
     with SceneSet(scenes) as test_scenes:
         for scene in progress(test_scenes, "edge scores"):
-            probability = expit(fused_logits(network, scene.image) / card.temperature)
+            probability = expit(fused_logits(network, scene.image) / card["temperature"])
             table, _ = count_output(probability, scene, "fuse")
             tables.append(table)
     write_table(counts, pd.concat(tables))
