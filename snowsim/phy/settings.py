@@ -54,7 +54,8 @@ class Settings:
     )
     background: str = setting(
         "measured",
-        "mean power of unpicked snow, below the surface; none: only layers, as printed",
+        "mean power of unpicked snow, below the surface; none: only layers, as printed. Label sets "
+        "of measured radiometry have theirs in any case",
         enum=("measured", "none"),
     )
 
