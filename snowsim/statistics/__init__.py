@@ -13,7 +13,7 @@ __all__ += ["merge", "summarise", "summary_from_dataset", "summary_to_dataset", 
 __all__ += ["warn_of_little"]
 
 
-def fit(frames, *, estimator="deblended"):
+def fit(frames, *, estimator="deblended", finest_lines=None):
     """Statistics of a flight.
 
     Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range
@@ -26,6 +26,8 @@ def fit(frames, *, estimator="deblended"):
     estimator : {"deblended", "paper"}
         `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021)
         as printed.
+    finest_lines : float, optional
+        See `estimate`; 16 for picks of a picker that averages 9 range lines.
 
     Returns
     -------
@@ -59,6 +61,7 @@ def fit(frames, *, estimator="deblended"):
     statistics = estimate(
         merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)),
         estimator=estimator,
+        finest_lines=finest_lines,
     )
     warn_of_little(statistics)
     return statistics

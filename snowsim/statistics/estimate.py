@@ -46,7 +46,7 @@ LINEAR_POWER = (
 )
 
 
-def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
+def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_lines=None):
     """Statistics of a flight from its merged summary.
 
     Parameters
@@ -56,6 +56,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     estimator : {"deblended", "paper"}
     zone_edge_bins : array_like, (edge,), optional
         Zones to use instead of the flight's own quartiles, to compare two flights zone by zone.
+    finest_lines : float, optional
+        Undulations of thickness shorter than this [range lines] are taken for errors of picks: a
+        peak-following picker has errors as long as it averages, and they look like relief that the
+        year above fills. By default picks are taken as exact at any length but for white noise.
 
     Returns
     -------
@@ -107,7 +111,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     speckle = range_correlation(summary)
     varies, missing = radiometry(summary, groups, powers, decay, by_layer, looks.n_looks)
     thickness = thickness_blocks(summary, n_layers)
-    zones = zone_statistics(thickness, zone_edge_bins, tapered=estimator != "paper")
+    tapered = estimator != "paper"
+    zones = zone_statistics(thickness, zone_edge_bins, tapered=tapered, finest_lines=finest_lines)
 
     variables = {
         "noise_power": ((), noise.power),

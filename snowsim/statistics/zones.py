@@ -66,7 +66,9 @@ class Blocks:
         return np.repeat(values, len(self.series) // len(self.level), axis=0)
 
 
-def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True):
+def zone_statistics(
+    thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=True, finest_lines=None
+):
     """Statistics of thickness (block, slab, range_line) [bins], NaN in gaps, by accumulation zone.
 
     A dict of arrays. Zones hold equal numbers of blocks by mean thickness of slab 0 (Yari et al.
@@ -87,7 +89,8 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
     `n_spectral_lines` long (`stretches`). `tapered` spectra are about the block's trend, which has
     its own `thickness_trend_variance_bins2 (zone, slab)` of the rise from first line to last and
     `trend_correlation (separation)`; the noise of picks, `pick_noise_bins2 (layer)`, is subtracted.
-    Otherwise they are plain periodograms, with noise and trend. A block in which slab 0 is not
+    Otherwise they are plain periodograms, with noise and trend. Undulations shorter than
+    `finest_lines`, where given, are left out of both. A block in which slab 0 is not
     picked is placed by its other slabs (`block_levels`); its layers are those down to the deepest
     slab known. A zone with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones,
     relative to slab 0 (source 1); a slab with too few everywhere takes the one above, slab 0 all
@@ -124,7 +127,7 @@ def zone_statistics(thickness, zone_edge_bins=None, *, n_zones=N_ZONES, tapered=
         msg += f"that slab 0 places, of {placed.sum()} such blocks none has them"
         raise ValueError(msg)
     result = _moments_by_zone(blocks)
-    result |= _spectra_by_zone(blocks, tapered)
+    result |= _spectra_by_zone(blocks, tapered, finest_lines)
     relative = blocks.mean / blocks.level[:, None]
     by_layers = np.zeros((blocks.typical.size, n_slabs + 1), dtype=int)
     np.add.at(by_layers, (zone, n_layers[placed]), 1)
@@ -285,7 +288,7 @@ def _mean_squares(blocks, n, source, tapered):
     return mean, error
 
 
-def _spectra_by_zone(blocks, tapered):
+def _spectra_by_zone(blocks, tapered, finest_lines):
     """Spectra of thickness, of its trend and the noise of picks, and their correlations."""
     series, served = blocks.series, blocks.served
     zone = blocks.of_stretches(blocks.zone)
@@ -303,6 +306,8 @@ def _spectra_by_zone(blocks, tapered):
         result["thickness_trend_variance_bins2_standard_error"] = error[..., -1]
         result["pick_noise_bins2"] = noise
         result["pick_noise_bins2_standard_error"] = noise_error
+    if finest_lines is not None:
+        density[..., np.arange(density.shape[-1]) * finest_lines > BLOCK_LINES] = 0
     seen = np.where(density > CLEAR_OF_NOISE * noise_density, density, 0)
     n_lines = series.shape[2]
     cycles = np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines

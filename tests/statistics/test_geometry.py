@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
 from evaluation.lib.label_summary import LAGS, mean_square_differences
 from snowsim.labels import draw_scene, prepare
@@ -52,6 +52,19 @@ def test_a_matern_spectrum_comes_back_to_1_db_and_50_db_down(knee, slope, rng):
     difference_db = 10 * np.log10(density[1 : N_LINES // 2] / truth)
     # 1000 periodograms: to 0.14 dB a wavenumber.
     assert np.abs(difference_db)[held].max() < 1
+
+
+def test_errors_of_a_picker_as_long_as_it_averages_are_left_out(rng):
+    spectrum = matern(LONG, 4, 6)
+    deviation = series_of(spectrum, (500, 2), rng)
+    errors = uniform_filter1d(rng.standard_normal(deviation.shape), 9, axis=-1)
+    exact = zone_statistics(thickness_of(deviation, rng), n_zones=1)["thickness_psd"]
+    picked = thickness_of(deviation + errors, rng)
+    as_picked = zone_statistics(picked, n_zones=1)["thickness_psd"]
+    held = zone_statistics(picked, n_zones=1, finest_lines=16)["thickness_psd"]
+    assert (as_picked[..., 17:30] > 3 * exact[..., 17:30]).all()
+    assert (held[..., 17:] == 0).all()
+    assert_array_equal(held[..., :17], as_picked[..., :17])
 
 
 def test_a_white_series_keeps_its_density_and_variance(rng):

@@ -20,7 +20,7 @@ rule fit_statistics:
     resources:
         mem_mb=1500,
     params:
-        estimator=config["statistics"]["estimator"],
+        **config["statistics"],
     message:
         "flight statistics"
     script:

@@ -27,10 +27,10 @@ def doppler(segment):
     return {dim: wavenumber, "doppler_layer_1": (dim, first), "doppler_layer_mean": (dim, mean)}
 
 
-def fit_statistics(summaries, segment, statistics, *, estimator):
+def fit_statistics(summaries, segment, statistics, *, estimator, finest_lines):
     datasets = [read_dataset(path) for path in summaries]
     summary = merge(summary_from_dataset(dataset) for dataset in datasets)
-    fitted = estimate(summary, estimator=estimator)
+    fitted = estimate(summary, estimator=estimator, finest_lines=finest_lines)
     warn_of_little(fitted)
     for path in segment:
         fitted = fitted.assign(doppler(read_dataset(path)))

@@ -16,12 +16,14 @@ from snowsim.seeding import random_stream
 from snowsim.statistics import estimate, merge, summarise, warn_of_little
 
 
-def fit_few(few, statistics, choice, *, estimator, synthetic, labels, seed, **meaning):
+def fit_few(
+    few, statistics, choice, *, estimator, finest_lines, synthetic, labels, seed, **meaning
+):
     with SceneSet(few) as scenes:
         n_scenes = len(scenes)
         frames = (frame_of_scene(scene, **meaning) for scene in scenes)
         try:
-            fitted = fit(frames, estimator)
+            fitted = fit(frames, estimator, finest_lines)
             radiometry, reason = drawable(fitted, labels, seed)
         except ValueError as refused:
             fitted = xr.Dataset()
@@ -32,10 +34,10 @@ def fit_few(few, statistics, choice, *, estimator, synthetic, labels, seed, **me
     write_table(choice, pd.DataFrame([row]))
 
 
-def fit(frames, estimator):
+def fit(frames, estimator, finest_lines):
     """Statistics of frames."""
     summaries = [summarise(*frame, where=f"scene {i}") for i, frame in enumerate(frames)]
-    fitted = estimate(merge(summaries), estimator=estimator)
+    fitted = estimate(merge(summaries), estimator=estimator, finest_lines=finest_lines)
     warn_of_little(fitted)
     return fitted
 
