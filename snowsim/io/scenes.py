@@ -174,7 +174,6 @@ class SceneSet:
         paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
         self._where = []
-        self.zones = []
         for path in paths:
             self._index(path)
         self.attributes = self._files[0].__dict__ if self._files else {}
@@ -206,7 +205,6 @@ class SceneSet:
                 own_rows = {name: slices[index] for name, slices in rows.items()}
                 own_numbers = {name: values[index] for name, values in numbers.items()}
                 self._where.append(_Place(file, index, own_rows, own_numbers))
-            self.zones += numbers["zone"]
 
     def __len__(self):
         return len(self._where)

@@ -91,13 +91,6 @@ def composed(scene_files, n_epochs=None, n_steps=40, **data):
         return [scenes[position] for position in range(settings.n_steps)], settings
 
 
-def test_zones_choose_among_the_added_scenes_alone(scene_files):
-    scenes, _ = composed(scene_files, zones=[3])
-    added = {scene.name for scene in scenes if scene.name.startswith("added")}
-    assert added == {"added 1", "added 3", "added 5", "added 7"}
-    assert len({scene.name for scene in scenes} - added) == 5
-
-
 @pytest.mark.parametrize("n_epochs", [None, 5])
 def test_synthetic_scenes_come_first_over_the_steps_the_training_takes(scene_files, n_epochs):
     scenes, settings = composed(scene_files, n_epochs, order="synthetic_first")

@@ -2,8 +2,6 @@
 
 import dataclasses
 
-from torch.utils.data import Subset
-
 from snowsim.tracker import Completed, TrainingSet
 
 
@@ -16,7 +14,6 @@ def compose(
     added_per_real,
     order="mixed",
     labels="picked",
-    zones=None,
 ):
     """Training set of opened scene sets, and settings with its steps.
 
@@ -24,8 +21,6 @@ def compose(
     """
     if labels == "complete":
         real = Completed(real)
-    if zones is not None:
-        added = [_of_zones(scenes, zones) for scenes in added]
     scenes = TrainingSet(real, added, added_per_real=added_per_real, seed=seed)
     if n_epochs is not None:
         n_shown = n_epochs * scenes.n_per_epoch * settings.n_copies
@@ -36,8 +31,3 @@ def compose(
             real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
         )
     return scenes, settings
-
-
-def _of_zones(scenes, zones):
-    places = [place for place, zone in enumerate(scenes.zones) if zone in zones]
-    return Subset(scenes, places)

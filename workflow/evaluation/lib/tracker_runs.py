@@ -2,7 +2,7 @@
 
 Settings, and how each differs from the default.
 
-A setting is what changes: `training_sets`, and any of `labels`, `zones`, `order`, `added_per_real`,
+A setting is what changes: `training_sets`, and any of `labels`, `order`, `added_per_real`,
 `steps` (a factor), `skip` (a share), `draw` (of label sets of its own), `phy` and `training`. A run
 is a pair of names, (setting, training set). `tracker` is the section of the configuration.
 """
@@ -61,7 +61,7 @@ def pairs_of(runs):
 def data_of(changes, tracker):
     """How scenes are put together in a setting."""
     data = {"added_per_real": tracker["added_per_real"], "order": tracker["order"]}
-    for key in ("order", "labels", "zones", "added_per_real"):
+    for key in ("order", "labels", "added_per_real"):
         if key in changes:
             data[key] = changes[key]
     return data
