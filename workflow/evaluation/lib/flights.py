@@ -99,8 +99,9 @@ CURVE_SETS = ("rd", "pd", "rd_pd")
 
 
 def few_of(study):
-    """Runs of the learning curve by name."""
-    runs = [Few(training_set, n) for n in study["curve"] for training_set in CURVE_SETS]
+    """Runs of the learning curve by name; a single number is no curve and needs no RD."""
+    made = CURVE_SETS if len(study["curve"]) > 1 else CURVE_SETS[1:]
+    runs = [Few(training_set, n) for n in study["curve"] for training_set in made]
     return {run.name: run for run in runs}
 
 
