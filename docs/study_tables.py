@@ -1,7 +1,7 @@
 """Tables of the accuracy page that studies fill."""
 
 from flight_tables import FLIGHT_BLOCKS
-from table_parts import RUNS, SETS, difference, markdown, read, share
+from table_parts import RUNS, difference, markdown, read, share
 
 
 def renderers(results):
@@ -73,18 +73,14 @@ def name_of_run(training_set, setting):
 
 
 def ablation(results):
-    """Fused ODS of every setting on the validation scenes, and what it is compared with."""
-    table = read(results, "ablation", "studies/tracker").query("metric == 'ods'")
+    """Fused scores of every setting on the validation scenes, and what they lose to the default."""
+    table = read(results, "ablation", "studies/tracker").query("metric != 'ois'")
     rows = []
     for r in table.itertuples():
-        row = [r.setting.replace("_", " "), SETS[r.training_set], share(r.mean)]
-        if (r.setting, r.training_set) == (r.base, r.base_training_set):
-            row += ["", "", ""]
-        else:
-            base = f"{r.base.replace('_', ' ')}, {SETS[r.base_training_set]}"
-            row += [base, difference(r), r.outcome]
+        row = [r.setting.replace("_", " "), RUNS[r.training_set], r.metric.upper(), share(r.mean)]
+        row += ["", ""] if r.setting == r.base else [difference(r), r.outcome]
         rows.append(row)
-    header = ["setting", "set", "ODS", "compared with", "difference", "outcome"]
+    header = ["setting", "set", "score", "mean", "less the default", "outcome"]
     return counted(table, "ablation", "each", "validation") + markdown(header, rows)
 
 

@@ -9,6 +9,7 @@ import pytest
 from toy_scenes import toy_scenes
 
 from evaluation.lib.tracker_runs import (
+    ablation_of,
     check_names,
     choices_of,
     data_of,
@@ -73,9 +74,10 @@ def test_runs_are_compared_with_what_is_named_once_or_with_their_default():
         (("longer", "rd"), ("masked", "rd")),
     ]
     assert pairs_of([("default", "rd_pd"), ("masked", "rd_pd")]) == [
-        (("default", "rd_pd"), ("default", "rd")),
+        (("default", "rd_pd"), ("default", "rd_pd")),
         (("masked", "rd_pd"), ("default", "rd_pd")),
     ]
+    assert ablation_of(STUDY)["default"]["training_sets"] == ["rd"]
     check_names(STUDY)
     with pytest.raises(
         ValueError, match="worth: expected a setting, one of default, masked, longer, got"

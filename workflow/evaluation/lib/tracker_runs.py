@@ -12,9 +12,10 @@ from itertools import chain
 from pathlib import Path
 
 
-def ablation_of(study, training_sets):
-    """Settings of the ablation by name, the default first."""
-    settings = {"default": {"training_sets": list(training_sets)}}
+def ablation_of(study):
+    """Settings of the study by name, the default first, in all training sets of the others."""
+    used = chain.from_iterable(each["training_sets"] for each in study["ablation"])
+    settings = {"default": {"training_sets": list(dict.fromkeys(used))}}
     for each in study["ablation"]:
         settings[each["name"]] = each
     return settings
@@ -47,15 +48,8 @@ def _run(name):
 
 
 def pairs_of(runs):
-    """Every run and its base.
-
-    Of a default that of RD, of another setting the default of the same training set.
-    """
-    pairs = []
-    for setting, training_set in runs:
-        base = "rd" if setting == "default" else training_set
-        pairs.append(((setting, training_set), ("default", base)))
-    return pairs
+    """Every run and its base, the default of the same training set."""
+    return [(run, ("default", run[1])) for run in runs]
 
 
 def data_of(changes, tracker):

@@ -7,7 +7,7 @@ from evaluation.lib import tracker_runs
 STUDY = config["studies"]["tracker"]
 ABLATION_SEEDS = list(range(STUDY["n_ablation_seeds"]))
 WORTH_SEEDS = list(range(STUDY["n_seeds"]))
-ABLATION = tracker_runs.ablation_of(STUDY, [*TRAINING_SETS, "pd"])
+ABLATION = tracker_runs.ablation_of(STUDY)
 ABLATION_RUNS = [
     (setting, training_set)
     for setting, changes in ABLATION.items()
