@@ -51,27 +51,6 @@ def cgan_atlas(results):
     return markdown(header, rows)
 
 
-def worth(results):
-    """Fused scores of training sets less those of others."""
-    table = read(results, "worth", "studies/tracker")
-    rows = []
-    for r in table.itertuples():
-        run = name_of_run(r.training_set, r.setting)
-        base = name_of_run(r.base_training_set, r.base)
-        resampled = f"[{r.bootstrap_low:+.4f}, {r.bootstrap_high:+.4f}]"
-        means = f"{share(r.mean)} - {share(r.base_mean)}"
-        row = [f"{run} less {base}", r.metric.upper(), means, difference(r), resampled, r.outcome]
-        rows.append(row)
-    header = ["sets", "score", "means", "difference", "bootstrap", "outcome"]
-    return counted(table, "worth", "a set", "test") + markdown(header, rows)
-
-
-def name_of_run(training_set, setting):
-    """Name of a training set, and of its setting where this is not the default."""
-    name = RUNS[training_set]
-    return name if setting == "default" else f"{name}, {setting.replace('_', ' ')}"
-
-
 def ablation(results):
     """Fused scores of every setting on the validation scenes, and what they lose to the default."""
     table = read(results, "ablation", "studies/tracker").query("metric != 'ois'")
@@ -117,4 +96,4 @@ STUDY_FILES = {
     "ablation": "studies/tracker/ablation.csv",
     "tracker_atlas": "studies/tracker/atlas.csv",
 }
-STUDY_BLOCKS = (budgets, renderers, cgan_atlas, worth, ablation, tracker_atlas, *FLIGHT_BLOCKS)
+STUDY_BLOCKS = (budgets, renderers, cgan_atlas, ablation, tracker_atlas, *FLIGHT_BLOCKS)

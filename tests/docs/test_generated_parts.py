@@ -127,28 +127,6 @@ def test_tables_of_flights_never_seen_hold_every_tracker_and_what_its_confidence
     assert ".100 | .900" not in filled
 
 
-def test_readme_s_intervals_are_those_of_the_study_on_the_accuracy_page():
-    readme, accuracy = (page.read_text() for page in fill_tables.PAGES[:2])
-    study = re.search(r"<!-- worth: [^>]*-->(.*)<!-- /worth -->", accuracy, re.DOTALL)[1]
-    if "too few for more than an indication" in readme:
-        # Two trainings, for the study was not repeated: the page says of what it is.
-        assert "Of an earlier draw of label sets" in study
-        return
-    of_study = dict(re.findall(r"\| (RD\S+ less RD \| \w+) \|[^|]*\| ([^|]*) \|", study))
-    shown = re.search(
-        r"<!-- tables: .*(Difference of the fused.*)<!-- /tables -->", readme, re.DOTALL
-    )[1]
-    for metric in ("ODS", "OIS", "AP"):
-        cells = re.search(rf"\| {metric} \| (.*) \|", shown)[1].split(" | ")
-        assert cells == [
-            of_study[f"{name} less RD | {metric}"] for name in ("RD+GD", "RD+PD", "RD+PD+GD")
-        ]
-    assert (
-        re.search(r"(\d+) trainings a set", shown)[1]
-        == re.search(r"(\d+) trainings a set", study)[1]
-    )
-
-
 def test_a_block_without_its_table_is_left_and_named_and_one_not_closed_is_refused(results):
     text = "<!-- realism -->\nold\n<!-- /realism -->\n"
     filled, (left,) = fill_tables.fill(text, results, STAMP)
@@ -179,18 +157,16 @@ def test_every_table_on_a_page_is_of_the_flight_in_use_or_says_in_its_first_line
 
 @pytest.fixture
 def finished(results):
-    """A run with statistics, label sets and a study that is newer."""
+    """A run with statistics, label sets and tables of a study that are newer."""
     (results / "labels").mkdir()
     values = {"power": ("layer", np.array([1.0, 0.1])), "n": ("layer", np.array([3, 4]))}
     xr.Dataset(values).to_netcdf(results / "statistics.nc")
     (results / "labels/0000.nc").write_bytes(b"drawn")
     (results / "studies/tracker").mkdir(parents=True)
-    study = results / "studies/tracker/worth.csv"
     table = worth(5, difference=0.125, low=0.0625, high=0.1875)
-    resampled = {"bootstrap_low": 0.0625, "bootstrap_high": 0.1875}
-    means = {"mean": 0.75, "base_mean": 0.625}
-    table = table.assign(**resampled, **means, n_images=60, outcome="higher")
-    table.to_csv(study, index=False)
+    table = table.assign(mean=0.75, n_images=20, outcome="higher")
+    for name in ("worth", "ablation"):
+        table.to_csv(results / f"studies/tracker/{name}.csv", index=False)
     return results
 
 
@@ -216,17 +192,17 @@ def test_the_stamp_of_a_run_tells_flight_and_label_sets_apart(finished):
 
 
 def test_a_study_older_than_the_label_sets_is_refused_and_what_the_page_holds_is_marked(finished):
-    text = "<!-- worth: flight 1 -->\n| a |\n|---|\n<!-- /worth -->\n"
+    text = "<!-- ablation: flight 1 -->\n| a |\n|---|\n<!-- /ablation -->\n"
     renewed, left = fill_tables.fill(text, finished, STAMP)
     assert left == []
-    assert f"<!-- worth: {STAMP} -->" in renewed
+    assert f"<!-- ablation: {STAMP} -->" in renewed
     assert "5 trainings a set" in fill_tables.intervals(finished)
-    of_study = finished / "studies/tracker/worth.csv"
-    os.utime(of_study, (0, 0))
+    for name in ("worth", "ablation"):
+        os.utime(finished / f"studies/tracker/{name}.csv", (0, 0))
     filled, (reason,) = fill_tables.fill(text, finished, STAMP)
     assert filled == text
-    assert "studies/tracker/worth.csv is older than" in reason
-    for page in (text, text.replace("worth: flight 1", "worth")):
+    assert "studies/tracker/ablation.csv is older than" in reason
+    for page in (text, text.replace("ablation: flight 1", "ablation")):
         marked, _ = fill_tables.fill(page, finished, STAMP, "flight: the last")
         (block,) = stamps.blocks_of(marked)
         assert block.is_marked
