@@ -74,7 +74,10 @@ def test_published_rates_are_multiplied_as_in_the_published_code():
 
 def test_schedules_are_the_stated_ones():
     steps = published(n_steps=300_000)
-    rates = [published_rate(steps, update) for update in (0, 9_999, 10_000, 20_000)]
+    rates = [published_rate(steps, update, epoch=14) for update in (0, 9_999, 10_000, 20_000)]
+    assert rates == pytest.approx([1, 1, 0.1, 0.01])
+    by_epoch = replace(steps, n_epochs_per_tenth=3)
+    rates = [published_rate(by_epoch, 20_000, epoch) for epoch in (0, 2, 3, 6)]
     assert rates == pytest.approx([1, 1, 0.1, 0.01])
     cycle = [rate_factor(replace(TINY, n_steps=1000), step) for step in range(1000)]
     assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
