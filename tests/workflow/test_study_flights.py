@@ -74,5 +74,7 @@ def test_two_small_flights_run_to_their_tables_and_figures_and_go_on_where_they_
     trained = folder / "2001/results/tracker/rd/0.safetensors"
     before = trained.stat().st_mtime_ns
     (folder / "2001" / COUNTS).unlink()
+    (folder / "worth.csv").unlink()  # else nothing asks for the counts
     run_snakemake(tmp_path, "--", "study_flights", timeout=600)
     assert trained.stat().st_mtime_ns == before
+    assert (folder / "2001" / COUNTS).is_file()
