@@ -4,12 +4,14 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from snowsim.echogram import crossing_layers
+from snowsim.rounding import on_grid
 
 STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
 REACH_BINS = 4  # how far from a layer the picker looks for its peak
 # A pick further off follows something else; the person who checks removes it.
 LAST_TRUSTED_BINS = 3.0
 AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
+N_BITS = 16  # behind the point of a power in dB: 1.5e-5, on which all processors agree
 
 
 def rise_db(mean_power, layer_bins, n_windows):
@@ -80,7 +82,7 @@ def pick_peaks(power, layer_bins, settings, *, rng):
     complete `layer_bins` lie inside it.
     """
     n_bins, n_lines = power.shape
-    power_db = 10 * np.log10(power)
+    power_db = on_grid(10 * np.log10(power), N_BITS)
     smooth_db = uniform_filter1d(power_db, settings.picker_lines, axis=1, mode="nearest")
     near = np.rint(layer_bins).astype(int)
     offsets = np.arange(-2 * REACH_BINS, 2 * REACH_BINS + 1)

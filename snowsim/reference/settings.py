@@ -212,7 +212,7 @@ class PickSettings:
         1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
     )
     of_flight: str = setting(
-        "oracle",
+        "picker",
         "picks of the sample flight: exact positions, or those of the picker of train scenes",
         enum=("picker", "oracle"),
     )

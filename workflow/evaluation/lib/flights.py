@@ -48,7 +48,6 @@ RANGES = {
 MAIN = ("rd", "pd", "gd", "rd_pd", "rd_gd", "rd_pd_gd")
 
 
-FINEST_LINES = 16  # of statistics of train scenes: their picker averages 9 range lines
 UNIVERSAL = "universal"  # the tracker that comes with the package
 
 

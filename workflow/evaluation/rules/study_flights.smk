@@ -121,7 +121,7 @@ checkpoint fit_few:
     params:
         seed=config["seed"],
         estimator=config["statistics"]["estimator"],
-        finest_lines=flights.FINEST_LINES,
+        finest_lines=config["statistics"]["finest_lines"],
         bin_s=config["reference"]["radar"]["bin_size_s"],
         line_spacing_m=config["reference"]["radar"]["line_spacing_m"],
         contrast_db=None,
