@@ -137,6 +137,13 @@ def benchmark_files(*splits):
     ]
 
 
+def cgan_train_files():
+    """The files of the scenes that the cGAN is trained on, with their picks or with completed ones."""
+    if config["cgan"]["picks"] == "as_picked":
+        return benchmark_files("train")
+    return [f"results/cgan/train/{shard}.nc" for shard in shards("train")]
+
+
 def rendered_files(method, scenes):
     """The files of one scene set as one method rendered it."""
     return [f"results/{method}/{scenes}/{shard}.nc" for shard in shards(scenes)]

@@ -24,9 +24,36 @@ rule render_phy:
         str(SCRIPTS / "render_phy.py")  # absolute, for rules that are made of this one
 
 
+rule complete_picks:
+    input:
+        scenes="results/benchmark/train/{shard}.nc",
+        weights=str(ROOT / "snowsim/data/universal.onnx"),
+        code=imported_by("complete_picks.py"),
+    output:
+        completed="results/cgan/train/{shard}.nc",
+    log:
+        "logs/complete_picks/{shard}.log",
+    benchmark:
+        "results/benchmarks/complete_picks/{shard}.tsv"
+    priority: 100
+    resources:
+        results_mb=lambda wildcards: scenes_mb("train", wildcards.shard, 220),
+    params:
+        bin_s=(
+            config["reference"]["radar"]["bin_size_s"]
+            if config["source"] == "reference"
+            else config["import"]["bin_s"]
+        ),
+        source=SYNTHETIC,
+    message:
+        "layers that picks of train scenes lack, shard {wildcards.shard}"
+    script:
+        "../scripts/complete_picks.py"
+
+
 rule train_cgan:
     input:
-        scenes=benchmark_files("train"),
+        scenes=cgan_train_files(),
         code=imported_by("train_cgan.py"),
     output:
         generator="results/cgan/generator.safetensors",

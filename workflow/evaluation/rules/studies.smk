@@ -263,7 +263,7 @@ rule study_renderers:
 
 rule study_cgan_atlas:
     input:
-        train=benchmark_files("train"),
+        train=cgan_train_files(),
         code=imported_by(EVALUATION / "study_cgan_atlas.py"),
     output:
         table="results/studies/cgan/atlas.csv",
@@ -300,7 +300,9 @@ rule study_cgan:
 
 rule measure_budgets:
     input:
-        train=benchmark_files("train"),
+        train=lambda w: (
+            cgan_train_files() if w.network == "cgan" else benchmark_files("train")
+        ),
         validation=benchmark_files("validation"),
         phy=expand("results/phy/labels/{shard}.nc", shard=shards("labels")),
         code=imported_by(EVALUATION / "study_budgets.py"),

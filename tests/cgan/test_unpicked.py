@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from snowsim.cgan.unpicked import with_unpicked
+from snowsim.echogram import Scene
+
+
+@pytest.fixture
+def scene():
+    """Three layers of 100 range lines in 120 rows; the second has picks on 40 lines alone."""
+    layer_bins = np.repeat([[20.0], [50.0], [80.0]], 100, axis=1).astype(np.float32)
+    layer_bins[1, 40:] = np.nan
+    return Scene("planted", 120, layer_bins)
+
+
+def seen(rows, n_lines=100):
+    """Probability of a tracker that is sure of some (row, first line, end)."""
+    probability = np.zeros((120, n_lines))
+    for row, first, last in rows:
+        for distance, value in ((0, 0.9), (1, 0.5), (-1, 0.5)):
+            probability[row + distance, first:last] = value
+    return probability
+
+
+def test_layers_are_added_where_nobody_picked_and_picks_stay(scene):
+    # The surface, what is left of the second layer, one that nobody picked, one in the air.
+    probability = seen([(20, 0, 100), (50, 0, 100), (65, 10, 90), (5, 0, 100)])
+    found = with_unpicked(scene, probability, threshold=0.3).layer_bins
+    # By depth; the new piece of the second layer is a layer of its own, at the same depth.
+    assert len(found) == 5
+    assert_array_equal(found[[0, 1, 4]], scene.layer_bins)
+    lines = np.arange(100)
+    # Suppression leaves nothing within three lines of an image's end.
+    assert_array_equal(np.isfinite(found[2]), (lines >= 40) & (lines < 97))
+    assert np.nanmax(np.abs(found[2] - 50)) < 0.5
+    lines = np.flatnonzero(np.isfinite(found[3]))
+    assert abs(lines[0] - 10) <= 1
+    assert abs(lines[-1] - 89) <= 1
+    assert np.abs(found[3, lines] - 65).max() < 0.5
+
+
+def test_what_lies_beside_a_pick_or_is_short_is_no_layer_of_its_own(scene):
+    probability = seen([(83, 0, 100), (65, 10, 40), (95, 0, 12)])
+    found = with_unpicked(scene, probability, threshold=0.3).layer_bins
+    assert len(found) == 4  # with the one of 30 lines
+    nothing = with_unpicked(scene, np.zeros((120, 100)), threshold=0.3).layer_bins
+    assert_array_equal(nothing, scene.layer_bins)
