@@ -89,7 +89,11 @@ def take_all_steps(taken, steps, recipe):
         collapse = None
     best = taken.scores().set_index("step").loc[taken.best_step]
     if best["n_faults"] > 0:
-        found = faults(best.to_dict(), dropout=settings.dropout)
+        found = faults(
+            best.to_dict(),
+            dropout=settings.dropout,
+            first_half=taken.best_step < settings.n_steps / 2,
+        )
         collapse = f"step {taken.best_step}: {'; '.join(found)}"
         logger.warning("collapsed at %s; these weights are kept all the same", collapse)
     return collapse
@@ -157,7 +161,11 @@ class Validation:
         self.images = examined.images
         found = []
         if step >= WINDOW_STEPS:
-            found = faults(examined.health, dropout=settings.dropout)
+            found = faults(
+                examined.health,
+                dropout=settings.dropout,
+                first_half=step < settings.n_steps / 2,
+            )
         # Once may pass; twice in a row, or at the end, it has collapsed.
         is_final = step == settings.n_steps or self._was_faulty()
         if found and is_final and not self.goes_on:
