@@ -1,5 +1,7 @@
 """The study of flights in the tiny configuration, and what each of its flights is planned to be."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -25,6 +27,21 @@ def test_a_flight_is_a_whole_run_with_controls_and_few_scenes_for_the_curve(tmp_
     # Of few scenes come statistics, and of these what is drawn, and nothing else of the flight.
     for job in jobs_of(plan, "fit_few"):
         assert job.input.few.startswith("results/one_flight/few/")
+
+
+def test_trainings_on_scenes_of_the_cgan_have_a_generator_each(tmp_path):
+    study = {"studies": {"flights": {"n_trainings": 3}}}
+    plan = parsed(tmp_path, targets=[COUNTS], **study)
+    seeds = {job.params.seed for job in jobs_of(plan, "train_flight_cgan")}
+    assert len(seeds | {job.params.seed for job in jobs_of(plan, "train_cgan")}) == 3
+    trained = {
+        (job.wildcards.by_generator, job.params.replica)
+        for job in jobs_of(plan, "train_by_generator")
+    }
+    assert trained == set(product(flights.WITH_CGAN, "12"))
+    for job in jobs_of(plan, "train_by_generator"):
+        folder = f"results/one_flight/cgan/{job.params.replica}/"
+        assert all(path.startswith(folder) for path in job.input.cgan)
 
 
 def test_every_flight_of_the_study_is_flown_with_its_own_settings(tmp_path):

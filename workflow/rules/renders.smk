@@ -108,7 +108,7 @@ rule render_cgan:
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        "../scripts/render_cgan.py"
+        str(SCRIPTS / "render_cgan.py")  # absolute, for rules that are made of this one
 
 
 rule renders:

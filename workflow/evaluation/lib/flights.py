@@ -46,7 +46,8 @@ RANGES = {
 }
 # Sets with real scenes or drawn ones, their networks made by the rules of the main path.
 MAIN = ("rd", "pd", "gd", "rd_pd", "rd_gd", "rd_pd_gd")
-
+WITH_CGAN = ("gd", "rd_gd", "rd_pd_gd")  # each training has a generator of its own
+GENERATOR_SEEDS = 1_000_000  # apart, so that no generator has the seed of another flight
 
 UNIVERSAL = "universal"  # the tracker that comes with the package
 
@@ -132,10 +133,22 @@ def count_files(runs):
     return [f"results/one_flight/{run}/{replica}_counts.parquet" for run, replica in runs]
 
 
+def generator_seed(seed, generator):
+    """Seed of a flight's generator by its number; 0 is the flight's own."""
+    return seed + GENERATOR_SEEDS * int(generator)
+
+
 def network_files(run, replicas):
-    """Where the networks of a run lie: one of the main path's training sets, or of this study's."""
-    folder = "tracker" if run in MAIN else "one_flight"
-    return [f"results/{folder}/{run}/{replica}.safetensors" for replica in replicas]
+    """Where the networks of a run lie: of the main path's training sets, or of this study's.
+
+    Of sets with scenes of the cGAN the main path has those by its one generator, the first replica.
+    """
+    files = []
+    for replica in replicas:
+        by_main_path = run in MAIN and (replica == 0 or run not in WITH_CGAN)
+        folder = "tracker" if by_main_path else "one_flight"
+        files.append(f"results/{folder}/{run}/{replica}.safetensors")
+    return files
 
 
 def flights_of(study):

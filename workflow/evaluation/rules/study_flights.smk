@@ -27,6 +27,8 @@ wildcard_constraints:
     flight=r"\d+",
     n_few=r"\d+",
     control="|".join(flights.CONTROLS),
+    generator=r"[1-9]\d*",
+    by_generator="|".join(flights.WITH_CGAN),
     few="|".join(FEW) or "none",
     flight_run="|".join(FLIGHT_RUNS),
 
@@ -83,6 +85,76 @@ use rule train_tracker as train_flight_control with:
         events=None,
     message:
         "tracker on {wildcards.control}, replica {wildcards.replica}"
+
+
+# Trainings on scenes of the cGAN have a generator each, so that its scatter is theirs. The first is the main path's.
+
+
+use rule train_cgan as train_flight_cgan with:
+    output:
+        generator="results/one_flight/cgan/{generator}/generator.safetensors",
+        losses="results/one_flight/cgan/{generator}/losses.csv",
+        scores="results/one_flight/cgan/{generator}/validation.csv",
+        samples="results/one_flight/cgan/{generator}/samples.nc",
+    log:
+        "logs/train_flight_cgan/{generator}.log",
+    benchmark:
+        "results/benchmarks/train_flight_cgan/{generator}.tsv"
+    params:
+        seed=lambda w: flights.generator_seed(config["seed"], w.generator),
+        checkpoint=f"{CHECKPOINTS}/train_flight_cgan_{{generator}}.safetensors",
+        events=None,
+    message:
+        "cGAN training, generator {wildcards.generator}"
+
+
+use rule render_cgan as render_flight_cgan with:
+    input:
+        layers="results/labels/{shard}.nc",
+        generator="results/one_flight/cgan/{generator}/generator.safetensors",
+        statistics="results/statistics.nc",
+        code=imported_by("render_cgan.py"),
+    output:
+        scenes="results/one_flight/cgan/{generator}/labels/{shard}.nc",
+    log:
+        "logs/render_flight_cgan/{generator}/{shard}.log",
+    benchmark:
+        "results/benchmarks/render_flight_cgan/{generator}/{shard}.tsv"
+    resources:
+        results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 220),
+    message:
+        "cGAN renders by generator {wildcards.generator}, shard {wildcards.shard}"
+
+
+use rule train_tracker as train_by_generator with:
+    input:
+        real=lambda w: (
+            benchmark_files("train") if w.by_generator in TRAINING_SETS else []
+        ),
+        phy=lambda w: (
+            rendered_files("phy", "labels")
+            if "phy" in (TRAINING_SETS | ALONE)[w.by_generator]
+            else []
+        ),
+        cgan=lambda w: expand(
+            "results/one_flight/cgan/{generator}/labels/{shard}.nc",
+            generator=w.generator,
+            shard=shards("labels"),
+        ),
+        code=imported_by("train_tracker.py"),
+    output:
+        network="results/one_flight/{by_generator}/{generator}.safetensors",
+        losses="results/one_flight/{by_generator}/{generator}_losses.csv",
+    log:
+        "logs/train_by_generator/{by_generator}/{generator}.log",
+    benchmark:
+        "results/benchmarks/train_by_generator/{by_generator}/{generator}.tsv"
+    params:
+        replica="{generator}",
+        checkpoint=f"{CHECKPOINTS}/train_by_generator_{{by_generator}}_{{generator}}.safetensors",
+        events=None,
+    message:
+        "tracker on {wildcards.by_generator}, generator and replica {wildcards.generator}"
 
 
 # Its learning curve: from a few annotated scenes and their picks come statistics, label sets, and trackers.
