@@ -103,9 +103,9 @@ def test_a_planted_failure_of_the_discriminator_is_named(share, fault):
     )
 
 
-def test_a_discriminator_may_be_idle_in_the_first_half_but_not_saturated():
-    assert faults({"discriminator_ratio": 0.99}, dropout=0.5, first_half=True) == []
-    assert faults({"discriminator_ratio": 0.05}, dropout=0.5, first_half=True)
+def test_a_discriminator_may_be_idle_early_but_not_saturated():
+    assert faults({"discriminator_ratio": 0.99}, dropout=0.5, early=True) == []
+    assert faults({"discriminator_ratio": 0.05}, dropout=0.5, early=True)
 
 
 def test_a_checkerboard_of_one_grey_level_measures_one_and_edges_and_speckle_make_none(rng):

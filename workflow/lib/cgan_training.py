@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from torch.utils.data import Subset
 
-from lib.cgan_health import WINDOW_STEPS, faults, measure_losses, measure_renders
+from lib.cgan_health import WINDOW_STEPS, faults, is_early, measure_losses, measure_renders
 from lib.patch_distance import scenes_distance
 from lib.scope import scope_of
 from snowsim.cgan import Settings, Training, train_steps, validate
@@ -92,7 +92,7 @@ def take_all_steps(taken, steps, recipe):
         found = faults(
             best.to_dict(),
             dropout=settings.dropout,
-            first_half=taken.best_step < settings.n_steps / 2,
+            early=is_early(taken.best_step, settings.n_steps),
         )
         collapse = f"step {taken.best_step}: {'; '.join(found)}"
         logger.warning("collapsed at %s; these weights are kept all the same", collapse)
@@ -164,7 +164,7 @@ class Validation:
             found = faults(
                 examined.health,
                 dropout=settings.dropout,
-                first_half=step < settings.n_steps / 2,
+                early=is_early(step, settings.n_steps),
             )
         # Once may pass; twice in a row, or at the end, it has collapsed.
         is_final = step == settings.n_steps or self._was_faulty()
