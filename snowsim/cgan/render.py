@@ -4,7 +4,7 @@ import numpy as np
 import torch
 
 from snowsim.cgan import published
-from snowsim.cgan.inputs import conditions, place_map
+from snowsim.cgan.inputs import conditions, place_map, slabs_of
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
 from snowsim.patches import from_signed
@@ -12,7 +12,7 @@ from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
 
-def render(generator, scene, settings, *, brightness=None, rng):
+def render(generator, scene, settings, *, levels=None, rng):
     """Echogram of the layers of a `Scene`, uint8, (range_bin, range_line), of any size.
 
     The whole is rendered at once, by `pix2pix` at the size of its crops. It does not depend on
@@ -26,9 +26,8 @@ def render(generator, scene, settings, *, brightness=None, rng):
     settings : Settings
         Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise
         is. FloatingPointError if a pixel is not finite.
-    brightness : array_like, (layer, range_line), optional
-        Of the layers in decibels above an image's 0, by the uppermost's mean; by default that of
-        the image, or 1.
+    levels : Levels, optional
+        How bright layers and snow are; by default as in the scene's image, or 1.
     rng : numpy.random.Generator
     """
     mask = scene.mask()
@@ -40,19 +39,19 @@ def render(generator, scene, settings, *, brightness=None, rng):
     if settings.method == "pix2pix":
         image = published.render_image(generator, scene, settings, rng=rng)
     else:
-        image = _render_image(generator, scene, settings, brightness, rng)
+        image = _render_image(generator, scene, settings, levels, rng)
     if not torch.isfinite(image).all():
         msg = "generator renders values that are not finite: its training diverged"
         raise FloatingPointError(msg)
     return from_signed(image.clamp(-1, 1)[None, None])[0]
 
 
-def _render_image(generator, scene, settings, brightness, rng):
+def _render_image(generator, scene, settings, levels, rng):
     """Image with its grain, (range_bin, range_line)."""
-    places = place_map(scene, scene.layer_bins, scene.n_range_bins, brightness)[None]
+    places = place_map(scene, scene.layer_bins, scene.n_range_bins, levels)[None]
     inputs = conditions(places)
     device = next(generator.parameters()).device
-    noise = generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
+    noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise)
         grain = generator.grain(noise, *inputs.shape[2:])

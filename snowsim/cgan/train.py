@@ -7,7 +7,7 @@ import torch
 from torch.nn import functional
 
 from snowsim.cgan import published
-from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, place_map
+from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, place_map, slabs_of
 from snowsim.cgan.networks import (
     PatchDiscriminator,
     UNetGenerator,
@@ -147,7 +147,7 @@ def _draw_batch(training, scene_at, n_scenes, rng):
     dither = rng.random(images.shape, dtype=np.float32) - np.float32(0.5)
     image = to_signed(images) + torch.from_numpy(dither[:, None] / 127.5)
     inputs = conditions(places)
-    noise = training.generator.draw_noise(places[..., 1], dropout=settings.dropout, rng=rng)
+    noise = training.generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     return Batch(inputs, image, noise)
 
 

@@ -1,9 +1,9 @@
-"""Mark in observed train scenes what picks lack, by the tracker that comes with the package."""
+"""Complete the picks of observed train scenes, by the tracker that comes with the package."""
 
 from job import logger, progress, run
 from scipy.special import expit
 
-from snowsim.cgan.unpicked import with_unpicked
+from snowsim.cgan.unpicked import completed as completed_by
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.io.trackers import read_tracker
 from snowsim.tracker.calibration import fused_logits
@@ -25,7 +25,7 @@ def complete_picks(scenes, weights, completed, *, bin_s, source):
         nonlocal n_new
         for scene in progress(observed, "picks"):
             probability = expit(fused_logits(network, scene.image) / card["temperature"])
-            found = with_unpicked(scene, probability, threshold=card["threshold"])
+            found = completed_by(scene, probability, threshold=card["threshold"])
             n_new += len(found.layer_bins) - len(scene.layer_bins)
             yield found
 

@@ -4,7 +4,7 @@ import dataclasses
 
 from job import logger, progress, run
 
-from lib.brightness import expected_brightness
+from lib.brightness import expected_levels
 from lib.scope import outside
 from snowsim.cgan import Settings, render, trained_generator
 from snowsim.io.files import read_dataset
@@ -20,10 +20,10 @@ def scene_renderer(path_to_generator, flight, device):
     network = trained_generator(weights, settings, device=device)
 
     def by_network(scene, rng):
-        brightness = None
+        levels = None
         if settings.method == "depth":
-            brightness = expected_brightness(scene, flight)
-        return render(network, scene, settings, brightness=brightness, rng=rng)
+            levels = expected_levels(scene, flight)
+        return render(network, scene, settings, levels=levels, rng=rng)
 
     return by_network, metadata["scope"]
 
