@@ -1,10 +1,12 @@
 """The conditional GAN, pix2pix: layer masks to echograms."""
 
+from snowsim.cgan.inputs import Levels
 from snowsim.cgan.render import render, trained_generator, validate
 from snowsim.cgan.settings import Settings
 from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
 
 __all__ = [
+    "Levels",
     "Settings",
     "Training",
     "least_bytes",
