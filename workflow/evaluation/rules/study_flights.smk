@@ -121,6 +121,8 @@ use rule render_cgan as render_flight_cgan with:
     benchmark:
         "results/benchmarks/render_flight_cgan/{generator}/{shard}.tsv"
     resources:
+        mem_mb=3000,
+        gpu=int(config["cgan"]["device"] == "cuda"),
         results_mb=lambda wildcards: scenes_mb("labels", wildcards.shard, 220),
     message:
         "cGAN renders by generator {wildcards.generator}, shard {wildcards.shard}"
