@@ -91,7 +91,7 @@ def find_supplement(path):
 def _power(path, stored, n_bins, n_lines):
     """Linear power (range_bin, range_line).
 
-    Axes are told by the names of their dimensions, by length where those do not say.
+    Axes are recognised by the names of their dimensions, or by length where names do not say.
     """
     amplitude_db = stored["amplitude"].values
     dimensions = stored["amplitude"].dims

@@ -31,7 +31,7 @@ def read_profile(path, *, depth_unit=None, density_unit=None):
 
     One column's name has `depth` in it, of the middle of each sample, and one has `density`; what
     follows that is the unit, as in ``depth_cm`` or ``Density (kg/m^3)``, if none is given. Density
-    without a unit is told from its values. Lines that begin with # are remarks.
+    without a unit takes the one that its values fit. Lines that begin with # are remarks.
     """
     path = existing(path)
     with library_errors(path, "table", "text with a header and columns"):

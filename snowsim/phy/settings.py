@@ -7,7 +7,7 @@ from snowsim.settings import check_settings, setting
 
 @dataclass(frozen=True)
 class Settings:
-    """Conventions of PHY; the defaults give back the statistics that went in."""
+    """Conventions of PHY; by the defaults, renders have the statistics that they are made from."""
 
     tolerance_db: float | None = setting(
         0.05,

@@ -167,9 +167,9 @@ def _scatterers(column, at_surface, lead, n_sub, radar):
 def _layering(at_surface, depth_m, mean_density, firn, radar, *, rng):
     """Reflected power of the fine layering of density below the surface, float32.
 
-    The footprint averages over patches smaller than itself: of a layering of lateral scale l and
-    standard deviation s it sees ``s l / r``, r its radius, correlated between range lines whose
-    footprints overlap. `depth_m` and `mean_density` are (sub_bin,).
+    The footprint averages over patches smaller than itself. Of a layering with lateral scale l and
+    standard deviation s, ``s l / r`` is left, r being the footprint's radius. It is correlated
+    between range lines whose footprints overlap. `depth_m` and `mean_density` are (sub_bin,).
     """
     index = refractive_index_kovacs95(firn.surface_density_kg_m3)
     step_m = radar.sub_bin_s * SPEED_OF_LIGHT_M_S / 2 / index

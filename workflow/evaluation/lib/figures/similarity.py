@@ -203,7 +203,7 @@ def plot_cases(ax, rows, metric):
 
 
 def worth(two_sample, drawn_scenes):
-    """How often drawn scenes are told from observed ones, by depth, and by what they differ."""
+    """How often classifiers know drawn scenes from observed ones by depth, how they differ."""
     figure, axes = new_figure(2, 3, width=10, height=5.5)
     of_decisions, *of_numbers = axes.flat
     plot_decisions(of_decisions, two_sample)

@@ -261,7 +261,7 @@ def errors_of_picks(picks):
 
 
 def distinguished(two_sample):
-    """How often observed scenes are told from others by each classifier, a row a kind of scenes."""
+    """How often each classifier knows observed scenes from others, a row a kind of scenes."""
     rows = []
     for name, of_name in two_sample.query("first_row < 0").groupby("scenes", sort=False):
         scenes = "the other half of the observed" if name == "observed" else NAMES[name]
