@@ -3,16 +3,29 @@
 Arithmetic, and weights and moments that are kept and taken over again.
 """
 
+import warnings
+
 import torch
+
+# As torch names them: what x86-64 processors can do that lack AVX-512.
+WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
+SLOW = (
+    "bfloat16 takes eight times as long as float32 on a processor without AVX-512: set precision "
+    "to float32 under training, for other numbers in the last digits"
+)
 
 
 def arithmetic(device, precision):
     """Context in which networks compute in `precision`, `float32` or `bfloat16`.
 
-    Weights are float32 in both.
+    Weights are float32 in both. UserWarning, once, where bfloat16 is the slower of the two.
     """
     kind = torch.device(device).type
-    return torch.autocast(kind, torch.bfloat16, enabled=precision == "bfloat16")
+    short = precision == "bfloat16"
+    slow = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
+    if short and slow:
+        warnings.warn(SLOW, stacklevel=2)
+    return torch.autocast(kind, torch.bfloat16, enabled=short)
 
 
 def load_weights(network, weights, name):

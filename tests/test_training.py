@@ -5,10 +5,12 @@ from itertools import islice
 
 import numpy as np
 import pytest
+import torch
 from trainings import begun, same, trained
 
 from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
+from snowsim.training import arithmetic
 
 CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
@@ -121,3 +123,16 @@ def test_a_state_of_other_settings_is_refused_in_one_line(
 def test_settings_out_of_range_are_refused(settings, change):
     with pytest.raises(ValueError, match=next(iter(change))):
         replace(settings, **change)
+
+
+@pytest.mark.parametrize(
+    ("capability", "precision", "n_warnings"),
+    [("AVX2", "bfloat16", 1), ("AVX2", "float32", 0), ("AVX512", "bfloat16", 0)],
+)
+def test_bfloat16_is_warned_of_where_it_is_the_slower(
+    capability, precision, n_warnings, monkeypatch, recwarn
+):
+    monkeypatch.setattr(torch.backends.cpu, "get_cpu_capability", lambda: capability)
+    with arithmetic("cpu", precision):
+        pass
+    assert [str(each.message).split()[0] for each in recwarn] == ["bfloat16"] * n_warnings
