@@ -10,7 +10,10 @@ from lib.resizing import in_bins
 from snowsim.labels import Dress, draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
 from snowsim.seeding import random_stream
-from snowsim.statistics import varied
+from snowsim.statistics import Ranges, Variation, changed, varied
+
+# One in so many variants is the flight itself but for short undulations.
+EVERY = 5
 
 
 def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
@@ -18,12 +21,13 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
 
     Variants are numbers; looks and correlation of speckle are theirs, whatever `phy` says. So are
     crusts between layers and bands of coherent noise, which are not labelled, the distance of range
-    lines, and the range bins that a scene is drawn in before it is resampled to the flight's.
+    lines, and the range bins that a scene is drawn in before it is resampled to the flight's. One
+    variant in `EVERY` is the flight itself but for short undulations.
     """
     phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
     choices, _ = Dress.split(phy)
     for variant in variants:
-        statistics = varied(flight, rng=random_stream(seed, "varied", variant))
+        statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
         # Lines farther apart are lines left out.
         spacing = statistics.attrs["varied_line_spacing"]
         lines = (np.arange(n_range_lines) * spacing).astype(int)
@@ -41,6 +45,13 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
             cluttered = dataclasses.replace(drawn, echoes=echoes)
             rendered = render_by_phy(cluttered, statistics, phy, rng=rng, added_power=coherent)
             yield in_bins(rendered, statistics.attrs["varied_bin_size"])
+
+
+def variant_of(flight, variant, *, rng):
+    """Statistics of one variant, by its number."""
+    if variant % EVERY:
+        return varied(flight, rng=rng)
+    return changed(flight, Variation.of_flight(Ranges(), rng=rng))
 
 
 def on_lines(scene, lines):

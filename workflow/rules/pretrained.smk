@@ -61,10 +61,7 @@ rule draw_varied:
 
 use rule train_tracker as train_pretrained with:
     input:
-        real=[
-            *rendered_files("phy", "labels"),
-            *expand("results/pretrained/scenes/{shard}.nc", shard=VARIED_SHARDS),
-        ],
+        real=expand("results/pretrained/scenes/{shard}.nc", shard=VARIED_SHARDS),
         phy=[],
         cgan=[],
         code=imported_by("train_tracker.py"),
@@ -170,7 +167,7 @@ rule ship_tracker:
     benchmark:
         "results/benchmarks/ship_tracker/all.tsv"
     params:
-        n_scenes=(N_SCENES["labels"], PRETRAINED["n_variants"] * PRETRAINED["n_scenes"]),
+        n_scenes=PRETRAINED["n_scenes"],
         n_variants=PRETRAINED["n_variants"],
         radar={
             "bin_s": config["reference"]["radar"]["bin_size_s"],

@@ -2,7 +2,7 @@
 
 from job import run
 
-from lib.pretraining import scores_for_card
+from lib.pretraining import EVERY, scores_for_card
 from lib.tracker_scores import read_calibration, read_confidence, read_tracker
 from snowsim.io.files import read_dataset
 from snowsim.io.trackers import write_tracker
@@ -22,11 +22,11 @@ def ship(
 ):  # fmt: skip
     trained = read_tracker(network)
     calibrated = read_calibration(calibration)
-    of_flight, of_variants = n_scenes
     settings = trained.settings
-    trained_on = f"{SYNTHETIC}: {of_flight} scenes of the statistics of the reference flight and "
-    trained_on += f"{of_variants} of {n_variants} variants of these with crusts and bands of "
-    trained_on += "noise, rendered by PHY; "
+    trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_variants} variants of the "
+    trained_on += "statistics of the reference flight with crusts and bands of noise, one in "
+    trained_on += f"{EVERY} without and the flight's own but for short undulations, rendered by "
+    trained_on += "PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
     written = make_card(
