@@ -11,7 +11,7 @@ import torch
 WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
 SLOW = (
     "bfloat16 takes eight times as long as float32 on a processor without AVX-512: set precision "
-    "to float32 under training, for other numbers in the last digits"
+    "to float32 under training; numbers then differ in their last digits"
 )
 
 

@@ -123,7 +123,7 @@ class Variation:
             tail_length=_log_uniform(ranges.tail_length, rng),
             line_spacing=_log_uniform(ranges.line_spacing, rng),
             bin_size=_log_uniform(ranges.bin_size, rng),
-            # Drawn last, as it came last.
+            # Drawn last: with a seed, all other draws stay what they were without it.
             short_undulations=_log_uniform(ranges.short_undulations, rng),
         )
 

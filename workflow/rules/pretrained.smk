@@ -187,7 +187,7 @@ rule pretrained:
         rules.calibrate_pretrained.output.reliability,
         rules.calibrate_picks.output.reliability,
     message:
-        "the tracker that comes with the package, with its card: about 40 min of one core"
+        "the tracker that comes with the package, with its card: about 20 min of one core"
 
 
 # Flights that nothing was trained or tuned on. The same network on scenes of the default flight, and as a control on
