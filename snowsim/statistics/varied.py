@@ -4,8 +4,6 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from snowsim.constants import BLOCK_LINES
-
 # By which power of the factor of thickness, and of pulse length, a statistic grows.
 OF_THICKNESS = {
     "zone_edge_bins": 1,
@@ -22,7 +20,6 @@ OF_PULSE_LENGTH = {
     "width_bound_bins": 1,
     "decay_rate": -1,
 }
-SHORT_LINES = 64  # undulations shorter than so many range lines are short
 
 
 @dataclass(frozen=True)
@@ -33,9 +30,6 @@ class Ranges:
     ----------
     thickness : (float, float)
         Factor of every thickness, log-uniform.
-    short_undulations : (float, float)
-        Factor of the spectrum of undulations shorter than `SHORT_LINES`, log-uniform: where each
-        year fills the relief of the year before, layers are smoother than slabs drawn one by one.
     pulse_length : (float, float)
         Factor of the length of the waveform and its tail, log-uniform.
     noise_db : (float, float)
@@ -60,7 +54,6 @@ class Ranges:
     """
 
     thickness: tuple = (0.4, 2.8)
-    short_undulations: tuple = (0.05, 1.0)
     pulse_length: tuple = (0.7, 2.5)
     noise_db: tuple = (-4.0, 8.0)
     background_db: tuple = (-5.0, 3.0)
@@ -85,7 +78,6 @@ class Variation:
     """
 
     thickness: float = 1.0
-    short_undulations: float = 1.0
     pulse_length: float = 1.0
     noise_db: float = 0.0
     background_db: float = 0.0
@@ -99,11 +91,6 @@ class Variation:
     tail_length: float = 1.0
     line_spacing: float = 1.0
     bin_size: float = 1.0
-
-    @classmethod
-    def of_flight(cls, ranges, *, rng):
-        """The flight's own climate and radar: only its short undulations are drawn."""
-        return cls(short_undulations=_log_uniform(ranges.short_undulations, rng))
 
     @classmethod
     def draw(cls, ranges, *, rng):
@@ -123,17 +110,14 @@ class Variation:
             tail_length=_log_uniform(ranges.tail_length, rng),
             line_spacing=_log_uniform(ranges.line_spacing, rng),
             bin_size=_log_uniform(ranges.bin_size, rng),
-            # Drawn last: with a seed, all other draws stay what they were without it.
-            short_undulations=_log_uniform(ranges.short_undulations, rng),
         )
 
 
 def varied(statistics, *, rng, ranges=None):
     """Statistics of another climate and radar, drawn about those of a flight.
 
-    Drawn are thickness of snow, how much of its undulation is short, lengths of pulse and tail,
-    noise, power of unpicked snow, gain from line to line, looks, size of range bins, and whether
-    speckle is correlated; see `Ranges`. What no statistic holds is drawn, too, and stands in the
+    Drawn are thickness of snow, lengths of pulse and tail, noise, power of unpicked snow, gain from
+    line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What no statistic holds is drawn, too, and stands in the
     attributes alone: crusts, bands of noise, and the distance of range lines. What label sets and
     PHY read changes consistently: a factor of thickness moves means, zones and spectra alike.
     Neglected: numbers of layers, powers of layers relative to the surface, fading and texture stay
@@ -183,10 +167,6 @@ def changed(statistics, variation):
     new = {}
     for name, factor in factors.items():
         new |= _scaled(statistics, name, factor)
-    wavenumber = np.arange(statistics.sizes["wavenumber"])  # cycles per block
-    short = wavenumber * SHORT_LINES > BLOCK_LINES
-    for name in new.keys() & {"thickness_psd", "thickness_psd_standard_error"}:
-        new[name][..., short] *= variation.short_undulations
     gain_db = variation.line_gain_spread_db
     # Statistics of images hold neither gain nor correlation.
     if gain_db is not None and "line_gain_spread_db" in statistics:

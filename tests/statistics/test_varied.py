@@ -19,7 +19,6 @@ CHANGES |= {"line_gain_spread_db", "speckle_correlation"}
 
 LOG_UNIFORM = (
     "thickness",
-    "short_undulations",
     "pulse_length",
     "n_looks",
     "tail_length",
@@ -38,23 +37,6 @@ def test_no_variation_changes_nothing(flight):
     for name, values in flight.variables.items():
         assert_array_equal(same[name], values, err_msg=name)
     assert flight.attrs.items() <= same.attrs.items()
-
-
-def test_without_short_undulations_layers_keep_the_long_ones_alone(flight):
-    smooth = changed(flight, Variation(short_undulations=0.0))
-    wavenumber = np.arange(flight.sizes["wavenumber"])
-    for name in ("thickness_psd", "thickness_psd_standard_error"):
-        # Four cycles in 256 lines are 64 lines long.
-        assert (smooth[name][..., wavenumber > 4] == 0).all(), name
-        assert_array_equal(smooth[name][..., :5], flight[name][..., :5], err_msg=name)
-    layers = [
-        draw(each, 256, rng=np.random.default_rng(seed))
-        for each in (flight, smooth)
-        for seed in range(8)
-    ]
-    changes = [np.square(np.diff(each - each[0])).mean() for each in layers]
-    # From line to line nearly all change is short.
-    assert sum(changes[8:]) < 0.1 * sum(changes[:8])
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])

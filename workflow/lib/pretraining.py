@@ -10,9 +10,9 @@ from lib.resizing import in_bins
 from snowsim.labels import Dress, draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
 from snowsim.seeding import random_stream
-from snowsim.statistics import Ranges, Variation, changed, varied
+from snowsim.statistics import Variation, changed, varied
 
-# One in so many variants is the flight itself but for short undulations.
+# One in so many variants is the flight itself.
 EVERY = 5
 
 
@@ -22,7 +22,7 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
     Variants are numbers; looks and correlation of speckle are theirs, whatever `phy` says. So are
     crusts between layers and bands of coherent noise, which are not labelled, the distance of range
     lines, and the range bins that a scene is drawn in before it is resampled to the flight's. One
-    variant in `EVERY` is the flight itself but for short undulations.
+    variant in `EVERY` is the flight itself.
     """
     phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
     choices, _ = Dress.split(phy)
@@ -51,7 +51,7 @@ def variant_of(flight, variant, *, rng):
     """Statistics of one variant, by its number."""
     if variant % EVERY:
         return varied(flight, rng=rng)
-    return changed(flight, Variation.of_flight(Ranges(), rng=rng))
+    return changed(flight, Variation())
 
 
 def on_lines(scene, lines):
