@@ -27,7 +27,7 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
         `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021)
         as printed.
     finest_lines : float, optional
-        See `estimate`; 16 for picks of a picker that averages 9 range lines.
+        See `estimate`; 32 for picks of a picker that averages 9 range lines.
 
     Returns
     -------
