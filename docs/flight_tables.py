@@ -20,20 +20,22 @@ def called(run):
 
 
 def flights(results):
-    """Worth of training sets over flights, the endpoint first."""
+    """Worth of training sets over flights, a pair of sets a row; the endpoint is the first ODS."""
     table = read(results, "worth", FLIGHTS)
     rows = []
-    for r in table.itertuples():
-        sets = f"{called(r.run)} less {called(r.base)}"
-        means = f"{share(r.mean)} - {share(r.base_mean)}"
-        higher = f"{r.n_higher} of {r.n_flights}"
-        corrected = digits(r.p_holm, 2)
-        row = [sets, r.metric.upper(), r.family, means, difference(r), higher, corrected]
-        rows.append(row)
-    header = ["sets", "score", "family", "means", "difference", "flights higher", "p (Holm)"]
+    for (run, base), scores in table.groupby(["run", "base"], sort=False):
+        by_metric = scores.set_index("metric").loc[["ods", "ois", "ap"]]
+        ods = by_metric.loc["ods"]
+        means = f"{share(ods['mean'])} - {share(ods['base_mean'])}"
+        differences = [difference(row) for row in by_metric.itertuples()]
+        higher = ", ".join(map(str, by_metric["n_higher"]))
+        corrected = ", ".join(digits(value, 2) for value in by_metric["p_holm"])
+        rows.append([f"{called(run)} less {called(base)}", means, *differences, higher, corrected])
+    header = ["sets", "means of ODS", "ODS", "OIS", "AP", "flights higher", "p (Holm)"]
     n = table["n_flights"].iloc[0]
     n_trainings = read(results, "scores", FLIGHTS)["replica"].nunique()
-    title = f"{n} flights, {n_trainings} trainings a set on each (`{FLIGHTS}/worth.csv`):\n\n"
+    title = f"{n} flights, {n_trainings} trainings a set on each (`{FLIGHTS}/worth.csv`). "
+    title += "The endpoint is the first difference of ODS, its p is not corrected:\n\n"
     return title + markdown(header, rows)
 
 
@@ -61,20 +63,35 @@ def flight_settings(results):
 
 def learning_curve(results):
     """Scores by the number of annotated scenes, and scenes that drawn ones save."""
+    table = read(results, "curve", FLIGHTS)
+    sets = [name for name in table["training_set"].unique() if name != "universal"]
     rows = []
-    for r in read(results, "curve", FLIGHTS).itertuples():
-        if np.isnan(r.ods):
-            rows.append(
-                [r.flight, r.n_scenes, NAMES[r.training_set], "too little to draw from", ""]
-            )
+    for (flight, n_scenes), scores in table.groupby(["flight", "n_scenes"], sort=False):
+        by_set = scores.set_index("training_set")
+        if n_scenes == 0:
+            rows.append([flight, "none", *[""] * (len(sets) + 1), on_curve(by_set, "universal")])
             continue
-        score = f"{share(r.ods)} [{share(r.low)}, {share(r.high)}]"
-        saved = ""
-        if r.training_set != "rd":
-            saved = f"{scenes(r.saved)} [{scenes(r.saved_low)}, {scenes(r.saved_high)}]"
-        rows.append([r.flight, r.n_scenes, NAMES[r.training_set], score, saved])
-    header = ["flight", "annotated scenes", "set", "ODS", "scenes saved"]
-    return f"(`{FLIGHTS}/curve.csv`)\n\n" + markdown(header, rows)
+        ods = [on_curve(by_set, name) for name in sets]
+        rows.append([flight, n_scenes, *ods, saved(by_set.loc["rd_pd"]), ""])
+    names = [NAMES[name] for name in sets]
+    header = ["flight", "annotated scenes", *names, "scenes saved by RD+PD", NAMES["universal"]]
+    return f"ODS (`{FLIGHTS}/curve.csv`):\n\n" + markdown(header, rows)
+
+
+def on_curve(by_set, name):
+    """ODS of a training set with its interval, or that there is none."""
+    row = by_set.loc[name]
+    if np.isnan(row["ods"]):
+        return "too little to draw from"
+    return f"{share(row['ods'])} [{share(row['low'])}, {share(row['high'])}]"
+
+
+def saved(row):
+    """Scenes saved with their interval; nothing where there is no score."""
+    if np.isnan(row["ods"]):
+        return ""
+    low, high = scenes(row["saved_low"]), scenes(row["saved_high"])
+    return f"{scenes(row['saved'])} [{low}, {high}]"
 
 
 def scenes(number):
