@@ -63,7 +63,7 @@ def learning_curve(curve):
         numbers = sorted(set(annotated["n_scenes"]))
         below.set_xticks(numbers, map(str, numbers))
         below.set_xlabel("annotated scenes")
-        above.legend()
+    axes[0, 0].legend()
     axes[0, 0].set_ylabel("ODS of fuse")
     axes[1, 0].set_ylabel("annotated scenes saved")
     return figure
