@@ -117,11 +117,12 @@ def varied(statistics, *, rng, ranges=None):
     """Statistics of another climate and radar, drawn about those of a flight.
 
     Drawn are thickness of snow, lengths of pulse and tail, noise, power of unpicked snow, gain from
-    line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What no statistic holds is drawn, too, and stands in the
-    attributes alone: crusts, bands of noise, and the distance of range lines. What label sets and
-    PHY read changes consistently: a factor of thickness moves means, zones and spectra alike.
-    Neglected: numbers of layers, powers of layers relative to the surface, fading and texture stay
-    the flight's, and so do statistics that nothing is drawn from, as measured waveforms.
+    line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What
+    no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
+    and the distance of range lines. What label sets and PHY read changes consistently: a factor of
+    thickness moves means, zones and spectra alike. Neglected: numbers of layers, powers of layers
+    relative to the surface, fading and texture stay the flight's, and so do statistics that nothing
+    is drawn from, as measured waveforms.
 
     Parameters
     ----------
