@@ -19,9 +19,11 @@ BAND_EDGES = np.array([1, 3, 9, 27, BLOCK_LINES // 2 + 1])
 MINIMUM_PAIRS = 4  # (block, slab) pairs needed to estimate the correlation at a separation
 MOST_SWEEPS = 200
 LEVEL_TOLERANCE = 1e-12  # of the logarithm of thickness
-# Per block: spectra come from the longest stretches of which enough have no gap.
+# Per block: what follows along track comes from the longest stretches of which enough have no gap.
 STRETCHES = (1, 2, 4, 8, 16)
-ENOUGH_SHARE = 0.1  # of the number of blocks
+ENOUGH_FOR_TRENDS = 0.1  # of the number of blocks
+# Of the number of (block, slab) with picks: every slab has a spectrum, neighbours a correlation.
+ENOUGH_FOR_SPECTRA = 0.25
 # [cycles per line] above it, picked layers are not known to undulate: what is there is noise.
 NOISE_WAVENUMBER = 0.375
 # Standard errors above which pick noise is accepted: with few blocks, two occur by chance.
@@ -84,21 +86,34 @@ def block_levels(mean):
     return np.exp(level), own
 
 
-def stretches(thickness, minimum):
-    """Thickness (block, slab, range_line) cut into stretches of which enough have no gap.
+def for_trends(thickness, minimum):
+    """Stretches (stretch, slab, range_line) of which a tenth of the number of blocks are whole."""
+    return stretches(thickness, max(minimum, ENOUGH_FOR_TRENDS * len(thickness)))
 
-    Whole blocks if at least `minimum` of their series over all slabs, and a tenth of the number of
-    blocks, have no gap; otherwise halves, quarters ... of blocks, down to sixteenths. ValueError if
-    every stretch has gaps.
+
+def for_spectra(thickness, minimum, finest_lines=None):
+    """Stretches of which as many are whole as a quarter of the (block, slab) that have picks.
+
+    So shorter than those for trends where picks have gaps, but at least `finest_lines` long.
+    """
+    n_picked = np.isfinite(thickness).any(axis=2).sum()
+    enough = max(minimum, ENOUGH_FOR_SPECTRA * n_picked)
+    return stretches(thickness, enough, shortest=finest_lines or 0)
+
+
+def stretches(thickness, enough, *, shortest=0):
+    """Thickness (block, slab, range_line) cut into stretches of which `enough` have no gap.
+
+    Whole blocks if so many of their series, over all slabs, have none; otherwise halves, quarters
+    ... of blocks, down to sixteenths, or to `shortest` lines. ValueError if every stretch has gaps.
     """
     n_blocks, n_slabs, n_lines = thickness.shape
-    enough = max(minimum, ENOUGH_SHARE * n_blocks)
     for parts in STRETCHES:
         length = n_lines // parts
         cut = thickness.reshape(n_blocks, n_slabs, parts, length).swapaxes(1, 2)
         cut = cut.reshape(n_blocks * parts, n_slabs, length)
         n_whole = np.isfinite(cut).all(axis=2).sum()
-        if n_whole >= enough:
+        if n_whole >= enough or length < 2 * shortest:
             break
     if n_whole == 0:
         msg = f"spectra of thickness need {length} lines of a slab picked without gaps, got none"

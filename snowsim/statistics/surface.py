@@ -4,10 +4,10 @@ import numpy as np
 
 from snowsim.constants import BLOCK_LINES
 from snowsim.statistics.blocks import (
+    for_trends,
     on_wavenumbers,
     periodogram,
     rises,
-    stretches,
     taper_of,
     without_noise,
 )
@@ -34,7 +34,7 @@ def surface_statistics(summary, minimum):
         n_blocks = frame.surface_bins.size // BLOCK_LINES
         whole.append(frame.surface_bins[: n_blocks * BLOCK_LINES])
     blocks = np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES)
-    rows = stretches(blocks, minimum)[:, 0]
+    rows = for_trends(blocks, minimum)[:, 0]
     rows = rows[np.isfinite(rows).all(axis=1)]
     step = np.diff(rows, axis=1)
     movement = _movement(step)

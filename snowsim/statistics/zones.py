@@ -12,12 +12,13 @@ from snowsim.statistics.blocks import (
     block_levels,
     block_means,
     correlation_by_separation,
+    for_spectra,
+    for_trends,
     mean_correlation,
     on_wavenumbers,
     periodogram,
     pick_noise,
     rises,
-    stretches,
     thickness_blocks,
     undulation_correlation,
     without_noise,
@@ -52,18 +53,34 @@ DIMENSIONS = {
 
 @dataclass(frozen=True)
 class Blocks:
-    """Blocks that lie in a zone, and their stretches."""
+    """Blocks that lie in a zone."""
 
     mean: np.ndarray  # thickness, (block, slab), NaN where unknown
     level: np.ndarray  # mean thickness of slab 0, (block,)
     zone: np.ndarray  # (block,)
-    series: np.ndarray  # thickness in stretches, (stretch, slab, range_line)
-    served: np.ndarray  # stretches without gaps, bool (stretch, slab)
     typical: np.ndarray  # thickness of slab 0, (zone,)
 
-    def of_stretches(self, values):
-        """Values by block for each stretch."""
-        return np.repeat(values, len(self.series) // len(self.level), axis=0)
+
+@dataclass(frozen=True)
+class Stretches:
+    """Stretches of blocks that lie in a zone."""
+
+    series: np.ndarray  # thickness, (stretch, slab, range_line)
+    served: np.ndarray  # those without gaps, bool (stretch, slab)
+    level: np.ndarray  # mean thickness of slab 0, (stretch,)
+    zone: np.ndarray  # (stretch,)
+
+    @classmethod
+    def of(cls, series, placed, blocks):
+        """Those of `placed` (block,) blocks among `series` of all."""
+        n_parts = len(series) // len(placed)
+        series = series[np.repeat(placed, n_parts)]
+        return cls(
+            series=series,
+            served=np.isfinite(series).all(axis=2),
+            level=np.repeat(blocks.level, n_parts),
+            zone=np.repeat(blocks.zone, n_parts),
+        )
 
 
 def zone_statistics(
@@ -85,14 +102,15 @@ def zone_statistics(
     is placed has a stretch without gaps.
 
     A block counts for the mean of a slab if half of its lines have both layers, for its spectrum if
-    all have; if hardly a block is without gaps, spectra are those of shorter stretches,
-    `n_spectral_lines` long (`stretches`). `tapered` spectra are about the block's trend, which has
-    its own `thickness_trend_variance_bins2 (zone, slab)` of the rise from first line to last and
-    `trend_correlation (separation)`; the noise of picks, `pick_noise_bins2 (layer)`, is subtracted.
-    Otherwise they are plain periodograms, with noise and trend. Undulations shorter than
-    `finest_lines`, where given, are left out of both. A block in which slab 0 is not
-    picked is placed by its other slabs (`block_levels`); its layers are those down to the deepest
-    slab known. A zone with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones,
+    all have; where too few blocks are without gaps, spectra are those of shorter stretches,
+    `n_spectral_lines` long (`for_spectra`). `tapered` spectra are about the trend, which has its
+    own `thickness_trend_variance_bins2 (zone, slab)` of the rise from a block's first line to its
+    last and `trend_correlation (separation)`, of stretches as long as can be had (`for_trends`);
+    the noise of picks, `pick_noise_bins2 (layer)`, is subtracted. Otherwise they are plain
+    periodograms, with noise and trend, of these long stretches. Undulations shorter than
+    `finest_lines`, where given, are left out of both. A block in which slab 0 is not picked is
+    placed by its other slabs (`block_levels`); its layers are those down to the deepest slab known.
+    A zone with fewer than `MINIMUM_BLOCKS` of a slab takes that slab in all zones,
     relative to slab 0 (source 1); a slab with too few everywhere takes the one above, slab 0 all
     slabs together (source 2). Standard errors take blocks as independent, those of variances take
     thickness as Gaussian.
@@ -109,25 +127,12 @@ def zone_statistics(
     n_slabs = mean.shape[1]
     # Below the surface, down to the deepest slab known.
     n_layers = np.where(np.isfinite(mean), np.arange(1, n_slabs + 1), 0).max(axis=1)
-    series = stretches(thickness, MINIMUM_BLOCKS)
-    of_placed = series[np.repeat(placed, len(series) // len(mean))]
     edges, edges_error = _edges(level[placed], zone_edge_bins, n_zones)
     zone = zone_of(level[placed], edges)
-    blocks = Blocks(
-        mean=mean[placed],
-        level=level[placed],
-        zone=zone,
-        series=of_placed,
-        served=np.isfinite(of_placed).all(axis=2),
-        typical=_typical(level[placed], zone, edges),
-    )
-    if not blocks.served.any():
-        length = series.shape[2]
-        msg = f"spectra of thickness need {length} lines of a slab picked without gaps in a block "
-        msg += f"that slab 0 places, of {placed.sum()} such blocks none has them"
-        raise ValueError(msg)
+    typical = _typical(level[placed], zone, edges)
+    blocks = Blocks(mean=mean[placed], level=level[placed], zone=zone, typical=typical)
     result = _moments_by_zone(blocks)
-    result |= _spectra_by_zone(blocks, tapered, finest_lines)
+    result |= _along_track(thickness, placed, blocks, tapered, finest_lines)
     relative = blocks.mean / blocks.level[:, None]
     by_layers = np.zeros((blocks.typical.size, n_slabs + 1), dtype=int)
     np.add.at(by_layers, (zone, n_layers[placed]), 1)
@@ -143,7 +148,6 @@ def zone_statistics(
         "n_blocks_placed_by_other_slabs": int((placed & ~own).sum()),
         "n_blocks_not_placed": int((~placed).sum()),
         "n_blocks_without_layers": int((n_layers == 0).sum()),
-        "n_spectral_lines": series.shape[2],
     }
 
 
@@ -260,13 +264,16 @@ def _moments_by_zone(blocks):
     }
 
 
-def _mean_squares(blocks, n, source, tapered):
-    """Mean periodograms, then mean square rise, (zone, slab, both), and their standard errors."""
-    series, served = blocks.series, blocks.served
-    zone = blocks.of_stretches(blocks.zone)
-    level = blocks.of_stretches(blocks.level)
+def _mean_squares(stretches, typical, squares_of):
+    """Means of `squares_of` series (series, quantity), standard errors, numbers and sources.
+
+    Four of (zone, slab, quantity) and (zone, slab).
+    """
+    served = stretches.served
     slabs = np.arange(served.shape[1])
-    mean = np.zeros((*n.shape, BLOCK_LINES // 2 + 2))
+    n, source = _sources(served, stretches.zone, typical.size)
+    n_quantities = squares_of(np.zeros((1, stretches.series.shape[2]))).shape[1]
+    mean = np.zeros((*n.shape, n_quantities))
     error = np.zeros(mean.shape)
     for z, slab in np.ndindex(n.shape):
         if source[z, slab] == OTHER_SLABS and slab > 0:
@@ -275,56 +282,96 @@ def _mean_squares(blocks, n, source, tapered):
             continue
         held = served if source[z, slab] == OTHER_SLABS else served & (slabs == slab)
         if source[z, slab] == OWN_ZONE:
-            squares = _squares(series[held & (zone == z)[:, None]], tapered)
+            squares = squares_of(stretches.series[held & (stretches.zone == z)[:, None]])
         else:
-            squares = _squares(series[held], tapered)
-            squares *= (blocks.typical[z] / level[held.nonzero()[0], None]) ** 2
+            squares = squares_of(stretches.series[held])
+            squares *= (typical[z] / stretches.level[held.nonzero()[0], None]) ** 2
         mean[z, slab] = squares.mean(axis=0)
         # A periodogram's standard deviation is its mean: used where blocks are too few to measure
         # it.
         enough = len(squares) >= MINIMUM_BLOCKS
         scatter = squares.std(axis=0, ddof=1) if enough else mean[z, slab]
         error[z, slab] = scatter / np.sqrt(len(squares))
-    return mean, error
+    return mean, error, n, source
 
 
-def _spectra_by_zone(blocks, tapered, finest_lines):
-    """Spectra of thickness, of its trend and the noise of picks, and their correlations."""
-    series, served = blocks.series, blocks.served
-    zone = blocks.of_stretches(blocks.zone)
-    n, source = _sources(served, zone, blocks.typical.size)
-    mean, error = _mean_squares(blocks, n, source, tapered)
-    density, trend = mean[..., :-1], mean[..., -1]
-    noise_density = 0.0
-    result = {"n_psd_samples": n, "psd_source": source}
+def _along_track(thickness, placed, blocks, tapered, finest_lines):
+    """Spectra, trends and correlations along track of the `placed` blocks (block,)."""
+    long = Stretches.of(for_trends(thickness, MINIMUM_BLOCKS), placed, blocks)
+    if not long.served.any():
+        length = long.series.shape[2]
+        msg = f"spectra of thickness need {length} lines of a slab picked without gaps in a block "
+        msg += f"that slab 0 places, of {placed.sum()} such blocks none has them"
+        raise ValueError(msg)
+    if not tapered:
+        spectra = _plain_spectra(long, blocks.typical, finest_lines)
+        return spectra | {"n_spectral_lines": long.series.shape[2]}
+    series = for_spectra(thickness, MINIMUM_BLOCKS, finest_lines)
+    short = Stretches.of(series, placed, blocks)
+    spectra = _spectra_and_noise(short, blocks.typical, finest_lines)
+    trends = _trends(long, blocks.typical)
+    return spectra | trends | {"n_spectral_lines": series.shape[2]}
+
+
+def _spectra_and_noise(stretches, typical, finest_lines):
+    """Tapered spectra of thickness without the noise of picks, that noise, and correlations."""
+    measured = _mean_squares(stretches, typical, _tapered_density)
+    noise, error = pick_noise(stretches.series, stretches.served, MINIMUM_BLOCKS)
+    result = _spectra(stretches, measured, _difference_density(noise), finest_lines, tapered=True)
+    return result | {"pick_noise_bins2": noise, "pick_noise_bins2_standard_error": error}
+
+
+def _plain_spectra(stretches, typical, finest_lines):
+    """Plain periodograms of thickness, and correlations."""
+    measured = _mean_squares(stretches, typical, _plain_density)
+    return _spectra(stretches, measured, 0.0, finest_lines, tapered=False)
+
+
+def _spectra(stretches, measured, noise_density, finest_lines, *, tapered):
+    """Spectra by what `_mean_squares` measured, and correlations of undulations between slabs."""
+    density, error, n, source = measured
     if tapered:
-        noise, noise_error = pick_noise(series, served, MINIMUM_BLOCKS)
-        noise_density = _difference_density(noise)
         density = without_noise(density, noise_density)
-        result["trend_correlation"] = _trend_correlation(blocks, trend[zone])
-        result["thickness_trend_variance_bins2"] = trend
-        result["thickness_trend_variance_bins2_standard_error"] = error[..., -1]
-        result["pick_noise_bins2"] = noise
-        result["pick_noise_bins2_standard_error"] = noise_error
     if finest_lines is not None:
         density[..., np.arange(density.shape[-1]) * finest_lines > BLOCK_LINES] = 0
     seen = np.where(density > CLEAR_OF_NOISE * noise_density, density, 0)
+    series, served = stretches.series, stretches.served
     n_lines = series.shape[2]
     cycles = np.arange(n_lines // 2 + 1) * BLOCK_LINES / n_lines
-    expected = seen[zone][..., np.rint(cycles).astype(int)]
-    correlation = undulation_correlation(series, served, expected, tapered=tapered)
-    result["thickness_correlation"] = correlation
-    result["thickness_psd"] = density
-    result["thickness_psd_standard_error"] = error[..., :-1]
-    return result
+    expected = seen[stretches.zone][..., np.rint(cycles).astype(int)]
+    return {
+        "n_psd_samples": n,
+        "psd_source": source,
+        "thickness_psd": density,
+        "thickness_psd_standard_error": error,
+        "thickness_correlation": undulation_correlation(series, served, expected, tapered=tapered),
+    }
 
 
-def _squares(series, tapered):
-    """Periodograms at a block's wavenumbers, then squared rise over a block, (series, both)."""
-    density = on_wavenumbers(periodogram(series, tapered=tapered), BLOCK_LINES)
-    # As a random walk's, the squared rise grows with length.
-    rise2 = rises(series) ** 2 * (BLOCK_LINES / series.shape[-1])
-    return np.column_stack([density, rise2])
+def _trends(stretches, typical):
+    """Variance of the rise over a block, and its correlation between slabs."""
+    variance, error, _, _ = _mean_squares(stretches, typical, _squared_rise)
+    variance = variance[..., 0]
+    return {
+        "thickness_trend_variance_bins2": variance,
+        "thickness_trend_variance_bins2_standard_error": error[..., 0],
+        "trend_correlation": _trend_correlation(stretches, variance[stretches.zone]),
+    }
+
+
+def _tapered_density(series):
+    """Periodograms at a block's wavenumbers, about the trend, (series, wavenumber)."""
+    return on_wavenumbers(periodogram(series, tapered=True), BLOCK_LINES)
+
+
+def _plain_density(series):
+    """Periodograms at a block's wavenumbers, about the mean, (series, wavenumber)."""
+    return on_wavenumbers(periodogram(series), BLOCK_LINES)
+
+
+def _squared_rise(series):
+    """Squared rise over a block, (series, 1): as a random walk's, it grows with length."""
+    return (rises(series) ** 2 * (BLOCK_LINES / series.shape[-1]))[:, None]
 
 
 def _difference_density(noise):
@@ -335,10 +382,10 @@ def _difference_density(noise):
     return (noise[:-1] + noise[1:])[:, None] * one_sided
 
 
-def _trend_correlation(blocks, variance):
+def _trend_correlation(stretches, variance):
     """Correlation of trends between slabs, (separation,), by expected variance (stretch, slab)."""
-    series = np.where(blocks.served[..., None], blocks.series, 0)
-    rise = np.where(blocks.served, rises(series), 0)
+    series = np.where(stretches.served[..., None], stretches.series, 0)
+    rise = np.where(stretches.served, rises(series), 0)
     n_parts = BLOCK_LINES / series.shape[2]
     unit = np.sqrt(n_parts / np.where(variance > 0, variance, np.inf))
     return correlation_by_separation((rise * unit)[..., None])
@@ -390,15 +437,15 @@ def _own_density(thickness, zone, n_zones, tapered):
 
     It is 0 where there is none.
     """
-    series = stretches(thickness, MINIMUM_BLOCKS)
+    cut, density_of = (for_spectra, _tapered_density) if tapered else (for_trends, _plain_density)
+    series = cut(thickness, MINIMUM_BLOCKS)
     zone = np.repeat(zone, len(series) // len(thickness))
     served = np.isfinite(series).all(axis=2)
     density = np.zeros((n_zones, thickness.shape[1], BLOCK_LINES // 2 + 1))
     for z, slab in np.ndindex(density.shape[:2]):
         held = served[:, slab] & (zone == z)
         if held.any():
-            squares = _squares(series[held, slab], tapered)
-            density[z, slab] = squares[:, :-1].mean(axis=0)
+            density[z, slab] = density_of(series[held, slab]).mean(axis=0)
     return density
 
 

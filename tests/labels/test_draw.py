@@ -206,18 +206,24 @@ def test_layers_of_the_packaged_flight_change_along_track_as_annotated_ones():
         annotated.append(truth.layer_bins)
     model = prepare(read_dataset(REFERENCE), 256)
     drawn = [draw(model, 256, rng=np.random.default_rng(number)) for number in range(200)]
-    # Medians over so few scenes scatter by a tenth; shorter undulations left in, 16 lines and
-    # longer ones, make the ratios 2.5 and 1.8.
+    upper, lower = slice(1, 9), slice(9, None)
+    # Half of what the upper layers change over 8 lines is left out with the picker's errors.
+    # Shorter undulations left in, 16 lines and longer ones, make these ratios 1.7 and 1.2.
     for lag in (8, 16):
-        assert 1 / 1.6 < median_change(drawn, lag) / median_change(annotated, lag) < 1.6
+        assert (
+            1 / 2.2 < median_change(drawn, upper, lag) / median_change(annotated, upper, lag) < 1.1
+        )
+        # Were neighbouring slabs independent, lower layers would gather the changes of all above:
+        # 4 and 5 times as much. Six scenes have any, whose medians scatter by a third.
+        assert 1 / 2 < median_change(drawn, lower, lag) / median_change(annotated, lower, lag) < 2
 
 
-def median_change(scenes, lag):
-    """Median over scenes of the mean square change of their uppermost layers over some lines."""
+def median_change(scenes, layers, lag):
+    """Median over scenes of the mean square change of some of their layers over some lines."""
     changes = []
     for layer_bins in scenes:
         # Layers that are too faint to be labelled are NaN.
-        uppermost = layer_bins[np.isfinite(layer_bins).all(axis=1)][1:9]
-        if len(uppermost):
-            changes.append(uppermost[:, lag:] - uppermost[:, :-lag])
+        held = layer_bins[np.isfinite(layer_bins).all(axis=1)][layers]
+        if len(held):
+            changes.append(held[:, lag:] - held[:, :-lag])
     return np.median([np.square(change).mean() for change in changes])

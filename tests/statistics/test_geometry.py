@@ -225,6 +225,27 @@ def test_spectra_are_those_of_the_longest_stretches_that_are_often_whole(rng):
         zone_statistics(thickness)
 
 
+def test_neighbours_are_known_to_be_opposite_though_picks_have_gaps(rng):
+    n_blocks, n_layers = 200, 8
+    # Layers undulate independently, so what thickens a slab thins its neighbours.
+    position = series_of(matern(LONG, 40, 4), (n_blocks, n_layers), rng)
+    thickness = rng.uniform(30, 60, (n_blocks, 1, 1)) + np.diff(position, axis=1)
+    start = rng.integers(0, 60, thickness.shape[:2])
+    for block, slab in np.ndindex(start.shape):
+        for first in range(start[block, slab], 256, 90):
+            thickness[block, slab, first : first + 30] = np.nan
+    result = zone_statistics(thickness, n_zones=1, finest_lines=16)
+    assert result["n_spectral_lines"] == 32
+    correlation = result["thickness_correlation"]
+    # Some 1500 pairs of stretches: known to 0.03 in the lowest bands, of one wavenumber.
+    assert_allclose(correlation[:3, 1], -0.5, atol=0.08)
+    assert np.abs(correlation[:3, 2:]).max() < 0.12
+    # Every slab has its own spectrum: eight cycles of a block are one of 32 lines.
+    density = result["thickness_psd"][0, :, 8]
+    truth = 2 * matern(8 / N_LINES, 40, 4)
+    assert np.abs(10 * np.log10(density / truth)).max() < 1
+
+
 def test_stretches_without_gaps_count_only_where_slab_0_places_the_block(rng):
     thickness = 20 + rng.standard_normal((8, 2, 256))
     # No block has both slabs: slab 1 says nothing of slab 0.
