@@ -140,4 +140,7 @@ def test_statistics_by_the_picker_s_picks_are_near_those_by_exact_ones():
     # On the default flight the median differs by .2 dB, two layers by more than 1 dB.
     assert abs(np.median(power_db[0] - power_db[1])) < 0.5
     thickness = [one["thickness_mean_bins"].values[:, 0] for one in (by_picker, exact)]
-    assert_allclose(thickness[0], thickness[1], rtol=0.1)
+    # Each of four zones holds five blocks: one that a picker places in the next, whose mean differs
+    # by a quarter, moves a mean by a tenth or more, the mean over zones by a quarter of that.
+    assert_allclose(thickness[0], thickness[1], rtol=0.2)
+    assert_allclose(thickness[0].mean(), thickness[1].mean(), rtol=0.05)
