@@ -330,8 +330,7 @@ def _plain_spectra(stretches, typical, finest_lines):
 def _spectra(stretches, measured, noise_density, finest_lines, *, tapered):
     """Spectra by what `_mean_squares` measured, and correlations of undulations between slabs."""
     density, error, n, source = measured
-    if tapered:
-        density = without_noise(density, noise_density)
+    density = without_noise(density, noise_density)
     if finest_lines is not None:
         density[..., np.arange(density.shape[-1]) * finest_lines > BLOCK_LINES] = 0
     seen = np.where(density > CLEAR_OF_NOISE * noise_density, density, 0)
