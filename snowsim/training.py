@@ -9,23 +9,24 @@ import torch
 
 # As torch names them: what x86-64 processors can do that lack AVX-512.
 WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
-SLOW = (
-    "bfloat16 takes eight times as long as float32 on a processor without AVX-512: set precision "
-    "to float32 under training; numbers then differ in their last digits"
+IN_FLOAT32 = (
+    "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing in "
+    "float32, which moves numbers as another processor does"
 )
 
 
 def arithmetic(device, precision):
     """Context in which networks compute in `precision`, `float32` or `bfloat16`.
 
-    Weights are float32 in both. UserWarning, once, where bfloat16 is the slower of the two.
+    Weights are float32 in both. On a processor without AVX-512, which emulates bfloat16, `bfloat16`
+    is float32, with a UserWarning.
     """
     kind = torch.device(device).type
     short = precision == "bfloat16"
-    slow = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
-    if short and slow:
-        warnings.warn(SLOW, stacklevel=2)
-    return torch.autocast(kind, torch.bfloat16, enabled=short)
+    emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
+    if short and emulated:
+        warnings.warn(IN_FLOAT32, stacklevel=2)
+    return torch.autocast(kind, torch.bfloat16, enabled=short and not emulated)
 
 
 def load_weights(network, weights, name):

@@ -11,7 +11,7 @@ from scipy.special import betaincinv
 
 from snowsim.rounding import rounded
 from snowsim.statistics.blocks import BLOCK_LINES
-from snowsim.statistics.moments import SHARED_BITS, TO_THE_LAST_DIGITS, decibels
+from snowsim.statistics.moments import SPECTRUM_BITS, TO_THE_LAST_DIGITS, decibels
 from snowsim.statistics.summaries import GROUP_LINES, stacked
 
 MOST_LOOKS = 1e6  # stands for power without speckle
@@ -142,7 +142,7 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
         spectra.append(density / density.mean())
     wavenumber = np.fft.fftshift(np.fft.fftfreq(n_lines, line_spacing_m))
     mean = np.mean(spectra, axis=0)
-    return wavenumber, rounded(spectra[0], SHARED_BITS), rounded(mean, SHARED_BITS)
+    return wavenumber, rounded(spectra[0], SPECTRUM_BITS), rounded(mean, SPECTRUM_BITS)
 
 
 def detected_power_spectra(summary):

@@ -44,7 +44,10 @@ class Settings:
         exclusiveMaximum=1,
     )
     precision: str = setting(
-        "bfloat16", "of the arithmetic; weights are float32 in both", enum=("float32", "bfloat16")
+        "bfloat16",
+        "of the arithmetic; weights are float32 in both. bfloat16: float32 on a processor without "
+        "AVX-512, where that is ten times faster",
+        enum=("float32", "bfloat16"),
     )
     mask_unannotated: bool = setting(
         False,
