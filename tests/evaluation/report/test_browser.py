@@ -10,7 +10,8 @@ pytestmark = pytest.mark.browser
 CHROMIUM = Path("/usr/bin/chromium")
 
 
-@pytest.fixture(scope="session")
+# Of this module alone: while a browser lives so does its event loop, in which no workflow is planned.
+@pytest.fixture(scope="module")
 def browser():
     if not CHROMIUM.exists():
         pytest.skip(f"no browser at {CHROMIUM} (make test-machine)")
