@@ -30,9 +30,11 @@ import sys
 import numpy as np
 import snowsim
 from snowsim.echogram import Scene
-from snowsim.reference import checked_settings, draw_climate, draw_frame
+from snowsim.reference import (
+    checked_settings, draw_climate, draw_complex_segment, draw_frame,
+)
 from snowsim.seeding import random_stream
-from snowsim.statistics import fit
+from snowsim.statistics import doppler_spectra, fit
 from snowsim.io.files import read_dataset
 from snowsim.tracker import Settings, Training, train_steps
 
@@ -45,6 +47,10 @@ frames = [
 found = {"frames": np.concatenate([echogram["Data"].values for echogram, _ in frames], axis=1)}
 for name, variable in fit(frames).variables.items():
     found[f"statistics {name}"] = variable.values
+segment = draw_complex_segment(climate=climate, settings=settings, rng=np.random.default_rng(9))
+layer_bins = (segment["layer_twtt"].values - segment["twtt"].values[0]) / 2.886e-10
+amplitude = segment["Real"].values + 1j * segment["Imaginary"].values
+found["statistics of Doppler"] = np.array(doppler_spectra(amplitude, layer_bins, 0.3))
 drawn = snowsim.scenes(int(sys.argv[2]), rng=7)
 scenes = [drawn.scene(i) for i in range(len(drawn))]
 found["layers"] = np.concatenate([scene.layer_bins.ravel() for scene in scenes])

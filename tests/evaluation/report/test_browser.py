@@ -10,7 +10,7 @@ pytestmark = pytest.mark.browser
 CHROMIUM = Path("/usr/bin/chromium")
 
 
-# Of this module alone: while a browser lives so does its event loop, in which no workflow is planned.
+# Of this module alone: while a browser lives so does its event loop, and Snakemake plans in none.
 @pytest.fixture(scope="module")
 def browser():
     if not CHROMIUM.exists():
