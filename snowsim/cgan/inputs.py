@@ -120,3 +120,8 @@ def conditions(places):
     below = depth.clamp(min=0)
     falls = [1 - 2 * torch.exp(-below / fall) for fall in FALLS_BINS]
     return torch.cat([2 * bright - 1, near, *falls, 2 * of_snow - 1], dim=1)
+
+
+def is_snow(inputs):
+    """Pixels of the uppermost layer or below, of what `conditions` gives."""
+    return inputs[:, 1:2] >= 0

@@ -5,6 +5,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from snowsim.cgan.grain import Grain
+
 SLOPE = 0.2  # of the leaky rectifiers, pix2pix
 EPSILON = 1e-5
 MOST_WEIGHTS = 32  # of a convolution, for each pixel, that are worth adding up
@@ -42,9 +44,7 @@ class UNetGenerator(nn.Module):
         self.out = ResizeConvolution(outermost, n_last, 3, padding=1)
         self.last = nn.Conv2d(n_last + n_inputs, 1, 3, padding=1)
         if has_grain:
-            # Range lines are independent.
-            self.grains = nn.Conv2d(1, 1, (5, 1), padding=(2, 0), bias=False)
-            self.gains = nn.Conv2d(1, 1, 1, bias=False)  # of a range line as a whole
+            self.grain = Grain()
         self._add_norms()
 
     def _add_encoder(self, n_inputs):
@@ -79,8 +79,8 @@ class UNetGenerator(nn.Module):
         """Noise of one pass for inputs of the shape of `slabs`, the slab of each pixel.
 
         `slabs` is (patch, range_bin, range_line). A dict of tensors (patch, channel, row, column):
-        by stage dropout, 0 or 1 / (1 - dropout); with grain ``white`` noise; ``slab``, the same
-        throughout a slab.
+        by stage dropout, 0 or 1 / (1 - dropout); with grain that of `Grain.draw`; ``slab``, the
+        same throughout a slab.
         """
         n_patches, n_range_bins, n_range_lines = slabs.shape
         rows = n_range_bins + self._lacking(n_range_bins)
@@ -92,9 +92,7 @@ class UNetGenerator(nn.Module):
             gain = np.float32(1 / (1 - dropout))
             noise[stage] = torch.from_numpy(kept * gain)
         if self.has_grain:
-            for name, n_rows in (("white", rows), ("line", 1)):
-                drawn = rng.standard_normal((n_patches, 1, n_rows, columns), dtype=np.float32)
-                noise[name] = torch.from_numpy(drawn)
+            noise |= self.grain.draw(slabs > 0, rng=rng)
         n_slabs = int(slabs.max()) + 1
         levels = rng.standard_normal((n_patches, n_slabs), dtype=np.float32)
         level = np.take_along_axis(levels, slabs.reshape(n_patches, -1), axis=1)
@@ -109,18 +107,6 @@ class UNetGenerator(nn.Module):
         features = self._decode(self._encode(inputs), noise)
         joined = torch.cat([functional.relu(features), inputs.to(features)], dim=1)
         return torch.tanh(self.last(joined))[:, :, :n_range_bins, :n_range_lines]
-
-    def grain(self, noise, n_range_bins, n_range_lines):
-        """What to add to an image of this size: filtered noise.
-
-        It is alike everywhere, as speckle and gain are in dB.
-        """
-        if not self.has_grain:
-            return 0.0
-        white = noise["white"].to(self.grains.weight)
-        line = noise["line"].to(self.gains.weight)
-        grain = self.grains(white) + self.gains(line)
-        return grain[:, :, :n_range_bins, :n_range_lines]
 
     def _encode(self, x):
         """Features of every stage, outermost first."""

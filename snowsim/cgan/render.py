@@ -54,8 +54,9 @@ def _render_image(generator, scene, settings, levels, rng):
     noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise)
-        grain = generator.grain(noise, *inputs.shape[2:])
-    return (image + grain)[0, 0]
+        if generator.has_grain:
+            image = image + generator.grain(noise)
+    return image[0, 0]
 
 
 def trained_generator(weights, settings, *, device="cpu"):

@@ -7,7 +7,7 @@ import torch
 from torch.nn import functional
 
 from snowsim.cgan import published
-from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, place_map, slabs_of
+from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, is_snow, place_map, slabs_of
 from snowsim.cgan.networks import (
     PatchDiscriminator,
     UNetGenerator,
@@ -19,7 +19,6 @@ from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
-N_LAGS = 5  # [range bins] as many as grain has weights
 ADAM_BYTES = 16  # of a weight: itself, its gradient and two moments, float32
 
 
@@ -157,7 +156,6 @@ def _update(training, batch):
     generator = training.generator
     with arithmetic(training.device, settings.precision):
         rendered = generator(batch.inputs, batch.noise)
-        grain = generator.grain(batch.noise, *rendered.shape[2:])
     rendered = rendered.float()
     l1 = functional.l1_loss(rendered, batch.image)
     loss = settings.l1_weight * l1
@@ -165,10 +163,9 @@ def _update(training, batch):
     if generator.has_grain:
         # Of what the image lacks grain has the texture, not the pixels: the least error is an image
         # without any.
-        lacking = autocovariance((batch.image - rendered).detach())
-        mismatch = (autocovariance(grain.float()) - lacking) ** 2
-        mismatch.sum().backward()
-        rendered = rendered + grain.detach()
+        lacking = (batch.image - rendered).detach()
+        generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
+        rendered = rendered + generator.grain(batch.noise).detach()
     if settings.adversarial != "none":
         losses = _step_discriminator(training, batch, rendered.detach())
         training.discriminator.requires_grad_(False)
@@ -199,22 +196,6 @@ def _step_discriminator(training, batch, rendered):
     (0.5 * (on_real + on_fake)).backward()
     training.optimisers["discriminator_adam"].step()
     return {"discriminator_real": on_real, "discriminator_fake": on_fake}
-
-
-def autocovariance(images):
-    """Of how neighbouring range lines differ, down range at lags of 0 to `N_LAGS` - 1 bins.
-
-    That is speckle, not layers. Last, the covariance of their means, as many times as there are
-    lags: the gain of a line as a whole.
-    """
-    change = images[..., 1:] - images[..., :-1]
-    height = change.shape[2]
-    covariances = []
-    for lag in range(N_LAGS):
-        product = change[:, :, lag:] * change[:, :, : height - lag]
-        covariances.append(product.mean() / 2)
-    of_means = (change.mean(dim=2) ** 2).mean()
-    return torch.stack([*covariances, N_LAGS * of_means / 2])
 
 
 def _decide(training, batch, rendered):

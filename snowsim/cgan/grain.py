@@ -1,0 +1,121 @@
+"""Grain of a generator's images: noise whose statistics are those of what the images lack."""
+
+import numpy as np
+import torch
+from scipy.signal import lfilter
+from torch import nn
+
+N_WEIGHTS = 5  # [range bins] of the filter
+# Texture of snow: its correlation falls to 1/e over so many range lines and bins.
+TEXTURE_LINES, TEXTURE_BINS = 2.5, 6.0
+UNIT = 10.0  # of its size, which is then as large as the weights of the filter, and learns as fast
+# Between which pixels covariances are compared.
+DISTANCES = (1, 2, 4, 16, 48)  # [range lines]
+LAGS = (0, 1, 2, 3, 4, 8, 16, 32)  # [range bins]
+
+
+class Grain(nn.Module):
+    """Noise to be added to images, in the scale of these, (patch, 1, range_bin, range_line).
+
+    White noise, which stands for speckle, and in snow a correlated texture of some size, filtered
+    down range by `N_WEIGHTS` weights; and a gain for each range line. White noise ``w`` is first
+    skewed, ``w + s (w**2 - 1) / sqrt(2)``: speckle in decibels is not Gaussian.
+    """
+
+    def __init__(self):
+        super().__init__()
+        size = (N_WEIGHTS, 1)
+        self.filter = nn.Conv2d(1, 1, size, padding=(N_WEIGHTS // 2, 0), bias=False)
+        self.size = nn.Parameter(torch.zeros(1, 1))
+        self.gain = nn.Parameter(torch.zeros(1, 1))
+        self.skew = nn.Parameter(torch.zeros(1, 1))
+
+    def draw(self, is_snow, *, rng):
+        """Noise of one pass, a dict, of the shape of `is_snow` (patch, range_bin, range_line)."""
+        n_patches, n_range_bins, n_range_lines = is_snow.shape
+        shape = (n_patches, 2, n_range_bins, n_range_lines)
+        noise = rng.standard_normal(shape, dtype=np.float32)
+        texture = correlated(noise[:, 1], TEXTURE_LINES, axis=2)
+        noise[:, 1] = correlated(texture, TEXTURE_BINS, axis=1) * is_snow
+        gains = rng.standard_normal((n_patches, 1, 1, n_range_lines), dtype=np.float32)
+        return {"grain": torch.from_numpy(noise), "gains": torch.from_numpy(gains)}
+
+    def forward(self, noise):
+        """Grain of some noise."""
+        white, texture = noise["grain"].to(self.skew).split(1, dim=1)
+        skewed = white + self.skew * (white**2 - 1) / 2**0.5
+        total = skewed / torch.sqrt(1 + self.skew**2) + UNIT * self.size * texture
+        return self.filter(total) + self.gain * noise["gains"].to(self.gain)
+
+    def mismatch(self, lacking, is_snow):
+        """How far its covariance and third moment are from those of what images lack in snow.
+
+        Both (patch, 1, range_bin, range_line). A sum of squares, in units of the variance.
+        """
+        lags = [lag for lag in LAGS if lag < lacking.shape[2]]
+        distances = [distance for distance in DISTANCES if distance < lacking.shape[3]]
+        found = change_covariance(lacking, is_snow, lags, distances)
+        unit = found[0, 0].clamp(min=1e-6)  # a crop may lack snow
+        of_covariance = ((self.covariance(lags, distances) - found) ** 2).sum() / unit**2
+        third = third_moment(lacking, is_snow)
+        return of_covariance + (self.third_moment() - third) ** 2 / unit**3
+
+    def covariance(self, lags, distances):
+        """That of `change_covariance` in snow, by the weights."""
+        weights = self.filter.weight[0, 0, :, 0]
+        white, texture = torch.from_numpy(_covariances(lags, distances)).to(weights)
+        noise = white + (UNIT * self.size.sum()) ** 2 * texture
+        return torch.einsum("dljk,j,k->dl", noise, weights, weights) + self.gain**2
+
+    def third_moment(self):
+        """Mean third power, of the skewed noise alone."""
+        s = self.skew.sum()
+        of_white = 2**0.5 * s * (3 + 2 * s**2) / (1 + s**2) ** 1.5
+        return of_white * (self.filter.weight**3).sum()
+
+
+def correlated(white, length, *, axis):
+    """White noise to noise of the same variance, correlated as ``exp(-distance / length)``."""
+    share = np.float32(np.exp(-1 / length))
+    rest = np.sqrt(1 - share**2)
+    white = np.moveaxis(white, axis, -1).copy()
+    white[..., 0] /= rest
+    return np.moveaxis(lfilter([rest], np.float32([1, -share]), white), -1, axis)
+
+
+def _covariances(lags, distances):
+    """Of changes of white noise and of the texture, where weights j and k of the filter meet them.
+
+    (2, distance, lag, j, k).
+    """
+    steps = np.arange(N_WEIGHTS)
+    apart = np.abs(np.array(lags)[:, None, None] + steps[:, None] - steps)
+    distances = np.array(distances)[:, None, None, None]
+    white = np.broadcast_to(apart == 0, (len(distances), *apart.shape))
+    changed = 1 - np.exp(-distances / TEXTURE_LINES)
+    texture = changed * np.exp(-apart / TEXTURE_BINS)
+    return np.array([white, texture], dtype=np.float32)
+
+
+def change_covariance(image, held, lags, distances):
+    """Half the mean product of changes between range lines some distance apart, (distance, lag).
+
+    Lags are down range; of pixels held. Layers that lie level do not count.
+    """
+    found = torch.zeros(len(distances), len(lags), device=image.device)
+    for row, distance in enumerate(distances):
+        both = held[..., distance:] & held[..., :-distance]
+        change = (image[..., distance:] - image[..., :-distance]) * both
+        height = change.shape[2]
+        for column, lag in enumerate(lags):
+            product = change[:, :, lag:] * change[:, :, : height - lag]
+            n_held = (both[:, :, lag:] & both[:, :, : height - lag]).sum().clamp(min=1)
+            found[row, column] = product.sum() / n_held / 2
+    return found
+
+
+def third_moment(image, held):
+    """Mean third power of what pixels held are above the mean of their range bin."""
+    n_held = held.sum(dim=(0, 3), keepdim=True).clamp(min=1)
+    mean = (image * held).sum(dim=(0, 3), keepdim=True) / n_held
+    return (((image - mean) * held) ** 3).sum() / held.sum().clamp(min=1)

@@ -1,0 +1,119 @@
+"""Grain: what its weights say of it is so, and it learns the texture of what images lack."""
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose
+from scipy.ndimage import convolve1d
+
+from snowsim.cgan.grain import DISTANCES, LAGS, Grain, change_covariance, correlated, third_moment
+from snowsim.cgan.networks import initialise
+
+SIZE = (200, 200)
+
+
+def held(n_air=0):
+    """Pixels in snow, (patch, 1, range_bin, range_line), under some rows of air."""
+    is_snow = np.ones((1, 1, *SIZE), bool)
+    is_snow[:, :, :n_air] = False
+    return torch.from_numpy(is_snow)
+
+
+@pytest.fixture
+def grain(rng):
+    made = Grain()
+    initialise(made, rng=rng)
+    with torch.no_grad():
+        made.gain.fill_(0.02)
+        made.skew.fill_(-0.3)
+    return made
+
+
+def drawn(grain, is_snow, *, rng):
+    with torch.no_grad():
+        return grain(grain.draw(is_snow[:, 0].numpy(), rng=rng))
+
+
+def test_noise_keeps_its_variance_and_forgets_as_its_length_says(rng):
+    noise = correlated(rng.standard_normal((400, 1000), dtype=np.float32), 5.0, axis=1)
+    lags = np.arange(8)
+    found = [(noise[:, lag:] * noise[:, : 1000 - lag]).mean() for lag in lags]
+    # Of 400,000 numbers about one in ten is independent: known to 0.007; allow four.
+    assert_allclose(found, np.exp(-lags / 5), atol=0.028)
+    first = noise[:, 0]
+    assert_allclose(first.var(), 1, atol=4 * np.sqrt(2 / 400))
+
+
+def test_covariance_and_third_moment_are_what_the_weights_say(grain, rng):
+    is_snow = held(n_air=50)
+    images = torch.cat([drawn(grain, is_snow, rng=rng) for _ in range(60)])
+    is_snow = is_snow.expand(images.shape)
+    expected = grain.covariance(LAGS, DISTANCES).detach()
+    found = change_covariance(images, is_snow, LAGS, DISTANCES)
+    # 60 images of 150 x 200 pixels, of which one in 500 is independent: 2 percent; allow three.
+    assert_allclose(found, expected, atol=0.06 * float(expected.max()))
+    # Skewness of 1,800,000 numbers, one in ten independent, is known to sqrt(6 / 180000).
+    spread = float(images[is_snow].std() ** 3)
+    skewness = float(third_moment(images, is_snow)) / spread
+    assert_allclose(skewness, float(grain.third_moment().detach()) / spread, atol=0.024)
+    assert abs(skewness) > 0.024
+
+
+def test_air_has_no_texture_of_snow(grain, rng):
+    air = held(n_air=SIZE[0])
+    with torch.no_grad():
+        grain.gain.zero_()
+    images = torch.cat([drawn(grain, air, rng=rng) for _ in range(20)])
+    with torch.no_grad():
+        grain.size.zero_()
+    expected = grain.covariance(LAGS[:5], DISTANCES).detach()
+    found = change_covariance(images, ~air.expand(images.shape), LAGS[:5], DISTANCES)
+    # 800,000 pixels, one in five independent: 0.4 percent; allow four.
+    assert_allclose(found, expected, atol=0.016 * float(expected.max()))
+
+
+def test_covariance_of_changes_does_not_see_level_layers(rng):
+    weights = np.array([0.2, 0.6, 0.3])
+    layer = 5 * np.sin(np.arange(SIZE[0]) / 3)[:, None]
+    noise = convolve1d(rng.standard_normal(SIZE), weights, axis=0)
+    expected = np.correlate(weights, weights, mode="full")[2:]
+    image = torch.from_numpy(noise + layer)[None, None]
+    found = change_covariance(image, held(), (0, 1, 2), (1, 7))
+    # Half the square difference of 200 lines of 200 bins, about 1.5 of them independent: known to
+    # 0.006; allow four.
+    assert_allclose(found, [expected, expected], atol=0.024)
+
+
+def test_it_learns_textures_that_are_not_its_own(rng):
+    """Of speckle skewed as 12 looks are in dB, two textures, gain: to a tenth of the variance."""
+    is_snow = held(n_air=50)
+    snow = is_snow[0, 0].numpy()
+
+    def observed():
+        power = rng.gamma(12, size=SIZE) / 12
+        speckle = convolve1d(10 * np.log10(power), [0.3, 0.9, 0.3], axis=0)
+        fine = correlated(correlated(rng.standard_normal(SIZE), 2.0, axis=1), 3.0, axis=0)
+        wide = correlated(correlated(rng.standard_normal(SIZE), 12.0, axis=1), 8.0, axis=0)
+        image = speckle + snow * (0.5 * fine + 0.3 * wide) + 0.3 * rng.standard_normal(SIZE[1])
+        return torch.from_numpy(image / 20)[None, None].float()
+
+    grain = Grain()
+    initialise(grain, rng=rng)
+    adam = torch.optim.Adam(grain.parameters(), lr=4e-3)
+    many = torch.cat([observed() for _ in range(30)])
+    for step in range(150):
+        adam.zero_grad()
+        grain.mismatch(many[step % len(many)][None], is_snow).backward()
+        adam.step()
+    is_snow = is_snow.expand(many.shape)
+    found = change_covariance(many, is_snow, LAGS, DISTANCES)
+    learnt = grain.covariance(LAGS, DISTANCES).detach()
+    assert_allclose(learnt, found, atol=0.1 * float(found[0, 0]))
+    third = float(third_moment(many, is_snow))
+    assert_allclose(float(grain.third_moment().detach()), third, rtol=0.4)
+
+
+def test_a_crop_without_snow_teaches_it_nothing_that_is_not_a_number(grain, rng):
+    air = held(n_air=SIZE[0])
+    grain.mismatch(drawn(grain, air, rng=rng), air).backward()
+    assert all(torch.isfinite(parameter.grad).all() for parameter in grain.parameters())
