@@ -95,9 +95,10 @@ def span_of(scene):
 def describe_image(scene, span_db):
     """Numbers of a scene's image by (quantity, lag or layer).
 
-    Looks of the air, autocorrelation, contrast of layers. Snow is taken less the mean of its range
-    bin along track, and less a cubic fall with depth down range. `span_db` stands for 0 to 255;
-    without looks and contrast where it is NaN.
+    Looks of the air, autocorrelation, contrast of layers. The air is taken relative to the mean of
+    its range bin: sidelobes of the surface rise in it. Snow is taken less the mean of its range bin
+    along track, and less a cubic fall with depth down range. `span_db` stands for 0 to 255; without
+    looks and contrast where it is NaN.
     """
     image_db = scene.image * (span_db / 255)
     n_rows = min(scene.n_range_bins, scene.image.shape[0])
@@ -105,7 +106,8 @@ def describe_image(scene, span_db):
     found = {}
     if regions["above"].stop > MARGIN_BINS and np.isfinite(span_db):
         air = 10 ** (image_db[regions["above"]] / 10)
-        found["looks of the air", 0] = equivalent_number_of_looks(air)
+        speckle = air / air.mean(axis=1, keepdims=True)
+        found["looks of the air", 0] = equivalent_number_of_looks(speckle)
     snow = scene.image[regions["below"]].astype(float)
     mean = snow.mean(axis=1, keepdims=True)
     depth = np.arange(len(snow))
