@@ -17,6 +17,8 @@ from runs import SCHEMA
 from transfer_tables import TRACKERS
 
 from lib.configuration import stages
+from snowsim.echogram import Scene
+from snowsim.io.scenes import write_scenes
 
 STAMP = "flight 00000000, scenes 00000000, labels 00000000"
 
@@ -189,6 +191,24 @@ def test_the_stamp_of_a_run_tells_flight_and_label_sets_apart(finished):
     after = stamps.of_run(finished)
     assert before.split(", ")[:2] == after.split(", ")[:2]
     assert before.split(", ")[2] != after.split(", ")[2]
+
+
+def test_the_stamp_of_scenes_is_that_of_another_processor_s_and_not_that_of_other_scenes(tmp_path):
+    image = np.full((80, 32), 100, np.uint8)
+    pixel, level = image.copy(), image + 1
+    pixel[3, 4] += 1
+    layers = np.full((1, 32), 50.0)
+    found = []
+    for name, made, at in (
+        ("ours", image, layers),
+        ("of another processor", pixel, layers),
+        ("brighter", level, layers),
+        ("deeper", image, layers + 1),
+    ):
+        write_scenes(tmp_path / f"{name}.nc", [Scene("a", 80, at, made)], {})
+        found.append(stamps.of_scenes([tmp_path / f"{name}.nc"]))
+    assert found[0] == found[1]
+    assert len(set(found)) == 3
 
 
 def test_a_study_older_than_the_label_sets_is_refused_and_what_the_page_holds_is_marked(finished):
