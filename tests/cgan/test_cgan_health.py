@@ -84,6 +84,7 @@ def test_a_planted_failure_of_the_generator_is_named(make, fault, monkeypatch):
     [
         (0.05, "discriminator saturated"),
         (0.7, None),
+        (0.993, None),
         (1.0, "discriminator idle"),
         (3.0, "discriminator idle"),
     ],
@@ -104,7 +105,7 @@ def test_a_planted_failure_of_the_discriminator_is_named(share, fault):
 
 
 def test_a_discriminator_may_be_idle_early_but_not_saturated():
-    assert faults({"discriminator_ratio": 0.99}, dropout=0.5, early=True) == []
+    assert faults({"discriminator_ratio": 1.0}, dropout=0.5, early=True) == []
     assert faults({"discriminator_ratio": 0.05}, dropout=0.5, early=True)
 
 

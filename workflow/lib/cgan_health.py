@@ -19,11 +19,10 @@ PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
 # Below a tenth of the undecided loss it is right with 93 % confidence everywhere: its gradient for
 # the generator is mostly noise.
 SATURATED = 0.1
-# A discriminator that has learnt anything beats one that always says one half; 2 % for the scatter
-# of the mean. It counted from the first validation on, until healthy trainings on completed picks
-# stood at 0.987 after 750 of 2000 steps, then, told the level of snow, at 0.993 after 1000 and at
-# 0.985 after 1250, and at 0.55 after all: it may take three quarters of the training.
-IDLE = 0.98
+# One that always says the same has a ratio of 1 or more; 0.001 for rounding. The limit was 0.98 from
+# the first validation on, until healthy trainings stood at 0.993 after half of their steps: the
+# better renders are, the less there is to tell. It may take three quarters of the training.
+IDLE = 0.999
 LATE_SHARE = 0.75
 # Renders of different masks that differ by less than a quarter of what the observed scenes differ
 # by ignore the mask: speckle alone, equal in none, makes observed scenes differ by about a third of
