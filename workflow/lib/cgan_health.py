@@ -19,9 +19,9 @@ PERIODS = (2, 4, 8)  # [pixels] of the three outermost transposed convolutions
 # Below a tenth of the undecided loss it is right with 93 % confidence everywhere: its gradient for
 # the generator is mostly noise.
 SATURATED = 0.1
-# One that always says the same has a ratio of 1 or more; 0.001 for rounding. The limit was 0.98 from
-# the first validation on, until healthy trainings stood at 0.993 after half of their steps: the
-# better renders are, the less there is to tell. It may take three quarters of the training.
+# One that always says the same has a ratio of 1 or more; 0.001 for rounding. The limit was 0.98
+# from the first validation on, until healthy trainings stood at 0.993 after half of their steps:
+# the better renders are, the less there is to tell. It may take three quarters of the training.
 IDLE = 0.999
 LATE_SHARE = 0.75
 # Renders of different masks that differ by less than a quarter of what the observed scenes differ
