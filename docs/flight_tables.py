@@ -45,7 +45,7 @@ def flight_parts(results):
     for r in read(results, "worth", FLIGHTS).query("metric == 'ods'").itertuples():
         parts = (r.flight_spread, r.between_flights, r.training_error, r.image_error)
         rows.append([f"{called(r.run)} less {called(r.base)}", *map(four_digits, parts)])
-    header = ["sets", "between flights", "flight and generator", "trainings", "images"]
+    header = ["sets", "between flights", "flight, label sets", "trainings", "images"]
     return markdown(header, rows)
 
 
