@@ -228,14 +228,29 @@ def check_layers(layers, where="layers"):
 
 
 def layer_bins_of(layers, echogram):
-    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent."""
+    """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
+
+    ValueError unless both have the same range lines.
+    """
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     if twtt.shape[1] != echogram.sizes["slow_time"]:
         msg = (
             f"layers cover {twtt.shape[1]} range lines, the echogram {echogram.sizes['slow_time']}"
         )
         raise ValueError(msg)
+    _check_same_lines(layers["slow_time"].values, echogram["slow_time"].values)
     return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
+
+
+def _check_same_lines(layers, echogram):
+    """Raise ValueError unless range lines of layers lie nearer to their own than to others."""
+    away = np.abs(layers - echogram)
+    if layers.size > 1 and (2 * away > np.median(np.diff(echogram))).any():
+        line = int(away.argmax())
+        msg = f"layers: slow_time is not that of the echogram: range line {line} is at "
+        msg += f"{layers[line]}, the echogram's at {echogram[line]}; "
+        msg += "snowsim.frames.align_layers puts layers on its lines"
+        raise ValueError(msg)
 
 
 def along_track_m(echogram):

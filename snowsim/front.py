@@ -7,6 +7,7 @@ import dataclasses
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,8 @@ from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_z
 from snowsim.io.files import read_dataset
 from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import checked_height
+from snowsim.phy.parameters import ALIGN, NORMALISE, checked_height, checked_tolerance
+from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
 from snowsim.seeding import random_stream
@@ -28,6 +30,7 @@ __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
 EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
+RENDERING = {"speckle": METHODS, "normalise": NORMALISE, "align": ALIGN}
 # Of a flight due north.
 START = np.datetime64("2000-01-01", "ns")
 SPEED_M_S = 130.0
@@ -65,7 +68,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Raises
     ------
     ValueError
-        If `n_range_lines` is below 1 or differs from that of the snowpack.
+        If `n_range_lines` is below 1 or differs from that of the snowpack, the surface returns
+        nothing, or rises to the radar.
 
     Notes
     -----
@@ -84,9 +88,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     """
     radar = Radar.preset(radar) if isinstance(radar, str) else radar
     rng = _generator(rng)
-    if n_range_lines is not None and n_range_lines < 1:
-        msg = f"n_range_lines must be at least 1, got {n_range_lines}"
-        raise ValueError(msg)
+    if n_range_lines is not None:
+        _check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(n_range_lines or BLOCK_LINES, radar.line_spacing_m, rng=rng)
     below_s, parameters = physical_parameters(snowpack, radar)
@@ -95,9 +98,15 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         msg = f"n_range_lines must be the {below_s.shape[1]} of the snowpack, got {n_range_lines}"
         raise ValueError(msg)
     shape = (below_s.shape[0], n_range_lines)
-    layer_bins = np.broadcast_to(SURFACE_ROW + below_s / radar.bin_s, shape)
+    surface_row = _surface_row(below_s[0], radar)
+    layer_bins = np.broadcast_to(surface_row + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
     surface_power = parameters["peak_power"][0].mean() * height[0]
+    if surface_power == 0:
+        msg = (
+            "snowpack: the surface returns nothing, its density_kg_m3 is 0; noise is relative to it"
+        )
+        raise ValueError(msg)
     parameters |= {
         "peak_power": np.broadcast_to(parameters["peak_power"], shape),
         "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
@@ -113,7 +122,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         normalise="none",
         align="gaussian",
     )
-    first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - SURFACE_ROW * radar.bin_s
+    first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
         # A window with its parameters is no attribute of a file.
         "window": str(radar.window),
@@ -144,6 +153,27 @@ def _generator(rng):
     except (TypeError, ValueError):
         msg = f"rng must be a numpy.random.Generator or a seed from 0, got {rng!r}"
         raise ValueError(msg) from None
+
+
+def _surface_row(surface_s, radar):
+    """Row of the mean surface: as in scenes, or as much lower as the highest lies above the mean.
+
+    A radar nearer to the snow has less air above it. ValueError where the snow reaches it.
+    """
+    height_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S
+    highest_s = surface_s.min()
+    if highest_s <= -height_s:
+        msg = f"snowpack: the surface rises to the radar, {radar.height_m:g} m above the mean one"
+        raise ValueError(msg)
+    above = SURFACE_ROW + int(np.ceil(max(0.0, -highest_s / radar.bin_s)))
+    return min(above, int(height_s / radar.bin_s))
+
+
+def _check_count(name, value):
+    """Raise ValueError unless a value is a whole number of at least 1."""
+    if not isinstance(value, Integral) or isinstance(value, bool) or value < 1:
+        msg = f"{name} must be a whole number of at least 1, got {value!r}"
+        raise ValueError(msg)
 
 
 def _track(n_range_lines, radar):
@@ -289,14 +319,19 @@ def scenes(
     (1500, (400, 256), dtype('uint8'), 1)
     """
     check_choice("renderer", renderer, ("phy",))
-    if n < 1:
-        msg = f"n must be at least 1, got {n}"
-        raise ValueError(msg)
+    _check_count("n", n)
+    _check_count("n_range_lines", n_range_lines)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     if n_range_bins is not None:
         n_range_bins = checked_height(n_range_bins)
     choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
+    for name in options:
+        check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
+    checked_tolerance(options["tolerance_db"])
+    for name, known in RENDERING.items():
+        if options.get(name) is not None:
+            check_choice(name, options[name], known)
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
     seed = int(_generator(rng).integers(2**63))
     check_labels(model, rng=random_stream(seed, "check_labels"))

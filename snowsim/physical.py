@@ -121,7 +121,7 @@ class Radar:
     @property
     def sweep(self):
         """Frequencies as `snowsim.profile` takes them, its band that of the range response."""
-        weight = get_window(self.window, N_FREQUENCIES)
+        weight = self._weight()
         place = np.arange(N_FREQUENCIES) / N_FREQUENCIES - 0.5
         frequency_hz = self.centre_hz + place * self.bandwidth_hz / self.widening
         return Sweep(frequency_hz[SWEPT], weight[SWEPT], self.cell_s)
@@ -272,9 +272,9 @@ class Snowpack:
 
 
 def _filled(name, value):
-    """Values as float, NaN where masked; ValueError unless they are numbers."""
+    """A copy of values as float, NaN where masked; ValueError unless they are numbers."""
     try:
-        return np.ma.filled(np.ma.asarray(value, dtype=float), np.nan)
+        return np.ma.filled(np.ma.array(value, dtype=float, copy=True), np.nan)
     except (TypeError, ValueError):
         msg = f"snowpack: {name} must be numbers, got {value!r}"
         raise ValueError(msg) from None

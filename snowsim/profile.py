@@ -72,11 +72,24 @@ def combine(delay_s, reflection, sweep):
     lies below it; multiples are left out otherwise. The sum of all fields gives mean power against
     travel time, and powers of the groups are fitted to it: multiplicative updates that keep them
     positive, Richardson (1972), J. Opt. Soc. Am. 62, 55-59; Lucy (1974), Astron. J. 79, 745-754.
+    ValueError if travel times fall or the surface reflects nothing.
     """
+    delay_s, reflection = (np.asarray(values, dtype=float) for values in (delay_s, reflection))
+    if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not delay_s.size:
+        msg = "delay_s and reflection must be of one size (interface,), "
+        msg += f"got {delay_s.shape} and {reflection.shape}"
+        raise ValueError(msg)
+    if not (np.isfinite(delay_s).all() and (np.diff(delay_s) >= 0).all()):
+        msg = f"delay_s must be finite and not fall, got {delay_s}"
+        raise ValueError(msg)
+    if not np.isfinite(reflection).all() or reflection[0] == 0:
+        msg = f"reflection must be finite and the surface's not 0, got {reflection}"
+        raise ValueError(msg)
     echoing = reflection != 0
     echoing[0] = True
     interfaces = np.flatnonzero(echoing)
-    delay_s = delay_s[interfaces]
+    surface_s = delay_s[0]
+    delay_s = delay_s[interfaces] - surface_s
     reflection = reflection[interfaces]
     first = _first_of_groups(delay_s, sweep.cell_s)
     size = np.diff(first, append=delay_s.size)
@@ -90,7 +103,7 @@ def combine(delay_s, reflection, sweep):
     centre_s = _centres(delay_s, first, size, profile, sweep)
     single = reflected * passed**2
     power = _fitted(single, size > 1, centre_s, profile, delay_s[-1], sweep)
-    return Reflectors(interfaces[first], centre_s, power, reflected)
+    return Reflectors(interfaces[first], surface_s + centre_s, power, reflected)
 
 
 def _first_of_groups(delay_s, cell_s):

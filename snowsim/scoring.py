@@ -3,7 +3,7 @@
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from functools import partial
-from numbers import Real
+from numbers import Integral, Real
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts,
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
 from snowsim.metrics.picks import pick_layers
 
+WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 PICK_SCORES = [
     "mean_absolute_error_bins",
     "bias_bins",
@@ -144,9 +145,10 @@ def _check_numbers(**numbers):
     for name, value in numbers.items():
         if value is None and name == "tolerance_bins":
             continue
-        is_number = isinstance(value, Real) and not isinstance(value, bool)
-        if not is_number or not value >= 0:
-            msg = f"{name} must be a number of at least 0, got {value!r}"
+        kind, wanted = (Integral, "a whole number") if name in WHOLE else (Real, "a number")
+        least = WHOLE.get(name, 0)
+        if not isinstance(value, kind) or isinstance(value, bool) or not value >= least:
+            msg = f"{name} must be {wanted} of at least {least}, got {value!r}"
             raise ValueError(msg)
 
 

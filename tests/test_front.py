@@ -130,8 +130,25 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             lambda: snowsim.scenes(2, rng=1, renderer="cgan"),
             "^renderer must be one of phy, got 'cgan'$",
         ),
-        (lambda: snowsim.scenes(0, rng=1), "^n must be at least 1, got 0$"),
+        (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
         (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
+        (lambda: snowsim.scenes(2, rng=1, n_range_lines=20.5), "n_range_lines must be a whole"),
+        (lambda: snowsim.scenes(2, rng=1, nlooks=3), "a choice of phy must be .* got 'nlooks'"),
+        (lambda: snowsim.scenes(2, rng=1, speckle="foo"), "speckle must be one of .* got 'foo'"),
+        (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite and at least 1"),
+        (lambda: snowsim.scenes(2, rng=1, tolerance_db=-1), "tolerance_db must be positive"),
+        (
+            lambda: snowsim.simulate(snowsim.Snowpack([0, 1], [0, 0]), "snow-2-8", rng=1),
+            "the surface returns nothing",
+        ),
+        (
+            lambda: snowsim.simulate(
+                snowsim.Snowpack(np.array([[0, -30.0], [1, 1]]), [300, 400]),
+                snowsim.Radar.preset("snow-2-8", height_m=20.0),
+                rng=1,
+            ),
+            "the surface rises to the radar, 20 m above",
+        ),
         (
             lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
             "format must be one of pairs, netcdf, zarr, got 'gif'",
@@ -262,6 +279,27 @@ def test_a_radar_takes_the_windows_of_scipy(window, tmp_path, rng):
     assert str(window) in repr(radar)
 
 
+def test_hills_and_low_radars_keep_the_surface_within_the_window():
+    hills = -np.cos(np.linspace(0, 6 * np.pi, 64))
+    snow = snowsim.Snowpack(np.array([hills, hills + 1.5]), [340, 420])
+    low = snowsim.Radar.preset("accumulation", height_m=15.0)
+    for radar in (snowsim.Radar.preset("snow-2-8"), low):
+        echogram, layers = snowsim.simulate(snow, radar, rng=1)
+        first_s = echogram["twtt"].values[0]
+        assert first_s >= 0
+        assert (layers["twtt"].values >= first_s).all()
+        way_s = 2 * (radar.height_m + hills) / SPEED_OF_LIGHT_M_S
+        assert_allclose(layers["twtt"].values[0], way_s, rtol=1e-12)
+        assert_allclose(echogram["Surface"], way_s, rtol=1e-12)
+
+
+def test_snow_does_not_change_with_the_arrays_it_was_made_of():
+    density = np.array([300.0, 400.0])
+    snow = snowsim.Snowpack([0, 1], density)
+    density[1] = 5000
+    assert snow.density_kg_m3.max() == 400
+
+
 def test_a_seed_is_the_generator_made_of_it():
     snow = snowsim.Snowpack(**SNOW)
     by_seed, _ = snowsim.simulate(snow, "ku-12-18", rng=1)
@@ -283,7 +321,7 @@ def test_a_seed_is_the_generator_made_of_it():
             lambda: snowsim.simulate(
                 snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=np.random.default_rng(1)
             ),
-            "n_range_lines must be at least 1, got 0",
+            "n_range_lines must be a whole number of at least 1, got 0",
         ),
         (
             lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),

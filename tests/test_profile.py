@@ -16,6 +16,7 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import read_dataset
 from snowsim.io.profiles import read_profile
 from snowsim.physical import PRESETS, Climate, Snowpack, physical_parameters
+from snowsim.profile import combine
 from snowsim.seeding import random_stream
 
 each_band = pytest.mark.parametrize("band", BANDS)
@@ -96,6 +97,27 @@ def test_there_is_one_reflector_a_range_cell_and_the_surface_is_the_first():
     assert below_s[0, 0] == 0
     assert (np.diff(below_s[:, 0]) > 0).all()
     assert len(below_s) <= below_s[-1, 0] / radar.cell_s + 1
+
+
+@pytest.mark.parametrize(
+    ("delay_s", "reflection", "message"),
+    [
+        ([0, 9e-9, 4e-9], [0.1, 0.1, 0.1], "delay_s must be finite and not fall"),
+        ([0, 1e-9], [0.1, 0.1, 0.1], "of one size"),
+        ([0, 1e-9], [0, 0], "the surface's not 0"),
+    ],
+)
+def test_delays_and_reflections_that_are_no_profile_are_refused(delay_s, reflection, message):
+    with pytest.raises(ValueError, match=message):
+        combine(delay_s, reflection, PRESETS["snow-2-8"].sweep)
+
+
+def test_a_surface_of_another_height_delays_all_reflectors():
+    sweep = PRESETS["snow-2-8"].sweep
+    level = combine([0, 1e-10, 4e-9], [0.1, 0.1, 0.1], sweep)
+    risen = combine([-3e-9, -2.9e-9, 1e-9], [0.1, 0.1, 0.1], sweep)
+    assert_allclose(risen.power, level.power, rtol=1e-9)
+    assert_allclose(risen.delay_s, level.delay_s - 3e-9, rtol=0, atol=1e-18)
 
 
 def test_interfaces_closer_than_the_range_cell_are_told_of_where_they_add_in_power():

@@ -92,6 +92,6 @@ def bands(shape, noise_power, clutter, *, rng):
 
 
 def _smooth(n, length, *, rng):
-    """Gaussian noise of unit variance, smooth over `length`, (n,)."""
+    """Gaussian noise, smooth over `length`, of unit variance where `n` is far above it, (n,)."""
     noise = gaussian_filter1d(rng.standard_normal(n), length, mode="wrap")
     return noise * np.sqrt(2 * np.sqrt(np.pi) * length)

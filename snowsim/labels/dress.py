@@ -8,6 +8,7 @@ import numpy as np
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import check_choice
 from snowsim.labels.given import values_by_layer, values_of
+from snowsim.phy.speckle import checked_looks
 
 WIDTHS = ("paper", "fitted")
 MEASURED_OR_NONE = ("measured", "none")
@@ -43,6 +44,10 @@ class Dress:
         check_choice("width", self.width, WIDTHS)
         check_choice("speckle_correlation", self.speckle_correlation, MEASURED_OR_NONE)
         check_choice("background", self.background, MEASURED_OR_NONE)
+        if self.n_looks is not None:
+            checked_looks(self.n_looks)
+        if self.width_bounds is not None:
+            _check_bounds("width_bounds", self.width_bounds)
 
     @classmethod
     def split(cls, settings):
@@ -61,11 +66,8 @@ class Dress:
         if bounds is None:
             name = "width_bound_bins"
             bounds = statistics[name].values
-        low, high = (float(bound) for bound in bounds)
-        if not 0 < low <= high < np.inf:
-            msg = f"{name} must be positive and increase, got {low:g}, {high:g}"
-            raise ValueError(msg)
-        return rng.uniform(low, high, n_layers)
+        _check_bounds(name, bounds)
+        return rng.uniform(*bounds, n_layers)
 
     def radar(self, statistics):
         """Looks and correlation of speckle, as arguments of `Echoes`."""
@@ -175,6 +177,13 @@ def redress(scene, statistics, choices=None, *, rng=None):
         decay_rate=np.where(is_layer, decay, drawn.decay_rate),
         **choices.radar(statistics),
     )
+
+
+def _check_bounds(name, bounds):
+    if np.shape(bounds) != (2,) or not 0 < bounds[0] <= bounds[1] < np.inf:
+        got = ", ".join(f"{bound:g}" for bound in bounds)
+        msg = f"{name} must be two numbers, positive and increasing, got {got}"
+        raise ValueError(msg)
 
 
 def _uppermost(statistics, name, n_layers):

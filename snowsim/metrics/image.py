@@ -78,9 +78,9 @@ def ssim_map(image, reference):
 
 def _check_images(image, reference):
     for name, values in (("image", image), ("reference", reference)):
-        got = getattr(values, "dtype", type(values).__name__)
-        if got != np.uint8:
-            msg = f"{name} must be an array of uint8, got {got}"
+        if not isinstance(values, np.ndarray) or values.dtype != np.uint8:
+            got = values.dtype if isinstance(values, np.ndarray) else type(values).__name__
+            msg = f"{name} must be a numpy array of uint8, got {got}"
             raise ValueError(msg)
     if image.shape != reference.shape:
         msg = f"image and reference must have one size, got {image.shape} and {reference.shape}"

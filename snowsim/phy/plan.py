@@ -152,10 +152,10 @@ def _checked_textured(textured_layers, waveforms):
     n_layers = waveforms.amplitude.size
     if textured_layers is None:
         return np.arange(n_layers)
-    textured = np.asarray(textured_layers, dtype=bool)
-    if textured.shape != (n_layers,):
-        msg = f"textured_layers: expected one for each of {n_layers} layers, "
-        msg += f"got shape {textured.shape}"
+    textured = np.asarray(textured_layers)
+    if textured.shape != (n_layers,) or textured.dtype != bool:
+        msg = f"textured_layers: expected true or false for each of {n_layers} layers, "
+        msg += f"got {textured.dtype} of shape {textured.shape}"
         raise ValueError(msg)
     return np.flatnonzero(textured)
 

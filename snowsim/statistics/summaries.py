@@ -73,7 +73,7 @@ class FrameSummary:
     air_products: np.ndarray  # sum of products of bins so many apart
     air_pairs: np.ndarray  # number of them
     texture_terms: np.ndarray  # (group, term), see `snowsim.statistics.texture`
-    n_outside: int  # picks outside the record, treated as gaps
+    n_outside: int  # picks outside the record or on lines without power, treated as gaps
 
     def order(self):
         """Sorting key: time, then content for frames that share one."""
@@ -91,7 +91,7 @@ def summarise(echogram, layers, where="frame"):
     Echogram and layers follow the Open Polar Radar convention. Layer 0 is the snow surface. Picks
     outside the record become gaps and are counted; a frame without a surface pick adds nothing; up
     to 19 range lines at its end belong to no group; data that are exactly zero are padding, not
-    air. ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range
+    air, and a range line of nothing else is missing. ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range
     lines have a position.
     """
     check_echogram(echogram, where)
@@ -100,6 +100,10 @@ def summarise(echogram, layers, where="frame"):
     layer_bins = layer_bins_of(layers, echogram)
     n_lines, n_range_bins = power.shape
     outside = (layer_bins <= -0.5) | (layer_bins >= n_range_bins - 0.5)
+    empty = (power == 0).all(axis=1)
+    if empty.any():
+        power = np.where(empty[:, None], np.nan, power)
+        outside |= empty & np.isfinite(layer_bins)
     layer_bins[outside] = np.nan
     n_groups = n_lines // GROUP_LINES
     surface = np.zeros(n_lines)

@@ -121,8 +121,10 @@ def varied(statistics, *, rng, ranges=None):
     no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
     and the distance of range lines. What label sets and PHY read changes consistently: a factor of
     thickness moves means, zones and spectra alike. Neglected: numbers of layers, powers of layers
-    relative to the surface, fading and texture stay the flight's, and so do statistics that nothing
-    is drawn from, as measured waveforms.
+    relative to the surface, fading and texture stay the flight's, and so do, in range bins, the
+    depths over which the power of unpicked snow falls and the movement of the surface. Correlation
+    of speckle follows the size of bins, not the pulse. Statistics that nothing is drawn from, as
+    measured waveforms, stay, too.
 
     Parameters
     ----------

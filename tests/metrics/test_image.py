@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.testing import assert_allclose
 
@@ -59,12 +60,17 @@ def test_a_constant_shift_gives_its_own_size_and_black_against_white_is_zero_dec
         (
             np.zeros((20, 20)),
             np.zeros((20, 20), np.uint8),
-            "image must be an array of uint8, got float64",
+            "image must be a numpy array of uint8, got float64",
         ),
         (
             np.zeros((20, 20), np.uint8),
             np.zeros((20, 20), np.int16),
-            "reference must be an array of uint8, got int16",
+            "reference must be a numpy array of uint8, got int16",
+        ),
+        (  # of which dimensions, an array would not tell
+            xr.DataArray(np.zeros((20, 20), np.uint8)),
+            np.zeros((20, 20), np.uint8),
+            "image must be a numpy array of uint8, got DataArray",
         ),
         (np.zeros((20, 20), np.uint8), np.zeros((20, 21), np.uint8), "one size"),
         (np.zeros((20, 10), np.uint8), np.zeros((20, 10), np.uint8), "at least 11"),

@@ -54,6 +54,27 @@ def test_a_summary_survives_the_disk(flight, tmp_path):
             assert_array_equal(getattr(after, name), value, err_msg=name)
 
 
+def test_layers_of_another_time_are_refused(flight):
+    (echogram, layers), *others = flight
+    later = layers.assign_coords(slow_time=layers["slow_time"] + np.timedelta64(1, "h"))
+    with pytest.raises(ValueError, match="slow_time is not that of the echogram: range line"):
+        statistics.fit([(echogram, later), *others])
+
+
+def test_range_lines_of_zeros_are_missing_lines(flight):
+    frame, *others = flight
+    echogram, layers = frame[0].copy(deep=True), frame[1].copy(deep=True)
+    lines = slice(40, 60)
+    echogram["Data"][{"slow_time": lines}] = 0.0
+    zeros = fit_finite([(echogram, layers), *others])
+    echogram["Data"][{"slow_time": lines}] = np.nan
+    layers["twtt"][{"slow_time": lines}] = np.nan
+    missing = fit_finite([(echogram, layers), *others])
+    for name in ("peak_power", "noise_power"):
+        assert_allclose(zeros[name], missing[name], rtol=1e-6)
+    assert_allclose(zeros.attrs["n_looks"], missing.attrs["n_looks"], rtol=1e-6)
+
+
 def test_gaps_are_no_zeros(flight, whole, estimator):
     gaps = [(1, 30, 60), (2, 0, 120), (3, 100, 256), (4, 60, 256), (0, 10, 15)]
     fitted = fit_finite([*flight[:3], with_gaps(flight[3], gaps)], estimator)

@@ -75,7 +75,8 @@ def score(counts, thresholds=None):
     Raises
     ------
     ValueError
-        If there is no image, counts do not fit each other, or the number of thresholds differs.
+        If there is no image, counts do not fit each other, or thresholds differ in number or do not
+        increase.
 
     Notes
     -----
@@ -106,6 +107,9 @@ def score(counts, thresholds=None):
     if thresholds is not None and np.shape(thresholds) != (n_thresholds,):
         got = f"got shape {np.shape(thresholds)}"
         msg = f"thresholds must be {n_thresholds} as in the counts, {got}"
+        raise ValueError(msg)
+    if thresholds is not None and (np.diff(thresholds) <= 0).any():
+        msg = f"thresholds must increase, got {np.asarray(thresholds)}"
         raise ValueError(msg)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
     f = f_measure(*_precision_and_recall(pooled))

@@ -95,3 +95,8 @@ def test_shards_pool_to_the_same_scores_in_any_order(rng):
 def test_bad_counts_are_refused(counts, message):
     with pytest.raises(ValueError, match=message):
         score(counts, thresholds=[0.5])
+
+
+def test_thresholds_that_fall_are_refused():
+    with pytest.raises(ValueError, match="thresholds must increase"):
+        score(TWO_IMAGES, thresholds=[0.9, 0.5, 0.1])
