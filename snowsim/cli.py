@@ -251,7 +251,9 @@ def echo_scores(table):
 )
 @click.option("--from", "start", help="universal, or an .onnx file of this command; else anew.")
 @click.option("--steps", "n_steps", type=COUNT, default=4000, help="Gradients of four crops.")
-@click.option("--bin-s", type=POSITIVE, default=2.886e-10, help="Of a range bin of the scenes.")
+@click.option(
+    "--bin-s", type=POSITIVE, help="Range bin of the scenes; else as they tell, or 2.886e-10."
+)
 @click.option("--line-spacing-m", type=POSITIVE, default=5.2, help="Of their range lines.")
 @over_option
 @seed_option

@@ -24,7 +24,7 @@ from snowsim.phy.parameters import ALIGN, NORMALISE, checked_height, checked_tol
 from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
-from snowsim.seeding import random_stream
+from snowsim.seeding import generator, random_stream
 
 __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
@@ -87,7 +87,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     array([ 8.59, 13.39])
     """
     radar = Radar.preset(radar) if isinstance(radar, str) else radar
-    rng = _generator(rng)
+    rng = generator(rng)
     if n_range_lines is not None:
         _check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
@@ -101,15 +101,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     surface_row = _surface_row(below_s[0], radar)
     layer_bins = np.broadcast_to(surface_row + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
-    surface_power = parameters["peak_power"][0].mean() * height[0]
-    if surface_power == 0:
-        msg = (
-            "snowpack: the surface returns nothing, its density_kg_m3 is 0; noise is relative to it"
-        )
-        raise ValueError(msg)
     parameters |= {
         "peak_power": np.broadcast_to(parameters["peak_power"], shape),
-        "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
+        "noise_power": _noise_power(parameters["peak_power"][0].mean() * height[0], radar),
         "n_looks": radar.n_looks,
         "speckle_correlation": radar.speckle_correlation(),
     }
@@ -146,13 +140,12 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     return echogram, xr.Dataset(layers, {"slow_time": echogram["slow_time"]}, attributes)
 
 
-def _generator(rng):
-    """The generator given or that of a seed; ValueError for anything else."""
-    try:
-        return np.random.default_rng(rng)
-    except (TypeError, ValueError):
-        msg = f"rng must be a numpy.random.Generator or a seed from 0, got {rng!r}"
-        raise ValueError(msg) from None
+def _noise_power(surface_power, radar):
+    """Noise, by how far it lies below the surface; ValueError where that returns nothing."""
+    if surface_power == 0:
+        msg = "snowpack: the surface returns nothing, its density_kg_m3 is 0"
+        raise ValueError(msg)
+    return surface_power * 10 ** (-radar.surface_to_noise_db / 10)
 
 
 def _surface_row(surface_s, radar):
@@ -333,6 +326,6 @@ def scenes(
         if options.get(name) is not None:
             check_choice(name, options[name], known)
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
-    seed = int(_generator(rng).integers(2**63))
+    seed = int(generator(rng).integers(2**63))
     check_labels(model, rng=random_stream(seed, "check_labels"))
     return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, options))

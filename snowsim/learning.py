@@ -12,6 +12,7 @@ from snowsim.training import load_weights
 # Of the tracker that comes with the package.
 WIDTH = 8
 N_AVERAGED = 2
+BIN_S = 2.886e-10
 ONE_IN = 10  # scenes is not trained on but calibrated on
 
 
@@ -31,8 +32,10 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     n_steps : int
         Gradients of four crops.
     seed : int
-    bin_s, line_spacing_m : float
-        Of the scenes, for the card [s, m].
+    bin_s : float or None
+        Range bin of the scenes [s], for the card; by default what they tell, else `BIN_S`.
+    line_spacing_m : float
+        Distance of their range lines [m], for the card.
     progress : callable
         Shows the steps that it is given.
 
@@ -44,11 +47,13 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     Raises
     ------
     ValueError
-        If there are fewer than 2 scenes, one cannot be trained on, or `start` is no tracker.
+        If there are fewer than 2 scenes, one cannot be trained on or tells another range bin, or
+        `start` is no tracker.
     """
     if len(scenes) < 2:
         msg = f"expected at least 2 scenes, one of them to calibrate on, got {len(scenes)}"
         raise ValueError(msg)
+    bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
         begun_with = network_of_tracker(start)
@@ -78,6 +83,23 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     )
     write_tracker(path, to_onnx(network, calibration.offset), card)
     return card
+
+
+def _bin_size_s(scenes, bin_s):
+    """Range bin of the scenes [s], given or as their notes tell; ValueError if they differ."""
+    for place in range(len(scenes)):
+        scene = scenes[place]
+        own_s = scene.notes.get("bin_size_s")
+        if own_s is None:
+            continue
+        bin_s = bin_s or own_s
+        if abs(own_s / bin_s - 1) > 1e-6:
+            msg = (
+                f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in scenes "
+            )
+            msg += f"before it, found {own_s:.4g} s"
+            raise ValueError(msg)
+    return bin_s or BIN_S
 
 
 def network_of_tracker(name):

@@ -21,3 +21,12 @@ def random_stream(seed, *keys):
     independent, whatever the order and division of work.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))
+
+
+def generator(rng):
+    """The generator given or that of a seed; ValueError for anything else."""
+    try:
+        return np.random.default_rng(rng)
+    except (TypeError, ValueError):
+        msg = f"rng must be a numpy.random.Generator or a seed from 0, got {rng!r}"
+        raise ValueError(msg) from None

@@ -69,6 +69,20 @@ def test_one_scene_leaves_none_to_calibrate_on(tmp_path):
         train_tracker(tmp_path / "mine.onnx", toy_scenes(1), n_steps=1, **OWN)
 
 
+def test_range_bins_are_those_that_scenes_tell_and_all_the_same(tmp_path):
+    scenes = toy_scenes(3)
+    for scene in scenes:
+        scene.notes["bin_size_s"] = 3e-10
+    told = OWN | {"bin_s": None}
+    card = train_tracker(tmp_path / "mine.onnx", scenes, n_steps=1, **told)
+    assert card["bin_s"] == 3e-10
+    with pytest.raises(ValueError, match="expected range bins of 2e-10 s, .* found 3e-10 s"):
+        train_tracker(tmp_path / "other.onnx", scenes, n_steps=1, **OWN)
+    scenes[2].notes["bin_size_s"] = 1e-10
+    with pytest.raises(ValueError, match="expected range bins of 3e-10 s, .* found 1e-10 s"):
+        train_tracker(tmp_path / "other.onnx", scenes, n_steps=1, **told)
+
+
 def test_sets_are_joined_in_order():
     first = toy_scenes(2)
     second = toy_scenes(4)[2:]

@@ -160,6 +160,15 @@ def test_scenes_are_paired_with_picks_called_as_they_are(tmp_path):
     assert table["share_within"].tolist()[:3] == [1, 1, 1]
 
 
+def test_the_image_beside_a_map_is_not_taken_for_it(tmp_path):
+    write_image(tmp_path / "true/layer_binary_a.png", MASK)
+    write_image(tmp_path / "made/a.png", edge_map())
+    write_image(tmp_path / "made/data_a.png", 255 - edge_map())
+    alone = score_folders(tmp_path / "made/a.png", tmp_path / "true/layer_binary_a.png")
+    beside = score_folders(tmp_path / "made", tmp_path / "true")
+    assert beside["ods"][0] == alone["ods"][0] > 0.9
+
+
 def test_missed_and_false_layers_are_counted_in_the_set_and_in_resamples(tmp_path):
     for folder in ("made", "true"):
         (tmp_path / folder).mkdir()

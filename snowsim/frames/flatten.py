@@ -9,6 +9,7 @@ import xarray as xr
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
 
+HOLE = 3.0  # in the lines of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
 # Flags of an IRSNO1B supplement, set by hand for whole frames, with what the archive says of each.
 # Not here by default: `deconvolution_artifact`, sidelobes in the deconvolved product, some 30 dB
@@ -30,7 +31,8 @@ def align_layers(layers, echogram, where="layers"):
 
     `where` names them in messages.
 
-    `twtt` is linear between neighbouring picks, NaN where either is missing; `quality` and `type`
+    `twtt` is linear between neighbouring picks, NaN where either is missing, and in holes of their
+    lines, of more than `HOLE` of their spacings, but within one of the ends; `quality` and `type`
     are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
     not cover the echogram's time span to within one of their own lines, if one lies outside the
@@ -62,7 +64,10 @@ def align_layers(layers, echogram, where="layers"):
 
 
 def _between(theirs, ours, where):
-    """For every line of ours, the lines of theirs before and after it, and the share of the way."""
+    """For every line of ours, the lines of theirs before and after it, and the share of the way.
+
+    The share is NaN in holes of theirs.
+    """
     theirs_s = (theirs - theirs[0]) / np.timedelta64(1, "s")
     ours_s = (ours - theirs[0]) / np.timedelta64(1, "s")
     reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else 0.0
@@ -79,7 +84,12 @@ def _between(theirs, ours, where):
     before = np.searchsorted(theirs_s, ours_s, side="right") - 1
     left = np.clip(before, 0, theirs_s.size - 2)
     right = left + 1
-    weight = (ours_s - theirs_s[left]) / (theirs_s[right] - theirs_s[left])
+    step_s = theirs_s[right] - theirs_s[left]
+    weight = (ours_s - theirs_s[left]) / step_s
+    hole = step_s > HOLE * reach_s
+    weight[hole] = np.rint(weight[hole])
+    to_end_s = np.minimum(ours_s - theirs_s[left], theirs_s[right] - ours_s)
+    weight[hole & (to_end_s > reach_s)] = np.nan
     return left, right, weight
 
 

@@ -23,6 +23,7 @@ UNITS = {
     "Elevation_Correction": "range bins",
 }
 UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
+UNITS_OF_DB = ("db", "decibel", "decibels")
 RANGES = {"Latitude": 90, "Longitude": 360}
 # Of all that a file tells, this much goes with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
@@ -67,9 +68,15 @@ def checked_echogram(path, dataset):
 
 
 def read_opr(path):
-    """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked."""
+    """Echogram dataset as it stands on disk, but for the order (twtt, slow_time); checked.
+
+    Decibels, if the units of `Data` say so, become linear power.
+    """
     dataset = load_opr(path, ("Data", "twtt", "slow_time", *ECHOGRAM_ALONG_TRACK))
     check_dimensions(path, dataset, "Data", ("twtt", "slow_time"))
+    if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
+        power = from_db(dataset["Data"].astype(float))
+        dataset["Data"] = power.assign_attrs(dataset["Data"].attrs, units=UNITS["Data"])
     return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
 
 

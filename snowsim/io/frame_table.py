@@ -1,6 +1,8 @@
 """A flight as a table of frames: which echogram goes with which layers, and what for."""
 
 import io
+import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ COLUMNS = ("frame", "echogram", "layers", "role")
 TRACK = "track"
 ROLES = ("statistics", "train", "validation", "test", TRACK)
 HELD_OUT = ("test", "validation")
+FAR_BINS = 15  # from the echogram's surface, where layer 0 may be another layer
 
 
 def read_frames(path):
@@ -32,7 +35,8 @@ def read_frames(path):
     with library_errors(path, "table", "tab-separated text"):
         lines = path.read_text(encoding="utf-8").splitlines()
         text = "\n".join(line for line in lines if not line.startswith("#"))
-        table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
+        reading = {"sep": "\t", "dtype": str, "keep_default_na": False, "index_col": False}
+        table = pd.read_csv(io.StringIO(text), **reading).rename(columns=str.strip)
     if sorted(table.columns) != sorted(COLUMNS):
         found = one_line(", ".join(map(str, table.columns)), 200)
         raise refusal(path, "columns", ", ".join(COLUMNS), found)
@@ -41,7 +45,7 @@ def read_frames(path):
     table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
         files = [path.parent / file if file else "" for file in table[name]]
-        table[name] = [str(file and file.absolute()) for file in files]
+        table[name] = [os.path.abspath(file) if file else "" for file in files]
     failed = []
     for number, row in enumerate(table.itertuples(), start=1):
         trouble = _trouble(row, table)
@@ -162,16 +166,9 @@ def read_frame(
         if kind != source:
             raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
     echogram = read_echogram(row.echogram)
-    layers = read_layers(row.layers, names=layer_names, missing="skip")
-    index = layers.get_index("layer")
-    labels = [str(label) for label in index]
-    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
-        expected = "one named surface (from the organizer file beside it)"
-        raise refusal(row.layers, "layer", expected, one_line(", ".join(labels), 200))
-    if layer_names is not None:
-        absent = {"twtt": np.nan, "quality": 1, "type": 2}
-        layers = layers.reindex(layer=list(layer_names), fill_value=absent)
+    layers = _layers_from_surface(row.layers, layer_names)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
+    _warn_of_surface(row.layers, layers, echogram)
     # Before levelling: a flagged line must not decide where the surface lies.
     echogram, layers = frames.leave_out_flagged(echogram, layers, flags=flagged_by)
     n_flagged, flags = frames.count_flagged(echogram)
@@ -181,6 +178,35 @@ def read_frame(
     if bin_s is not None:
         echogram = frames.resample_range(echogram, bin_s)
     return frames.flatten(echogram, layers, method=flattening)
+
+
+def _layers_from_surface(path, layer_names):
+    """Layers of a file from the surface down: all that it has, or those named, NaN where absent."""
+    layers = read_layers(path, names=layer_names, missing="skip")
+    index = layers.get_index("layer")
+    labels = [str(label) for label in index]
+    if index.dtype.kind in "OUS" and surface_among(labels) != 0:
+        expected = "one named surface (from the organizer file beside it)"
+        raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
+    if layer_names is not None:
+        if index.dtype.kind not in "OUS":
+            found = f"layers numbered {one_line(', '.join(labels), 200)}"
+            raise refusal(path, "layer_names", "a file whose layers have names", found)
+        absent = {"twtt": np.nan, "quality": 1, "type": 2}
+        layers = layers.reindex(layer=list(layer_names), fill_value=absent)
+    return layers
+
+
+def _warn_of_surface(path, layers, echogram):
+    """Say where layer 0 lies far from the echogram's own surface in the median."""
+    picked_s = layers["twtt"].transpose("layer", "slow_time").values[0]
+    surface_s = echogram["Surface"].values
+    away = np.abs(picked_s - surface_s) / bin_size_s(echogram)
+    known = np.isfinite(away) & (surface_s >= echogram["twtt"].values[0])
+    if known.any() and np.median(away[known]) > FAR_BINS:
+        msg = f"{path}: layer 0 lies {np.median(away[known]):.0f} range bins from the echogram's "
+        msg += "Surface in the median: is it the snow surface?"
+        warnings.warn(msg, UserWarning, stacklevel=3)
 
 
 def each_frame(table, role=None, **options):
@@ -201,6 +227,8 @@ def _trouble(row, table):
         return f"{', '.join(empty)}: expected a value, found none"
     if (table["frame"] == row.frame).sum() > 1:
         return f"frame: expected names that differ, found {row.frame} more than once"
+    if Path(row.frame).name != row.frame:
+        return f"frame: expected a name without folders, found {row.frame}"
     if row.role not in ROLES:
         return f"role: expected {', '.join(ROLES)}, found {row.role}"
     for name in ("echogram", "layers"):
@@ -208,11 +236,16 @@ def _trouble(row, table):
         # A Zarr store is a directory.
         if file and not Path(file).exists():
             return f"{name}: expected a file, found nothing at {file}"
-    roles = sorted(set(table.loc[table["echogram"] == row.echogram, "role"]) - {TRACK})
+    real = os.path.realpath(row.echogram)
+    same = table[(table["echogram"].map(os.path.realpath) == real) & (table["role"] != TRACK)]
+    roles = sorted(set(same["role"]))
     for held_out in HELD_OUT:
         if held_out in roles and len(roles) > 1:
             found = " and ".join(roles)
             return f"echogram: expected a {held_out} frame to have no other role, found {found}"
+    if (same["role"] == row.role).sum() > 1:
+        names = ", ".join(same.loc[same["role"] == row.role, "frame"])
+        return f"echogram: expected one frame of it for {row.role}, found {names}"
     return None
 
 

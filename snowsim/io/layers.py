@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -176,12 +177,19 @@ def _flags(path, what, values):
     return flags.astype(np.uint8)
 
 
+def find_organizer(path):
+    """The organizer file beside a CReSIS layer file, which names its layers, or None."""
+    path = Path(path)
+    segment = re.search(r"\d{8}_\d{2}", path.stem)
+    organizer = path.with_name(f"layer_{segment.group()}.mat") if segment else path
+    return organizer if organizer.is_file() and organizer != path else None
+
+
 def _organized(path, ids):
     """Names and groups of layer ids; "id 3" where no organizer file knows them."""
     named = {}
-    segment = re.search(r"\d{8}_\d{2}", path.stem)
-    organizer = path.with_name(f"layer_{segment.group()}.mat") if segment else path
-    if organizer.is_file() and organizer != path:
+    organizer = find_organizer(path)
+    if organizer:
         values = read_matlab(organizer, ("lyr_id", "lyr_name", "lyr_group_name"))
         check_present(organizer, ("lyr_id", "lyr_name"), values, names_in)
         known = vector(organizer, "lyr_id", values["lyr_id"])

@@ -22,6 +22,7 @@ from snowsim.io.matlab import read_matlab
 
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
+THICKEST_PIXELS = 15  # of a layer in a column, in the median
 DATA_SCALES = ("power", "db")
 LABEL_PREFIXES = ("layer_", "layer_binary_")
 
@@ -172,7 +173,20 @@ def layers_of_numbers(numbers, where="labels"):
         layer, line = np.argwhere(apart)[0]
         found = f"{int(count[layer, line])} apart for number {layer + 1} at range_line {line}"
         raise refusal(where, "layer numbers", "one run of pixels per layer and column", found)
+    _check_lines(where, count)
     return (first + last) / 2
+
+
+def _check_lines(where, count):
+    """Refuse numbers that name regions, or levels of grey: pixels by layer and column."""
+    there = count > 0
+    absent = int((~there.any(axis=1)).sum())
+    if 2 * absent > len(count):
+        found = f"{len(count) - absent} of numbers up to {len(count)}: scaled to be seen?"
+        raise refusal(where, "layer numbers", "1, 2, 3 and so on from the surface down", found)
+    if there.any() and np.median(count[there]) > THICKEST_PIXELS:
+        found = f"{np.median(count[there]):.0f} pixels a column in the median: regions?"
+        raise refusal(where, "layer numbers", f"lines of at most {THICKEST_PIXELS} pixels", found)
 
 
 def layers_of_mask(mask, where="mask"):
@@ -193,7 +207,7 @@ def layers_of_mask(mask, where="mask"):
 
 def _listed(path):
     with library_errors(path, "list", "text with one file name a line"):
-        lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
+        lines = [line.split() for line in path.read_text(encoding="utf-8-sig").splitlines()]
     files = [path.parent / words[0] for words in lines if words]
     missing = [file.name for file in files if not file.is_file()]
     if missing:

@@ -17,6 +17,7 @@ ENDINGS = (".png", ".npy", ".nc")
 PICTURES = ("merge", "jpg_out")
 # How names of files begin, those of labels first.
 LABELLED = ("layer_binary_", "layer_", "scene_", "", "data_")
+MAPPED = ("", "scene_", "data_", "layer_", "layer_binary_")  # the same of edge maps
 NAME = re.compile(f"({'|'.join(sorted(LABELLED, reverse=True))})(.*)")
 # Variables of NetCDF files.
 MAPS = ("probability", "prediction", "edges")
@@ -36,8 +37,8 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     `data_*`, comes with None. Both are folders of .png, .npy or .nc files, or a file
     each. In a folder that holds the published predictor's, the one of `output` is taken, by default
     `fuse`; never `merge` or `jpg_out`. Files are paired by what follows `data_`, `layer_binary_`,
-    `layer_` or `scene_`; of several, truth (and `picks`) is the first of `LABELLED`, a map the
-    last.
+    `layer_` or `scene_`; of several, truth (and `picks`) is the first of `LABELLED`, a map
+    that of `MAPPED`.
     """
     predictions = Path(predictions)
     truth = Path(truth)
@@ -51,7 +52,7 @@ def pair_files(predictions, truth, *, output=None, picks=False):
         predictions = inside
     elif output is not None:
         raise refusal(predictions, "predictions", f"a folder {output}", "none")
-    made = _by_name(predictions, LABELLED if picks else LABELLED[::-1])
+    made = _by_name(predictions, LABELLED if picks else MAPPED)
     truths = _by_name(truth, LABELLED)
     alone = made.keys() - truths.keys()
     if alone or not made:

@@ -7,6 +7,7 @@ from snowsim.labels.prepare import LabelModel, prepare
 from snowsim.labels.process import draw_nonstationary, draw_series
 from snowsim.labels.radiometry import add_radiometry
 from snowsim.rounding import on_grid, rounded
+from snowsim.seeding import generator
 
 MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
 GRID_BITS = 16  # thickness is drawn to 2^-16 of a range bin, 1.5e-5
@@ -22,7 +23,8 @@ def draw(statistics, n_range_lines, *, rng):
     statistics : xarray.Dataset or LabelModel
         Of `snowsim.statistics.fit`, or of `prepare` when many scenes are drawn.
     n_range_lines : int
-    rng : numpy.random.Generator
+    rng : int or numpy.random.Generator
+        Seed or generator.
 
     Returns
     -------
@@ -64,7 +66,7 @@ def draw(statistics, n_range_lines, *, rng):
     if not isinstance(statistics, LabelModel):
         # Layers alone need no powers.
         model = prepare(statistics, n_range_lines, radiometry="constant")
-    return draw_scene(model, n_range_lines, name="", rng=rng).layer_bins
+    return draw_scene(model, n_range_lines, name="", rng=generator(rng)).layer_bins
 
 
 def draw_scene(statistics, n_range_lines, *, name, rng):

@@ -7,6 +7,7 @@ from snowsim.phy.plan import plan
 from snowsim.phy.power import planned_power, tail_power
 from snowsim.phy.speckle import draw_speckle
 from snowsim.phy.texture import draw_gain, draw_texture
+from snowsim.seeding import generator
 
 LEAST_TAIL = 1e-3  # of the noise: what has less has no texture
 
@@ -38,7 +39,7 @@ def render(
         Height of the scene.
     tolerance_db : float or None
         Largest error of the mean power, noise included, at any pixel [dB]; None for exact.
-    rng : numpy.random.Generator
+    rng : int or numpy.random.Generator
     speckle : str, optional
         Method of `draw_speckle`; by default `gamma` without a tolerance, `quantile` with one.
         Correlated speckle is drawn by `quantile` for `gamma` and refused for the others.
@@ -73,7 +74,8 @@ def render(
     """
     options = {"speckle": speckle, "normalise": normalise, "align": align}
     return render_plan(
-        plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options), rng=rng
+        plan(layer_bins, parameters, n_range_bins, tolerance_db=tolerance_db, **options),
+        rng=generator(rng),
     )
 
 

@@ -46,6 +46,13 @@ LINEAR_POWER = (
 )
 
 
+def _check_choices(estimator, finest_lines):
+    check_choice("estimator", estimator, ESTIMATORS)
+    if finest_lines is not None and not 2 <= finest_lines < np.inf:
+        msg = f"finest_lines must be at least 2 range lines, got {finest_lines}"
+        raise ValueError(msg)
+
+
 def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_lines=None):
     """Statistics of a flight from its merged summary.
 
@@ -92,7 +99,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     picked is interpolated in dB between its neighbours'. Only the decay rate of the deepest layer
     in `paper` is NaN.
     """
-    check_choice("estimator", estimator, ESTIMATORS)
+    _check_choices(estimator, finest_lines)
     without_surface = [not np.isfinite(frame.depth_bins).any() for frame in summary]
     if all(without_surface):
         msg = f"a flight needs layers, none of its {len(summary)} frames has the surface picked"

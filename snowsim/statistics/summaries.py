@@ -91,20 +91,15 @@ def summarise(echogram, layers, where="frame"):
     Echogram and layers follow the Open Polar Radar convention. Layer 0 is the snow surface. Picks
     outside the record become gaps and are counted; a frame without a surface pick adds nothing; up
     to 19 range lines at its end belong to no group; data that are exactly zero are padding, not
-    air, and a range line of nothing else is missing. ValueError, naming the frame by `where`, if a dataset breaks the convention or no two range
-    lines have a position.
+    air, and a range line of nothing else is missing. ValueError, naming the frame by `where`, if a
+    dataset breaks the convention or no two range lines have a position.
     """
     check_echogram(echogram, where)
     check_layers(layers, where)
     power = np.ascontiguousarray(echogram["Data"].transpose("slow_time", "twtt").values)
     layer_bins = layer_bins_of(layers, echogram)
-    n_lines, n_range_bins = power.shape
-    outside = (layer_bins <= -0.5) | (layer_bins >= n_range_bins - 0.5)
-    empty = (power == 0).all(axis=1)
-    if empty.any():
-        power = np.where(empty[:, None], np.nan, power)
-        outside |= empty & np.isfinite(layer_bins)
-    layer_bins[outside] = np.nan
+    power, layer_bins, n_outside = _within_record(power, layer_bins)
+    n_lines = len(power)
     n_groups = n_lines // GROUP_LINES
     surface = np.zeros(n_lines)
     if np.isfinite(layer_bins[0]).any():
@@ -146,9 +141,19 @@ def summarise(echogram, layers, where="frame"):
         air_products=products,
         air_pairs=pairs,
         texture_terms=texture,
-        n_outside=int(outside.sum()),
+        n_outside=n_outside,
     )
     return [summary]
+
+
+def _within_record(power, layer_bins):
+    """Power without lines of zeros, picks where there is power, and how many lie elsewhere."""
+    empty = (power == 0).all(axis=1)
+    if empty.any():
+        power = np.where(empty[:, None], np.nan, power)
+    outside = (layer_bins <= -0.5) | (layer_bins >= power.shape[1] - 0.5)
+    outside |= empty & np.isfinite(layer_bins)
+    return power, np.where(outside, np.nan, layer_bins), int(outside.sum())
 
 
 def _line_spacing_m(echogram, where):

@@ -4,6 +4,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from snowsim.seeding import generator
+
 # By which power of the factor of thickness, and of pulse length, a statistic grows.
 OF_THICKNESS = {
     "zone_edge_bins": 1,
@@ -130,7 +132,7 @@ def varied(statistics, *, rng, ranges=None):
     ----------
     statistics : xarray.Dataset
         Of `fit`.
-    rng : numpy.random.Generator
+    rng : int or numpy.random.Generator
     ranges : Ranges, optional
 
     Returns
@@ -155,7 +157,7 @@ def varied(statistics, *, rng, ranges=None):
     >>> bool(np.allclose(ratio, other.attrs["varied_thickness"]))
     True
     """
-    return changed(statistics, Variation.draw(ranges or Ranges(), rng=rng))
+    return changed(statistics, Variation.draw(ranges or Ranges(), rng=generator(rng)))
 
 
 def changed(statistics, variation):

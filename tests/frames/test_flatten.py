@@ -43,6 +43,15 @@ def test_gaps_stay_gaps_and_on_its_own_lines_nothing_changes(rng):
     assert not missing[0].any()
 
 
+def test_holes_in_the_lines_of_a_layer_file_stay_holes(rng):
+    echogram, layers = make_frame(rng)
+    holed = layers.isel(slow_time=np.r_[0:20, 30:60])
+    missing = np.isnan(align_layers(holed, echogram)["twtt"].values)
+    # The outermost picks hold for a line; the surface has no picks there, either.
+    assert_array_equal(np.flatnonzero(missing[0]), np.arange(21, 29))
+    assert_array_equal(missing[0], missing[1])
+
+
 def test_aligned_layers_lie_on_the_line_between_picks(rng):
     echogram, layers = make_frame(rng, surface_bins=60 + 0.5 * np.arange(60))
     coarse = layers.isel(slow_time=slice(None, None, 4))

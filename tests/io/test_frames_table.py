@@ -60,6 +60,34 @@ def test_rows_that_fail_are_named_together_before_a_file_is_opened(flight):
         assert line.startswith(f"{row.partition(chr(9))[0]}: {message}")
 
 
+def test_tabs_at_the_end_and_spaces_in_the_header_change_nothing(flight, table):
+    text = (flight / "frames.tsv").read_text().splitlines()
+    header, *rows = text
+    other = [header.replace("echogram", " echogram "), *rows]
+    (flight / "other.tsv").write_text("\n".join(other))
+    assert read_frames(flight / "other.tsv").equals(table)
+    (flight / "tabs.tsv").write_text("\n".join(line + "\t" for line in text))
+    with pytest.raises(ValueError, match=r"columns: expected frame, echogram, layers, role, found"):
+        read_frames(flight / "tabs.tsv")
+
+
+def test_an_echogram_is_one_frame_whatever_its_path(flight):
+    (flight / "again.nc").symlink_to(flight / "a.nc")
+    (flight / "sub").mkdir()
+    rows = {
+        f"one\ta.nc\t{LAYERS}\ttrain": "echogram: expected a test frame to have no other role",
+        f"two\tsub/../a.nc\t{LAYERS}\ttest": "echogram: expected a test frame to have no other",
+        f"three\tb.mat\t{LAYERS}\ttrain": "echogram: expected one frame of it for train, found",
+        f"four\tsub/../b.mat\t{LAYERS}\ttrain": "echogram: expected one frame of it for train",
+        f"five\tagain.nc\t{LAYERS}\ttrain": "echogram: expected a test frame to have no other",
+        f"a/six\tc.mat\t{LAYERS}\ttrain": "frame: expected a name without folders, found a/six",
+    }
+    (flight / "bad.tsv").write_text("\n".join([formats.TABLE_HEADER, *rows]))
+    lines = failures(lambda: read_frames(flight / "bad.tsv"), 6, 6)
+    for line, (row, message) in zip(lines, rows.items(), strict=True):
+        assert line.startswith(f"{row.partition(chr(9))[0]}: {message}")
+
+
 def test_files_that_fail_are_named_together(flight, table):
     whole = (flight / "a.nc").read_bytes()
     (flight / "a.nc").write_bytes(whole[: len(whole) // 2])
@@ -123,6 +151,13 @@ def test_a_table_needs_its_columns_and_a_row(tmp_path, header):
     (tmp_path / "frames.tsv").write_text(header)
     with pytest.raises(ValueError, match=r"frames.tsv: (columns|frames|table): expected"):
         read_frames(tmp_path / "frames.tsv")
+
+
+def test_a_surface_far_from_the_echograms_is_told_of(flight, rows, content):
+    content["Surface"] = content["Surface"] - 30 * formats.BIN_S
+    formats.write_mat5(flight / "b.mat", content)
+    with pytest.warns(UserWarning, match="layer 0 lies 30 range bins from the echogram's Surface"):
+        read_frame(rows[1])
 
 
 def test_without_a_layer_named_surface_a_frame_is_refused(flight, rows):

@@ -192,11 +192,31 @@ COLOUR = MASK[..., None].repeat(3, 2).astype(np.uint8)
             "layer numbers: expected one run of pixels",
         ),
         (
+            {"layer": np.repeat(np.arange(1, 11, dtype=np.uint8), 30)[:, None].repeat(256, 1)},
+            "layer numbers: expected lines of at most 15 pixels, found 30 pixels a column",
+        ),
+        (
+            {"layer": 60 * MASK.astype(np.uint8)},
+            "layer numbers: expected 1, 2, 3 and so on from the surface down, found 1 of",
+        ),
+        (
             {"layer": MASK + 2 * np.roll(MASK, -5, 0).astype(np.uint8)},
             "layers must increase strictly with depth",
         ),
     ],
-    ids=["none", "short", "inverted", "grey", "colour", "black", "differ", "apart", "crossing"],
+    ids=[
+        "none",
+        "short",
+        "inverted",
+        "grey",
+        "colour",
+        "black",
+        "differ",
+        "apart",
+        "regions",
+        "scaled",
+        "crossing",
+    ],
 )
 def test_wrong_labels_are_refused(tmp_path, labels, message):
     for name, values in {"data": IMAGE, **labels}.items():

@@ -61,6 +61,12 @@ def test_layers_of_another_time_are_refused(flight):
         statistics.fit([(echogram, later), *others])
 
 
+@pytest.mark.parametrize("finest_lines", [0, -5, np.nan])
+def test_undulations_shorter_than_two_lines_are_refused(flight, finest_lines):
+    with pytest.raises(ValueError, match="finest_lines must be at least 2 range lines"):
+        statistics.fit(flight, finest_lines=finest_lines)
+
+
 def test_range_lines_of_zeros_are_missing_lines(flight):
     frame, *others = flight
     echogram, layers = frame[0].copy(deep=True), frame[1].copy(deep=True)

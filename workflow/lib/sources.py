@@ -72,12 +72,15 @@ def frames_to_track(path_to_table, per_job):
 
 
 def frame_files(row, source):
-    """Files of a row of the table: echogram, layers and, where NSIDC has any, quality flags."""
+    """Files of a row: echogram, layers, the names of layers and NSIDC's quality flags, if any."""
+    from snowsim.io.layers import find_organizer
     from snowsim.io.nsidc import find_supplement
 
     files = [row["echogram"], row["layers"]]
     if source == "nsidc" and (supplement := find_supplement(row["echogram"])):
         files.append(str(supplement))
+    if row["layers"] and (organizer := find_organizer(row["layers"])):
+        files.append(str(organizer))
     return files
 
 

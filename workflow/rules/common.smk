@@ -78,6 +78,12 @@ def check_config(config):
             f"config: labels.n_layers_min: expected at most labels.n_layers_max = {labels['n_layers_max']}, "
             f"got {labels['n_layers_min']}"
         )
+    n_held = config["cgan"]["validation"]["n_scenes"]
+    n_train = config["benchmark"]["n_scenes"]["train"]
+    if config["source"] == "reference" and n_held >= n_train:
+        raise WorkflowError(
+            f"config: cgan.validation.n_scenes: expected fewer than benchmark.n_scenes.train = {n_train}, got {n_held}"
+        )
 
 
 # As given, for a run beside this one with other recipes; then with all settings of the recipes.
