@@ -254,13 +254,25 @@ def _check_same_lines(layers, echogram):
 
 
 def along_track_m(echogram):
-    """Distance of every range line from the first, (range_line,) [m], on a sphere of 6371 km."""
-    latitude, longitude = (np.radians(echogram[name].values) for name in ("Latitude", "Longitude"))
+    """Distance of every range line from the first that has a position, (range_line,) [m].
+
+    On a sphere of 6371 km. Lines without a position lie evenly between those that have one; before
+    the first and after the last of them the distance is NaN.
+    """
+    positions = np.radians([echogram[name].values for name in ("Latitude", "Longitude")])
+    known = np.flatnonzero(np.isfinite(positions).all(axis=0))
+    distance_m = np.full(positions.shape[1], np.nan)
+    if known.size == 0:
+        return distance_m
+    latitude, longitude = positions[:, known]
     half_chord = (
         np.sin(np.diff(latitude) / 2) ** 2
         + np.cos(latitude[:-1]) * np.cos(latitude[1:]) * np.sin(np.diff(longitude) / 2) ** 2
     )
-    return np.concatenate([[0], np.cumsum(2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord)))])
+    steps_m = 2 * EARTH_RADIUS_M * np.arcsin(np.sqrt(half_chord))
+    inside = np.arange(known[0], known[-1] + 1)
+    distance_m[inside] = np.interp(inside, known, np.concatenate([[0], np.cumsum(steps_m)]))
+    return distance_m
 
 
 def _require(dataset, variables, where):
@@ -280,6 +292,12 @@ def _check_slow_time(dataset, where):
     if not np.issubdtype(slow_time.dtype, np.datetime64):
         msg = f"{where}: slow_time: expected datetime64, got {slow_time.dtype}"
         raise ValueError(msg)
-    if np.isnat(slow_time).any() or (np.diff(slow_time) <= np.timedelta64(0)).any():
-        msg = f"{where}: slow_time must increase and hold no gaps"
+    if np.isnat(slow_time).any():
+        msg = f"{where}: slow_time must hold no gaps, range line {np.isnat(slow_time).argmax()} "
+        raise ValueError(msg + "has no time")
+    stays = np.diff(slow_time) <= np.timedelta64(0)
+    if stays.any():
+        line = int(stays.argmax())
+        msg = f"{where}: slow_time must increase: range line {line + 1} is not later than line "
+        msg += f"{line} ({stays.sum()} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
         raise ValueError(msg)

@@ -47,7 +47,8 @@ def write_layer_files(folder, segment, frames, *, force=False):
     frames : mapping of int to xarray.Dataset
         By number of the frame: `twtt` [s], `quality` (1 good, 2 moderate, 3 bad), `type` (1 manual,
         2 automatic) on (layer, slow_time), and `Latitude`, `Longitude`, `Elevation` along
-        slow_time. Layer i is the same layer in all, which have equally many.
+        slow_time. Where there is a coordinate `layer`, it names them, surface and snow_i, else
+        layers are numbered as they come. A frame may lack layers that others have.
     force : bool
         Replace files that are there.
 
@@ -60,30 +61,54 @@ def write_layer_files(folder, segment, frames, *, force=False):
     ------
     ValueError
         If a file is there and `force` is not set; if the folder holds layer files of other frames,
-        whose layers the organizer would name anew; if frames differ in their number of layers,
-        layers cross, or a variable is missing.
+        whose layers the organizer would name anew; if layers cross, or a variable is missing.
     """
-    parent = Path(folder) / "CSARP_layer" / segment
-    organizer = parent / f"layer_{segment}.mat"
-    first = next(iter(frames.values()))
-    n_layers = first.sizes["layer"]
-    contents = {}
-    for number, layers in frames.items():
-        path = parent / f"Data_{segment}_{number:03d}.mat"
-        if layers.sizes["layer"] != n_layers:
-            found = layers.sizes["layer"]
-            raise refusal(path, "layers", f"{n_layers} as in the first frame", found)
-        contents[path] = _frame_content(path, segment, layers)
-    others = sorted(set(parent.glob(f"Data_{segment}_*.mat")) - set(contents))
-    if others:
-        raise refusal(parent, "layer files", "those of the frames tracked alone", others[0].name)
-    contents[organizer] = _organizer_content(segment, first.attrs, n_layers)
+    refuse_other_frames(folder, segment, frames)
+    organizer = _parent(folder, segment) / f"layer_{segment}.mat"
+    paths = {number: _frame_path(folder, segment, number) for number in frames}
+    for number, path in paths.items():
+        check_layers(frames[number], str(path))
+        for name in POSITIONS.values():
+            if name not in frames[number]:
+                raise refusal(path, name, "along slow_time", "none")
     if not force:
-        for path in contents:
+        for path in (*paths.values(), organizer):
             refuse_existing(path)
-    for path, content in contents.items():
-        _write_mat(path, content)
-    return list(contents)
+    n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
+    for number, path in paths.items():
+        _write_mat(path, _frame_content(segment, frames[number], n_layers))
+    first = next(iter(frames.values()))
+    _write_mat(organizer, _organizer_content(segment, first.attrs, n_layers))
+    return [*paths.values(), organizer]
+
+
+def layer_numbers(layers):
+    """Number of every layer of a dataset by its name, 0 the surface; else as they come."""
+    if "layer" not in layers.coords:
+        return np.arange(layers.sizes["layer"])
+    names = [str(name) for name in layers["layer"].values]
+    return np.array([0 if name == SURFACE else int(name.removeprefix("snow_")) for name in names])
+
+
+def refuse_other_frames(folder, segment, numbers):
+    """Refuse to track frames of a segment into a folder that holds layer files of others of it.
+
+    One organizer names the layers of all.
+    """
+    own = {_frame_path(folder, segment, number) for number in numbers}
+    parent = _parent(folder, segment)
+    others = sorted(set(parent.glob(f"Data_{segment}_*.mat")) - own)
+    if others:
+        wanted = "those of the frames tracked alone (track all frames of the segment at once, or "
+        raise refusal(parent, "layer files", wanted + "to another folder)", others[0].name)
+
+
+def _parent(folder, segment):
+    return Path(folder) / "CSARP_layer" / segment
+
+
+def _frame_path(folder, segment, number):
+    return _parent(folder, segment) / f"Data_{segment}_{number:03d}.mat"
 
 
 def write_layers(path, layers, *, force=False):
@@ -114,26 +139,26 @@ def gps_seconds(slow_time):
     return (whole + offset) + rest * 1e-9
 
 
-def _frame_content(path, segment, layers):
+def _frame_content(segment, layers, n_layers):
     """Variables of a frame's layer file, shaped as MATLAB has them."""
-    check_layers(layers, str(path))
-    twtt = layers["twtt"].transpose("layer", "slow_time").values.astype(float)
-    picked = np.isfinite(twtt)
+    shape = (n_layers, layers.sizes["slow_time"])
+    numbers = layer_numbers(layers)
+    twtt = np.full(shape, np.nan)
+    twtt[numbers] = layers["twtt"].transpose("layer", "slow_time").values
     content = {
         "file_type": "layer",
         "file_version": VERSION,
         "gps_time": gps_seconds(layers["slow_time"].values)[None],
-        "id": 1.0 + np.arange(len(twtt))[None],
+        "id": 1.0 + np.arange(n_layers)[None],
         "twtt": twtt,
         "param": _parameters(segment, layers.attrs),
     }
     for theirs, ours in POSITIONS.items():
-        if ours not in layers:
-            raise refusal(path, ours, "along slow_time", "none")
         content[theirs] = layers[ours].values.astype(float)[None]
     for name, absent in (("quality", GOOD), ("type", AUTOMATIC)):
-        flags = layers[name].transpose("layer", "slow_time").values
-        content[name] = np.where(picked, flags, absent).astype(np.uint8)
+        flags = np.full(shape, absent)
+        flags[numbers] = layers[name].transpose("layer", "slow_time").values
+        content[name] = np.where(np.isfinite(twtt), flags, absent).astype(np.uint8)
     return content
 
 

@@ -27,6 +27,12 @@ SATURATED_DB = 10.0
 # Positions repeat or jump where the spacing is no distance.
 SPACINGS_M = (0.01, 1e4)
 MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
+# Speckle is a share of the power: from row to row its logarithm follows that of the power by a slope
+# of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike everywhere; and
+# taken for power, no echogram of decibels so large that none is negative spans much.
+LEAST_SLOPE = 0.2
+LEAST_SPAN_DB = 3.0
+LEAST_LINES = 32  # and rows, that tell it
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +106,11 @@ class Canonical:
     surface_db: np.ndarray
     notes: list = field(default_factory=list)
 
+    @property
+    def recorded(self):
+        """Whether anything was, bool by range line of the image."""
+        return self.grid.averaged(np.isfinite(self.surface_db)) > 0
+
     def image(self, first, stop):
         """8-bit image (row, range_line) of range lines `first` to before `stop`.
 
@@ -125,10 +136,14 @@ def canonical(echogram, card, where="echogram"):
     _check(echogram, card, where)
     echogram = echogram.transpose("twtt", "slow_time", ...)
     n_averaged, notes = _lines_averaged(echogram, card)
-    blocks = [
-        _survey(echogram, slice(first, first + BLOCK_LINES * n_averaged), card.bin_s, n_averaged)
-        for first in range(0, echogram.sizes["slow_time"], BLOCK_LINES * n_averaged)
-    ]
+    first_s = float(echogram["twtt"].values[0])
+    surface_s = echogram["Surface"].values.astype(float)
+    # Where nobody tracked it, files have zero.
+    given = (np.where(surface_s > 0, surface_s, np.nan) - first_s) / card.bin_s
+    blocks = []
+    for first in range(0, given.size, BLOCK_LINES * n_averaged):
+        lines = slice(first, first + BLOCK_LINES * n_averaged)
+        blocks.append(_survey(echogram, lines, given[lines], card.bin_s, n_averaged))
     found = np.concatenate([block.surface for block in blocks])
     if not np.isfinite(found).any():
         n_measured = int((echogram["Data"].values > 0).sum())
@@ -137,10 +152,9 @@ def canonical(echogram, card, where="echogram"):
             f"{where}: {wanted}, got {n_measured} pixels above zero in {echogram['twtt'].size} rows"
         )
         raise ValueError(msg)
-    first_s = float(echogram["twtt"].values[0])
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
-    given = (echogram["Surface"].values.astype(float) - first_s) / card.bin_s
-    surface, reason = chosen_surface(given, found, n_bins)
+    share = np.concatenate([block.rise_share for block in blocks])
+    surface, reason = chosen_surface(given, found, share, n_bins)
     if reason is not None:
         notes.append(reason)
     noise_floor_db = float(np.nanmedian([block.noise_floor_db for block in blocks]))
@@ -151,11 +165,20 @@ def canonical(echogram, card, where="echogram"):
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     surface_db = np.concatenate([block.largest_db for block in blocks])
-    return Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
+    seen = Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
+    if echogram.attrs.get("source_format") != "image" and _like_decibels(seen):
+        notes.append(
+            "Data looks like decibels, not linear power: its speckle does not grow with it"
+        )
+    return seen
 
 
 def _check(echogram, card, where):
     """Refuse what is no echogram, has no samples, or bins of another order of magnitude."""
+    if not isinstance(echogram, xr.Dataset):
+        wanted = "expected an echogram dataset, as snowsim.io.read_echogram reads it from a file"
+        msg = f"{where}: {wanted}, got {type(echogram).__name__}"
+        raise ValueError(msg)
     if 0 in echogram.sizes.values():
         sizes = ", ".join(f"{size} {name}" for name, size in echogram.sizes.items())
         msg = f"{where}: expected samples, got {sizes}"
@@ -179,18 +202,19 @@ class _Block:
     """What a block of range lines tells of surface [range bins] and scale."""
 
     surface: np.ndarray
+    rise_share: np.ndarray
     largest_db: np.ndarray
     noise_floor_db: float
     maximum_db: float
 
 
-def _survey(echogram, lines, bin_s, n_averaged):
+def _survey(echogram, lines, given, bin_s, n_averaged):
     power = _resampled(echogram, lines, bin_s)
     power_db = _in_db(power)
-    surface = find_surface(power_db)
+    surface, share = find_surface(power_db, given)
     largest_db = np.where(np.isfinite(power_db), power_db, -np.inf).max(axis=0)
     if not np.isfinite(surface).any():
-        return _Block(surface, largest_db, np.nan, np.nan)
+        return _Block(surface, share, largest_db, np.nan, np.nan)
     top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
     present = np.isfinite(level_db)
@@ -200,9 +224,29 @@ def _survey(echogram, lines, bin_s, n_averaged):
     maxima = np.where(present, level_db, -np.inf).max(axis=0)
     unsaturated = maxima <= np.median(maxima) + SATURATED_DB
     if not filled.any():
-        return _Block(surface, largest_db, np.nan, np.nan)
+        return _Block(surface, share, largest_db, np.nan, np.nan)
     noise_floor_db = (sums[filled] / n_present[filled]).min()
-    return _Block(surface, largest_db, noise_floor_db, maxima[unsaturated].max())
+    return _Block(surface, share, largest_db, noise_floor_db, maxima[unsaturated].max())
+
+
+def _like_decibels(seen):
+    """Whether the middle lines have a span, or speckle along track, that no linear power has."""
+    grid = seen.grid
+    first = max(0, grid.top.size // 2 - BLOCK_LINES // 2)
+    own = slice(first, first + BLOCK_LINES)
+    if seen.maximum_db - seen.noise_floor_db < LEAST_SPAN_DB:
+        return True
+    if grid.top[own].size < LEAST_LINES:
+        return False
+    power_db = _level_db(_resampled(seen.echogram, own, grid.bin_s), grid.top[own], grid.n_rows, 1)
+    measured = np.isfinite(np.diff(power_db, axis=1)).mean(axis=1) > 0.5
+    power = 10 ** (power_db[measured].astype(float) / 10)
+    speckle = np.nanmedian(np.abs(np.diff(power, axis=1)), axis=1)
+    if np.count_nonzero(speckle) < LEAST_LINES:
+        return False
+    logarithms = np.log([np.nanmedian(power, axis=1)[speckle > 0], speckle[speckle > 0]])
+    (variance, covariance), _ = np.cov(logarithms)
+    return covariance < LEAST_SLOPE * variance
 
 
 def _tops(surface):

@@ -22,25 +22,33 @@ def join_through_fades(pieces):
     neighbours keep their distance. Both must choose each other, and the line between them must
     cross no piece. The shortest gaps are closed first.
     """
-    links = _possible_links(pieces)
     present = list(pieces)
+    start, stop = _ends(pieces)
     successor = {}
     predecessor = {}
-    for _, left, right in sorted(links):
+    for _, left, right in sorted(_possible_links(pieces)):
         bridge = _bridge(pieces[left], pieces[right])
-        others = [piece for n, piece in enumerate(present) if n not in (left, right)]
+        beside = np.flatnonzero((start <= bridge.line[1]) & (stop >= bridge.line[0]))
+        others = [present[n] for n in beside if n not in (left, right)]
         free = left not in successor and right not in predecessor
         if free and not _crosses(bridge, others):
             present.append(bridge)
+            start = np.append(start, bridge.line[0])
+            stop = np.append(stop, bridge.line[1])
             successor[left] = right
             predecessor[right] = left
     return [_whole(pieces, n, successor) for n in range(len(pieces)) if n not in predecessor]
 
 
+def _ends(pieces):
+    """First and last range line of every piece, (piece,)."""
+    first = np.array([piece.line[0] for piece in pieces], dtype=int)
+    return first, np.array([piece.line[-1] for piece in pieces], dtype=int)
+
+
 def _possible_links(pieces):
     """Links (gap, left, right) of ends that foretell each other."""
-    start = np.array([piece.line[0] for piece in pieces])
-    stop = np.array([piece.line[-1] for piece in pieces])
+    start, stop = _ends(pieces)
     links = []
     for left in range(len(pieces)):
         gap = start - stop[left]
@@ -110,8 +118,7 @@ def ordered(pieces):
     """
     below = [set() for _ in pieces]
     n_above = np.zeros(len(pieces), dtype=int)
-    start = np.array([piece.line[0] for piece in pieces])
-    stop = np.array([piece.line[-1] for piece in pieces])
+    start, stop = _ends(pieces)
     # Neighbours change only where a piece begins or ends.
     for line in np.unique([start, stop]):
         there = np.flatnonzero((start <= line) & (line <= stop))

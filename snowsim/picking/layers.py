@@ -5,7 +5,7 @@ import xarray as xr
 
 from snowsim.echogram import check_layers
 from snowsim.frames.flatten import FLAGGED_BY, flagged_lines
-from snowsim.picking.confidence import confidence, half_width_rows
+from snowsim.picking.confidence import half_width_rows
 
 GOOD, MODERATE, BAD = 1, 2, 3
 AUTOMATIC = 2
@@ -19,20 +19,24 @@ ALONG = ("layer", "slow_time")
 ALONG_TRACK = ("Latitude", "Longitude", "Elevation")
 
 
-def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
+def layers_of(canonical, pieces, first_line, longest):
     """Layers dataset of the frame whose image begins at range line `first_line` of the pieces.
 
-    Row 0 is `surface`, a `Piece` too; all pieces have a row, also those without a pick here. Gaps
-    within a chain, up to `longest` lines, are filled straight, longer ones stay NaN.
+    `pieces` are pairs of a `Piece` and how sure its picks are, the surface first; those with a pick
+    in this frame have a row, called by their number. Gaps within a chain, up to `longest` lines,
+    are filled straight, longer ones stay NaN.
     """
     grid = canonical.grid
     lines = first_line + np.arange(grid.n_lines)
+    numbers = []
     rows = []
     sure = []
-    n_lines = surface.line.size
-    for piece in (surface, *pieces):
-        of_piece = confidence(piece, n_lines, coefficients)
+    for number, (piece, of_piece) in enumerate(pieces):
+        first, stop = np.searchsorted(piece.line, [lines[0], lines[-1] + 1])
+        if number > 0 and first == stop:
+            continue
         row, of_pick = on_lines(piece, of_piece, lines, longest)
+        numbers.append(number)
         rows.append(between_lines(row, grid.line))
         sure.append(between_lines(of_pick, grid.line))
     rows = np.array(rows)
@@ -51,17 +55,16 @@ def layers_of(canonical, surface, pieces, first_line, longest, coefficients):
     variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
     variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
-    layers = _dataset(variables, canonical.echogram)
+    layers = _dataset(variables, numbers, canonical.echogram)
     check_layers(layers, "picks")
     return layers
 
 
-def _dataset(variables, echogram):
+def _dataset(variables, numbers, echogram):
     """Variables with the positions, times and attributes of their echogram."""
     for name in ALONG_TRACK:
         variables[name] = ("slow_time", echogram[name].values, echogram[name].attrs)
-    n_layers = variables["twtt"][1].shape[0]
-    coordinates = {"layer": np.arange(n_layers), "slow_time": echogram["slow_time"].values}
+    coordinates = {"layer": numbers, "slow_time": echogram["slow_time"].values}
     kept = ("season_name", "radar_name", "day_seg")
     attributes = {name: echogram.attrs[name] for name in kept if name in echogram.attrs}
     return xr.Dataset(variables, coordinates, attributes)

@@ -55,7 +55,10 @@ class Piece:
 
     def at(self, line):
         """Rows at range lines, straight between those of the chain."""
-        return np.interp(line, self.line, self.row)
+        # Only what lies around them: a chain may run through a whole segment.
+        first = max(0, np.searchsorted(self.line, np.min(line), "right") - 1)
+        around = slice(first, np.searchsorted(self.line, np.max(line)) + 1)
+        return np.interp(line, self.line[around], self.row[around])
 
 
 def link(candidates, linking, threshold):

@@ -7,6 +7,7 @@ from scipy.special import expit
 
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.canonical import Canonical
+from snowsim.picking.confidence import confidence
 from snowsim.picking.joining import join_through_fades, ordered
 from snowsim.picking.layers import layers_of
 from snowsim.picking.linking import Linking, Piece, link
@@ -73,24 +74,31 @@ def _split_surface(canonical, candidates, surface, even, apart):
 def layers_of_frames(frames, card, linking=None):
     """Layers datasets of frames that follow one another, list of `Evidence`; all name them alike.
 
-    Row 0 is the surface, row i the same layer in every frame.
+    Layer 0 is the surface, layer i the same in every frame; a frame holds those picked in it.
     """
     linking = linking or Linking()
     candidates = joined([frame.candidates for frame in frames])
     pieces = link(candidates, linking, card.threshold_log_odds)
     pieces = ordered(join_through_fades(pieces))
-    surface_rows = np.concatenate([frame.surface for frame in frames])
-    excess = np.concatenate([frame.surface_excess for frame in frames])
-    surface = Piece(np.arange(surface_rows.size), surface_rows, excess)
+    n_lines = candidates.n_lines
+    sure = [
+        (piece, confidence(piece, n_lines, card.confidence))
+        for piece in (_surface(frames), *pieces)
+    ]
     layers = []
     first_line = 0
     for frame in frames:
-        found = layers_of(
-            frame.canonical, surface, pieces, first_line, linking.longest, card.confidence
-        )
-        layers.append(found)
+        layers.append(layers_of(frame.canonical, sure, first_line, linking.longest))
         first_line += frame.canonical.grid.n_lines
     return layers
+
+
+def _surface(frames):
+    """The surface of frames as a `Piece` of the range lines on which something was recorded."""
+    rows = np.concatenate([frame.surface for frame in frames])
+    excess = np.concatenate([frame.surface_excess for frame in frames])
+    recorded = np.concatenate([frame.canonical.recorded for frame in frames])
+    return Piece(np.flatnonzero(recorded), rows[recorded], excess[recorded])
 
 
 def probability_of(run, canonical, card):

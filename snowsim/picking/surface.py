@@ -11,19 +11,26 @@ OUTLIER_BINS = 8.0
 # A pick that lies farther off is wrong; where over a quarter of the lines are, all are.
 WRONG_BINS = 15.0
 WRONG_SHARE = 0.25
+# Nearer ones may be, too. An echo is largest so far below the interface; a surface whose median
+# lies so much farther off is wrong if it lies in the snow, or power hardly rises there: by less
+# than this share of the largest rise [dB].
+PEAK_BINS = 2.0
+OFF_BINS = 3.0
+RISE_SHARE = 1 / 3
 
 
-def find_surface(power_db):
+def find_surface(power_db, given):
     """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
 
     It is the largest of the next few bins where their mean exceeds that of the air above by most; a
-    line that leaves the running median by more than a few bins takes the median.
+    line that leaves the running median by more than a few bins takes the median. And by what share
+    of that power rises at the surface given, (range_line,), NaN where that is unknown.
     """
     n_bins, n_lines = power_db.shape
     present = np.isfinite(power_db)
     known = present.any(axis=0)
     if n_bins < AIR_BINS + GUARD_BINS + SNOW_BINS or not known.any():
-        return np.full(n_lines, np.nan)
+        return np.full(n_lines, np.nan), np.full(n_lines, np.nan)
     floor = power_db[present].min()
     total = np.cumsum(np.where(present, power_db, floor), axis=0, dtype=float)
     total = np.concatenate([np.zeros((1, n_lines)), total])
@@ -37,7 +44,17 @@ def find_surface(power_db):
     found = (at + near_db.argmax(axis=0)).astype(float)
     found[known] = without_outliers(found[known])
     found[~known] = np.nan
-    return found
+    return found, _share_of_rise(rise, given - first)
+
+
+def _share_of_rise(rise, at):
+    """Rise of dB (place, range_line) at places (range_line,), as a share of the line's largest."""
+    largest = rise.max(axis=0)
+    known = (at >= 0) & (at <= len(rise) - 1) & (largest > 0)
+    lines = np.flatnonzero(known)
+    share = np.full(at.size, np.nan)
+    share[lines] = rise[np.rint(at[lines]).astype(int), lines] / largest[lines]
+    return share
 
 
 def without_outliers(bins):
@@ -46,22 +63,38 @@ def without_outliers(bins):
     return np.where(np.abs(bins - smooth) > OUTLIER_BINS, smooth, bins)
 
 
-def chosen_surface(given, found, n_bins):
+def chosen_surface(given, found, share, n_bins):
     """The surface given, if it lies near the one found, else the one found; and why, or None.
 
-    Both are range bins by range line, NaN where unknown; gaps are bridged.
+    Both are range bins by range line, NaN where unknown; gaps are bridged. `share` is that of
+    `find_surface`.
     """
-    known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
     if not np.isfinite(given).any():
         return bridged(found), "the file has no surface, it was found in the echogram"
+    known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
     apart = np.abs(given - found)
     both = known & np.isfinite(found)
-    n_wrong = int((apart[both] > WRONG_BINS).sum() + (~known).sum())
-    if n_wrong > WRONG_SHARE * given.size:
-        reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
-        reason += "(outside the window, or no echo rises there), it was found in the echogram"
-        return bridged(found), reason
-    return bridged(np.where(known & ~(apart > WRONG_BINS), given, found)), None
+    outside = np.isfinite(given) & ~known
+    wrong = ~known | (both & (apart > WRONG_BINS))
+    if outside.sum() > WRONG_SHARE * given.size:
+        reason = f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
+        return bridged(found), reason + "range lines, the strongest rise of power is taken for it"
+    if wrong.sum() <= WRONG_SHARE * given.size and not _off(given[both], found[both], share[both]):
+        return bridged(np.where(known & ~(apart > WRONG_BINS), given, found)), None
+    n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
+    reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
+    return bridged(
+        found
+    ), reason + "(none is given, or no echo rises there), it was found in the echogram"
+
+
+def _off(given, found, share):
+    """Whether a surface given that lies near the one found is wrong all the same, in the median."""
+    if given.size == 0:
+        return False
+    off = np.median(found - given) - PEAK_BINS
+    # Above the surface given nothing rises; below a faint one, crusts may rise by more.
+    return off < -OFF_BINS or (off > OFF_BINS and np.median(share) < RISE_SHARE)
 
 
 def bridged(bins):
