@@ -416,7 +416,14 @@ def check_room(line_bytes, n_range_lines):
 
 @commands.command(short_help="Layers of echograms, without any annotation.", context_settings=SHOWN)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("-o", "--output", "folder", type=FOLDER, required=True, help="Where layers go.")
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=click.Path(file_okay=False),  # as text: a path of no name would be the folder one is in
+    required=True,
+    help="Where layers go.",
+)
 @click.option("--model", default="universal", help="A tracker that is shipped, or its ONNX file.")
 @click.option("--png", is_flag=True, help="Draw the picks on every echogram, too.")
 @click.option("--bin-s", type=POSITIVE, help="Range bin of images [s], two-way; they tell none.")

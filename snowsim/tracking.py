@@ -3,8 +3,11 @@
 Only `snowsim.io` opens files, only `snowsim.picking` knows how to pick: this joins them.
 """
 
+import os
+import re
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +18,10 @@ from snowsim.io import read_echogram
 from snowsim.io.guard import container_of, existing, is_zarr, refusal
 from snowsim.io.images import read_image
 from snowsim.io.layer_files import (
+    layer_numbers,
     named_frame,
     refuse_existing,
+    refuse_other_frames,
     write_layer_files,
     write_layers,
 )
@@ -34,12 +39,17 @@ from snowsim.picking.network import network
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
 SURFACE_NAME = "surface"
-# Frames of a segment follow one another where no more time lies between them.
-PAUSE = np.timedelta64(2, "s")
+# Only such a name becomes a folder: attributes of a file may hold anything.
+SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
+# Frames of a segment follow one another where no more time lies between them, or no more range
+# lines would.
+PAUSE_S = 2.0
+PAUSE_LINES = 5
 FIRST_TIME = np.datetime64("2000-01-01", "ns")
 # Decibels that an image's greys stand for where it does not tell: as many as make its darkest row
 # the noise floor, within limits.
 CONTRASTS_DB = (20.0, 100.0)
+EDGE_ROWS = 24  # above the layers of a picture, and below them
 
 
 def list_pretrained():
@@ -65,7 +75,7 @@ class Tracker:
     """
 
     def __init__(self, weights, card, where="weights"):
-        self.card = checked_card(card, where)
+        self.card = checked_card(card, Path(where).with_suffix(".json"))
         self._run = network(weights, where)
 
     @classmethod
@@ -84,6 +94,10 @@ class Tracker:
 
         ValueError unless both are whole, belong together and are of this version.
         """
+        if not Path(path).exists():
+            known = ", ".join(list_pretrained()) or "none"
+            wanted = f"an ONNX file (or for --model and Tracker.from_pretrained one of: {known})"
+            raise refusal(path, "tracker", wanted, "nothing")
         weights, card = read_tracker(path)
         return cls(weights, card, str(path))
 
@@ -119,7 +133,10 @@ class Tracker:
         return evidence_of(self._run, seen, self.card).without_data()
 
     def pick_together(self, evidence):
-        """Layers of frames that follow one another, list of `see`: row i is one layer in all."""
+        """Layers of frames that follow one another, list of `see`: a name is one layer in all.
+
+        A frame has the layers picked in it.
+        """
         found = layers_of_frames(evidence, self.card)
         notes = [frame.canonical.notes for frame in evidence]
         return [self._labelled(*each) for each in zip(found, notes, strict=True)]
@@ -132,14 +149,19 @@ class Tracker:
         return seen
 
     def _labelled(self, layers, notes):
-        names = [SURFACE_NAME, *(f"snow_{number}" for number in range(1, layers.sizes["layer"]))]
         about = {"tracker": f"{self.card.name} {self.card.version}", "notes": "; ".join(notes)}
+        names = _names(layers["layer"].values)
         return layers.assign_coords(layer=names).assign_attrs(about)
+
+
+def _names(numbers):
+    """Names of layers, the surface first, by their numbers."""
+    return [SURFACE_NAME, *(f"snow_{number}" for number in numbers[1:])]
 
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """A file and what the tracker saw in it; an image has no frame of a segment."""
+    """A file and what the tracker saw in it; an image has no segment, not all frames a number."""
 
     path: Path
     evidence: object
@@ -168,6 +190,7 @@ def track_files(
     ----------
     paths : sequence of path_like
     folder : path_like
+        Made where there is none.
     model : str
         One of `list_pretrained`, or an ONNX file.
     png : bool
@@ -175,7 +198,7 @@ def track_files(
     bin_s : float, optional
         Range bin of images [s].
     force : bool
-        Write over files that are there.
+        Write over files that are there, but for those beside the input that they are named by.
     say, progress : callable
         Told a line of every file that fails, and of what was written; and wrapping the files.
 
@@ -183,26 +206,35 @@ def track_files(
     -------
     int
         Files that failed.
+
+    Raises
+    ------
+    ValueError
+        Before anything is tracked, in one line: a folder that cannot be written to, two files of
+        one name, a damaged tracker.
     """
-    shipped = shipped_trackers()
-    tracker = Tracker.load(shipped.get(model, model))
-    folder = Path(folder)
+    tracker = Tracker.load(shipped_trackers().get(model, model))
+    paths = [Path(path) for path in paths]
+    _check_names(paths)
+    folder = _made(folder)
+    named = {}
+    for path in paths:
+        segment, number = named_frame(path)
+        named.setdefault(segment, set()).add(number)
     n_failed = 0
     seen = []
-    taken = {}
-    for path in progress([Path(path) for path in paths]):
+    for path in progress(paths):
         try:
+            _check_outputs(path, folder, named, png, force)
             frame = _see(tracker, path, bin_s, seen)
-            _check_outputs(frame, folder, taken, png, force)
         except (ValueError, OSError) as error:
             n_failed += 1
             say(f"error: {error}")
             continue
         for note in frame.evidence.canonical.notes:
             say(f"{path}: {note}")
-        taken[_key(frame)] = path
         seen.append(frame)
-    for frames in _segments(seen):
+    for frames in _segments(_numbered(seen)):
         try:
             _write_segment(tracker, frames, folder, png, bin_s, force, say)
         except (ValueError, OSError) as error:
@@ -211,42 +243,100 @@ def track_files(
     return n_failed
 
 
+def _check_names(paths):
+    """Refuse two files whose outputs would have one name."""
+    first = {}
+    for path in paths:
+        if path.stem in first:
+            wanted = "files of different names, for their layers are named by them"
+            raise refusal(path, "name", wanted, f"{first[path.stem]} too")
+        first[path.stem] = path
+
+
+def _made(folder):
+    """The folder, made where there is none; ValueError unless it can be written to."""
+    if not str(folder):
+        msg = "output: expected a folder, got an empty name"
+        raise ValueError(msg)
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise refusal(folder, "output", "a folder", error.strerror) from error
+    if not os.access(folder, os.W_OK):
+        raise refusal(folder, "output", "a folder that can be written to", "one that cannot")
+    return folder
+
+
 def _see(tracker, path, bin_s, seen):
     """What the tracker sees in a file, and of which segment it is."""
     echogram = _read(path, bin_s)
-    evidence = tracker.see(echogram, str(path))
     if echogram.attrs.get("source_format") == "image":
+        evidence = tracker.see(echogram, str(path))
+        if _dark_on_bright(echogram):
+            note = "the picture is bright above and below: expected bright layers on a dark ground"
+            evidence.canonical.notes.append(note)
         return _Seen(path, evidence, None, None)
-    segment, number = named_frame(path)
-    if segment:
-        return _Seen(path, evidence, segment, number)
-    day = str(echogram["slow_time"].values[0])[:10].replace("-", "")
-    segment = echogram.attrs.get("day_seg") or f"{day}_01"
-    number = 1 + max((each.number for each in seen if each.segment == segment), default=0)
-    return _Seen(path, evidence, str(segment), number)
+    segment, number = _frame_of(path, echogram)
+    for other in seen:
+        if number is not None and (other.segment, other.number) == (segment, number):
+            raise refusal(path, "frame", "one file of each", f"that of {other.path}")
+    return _Seen(path, tracker.see(echogram, str(path)), segment, number)
 
 
-def _key(frame):
-    """What of two files must differ: both would be written to one."""
-    return frame.path.stem if frame.segment is None else (frame.segment, frame.number)
+def _frame_of(path, echogram):
+    """Segment and number of the frame, by the file's name or what is in it; the number may be None.
+
+    Open Polar Radar's tools write `granule`, `segment_path` and `frame`.
+    """
+    for name in (path, str(echogram.attrs.get("granule", ""))):
+        segment, number = named_frame(name)
+        if segment is not None:
+            return segment, number
+    told = [str(echogram.attrs.get(name, "")) for name in ("day_seg", "segment_path")]
+    segment = told[0] or told[1]
+    if not segment:
+        day = str(echogram["slow_time"].values[0])[:10].replace("-", "")
+        return f"{day}_01", None
+    if not SEGMENT.fullmatch(segment):
+        raise refusal(path, "day_seg", "a segment such as 20120330_04", segment)
+    number = echogram.attrs.get("frame")
+    counted = isinstance(number, Integral) and 0 < number < 1000
+    return segment, int(number) if counted else None
 
 
-def _outputs(frame, folder, png):
+def _numbered(seen):
+    """The same, with numbers of frames that files do not tell: after the others, by time."""
+    last = {}
+    for frame in seen:
+        last[frame.segment] = max(last.get(frame.segment, 0), frame.number or 0)
+    numbers = {frame.path: frame.number for frame in seen}
+    for frame in sorted(seen, key=lambda each: _times(each)[0]):
+        if frame.segment is not None and frame.number is None:
+            last[frame.segment] += 1
+            numbers[frame.path] = last[frame.segment]
+    return [replace(frame, number=numbers[frame.path]) for frame in seen]
+
+
+def _outputs(path, folder, png):
     """Files beside the layer files of a frame."""
-    paths = [folder / f"{frame.path.stem}_layers.nc"]
+    paths = [folder / f"{path.stem}_layers.nc"]
     if png:
-        paths.append(folder / f"{frame.path.stem}_picks.png")
+        paths.append(folder / f"{path.stem}_picks.png")
     return paths
 
 
-def _check_outputs(frame, folder, taken, png, force):
-    """Refuse a second file of one frame, and files that are there."""
-    if _key(frame) in taken:
-        found = f"that of {taken[_key(frame)]}"
-        raise refusal(frame.path, "frame", "one file of each", found)
-    if not force:
-        for path in _outputs(frame, folder, png):
-            refuse_existing(path)
+def _check_outputs(path, folder, named, png, force):
+    """Refuse files that are there, and frames of a segment beside layer files of others of it."""
+    segment, _ = named_frame(path)
+    if segment is not None and path.suffix.lower() != ".png":
+        refuse_other_frames(folder, segment, named[segment])
+    for output in _outputs(path, folder, png):
+        if output.exists() and folder.resolve() == path.resolve().parent:
+            wanted = "none beside the input, also with force (give another folder)"
+            raise refusal(output, "file", wanted, "one")
+        if not force:
+            refuse_existing(output)
 
 
 def _read(path, bin_s):
@@ -273,6 +363,12 @@ def _read(path, bin_s):
     return xr.Dataset(content, coordinates, {"source_format": "image"})
 
 
+def _dark_on_bright(echogram):
+    """Whether a picture is brighter above and below its layers than among them."""
+    row_db = 10 * np.log10(echogram["Data"].values).mean(axis=1)
+    return min(row_db[:EDGE_ROWS].mean(), row_db[-EDGE_ROWS:].mean()) > np.median(row_db)
+
+
 def _segments(seen):
     """Frames by segment, in order; every image by itself."""
     segments = {}
@@ -281,24 +377,41 @@ def _segments(seen):
     return [sorted(frames, key=lambda each: each.number or 0) for frames in segments.values()]
 
 
-def _runs(frames):
-    """Frames of a segment in runs without a gap in number or time."""
+def _runs(frames, say):
+    """Frames of a segment in runs without a gap in number or time; the latter are said."""
     runs = []
-    last = None
     for frame in frames:
-        follows = last is not None and frame.number == last.number + 1
-        if follows:
-            pause = _times(frame)[0] - _times(last)[-1]
-            same = (
-                frame.evidence.canonical.grid.n_averaged == last.evidence.canonical.grid.n_averaged
-            )
-            follows = same and np.timedelta64(0) < pause <= PAUSE
-        if follows:
-            runs[-1].append(frame)
-        else:
+        last = runs[-1][-1] if runs else None
+        if last is None or frame.number != last.number + 1:
             runs.append([frame])
-        last = frame
+            continue
+        reason = _why_apart(last, frame)
+        if reason is None:
+            runs[-1].append(frame)
+            continue
+        note = f"not linked with frame {last.number}: {reason}"
+        frame.evidence.canonical.notes.append(note)
+        say(f"{frame.path}: {note}")
+        runs.append([frame])
     return runs
+
+
+def _why_apart(last, frame):
+    """Why the next frame does not go on where the last one ends, None if it does."""
+    pause_s = (_times(frame)[0] - _times(last)[-1]) / np.timedelta64(1, "s")
+    longest_s = max(PAUSE_S, PAUSE_LINES * _interval_s(last), PAUSE_LINES * _interval_s(frame))
+    if pause_s <= 0:
+        return f"it begins {-pause_s:.3g} s before that ends"
+    if pause_s > longest_s:
+        return f"it begins {pause_s:.3g} s after that ends, more than {longest_s:.3g} s"
+    own, others = (each.evidence.canonical.grid.n_averaged for each in (frame, last))
+    return None if own == others else f"of its range lines {own} are averaged, of that {others}"
+
+
+def _interval_s(frame):
+    """Median time from a range line to the next [s], 0 for a single one."""
+    steps = np.diff(_times(frame)) / np.timedelta64(1, "s")
+    return float(np.median(steps)) if steps.size else 0.0
 
 
 def _times(frame):
@@ -308,10 +421,8 @@ def _times(frame):
 def _write_segment(tracker, frames, folder, png, bin_s, force, say):
     """Layers of all frames of a segment, or of an image, to files."""
     found = []
-    for run in _runs(frames):
+    for run in _runs(frames, say):
         found.extend(_apart(found, tracker.pick_together([frame.evidence for frame in run])))
-    n_layers = max(layers.sizes["layer"] for layers in found)
-    found = [_with_layers(layers, n_layers) for layers in found]
     if frames[0].segment is not None:
         by_number = {frame.number: layers for frame, layers in zip(frames, found, strict=True)}
         write_layer_files(folder, frames[0].segment, by_number, force=force)
@@ -319,10 +430,11 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
         picked = np.isfinite(layers["twtt"].values).any(axis=1)
         picked[0] = True
         layers = layers.isel(layer=picked)
-        path, *pictures = _outputs(frame, folder, png)
+        path, *pictures = _outputs(frame.path, folder, png)
         if frame.segment is None:
             rows = (layers["twtt"] / bin_s).assign_attrs(units="1", long_name="row of the image")
             layers = layers.assign(row=rows)
+            layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
         write_layers(path, layers, force=force)
         for picture in pictures:
             _draw(picture, _read(frame.path, bin_s), layers, frame.evidence.canonical)
@@ -331,28 +443,9 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
 
 
 def _apart(before, found):
-    """Layers of one run, in rows below those of the runs before it; the surface stays row 0."""
-    n_above = max((layers.sizes["layer"] - 1 for layers in before), default=0)
-    return [_renamed(layers, n_above) for layers in found]
-
-
-def _renamed(layers, n_above):
-    names = layers["layer"].values
-    rows = [int(name.removeprefix("snow_")) + n_above for name in names[1:]]
-    layers = layers.assign_coords(layer=[SURFACE_NAME, *(f"snow_{row}" for row in rows)])
-    return _with_layers(layers, n_above + len(names))
-
-
-def _with_layers(layers, n_layers):
-    """The same with `n_layers` rows by name, those that are new without picks."""
-    names = [SURFACE_NAME, *(f"snow_{row}" for row in range(1, n_layers))]
-    if list(layers["layer"].values) == names:
-        return layers
-    fill = {"quality": np.uint8(1), "type": np.uint8(2)}
-    return layers.reindex(
-        layer=names,
-        fill_value=fill | dict.fromkeys(("twtt", "twtt_low", "twtt_high", "confidence"), np.nan),
-    )
+    """Layers of one run, named after those of the runs before it; the surface is one in all."""
+    n_above = max((int(layer_numbers(layers).max()) for layers in before), default=0)
+    return [layers.assign_coords(layer=_names(layer_numbers(layers) + n_above)) for layers in found]
 
 
 def _draw(path, echogram, layers, seen):

@@ -91,7 +91,16 @@ def test_a_good_echogram_passes_in_any_order_of_dimensions():
             lambda e: e.assign_coords(slow_time=np.arange(6.0)),
             "f.nc: slow_time: expected datetime64",
         ),
-        (lambda e: e.isel(slow_time=[0, 2, 1, 3, 4, 5]), "f.nc: slow_time must increase"),
+        (
+            lambda e: e.isel(slow_time=[0, 2, 1, 3, 4, 5]),
+            "f.nc: slow_time must increase: range line 2 is not later than line 1 .1 such lines",
+        ),
+        (
+            lambda e: e.assign_coords(
+                slow_time=e["slow_time"].where(e["slow_time"] != e["slow_time"][3])
+            ),
+            "f.nc: slow_time must hold no gaps, range line 3 has no time",
+        ),
         (lambda e: e.assign(Data=-e["Data"]), "f.nc: Data: expected linear power"),
         (lambda e: e.assign(Surface=e["Data"]), "f.nc: Surface: expected dimensions"),
     ],
@@ -107,3 +116,14 @@ def test_distance_along_a_meridian_is_radius_times_angle():
     echogram["Longitude"][:] = [-40.0, -40.0]
     # The haversine of 1.7e-4 rad keeps 12 digits.
     assert_allclose(eg.along_track_m(echogram)[1], 6.371e6 * np.radians(0.01), rtol=1e-9)
+
+
+def test_a_line_without_position_spoils_no_distance_but_its_own():
+    echogram = make_echogram(n_lines=7)
+    echogram["Latitude"][:] = 70 + 0.01 * np.arange(7)
+    whole_m = eg.along_track_m(echogram)
+    echogram["Latitude"][[0, 3, 6]] = np.nan
+    distance_m = eg.along_track_m(echogram)
+    assert np.isnan(distance_m[[0, 6]]).all()
+    # From the first that is known; even steps are those of the whole, to some bits of 3 sums.
+    assert_allclose(distance_m[1:6], whole_m[1:6] - whole_m[1], rtol=1e-9, atol=1e-6)

@@ -8,7 +8,6 @@ import numpy as np
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import check_choice
 from snowsim.labels.given import values_by_layer, values_of
-from snowsim.phy.speckle import checked_looks
 
 WIDTHS = ("paper", "fitted")
 MEASURED_OR_NONE = ("measured", "none")
@@ -44,8 +43,9 @@ class Dress:
         check_choice("width", self.width, WIDTHS)
         check_choice("speckle_correlation", self.speckle_correlation, MEASURED_OR_NONE)
         check_choice("background", self.background, MEASURED_OR_NONE)
-        if self.n_looks is not None:
-            checked_looks(self.n_looks)
+        if self.n_looks is not None and not 1 <= self.n_looks < np.inf:
+            msg = f"n_looks must be finite and at least 1, got {self.n_looks}"
+            raise ValueError(msg)
         if self.width_bounds is not None:
             _check_bounds("width_bounds", self.width_bounds)
 

@@ -27,9 +27,9 @@ SATURATED_DB = 10.0
 # Positions repeat or jump where the spacing is no distance.
 SPACINGS_M = (0.01, 1e4)
 MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
-# Speckle is a share of the power: from row to row its logarithm follows that of the power by a slope
-# of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike everywhere; and
-# taken for power, no echogram of decibels so large that none is negative spans much.
+# Speckle is a share of the power: from row to row its logarithm follows that of the power by a
+# slope of 1, by 0.3 at least where noise of fewer looks was added. Decibels scatter alike
+# everywhere; and taken for power, those that are all far above zero span hardly anything.
 LEAST_SLOPE = 0.2
 LEAST_SPAN_DB = 3.0
 LEAST_LINES = 32  # and rows, that tell it
@@ -137,28 +137,22 @@ def canonical(echogram, card, where="echogram"):
     echogram = echogram.transpose("twtt", "slow_time", ...)
     n_averaged, notes = _lines_averaged(echogram, card)
     first_s = float(echogram["twtt"].values[0])
-    surface_s = echogram["Surface"].values.astype(float)
-    # Where nobody tracked it, files have zero.
-    given = (np.where(surface_s > 0, surface_s, np.nan) - first_s) / card.bin_s
+    given = (_surface_s(echogram) - first_s) / card.bin_s
     blocks = []
     for first in range(0, given.size, BLOCK_LINES * n_averaged):
         lines = slice(first, first + BLOCK_LINES * n_averaged)
         blocks.append(_survey(echogram, lines, given[lines], card.bin_s, n_averaged))
     found = np.concatenate([block.surface for block in blocks])
-    if not np.isfinite(found).any():
-        n_measured = int((echogram["Data"].values > 0).sum())
-        wanted = "expected 30 range bins or more of measured power"
-        msg = (
-            f"{where}: {wanted}, got {n_measured} pixels above zero in {echogram['twtt'].size} rows"
-        )
-        raise ValueError(msg)
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
+    if not np.isfinite(found).any():
+        got = f"{(echogram['Data'].values > 0).sum()} pixels above zero in {n_bins} bins"
+        msg = f"{where}: expected 30 range bins or more of measured power, got {got}"
+        raise ValueError(msg)
     share = np.concatenate([block.rise_share for block in blocks])
     surface, reason = chosen_surface(given, found, share, n_bins)
     if reason is not None:
         notes.append(reason)
-    noise_floor_db = float(np.nanmedian([block.noise_floor_db for block in blocks]))
-    maximum_db = float(np.nanmedian([block.maximum_db for block in blocks]))
+    noise_floor_db, maximum_db = _scale(blocks)
     if not maximum_db > noise_floor_db + 1e-3:
         msg = f"{where}: echogram without contrast: its power is {maximum_db:g} dB throughout"
         raise ValueError(msg)
@@ -167,9 +161,7 @@ def canonical(echogram, card, where="echogram"):
     surface_db = np.concatenate([block.largest_db for block in blocks])
     seen = Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
     if echogram.attrs.get("source_format") != "image" and _like_decibels(seen):
-        notes.append(
-            "Data looks like decibels, not linear power: its speckle does not grow with it"
-        )
+        notes.append("Data looks like decibels: speckle of linear power is in proportion to it")
     return seen
 
 
@@ -197,6 +189,11 @@ def _check(echogram, card, where):
         raise ValueError(msg)
 
 
+def _surface_s(echogram):
+    """Travel time of the file's surface, (range_line,) [s]; zero where nobody tracked it is NaN."""
+    return echogram["Surface"].where(echogram["Surface"] > 0).values.astype(float)
+
+
 @dataclass(frozen=True, eq=False)
 class _Block:
     """What a block of range lines tells of surface [range bins] and scale."""
@@ -206,6 +203,12 @@ class _Block:
     largest_db: np.ndarray
     noise_floor_db: float
     maximum_db: float
+
+
+def _scale(blocks):
+    """Medians over blocks of the powers that an image's greys begin and end with [dB]."""
+    floors = [block.noise_floor_db for block in blocks]
+    return float(np.nanmedian(floors)), float(np.nanmedian([block.maximum_db for block in blocks]))
 
 
 def _survey(echogram, lines, given, bin_s, n_averaged):

@@ -6,7 +6,14 @@ import numpy as np
 
 from snowsim.echogram import along_track_m, bin_size_s
 
-NUMBERS = ("bin_s", "line_spacing_m", "temperature", "threshold")
+# What a card must hold, from the least to the largest that can be.
+NUMBERS = {
+    "bin_s": (1e-12, 1e-6),
+    "line_spacing_m": (1e-2, 1e4),
+    "temperature": (1e-3, 1e3),
+    "threshold": (1e-6, 1 - 1e-6),
+}
+RANGED = ("bin_s", "line_spacing_m")
 # Of `snowsim.picking.confidence`, where a card has none: fitted on the synthetic flights of seeds
 # 1000 to 1004.
 CONFIDENCE = (-0.62, 0.1, 1.08)
@@ -49,6 +56,7 @@ class Card:
     def outside(self, echogram):
         """Lines that tell where an echogram lies outside the card's ranges."""
         steps_m = np.diff(along_track_m(echogram))
+        steps_m = steps_m[np.isfinite(steps_m)]
         spacing_m = np.median(steps_m) if steps_m.size else np.nan
         values = {"bin_s": bin_size_s(echogram), "line_spacing_m": spacing_m}
         lines = []
@@ -63,22 +71,41 @@ class Card:
 
 def checked_card(content, where):
     """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
-    for name in NUMBERS:
+    for name, (low, high) in NUMBERS.items():
         value = content.get(name)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not value > 0:
+        if not _is_number(value) or not value > 0:
             msg = f"{where}: {name}: expected a number above 0, got {value!r}"
             raise ValueError(msg)
-    if not content["threshold"] < 1:
-        msg = f"{where}: threshold: expected a probability below 1, got {content['threshold']}"
+        if not low <= value <= high:
+            wanted = "a probability below 1" if name == "threshold" else "a number"
+            msg = f"{where}: {name}: expected {wanted}, {low:g} to {high:g}, got {value!r}"
+            raise ValueError(msg)
+    coefficients = content.get("confidence", list(CONFIDENCE))
+    if not _are_numbers(coefficients, len(CONFIDENCE)):
+        msg = f"{where}: confidence: expected {len(CONFIDENCE)} numbers, got {coefficients!r}"
         raise ValueError(msg)
-    ranges = {}
-    for name, limits in (content.get("ranges") or {}).items():
-        if isinstance(limits, list) and len(limits) == 2:
-            ranges[name] = tuple(limits)
+    ranges = content.get("ranges") or {}
+    if not isinstance(ranges, dict):
+        msg = f"{where}: ranges: expected limits by name, got {ranges!r}"
+        raise ValueError(msg)
+    ranges = {name: ranges[name] for name in RANGED if name in ranges}
+    for name, limits in ranges.items():
+        if not _are_numbers(limits, 2) or limits[0] > limits[1]:
+            msg = f"{where}: ranges: expected {name} from a number to one no less, got {limits!r}"
+            raise ValueError(msg)
     return Card(
         str(content.get("name")),
         str(content.get("version")),
         **{name: float(content[name]) for name in NUMBERS},
-        ranges=ranges,
-        confidence=tuple(content.get("confidence", CONFIDENCE)),
+        ranges={name: tuple(limits) for name, limits in ranges.items()},
+        confidence=tuple(coefficients),
     )
+
+
+def _are_numbers(values, n):
+    return isinstance(values, list | tuple) and len(values) == n and all(map(_is_number, values))
+
+
+def _is_number(value):
+    """Whether it is one, finite; JSON knows booleans and NaN, too."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value)

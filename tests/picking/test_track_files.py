@@ -122,6 +122,131 @@ def test_two_files_of_one_frame_are_refused(track, tmp_path, frame, lines):
     assert f"frame: expected one file of each, found that of {paths[0]}" in " ".join(lines)
 
 
+@pytest.mark.parametrize("names", [("a/s.nc", "b/s.nc"), ("s.nc", "s.png")])
+def test_two_inputs_of_one_name_are_refused_before_anything_is_tracked(
+    track, tmp_path, frame, names, lines
+):
+    paths = [tmp_path / name for name in names]
+    for path in paths:
+        path.parent.mkdir(exist_ok=True)
+        formats.opr_dataset(content_of(frame[0])).to_netcdf(path)
+    with pytest.raises(ValueError, match=f"^{paths[1]}: name: .* found {paths[0]} too"):
+        track(paths)
+    assert not lines
+
+
+def test_frames_without_number_are_numbered_by_time(track, tmp_path, frame):
+    dataset = formats.opr_dataset(content_of(frame[0]))
+    paths = [tmp_path / "a.nc", tmp_path / "b.nc"]
+    for path, lines in zip(paths, (slice(150, 300), slice(0, 150)), strict=True):
+        dataset.isel(slow_time=lines).to_netcdf(path)
+    assert track(paths) == 0
+    folder = tmp_path / "out/CSARP_layer/20120330_01"
+    first = read_layers(folder / "Data_20120330_01_001.mat")
+    assert first["slow_time"].values[0] == dataset["slow_time"].values[0]
+
+
+@pytest.mark.parametrize("day_seg", ["../../elsewhere", "/tmp/20120330_04", "20120330_04/x"])
+def test_a_segment_that_is_a_path_is_refused(track, tmp_path, frame, lines, day_seg):
+    path = tmp_path / "frame.nc"
+    formats.opr_dataset(content_of(frame[0])).assign_attrs(day_seg=day_seg).to_netcdf(path)
+    assert track([path]) == 1
+    assert lines == [
+        f"error: {path}: day_seg: expected a segment such as 20120330_04, found {day_seg}"
+    ]
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    [
+        {"granule": "20120330_04_007"},
+        {"segment_path": "20120330_04", "frame": 7},
+        {"day_seg": "20120330_04", "frame": 7},
+    ],
+    ids=["granule", "segment_path", "day_seg"],
+)
+def test_segment_and_frame_are_read_from_what_xopr_writes(track, tmp_path, frame, attributes):
+    path = tmp_path / "saved.nc"
+    formats.opr_dataset(content_of(frame[0])).assign_attrs(attributes).to_netcdf(path)
+    assert track([path]) == 0
+    assert (tmp_path / f"out/CSARP_layer/{SEGMENT}/Data_{SEGMENT}_007.mat").is_file()
+
+
+@pytest.mark.parametrize(
+    ("stretched", "later_s", "message"),
+    [
+        (1, 0.0, None),
+        (40, 0.0, None),  # 1.7 s from line to line, and 3 lines are missing
+        (1, 30.0, "begins 30.2 s after that ends, more than 2 s"),
+        (1, -5.0, "begins 4.83 s before that ends"),
+    ],
+    ids=["follows", "slow lines", "pause", "overlap"],
+)
+def test_neighbours_that_are_not_linked_are_said(
+    track, tmp_path, frame, lines, stretched, later_s, message
+):
+    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (1, 2)]
+    parts = (slice(0, 150), slice(153, 300))
+    for path, part, shift_s in zip(paths, parts, (0.0, later_s), strict=True):
+        content = content_of(frame[0], part)
+        since = stretched * (content["GPS_time"] - formats.GPS_START) + shift_s
+        formats.write_mat5(path, content | {"GPS_time": formats.GPS_START + since})
+    assert track(paths) == 0
+    said = [line for line in lines if "not linked with frame 1" in line]
+    names = [read_layers(tmp_path / f"out/{path.stem}_layers.nc")["layer"].values for path in paths]
+    linked = len(set(names[0]) & set(names[1])) == 5
+    if message is None:
+        assert linked
+        assert not said
+    else:
+        assert not linked
+        assert message in said[0]
+
+
+def test_a_late_frame_of_a_tracked_segment_is_refused_with_the_remedy(
+    track, tmp_path, frame, lines, monkeypatch
+):
+    paths = [tmp_path / f"Data_{SEGMENT}_{number:03d}.mat" for number in (1, 2)]
+    for path in paths:
+        formats.write_mat5(path, content_of(frame[0]))
+    assert track(paths[:1]) == 0
+    monkeypatch.setattr("snowsim.tracking._see", None)  # it is not tracked
+    assert track(paths[1:], force=True) == 1
+    assert "track all frames of the segment at once, or to another folder" in lines[-1]
+    assert f"found {paths[0].name}" in lines[-1]
+
+
+def test_layers_beside_their_input_stay_also_by_force(track, tmp_path, frame, lines):
+    (tmp_path / "out").mkdir()
+    path = tmp_path / "out/frame.nc"
+    formats.opr_dataset(content_of(frame[0])).to_netcdf(path)
+    truth = tmp_path / "out/frame_layers.nc"
+    truth.write_text("truth")
+    assert track([path], force=True) == 1
+    assert f"{truth}: file: expected none beside the input" in lines[-1]
+    assert truth.read_text() == "truth"
+
+
+@pytest.mark.parametrize("name", ["", "file/below"])
+def test_a_folder_that_cannot_be_is_refused_before_anything_is_tracked(
+    weights, tmp_path, name, lines
+):
+    (tmp_path / "file").write_text("")
+    folder = tmp_path / name if name else name
+    with pytest.raises(ValueError, match="output: expected a folder"):
+        track_files([tmp_path / "none.nc"], folder, model=str(weights), say=lines.append)
+    assert not lines
+
+
+def test_a_picture_of_dark_layers_on_bright_ground_is_said(track, tmp_path, frame, tracker, lines):
+    image = canonical(frame[0], tracker.card).image(0, 300)
+    write_image(tmp_path / "right.png", image)
+    write_image(tmp_path / "inverted.png", 255 - image)
+    track([tmp_path / "right.png", tmp_path / "inverted.png"], bin_s=BIN_S)
+    (said,) = [line for line in lines if "expected bright layers on a dark ground" in line]
+    assert said.startswith(str(tmp_path / "inverted.png"))
+
+
 def test_an_image_gives_rows_and_needs_its_range_bin(track, tmp_path, frame, tracker, lines):
     echogram, layers = frame
     seen = canonical(echogram, tracker.card)
@@ -134,6 +259,7 @@ def test_an_image_gives_rows_and_needs_its_range_bin(track, tmp_path, frame, tra
     rows = seen.grid.row(layers["twtt"].values[0])  # of the surface, on the image's lines
     assert_allclose(found["row"].values[0], np.diagonal(rows), atol=1.0)
     assert_allclose(found["row"], found["twtt"] / BIN_S, rtol=1e-12)
+    assert "invented" in found["slow_time"].attrs["comment"]
     assert not (tmp_path / "out" / "CSARP_layer").exists()
 
 

@@ -61,10 +61,10 @@ def test_without_positions_lines_are_used_as_they_are_and_that_is_said(tracker, 
     [
         (np.nan, "the file has no surface"),
         (40 * BIN_S, "surface is wrong on 300 of 300 range lines"),
-        (-1e-6, "surface is wrong on 300 of 300 range lines"),
-        (1.0, "surface is wrong on 300 of 300 range lines"),
+        (0.0, "the file has no surface"),
+        (1.0, "surface lies outside the window on 300 of 300 range lines"),
     ],
-    ids=["none", "in the air", "above the window", "below the window"],
+    ids=["none", "in the air", "zero", "below the window"],
 )
 def test_a_surface_that_is_missing_or_wrong_is_found_and_that_is_said(
     tracker, frame, surface, message
@@ -74,6 +74,55 @@ def test_a_surface_that_is_missing_or_wrong_is_found_and_that_is_said(
     with pytest.warns(UserWarning, match=message):
         found = check_found(tracker, echogram, layers)
     assert message in found.attrs["notes"]
+
+
+@pytest.mark.parametrize("off_bins", [-13, -8, -5, 5, 8, 13])
+def test_a_surface_some_bins_off_is_corrected_and_that_is_said(tracker, frame, off_bins):
+    echogram, layers = frame
+    echogram["Surface"][:] += off_bins * BIN_S
+    with pytest.warns(UserWarning, match="the file's surface is wrong on"):
+        found = check_found(tracker, echogram, layers)
+    assert found["confidence"].values[0].mean() > 0.8
+
+
+def test_a_faint_surface_above_a_strong_crust_is_left_where_the_file_has_it(tracker, frame):
+    echogram, layers = frame
+    surface = layers["twtt"].values[0] / BIN_S
+    bins = np.arange(echogram.sizes["twtt"])[:, None]
+    echogram["Data"] += 2000 * np.exp(-0.5 * ((bins - surface - 10) / 1.3) ** 2)
+    found = tracker.pick(echogram)
+    assert found.attrs["notes"] == ""
+    assert_allclose(found["twtt"].values[0] / BIN_S, surface, atol=TOLERANCE_BINS)
+
+
+def test_one_line_without_position_is_no_echogram_without(tracker, rng):
+    echogram, layers = planted(rng, spacing_m=2.6)
+    echogram["Latitude"][1] = np.nan
+    assert check_found(tracker, echogram, layers).attrs["notes"] == ""
+
+
+@pytest.mark.parametrize(
+    "to_decibels",
+    [
+        lambda power: 10 * np.log10(power) + 120,
+        lambda power: np.rint(np.clip(10 * np.log10(power) * 6 + 40, 0, 255)),
+    ],
+    ids=["far above zero", "8 bits"],
+)
+def test_decibels_taken_for_power_are_warned_of(tracker, frame, to_decibels):
+    echogram, _ = frame
+    with pytest.warns(UserWarning, match="Data looks like decibels"):
+        tracker.pick(echogram.assign(Data=to_decibels(echogram["Data"])))
+
+
+@pytest.mark.parametrize("n_looks", [1, 100])
+def test_power_of_little_contrast_and_many_looks_is_not_taken_for_decibels(tracker, rng, n_looks):
+    echogram, _ = planted(rng, contrast=0.5)
+    # The surface lies 9 dB above the air.
+    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
+    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
+    found = tracker.pick(echogram.assign(Data=mean * speckle))
+    assert "decibels" not in found.attrs["notes"]
 
 
 def test_an_echogram_outside_the_cards_ranges_is_warned_of(tracker, rng):
@@ -145,6 +194,9 @@ def test_twenty_thousand_bins_are_tracked_like_four_hundred(tracker, rng):
             "expected range bins of 9e-12 to 9.2e-09",
         ),
         (lambda e: e.isel(twtt=slice(20)), "expected 30 range bins or more"),
+        (lambda e: "frame.nc", "expected an echogram dataset, as snowsim.io.read_echogram"),
+        (lambda e: e["Data"].values, "got ndarray"),
+        (lambda e: e["Data"], "got DataArray"),
     ],
     ids=[
         "no line",
@@ -156,6 +208,9 @@ def test_twenty_thousand_bins_are_tracked_like_four_hundred(tracker, rng):
         "no slow time",
         "milliseconds",
         "20 bins",
+        "a path",
+        "an array",
+        "a data array",
     ],
 )
 def test_an_echogram_that_cannot_be_tracked_is_refused_in_a_line(tracker, frame, change, message):
@@ -173,7 +228,7 @@ def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
     error = error_bins(found, layers, echogram)
     assert np.nanmax(np.abs(error[1:])) < TOLERANCE_BINS
     assert np.isfinite(error[1:, 150]).all()  # one line is a certain link
-    assert np.isnan(error[1:, 45:85]).all()  # fifty are not, yet the layer goes on beyond
+    assert np.isnan(error[:, 45:85]).all()  # fifty are not, yet the layer goes on beyond
 
 
 @pytest.mark.parametrize(
@@ -183,6 +238,12 @@ def test_missing_pixels_and_lines_are_bridged_or_left_out(tracker, frame):
         ({"bin_s": "long"}, "bin_s: expected a number above 0, got 'long'"),
         ({"temperature": 0}, "temperature: expected a number above 0"),
         ({"threshold": 1.5}, "threshold: expected a probability below 1"),
+        ({"threshold": 1e-320}, "threshold: expected a probability below 1, 1e-06 to 0.999999"),
+        ({"line_spacing_m": 1e308}, "line_spacing_m: expected a number, 0.01 to 10000"),
+        ({"confidence": "abc"}, "confidence: expected 3 numbers, got 'abc'"),
+        ({"confidence": [1]}, "confidence: expected 3 numbers"),
+        ({"ranges": [1]}, "ranges: expected limits by name"),
+        ({"ranges": {"bin_s": ["a", "b"]}}, "ranges: expected bin_s from a number to one no less"),
         ({"sha256": "0" * 64}, "tracker: expected that of its card"),
     ],
 )
@@ -213,6 +274,9 @@ def test_weights_that_are_no_network_are_refused(tmp_path):
 def test_the_name_of_weights_that_are_not_shipped_is_refused():
     with pytest.raises(ValueError, match="no weights named 'nothing' come with the package"):
         Tracker.from_pretrained("nothing")
+    for name in ("nothing", "universal"):
+        with pytest.raises(ValueError, match=f"^{name}: tracker: .* one of: universal"):
+            Tracker.load(name)
 
 
 def test_the_surface_given_counts_where_it_is_sane(tracker, frame):
@@ -222,3 +286,13 @@ def test_the_surface_given_counts_where_it_is_sane(tracker, frame):
     bins = found["twtt"].values[0] / BIN_S
     # The swell of 6 bins, and no outlier of 40.
     assert_allclose(bins, SURFACE_BIN, atol=8)
+
+
+def test_a_frame_has_the_layers_picked_in_it_by_the_names_of_the_segment(tracker, frame, rng):
+    echogram, layers = frame
+    below = np.arange(echogram.sizes["twtt"]) * BIN_S > layers["twtt"].values[1].max() + 15 * BIN_S
+    without = echogram.copy(deep=True)
+    without["Data"][below] = 3 * rng.gamma(16, 1 / 16, (below.sum(), 300))
+    one, two = tracker.pick_together([tracker.see(echogram), tracker.see(without)])
+    assert one["layer"].values.tolist() == ["surface", "snow_1", "snow_2", "snow_3", "snow_4"]
+    assert two["layer"].values.tolist() == ["surface", "snow_1"]
