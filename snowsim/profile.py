@@ -85,9 +85,7 @@ def combine(delay_s, reflection, sweep):
     if not np.isfinite(reflection).all() or reflection[0] == 0:
         msg = f"reflection must be finite and the surface's not 0, got {reflection}"
         raise ValueError(msg)
-    echoing = reflection != 0
-    echoing[0] = True
-    interfaces = np.flatnonzero(echoing)
+    interfaces = np.flatnonzero(reflection)
     surface_s = delay_s[0]
     delay_s = delay_s[interfaces] - surface_s
     reflection = reflection[interfaces]

@@ -35,8 +35,12 @@ def read_frames(path):
     with library_errors(path, "table", "tab-separated text"):
         lines = path.read_text(encoding="utf-8").splitlines()
         text = "\n".join(line for line in lines if not line.startswith("#"))
-        reading = {"sep": "\t", "dtype": str, "keep_default_na": False, "index_col": False}
-        table = pd.read_csv(io.StringIO(text), **reading).rename(columns=str.strip)
+        table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
+        table = table.rename(columns=str.strip)
+    if not isinstance(table.index, pd.RangeIndex):
+        raise refusal(
+            path, "rows", "as many fields as the header has", "more, or tabs at their end"
+        )
     if sorted(table.columns) != sorted(COLUMNS):
         found = one_line(", ".join(map(str, table.columns)), 200)
         raise refusal(path, "columns", ", ".join(COLUMNS), found)

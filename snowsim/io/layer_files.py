@@ -83,11 +83,20 @@ def write_layer_files(folder, segment, frames, *, force=False):
 
 
 def layer_numbers(layers):
-    """Number of every layer of a dataset by its name, 0 the surface; else as they come."""
+    """Number of every layer of a dataset by its name, 0 the surface; else as they come.
+
+    ValueError for names that are no such numbers: a layer file would not keep them.
+    """
     if "layer" not in layers.coords:
         return np.arange(layers.sizes["layer"])
-    names = [str(name) for name in layers["layer"].values]
-    return np.array([0 if name == SURFACE else int(name.removeprefix("snow_")) for name in names])
+    numbers = []
+    for name in map(str, layers["layer"].values):
+        digits = "0" if name == SURFACE else name.removeprefix("snow_")
+        if not digits.isdecimal():
+            msg = f"layer: expected {SURFACE}, snow_1, snow_2 and so on, found {name!r}"
+            raise ValueError(msg)
+        numbers.append(int(digits))
+    return np.array(numbers)
 
 
 def refuse_other_frames(folder, segment, numbers):

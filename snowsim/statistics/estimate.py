@@ -46,13 +46,6 @@ LINEAR_POWER = (
 )
 
 
-def _check_choices(estimator, finest_lines):
-    check_choice("estimator", estimator, ESTIMATORS)
-    if finest_lines is not None and not 2 <= finest_lines < np.inf:
-        msg = f"finest_lines must be at least 2 range lines, got {finest_lines}"
-        raise ValueError(msg)
-
-
 def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_lines=None):
     """Statistics of a flight from its merged summary.
 
@@ -173,6 +166,13 @@ class Noise:
     power: float
     standard_error: float
     looks: float
+
+
+def _check_choices(estimator, finest_lines):
+    check_choice("estimator", estimator, ESTIMATORS)
+    if finest_lines is not None and not 2 <= finest_lines < np.inf:
+        msg = f"finest_lines must be at least 2 range lines, got {finest_lines}"
+        raise ValueError(msg)
 
 
 def _noise(summary):

@@ -152,6 +152,14 @@ def test_a_frame_without_position_or_with_crossing_layers_is_refused(tmp_path, l
     assert not frame.parent.exists()
 
 
+def test_names_that_a_layer_file_would_not_keep_are_refused(tmp_path, layers):
+    names = ["surface", *(f"Koenig_{number}" for number in range(1, layers.sizes["layer"]))]
+    named = layers.assign_coords(layer=names)
+    with pytest.raises(ValueError, match="layer: expected surface, snow_1, .* found 'Koenig_1'"):
+        write_layer_files(tmp_path, "20120330_04", {1: named})
+    assert not list(tmp_path.rglob("*.mat"))
+
+
 def test_layers_as_netcdf_keep_their_confidence_and_bounds(tmp_path, layers):
     path = tmp_path / "frame_layers.nc"
     write_layers(path, layers)
