@@ -107,7 +107,7 @@ def test_every_command_of_a_tutorial_works_in_order(clone, page, made):
     assert all((clone / name).stat().st_size >= least for name, least in made.items())
 
 
-def test_code_on_the_pages_of_stages_runs():
+def test_code_on_the_pages_of_stages_runs(tmp_path):
     pages = sorted((ROOT / "docs/stages").glob("*.md"))
     n_blocks = 0
     for page in pages:
@@ -115,6 +115,8 @@ def test_code_on_the_pages_of_stages_runs():
         n_blocks += len(python)
         for code in python:
             command = [sys.executable, "-c", code]
-            done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+            done = subprocess.run(
+                command, capture_output=True, text=True, check=False, cwd=tmp_path
+            )
             assert done.returncode == 0, f"{page.name}:\n{code}\n{done.stderr[-2000:]}"
     assert n_blocks > 0
