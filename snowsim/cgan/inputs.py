@@ -41,11 +41,15 @@ class Levels:
     """How bright a scene is, by the mean of its uppermost layer.
 
     `of_layers` (layer, range_line); `of_snow` (range_bin, range_line), the Gaussian mean of
-    `LEVEL_BINS` and `LEVEL_LINES` over all that lies there.
+    `LEVEL_BINS` and `LEVEL_LINES` over all that lies there. What a render adds to the network's
+    image: `contrast`, how many grey levels a decibel has, by the mean of observed scenes; `fades`
+    [grey levels], of snow along track, broadcast to (range_bin, range_line).
     """
 
     of_layers: np.ndarray
     of_snow: np.ndarray
+    contrast: float = 1.0
+    fades: np.ndarray | float = 0.0
 
 
 def place_map(scene, layer_bins, n_range_bins, levels=None):

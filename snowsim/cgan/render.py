@@ -27,7 +27,8 @@ def render(generator, scene, settings, *, levels=None, rng):
         Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise
         is. FloatingPointError if a pixel is not finite.
     levels : Levels, optional
-        How bright layers and snow are; by default as in the scene's image, or 1.
+        How bright layers and snow are; by default as in the scene's image, or 1. Given, the
+        brightest pixel of a render is white, as that of an observed image is.
     rng : numpy.random.Generator
     """
     mask = scene.mask()
@@ -47,16 +48,22 @@ def render(generator, scene, settings, *, levels=None, rng):
 
 
 def _render_image(generator, scene, settings, levels, rng):
-    """Image with its grain, (range_bin, range_line)."""
+    """Image with its grain, (range_bin, range_line); where levels tell, with contrast and fades."""
     places = place_map(scene, scene.layer_bins, scene.n_range_bins, levels)[None]
     inputs = conditions(places)
+    contrast = 1.0 if levels is None else levels.contrast
     device = next(generator.parameters()).device
     noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
         image = generator(inputs.to(device), noise)
         if generator.has_grain:
-            image = image + generator.grain(noise)
-    return image[0, 0]
+            image = image + contrast * generator.grain(noise)
+    image = image[0, 0]
+    if levels is None:
+        return image
+    image = image + torch.as_tensor(contrast * levels.fades / 127.5).to(image)
+    # The maximum of an observed image is white: how much is left above the rest is chance.
+    return (image + 1) * (2 / (image.max() + 1)) - 1
 
 
 def trained_generator(weights, settings, *, device="cpu"):

@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from toy_scenes import toy_scene, toy_scenes
 
 from lib.patch_distance import describe_patches, kernel_distance
 from lib.scope import outside, scope_of
 from snowsim.cgan import Settings, Training, render, trained_generator
+from snowsim.cgan.inputs import Levels
 from snowsim.echogram import Scene
 from snowsim.seeding import random_stream
 
@@ -78,6 +79,29 @@ def test_a_layer_deeper_than_any_is_drawn_as_those_above_it(generator):
     layers = np.repeat([[20.0], [1500.0], [1596.0]], 64, axis=1)
     image = render(generator, Scene("deep", 1700, layers), SETTINGS, rng=SILENCE).astype(int)
     assert np.abs(image[1480:1520] - image[1576:1616]).max() <= 1
+
+
+def test_told_levels_scale_grain_add_fades_and_make_the_brightest_pixel_white(generator):
+    scene = level(96)
+    plain = render(generator, scene, SETTINGS, rng=SILENCE).astype(float)
+    fades = np.zeros((96, 64))
+    fades[40:, 32:] = -20
+    told = Levels(np.ones((1, 64)), np.ones((96, 64)), fades=fades)
+    faded = render(generator, scene, SETTINGS, levels=told, rng=SILENCE)
+    white = 255 / (plain + fades).max()
+    # Both are rounded, the first before it is scaled.
+    assert_allclose(faded, (plain + fades) * white, atol=0.5 + white)
+    assert faded.max() == 255
+
+    def relative_grain(contrast):
+        levels = replace(told, contrast=contrast, fades=0.0)
+        rng = random_stream(1, "contrast")
+        rows = render(generator, scene, SETTINGS, levels=levels, rng=rng)[60:80].astype(float)
+        return (rows - rows.mean(axis=1, keepdims=True)).std() / rows.mean()
+
+    # An untrained network has little grain, of 2 levels or so at 3: rounding adds 1/12 to its
+    # variance.
+    assert_allclose(relative_grain(9.0) / relative_grain(3.0), 3, rtol=0.03)
 
 
 def test_scenes_without_layers_in_their_window_are_refused(generator, rng):

@@ -1,8 +1,9 @@
 """What the powers of a scene tell a generator: how bright its layers and its snow are."""
 
 import numpy as np
-from scipy.ndimage import gaussian_filter, map_coordinates
+from scipy.ndimage import gaussian_filter
 
+from lib.fades import draw_fades
 from snowsim.cgan.inputs import LEVEL_BINS, LEVEL_LINES, Levels
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
 from snowsim.labels import dress
@@ -11,21 +12,31 @@ from snowsim.labels import dress
 STEP_BINS, STEP_LINES = 4, 8
 
 
-def expected_levels(scene, statistics):
+def expected_levels(scene, statistics, *, fade_spread=0.0, rng=None):
     """`Levels` as a scene's physics has them, layers NaN where absent.
 
     Of the mean power ``noise + sum_j p_j w_j(x - x_j)`` in bin x, of all layers and backgrounds j
     with peak powers p_j: below its peak a waveform is ``exp(-a_j lag)``, above it ``exp(-lag^2 / (2
     d_j))``, a_j and d_j of eq. (1). Powers are the scene's own where it has echoes, else the
-    flight's.
+    flight's. An image spans the decibels from noise to its maximum: where the uppermost layer
+    stands higher above the noise than the flight's, a decibel has fewer grey levels. Fades are
+    those of `lib.fades`, drawn from `rng`.
     """
-    echoes = scene.echoes or dress(scene.layer_bins, statistics)
+    of_flight = dress(scene.layer_bins, statistics)
+    echoes = scene.echoes or of_flight
     lines = np.arange(scene.n_range_lines)
     at_layers = _expected_db(echoes, scene.layer_bins, lines)
     level = np.where(np.isfinite(scene.layer_bins), at_layers, np.nan)
     uppermost = np.isfinite(level).any(axis=1).argmax()
     scale = np.nanmean(level[uppermost])
-    return Levels(level / scale, _level_of_snow(echoes, scene) / scale)
+    usual = _expected_db(of_flight, scene.layer_bins[[uppermost]], lines)
+    contrast = np.nanmean(usual) / scale
+    of_snow = _level_of_snow(echoes, scene) / scale
+    fades = 0.0
+    if fade_spread:
+        surface = scene.layer_bins[uppermost]
+        fades = draw_fades(surface, scene.n_range_bins, fade_spread, rng=rng)
+    return Levels(level / scale, of_snow, contrast, fades)
 
 
 def _expected_db(echoes, at_bins, lines):
@@ -51,7 +62,14 @@ def _level_of_snow(echoes, scene):
     at_bins = np.broadcast_to(rows[:, None], (rows.size, lines.size))
     spread = (LEVEL_BINS / STEP_BINS, LEVEL_LINES / STEP_LINES)
     coarse = gaussian_filter(_expected_db(echoes, at_bins, lines), spread, mode="nearest")
-    every_bin = np.arange(scene.n_range_bins) / STEP_BINS
-    every_line = np.arange(scene.n_range_lines) / STEP_LINES
-    pixels = np.meshgrid(every_bin, every_line, indexing="ij")
-    return map_coordinates(coarse, pixels, order=1, mode="nearest")
+    of_every_line = _between(coarse.T, STEP_LINES, scene.n_range_lines).T
+    return _between(of_every_line, STEP_BINS, scene.n_range_bins)
+
+
+def _between(values, step, n):
+    """Rows straight between those of `values`, one in `step` of `n`; beyond the last, that."""
+    at = np.minimum(np.arange(n) / step, len(values) - 1)
+    before = at.astype(int)
+    after = np.minimum(before + 1, len(values) - 1)
+    share = (at - before)[:, None]
+    return (1 - share) * values[before] + share * values[after]

@@ -8,6 +8,7 @@ import numpy as np
 from torch.utils.data import Subset
 
 from lib.cgan_health import WINDOW_STEPS, faults, is_early, measure_losses, measure_renders
+from lib.fades import fade_spread
 from lib.patch_distance import scenes_distance
 from lib.scope import scope_of
 from snowsim.cgan import Settings, Training, train_steps, validate
@@ -108,6 +109,7 @@ def description(taken, made_of, collapse, train_scenes):
         "steps_taken": taken.training.step,
         "collapse": collapse,
         "scope": scope_of(train_scenes),
+        "fade_spread": fade_spread(train_scenes),
     }
 
 

@@ -18,11 +18,12 @@ def scene_renderer(path_to_generator, flight, device):
     weights, metadata = read_model(path_to_generator, {"kind": "cgan generator"})
     settings = Settings(**metadata["settings"])
     network = trained_generator(weights, settings, device=device)
+    spread = metadata["fade_spread"]
 
     def by_network(scene, rng):
         levels = None
         if settings.method == "depth":
-            levels = expected_levels(scene, flight)
+            levels = expected_levels(scene, flight, fade_spread=spread, rng=rng)
         return render(network, scene, settings, levels=levels, rng=rng)
 
     return by_network, metadata["scope"]
