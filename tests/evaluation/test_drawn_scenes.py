@@ -105,13 +105,19 @@ def test_planted_looks_correlation_and_contrast_come_back(rng):
     for lag in LAGS:
         expected = 0.5 if lag == 1 else 0
         assert_allclose(mean["autocorrelation, range_line", lag], expected, atol=0.02)
+        # 300 rows less what lies above 30 bins below the lowest layer: half of the pixels.
+        assert_allclose(mean["unpicked snow, range_line", lag], expected, atol=0.03)
+    assert_allclose(mean["looks of unpicked snow", 0], 16, rtol=0.07)
     # 6.02 dB; the least of 10 rows of 256 lines, 1.1 dB a pixel, lies 1.5 x 0.07 x sqrt(2) below
     # their mean.
     for layer in (1, 2):
         assert_allclose(mean["contrast of layers", layer], 6.02 + 0.2, atol=0.2)
     without = describe_image(scenes[0], np.nan)
     quantities = {quantity for quantity, _ in without}
-    assert quantities == {"autocorrelation, range_line", "autocorrelation, range_bin"}
+    regions = ("autocorrelation", "unpicked snow")
+    assert quantities == {
+        f"{region}, {along}" for region in regions for along in ("range_line", "range_bin")
+    }
 
 
 def test_roughness_of_planted_layers_comes_back_and_few_scenes_make_means_over_these(rng):

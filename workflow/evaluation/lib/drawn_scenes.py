@@ -22,6 +22,8 @@ N_LAYERS = 20
 PEAK_BINS = 2  # about a layer: where its peak is sought
 BESIDE_BINS = 12  # and how far the snow beside it
 CUBIC = 3
+UNPICKED_FROM = 30  # [range bins] below the lowest layer: above, its echo falls
+LEAST_UNPICKED = 60
 
 
 def patches_of(scenes, n_range_bins, n_range_lines):
@@ -95,35 +97,45 @@ def span_of(scene):
 def describe_image(scene, span_db):
     """Numbers of a scene's image by (quantity, lag or layer).
 
-    Looks of the air, autocorrelation, contrast of layers. The air is taken relative to the mean of
-    its range bin: sidelobes of the surface rise in it. Snow is taken less the mean of its range bin
-    along track, and less a cubic fall with depth down range. `span_db` stands for 0 to 255; without
-    looks and contrast where it is NaN.
+    Looks and autocorrelation, contrast of layers. Looks are relative to the mean of the range bin:
+    sidelobes of the surface rise in the air. Snow, all below the surface and what lies below the
+    lowest layer, is taken less the mean of its range bin along track, and less a cubic fall with
+    depth down range. `span_db` stands for 0 to 255; without looks and contrast where it is NaN.
     """
     image_db = scene.image * (span_db / 255)
     n_rows = min(scene.n_range_bins, scene.image.shape[0])
     regions = surface_regions(scene.layer_bins, n_rows)
     found = {}
     if regions["above"].stop > MARGIN_BINS and np.isfinite(span_db):
-        air = 10 ** (image_db[regions["above"]] / 10)
-        speckle = air / air.mean(axis=1, keepdims=True)
-        found["looks of the air", 0] = equivalent_number_of_looks(speckle)
-    snow = scene.image[regions["below"]].astype(float)
-    mean = snow.mean(axis=1, keepdims=True)
-    depth = np.arange(len(snow))
-    fall = np.polyval(np.polyfit(depth, snow.mean(axis=1), CUBIC), depth)
-    found |= _autocorrelations(snow - mean, "range_line", snow.shape[1])
-    found |= _autocorrelations(snow - fall[:, None], "range_bin", snow.shape[0])
+        found["looks of the air", 0] = _looks(image_db[regions["above"]])
+    found |= _autocorrelations(scene.image[regions["below"]], "autocorrelation")
+    unpicked = slice(int(np.nanmax(scene.layer_bins)) + UNPICKED_FROM, regions["below"].stop)
+    if unpicked.stop - unpicked.start >= LEAST_UNPICKED:
+        if np.isfinite(span_db):
+            found["looks of unpicked snow", 0] = _looks(image_db[unpicked])
+        found |= _autocorrelations(scene.image[unpicked], "unpicked snow")
     if np.isfinite(span_db):
         found |= contrast_of_layers(image_db, scene.layer_bins)
     return found
 
 
-def _autocorrelations(snow, along, length):
-    lags = [lag for lag in LAGS if lag < length]
-    values = autocorrelation(snow, lags, along=along)
-    quantity = f"autocorrelation, {along}"
-    return {(quantity, lag): value for lag, value in zip(lags, values, strict=True)}
+def _looks(image_db):
+    power = 10 ** (image_db / 10)
+    return equivalent_number_of_looks(power / power.mean(axis=1, keepdims=True))
+
+
+def _autocorrelations(snow, name):
+    mean = snow.mean(axis=1, keepdims=True)
+    depth = np.arange(len(snow))
+    fall = np.polyval(np.polyfit(depth, mean[:, 0], CUBIC), depth)
+    found = {}
+    less = {"range_line": snow - mean, "range_bin": snow - fall[:, None]}
+    for (along, deviation), length in zip(less.items(), snow.shape[::-1], strict=True):
+        lags = [lag for lag in LAGS if lag < length]
+        values = autocorrelation(deviation, lags, along=along)
+        for lag, value in zip(lags, values, strict=True):
+            found[f"{name}, {along}", lag] = value
+    return found
 
 
 def contrast_of_layers(image_db, layer_bins):
