@@ -12,8 +12,8 @@ from snowsim.cgan.grain import correlated
 
 # Correlation falls to 1/e over so many range lines: scenes of a few hundred cannot tell longer.
 LENGTH_LINES = 200.0
-# They fall to 1/e over so many range bins: noise and unpicked snow fade less. Single flights tell
-# no more than that it is above 100.
+# They fall to 1/e over so many range bins: deep snow fades less. A flight of 120 scenes tells no
+# more than that it is above 100.
 FALL_BINS = 300.0
 LAGS = np.arange(1, 65)  # [range lines]; at 0, lines share the gain from line to line
 # Slabs of snow below the uppermost layer: closer, its own strength dominates.
