@@ -42,8 +42,9 @@ class Levels:
 
     `of_layers` (layer, range_line); `of_snow` (range_bin, range_line), the Gaussian mean of
     `LEVEL_BINS` and `LEVEL_LINES` over all that lies there. What a render adds to the network's
-    image: `contrast`, how many grey levels a decibel has, by the mean of observed scenes; `fades`
-    [grey levels], of snow along track, broadcast to (range_bin, range_line).
+    image: `contrast`, how many grey levels a decibel has, by the mean of observed scenes, scales
+    grain and `fades` [grey levels], of snow along track, which broadcast to (range_bin,
+    range_line).
     """
 
     of_layers: np.ndarray
