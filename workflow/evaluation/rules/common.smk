@@ -8,28 +8,9 @@ from snakemake.utils import update_config
 
 EVALUATION = ROOT / "workflow/evaluation/scripts"
 
-# Real Snow Radar material to hold the flight against; without it stand the figures that were recorded from it.
-REAL = config["realism"]["real_snow_radar"]
-REAL_FILES = sorted(str(path) for path in Path(REAL).rglob("*.*")) if REAL else []
-if REAL and not REAL_FILES:
-    raise WorkflowError(
-        f"config: realism.real_snow_radar: expected a folder of real Snow Radar material, got {REAL}"
-    )
-
-
-def repeat_pass_files(wildcards):
-    """Files of the folder of real pictures; without one, a line that says so."""
-    if not REAL:
-        raise WorkflowError(
-            "repeat_pass: realism.real_snow_radar: expected a folder of real Snow Radar material, got null"
-        )
-    return [file for file in REAL_FILES if "greenland_2011_2012" in file]
-
-
 # What the source cannot give, and why.
-NOT_SYNTHETIC = {"realism": "it compares the synthetic flight with observed values"}
-DETECTED = NOT_SYNTHETIC | {"Doppler spectra": "files of detected power hold no phase"}
-IMAGES = NOT_SYNTHETIC | {
+DETECTED = {"Doppler spectra": "files of detected power hold no phase"}
+IMAGES = {
     "Doppler spectra": "images hold no phase",
     "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
 }
@@ -94,7 +75,3 @@ def drawn(stage, *files):
         )
     return outputs
 
-
-def drawn_by(name):
-    """Params function: how the label sets of a setting are drawn, by the name of what differs."""
-    return lambda w: tracker_runs.labels_of(ABLATION[w.setting], config["labels"])[name]

@@ -29,42 +29,6 @@ rule summarise_labels:
         "../scripts/summarise_labels.py"
 
 
-rule compare_label_models:
-    input:
-        summaries=SUMMARIES,
-        statistics="results/statistics.nc",
-        code=imported_by(EVALUATION / "compare_label_models.py"),
-    output:
-        selection="results/tables/model_selection.csv",
-        scenes="results/tables/model_selection_scenes.csv",
-        spectra="results/tables/model_selection_spectra.csv",
-        seconds="results/tables/speed_accuracy_labels.csv",
-    log:
-        "logs/compare_label_models.log",
-    benchmark:
-        "results/benchmarks/compare_label_models/all.tsv"
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-        zone_counts=[1, 2, 3, 4, 6, 8],
-        n_range_lines=config["labels"]["n_range_lines"],
-        n_scenes=min(300, config["labels"]["n_scenes"]),
-    message:
-        "model selection: label models with fewer parameters"
-    script:
-        "../scripts/compare_label_models.py"
-
-
-rule label_models:
-    input:
-        rules.summarise_labels.output,
-        rules.compare_label_models.output,
-        rules.plot_labels.output,
-    message:
-        "label sets beside the flight, and label models with fewer parameters"
-
-
 rule track_samples:
     input:
         scenes=benchmark_files("test"),
@@ -89,40 +53,6 @@ rule track_samples:
         "side outputs on a few test scenes"
     script:
         "../scripts/track_samples.py"
-
-
-rule compare_renders:
-    input:
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        train=benchmark_files("train"),
-        generator="results/cgan/generator.safetensors",
-        statistics="results/statistics.nc",
-        code=imported_by(EVALUATION / "compare_renders.py"),
-    output:
-        positions="results/tables/render_positions.csv",
-        textures="results/tables/render_texture.csv",
-        air="results/tables/air_texture.csv",
-        bounds="results/tables/similarity_bounds.csv",
-        parts="results/tables/similarity_parts.csv",
-    log:
-        "logs/compare_renders.log",
-    benchmark:
-        "results/benchmarks/compare_renders/all.tsv"
-    resources:
-        mem_mb=2000,
-        gpu=int(config["cgan"]["device"] == "cuda"),
-    params:
-        seed=config["seed"],
-        n_looks=config["benchmark"]["n_looks"],
-        conventions=config["phy"],
-        n_held=config["cgan"]["validation"]["n_scenes"],
-        device=config["cgan"]["device"],
-    message:
-        "layers and texture in renders of test masks, what bounds their similarity"
-    script:
-        "../scripts/compare_renders.py"
 
 
 DRAWN_SHARDS = first_shards(config["drawn_scenes"]["n_scenes"])
@@ -152,15 +82,6 @@ rule compare_scenes:
         "drawn scenes beside observed ones: can they be distinguished, and by what"
     script:
         "../scripts/compare_scenes.py"
-
-
-rule claims:
-    input:
-        rules.compare_renders.output,
-        rules.compare_scenes.output,
-        rules.plot_similarity.output,
-    message:
-        "tables behind what the paper claims of renders"
 
 
 # Statistics re-estimated from PHY's renders beside those that went into them; decides PHY's conventions.
@@ -200,19 +121,6 @@ wildcard_constraints:
     convention="|".join(TRIED),
 
 
-use rule fit_statistics as fit_other_statistics with:
-    output:
-        statistics="results/closed_loop/flight_{estimator}.nc",
-    log:
-        "logs/fit_other_statistics/{estimator}.log",
-    benchmark:
-        "results/benchmarks/fit_other_statistics/{estimator}.tsv"
-    params:
-        estimator="{estimator}",
-    message:
-        "flight statistics by the estimator {wildcards.estimator}"
-
-
 rule render_closed_loop:
     input:
         layers="results/labels/{shard}.nc",
@@ -234,31 +142,6 @@ rule render_closed_loop:
         "sums over renders, shard {wildcards.shard}"
     script:
         "../scripts/render_closed_loop.py"
-
-
-rule try_convention:
-    input:
-        layers=expand("results/labels/{shard}.nc", shard=LOOP_SHARDS),
-        statistics=lambda w: STATISTICS[TRIED[w.convention].estimator],
-        code=imported_by(EVALUATION / "try_convention.py"),
-    output:
-        recovered="results/closed_loop/{convention}_first.nc",
-        table="results/closed_loop/{convention}_first.csv",
-    log:
-        "logs/try_convention/{convention}.log",
-    benchmark:
-        "results/benchmarks/try_convention/{convention}.tsv"
-    params:
-        convention=lambda w: vars(TRIED[w.convention]),
-        seed=config["seed"],
-        phy=config["phy"],
-        n_scenes=LOOP_TRIED,
-        stride=3 * LOOP_STRIDE,  # of shapes, which do not fade
-        varies=config["labels"]["radiometry"] == "measured",
-    message:
-        "statistics of renders by {wildcards.convention}"
-    script:
-        "../scripts/try_convention.py"
 
 
 rule tabulate_closed_loop:
@@ -299,115 +182,7 @@ rule closed_loop:
         "statistics that went into PHY beside those re-estimated from its renders"
 
 
-rule tabulate_validation:
-    input:
-        summaries=SUMMARIES,
-        statistics="results/statistics.nc",
-        rendered=rules.tabulate_closed_loop.output.recovered,
-        label_layers="results/tables/label_layers.csv",
-        label_histograms="results/tables/label_histograms.csv",
-        code=imported_by(EVALUATION / "tabulate_validation.py"),
-    output:
-        thickness="results/tables/validation_thickness.csv",
-        tests="results/tables/validation_tests.csv",
-        distributions="results/tables/validation_distributions.csv",
-        superposition="results/tables/superposition.csv",
-        tracked_power="results/tables/tracked_power.csv",
-        independence="results/tables/independence.csv",
-    log:
-        "logs/tabulate_validation.log",
-    benchmark:
-        "results/benchmarks/tabulate_validation/all.tsv"
-    resources:
-        mem_mb=1500,
-    params:
-        seed=config["seed"],
-    message:
-        "distributions of the flight beside labels, renders and laws"
-    script:
-        "../scripts/tabulate_validation.py"
-
-
-rule validation:
-    input:
-        rules.tabulate_validation.output,
-        rules.plot_closed_loop.output,
-    message:
-        "the flight beside what was made of its statistics"
-
-
-rule tabulate_realism:
-    input:
-        echograms=flight_files("results/flight/{frame}.nc"),
-        layers=flight_files("results/flight/{frame}_layers.nc"),
-        statistics="results/statistics.nc",
-        train=benchmark_files("train"),
-        test=benchmark_files("test"),
-        record=str(ROOT / "workflow/evaluation/lib/real_snow_radar.csv"),
-        rows=str(ROOT / "workflow/evaluation/lib/realism_rows.yaml"),
-        unread=REAL_FILES,
-        code=imported_by(EVALUATION / "tabulate_realism.py"),
-    output:
-        **({"crops": "results/realism_crops.nc"} if REAL else {}),
-        table="results/tables/realism.csv",
-        real="results/tables/real_snow_radar.csv",
-    log:
-        "logs/tabulate_realism.log",
-    benchmark:
-        "results/benchmarks/tabulate_realism/all.tsv"
-    params:
-        folder=REAL,
-        reference=config["reference"],
-        source=NOTE,
-        seed=config["seed"],
-    message:
-        "flight and benchmark beside real Snow Radar"
-    script:
-        "../scripts/tabulate_realism.py"
-
-
-rule realism:
-    input:
-        rules.tabulate_realism.output,
-        rules.plot_realism.output,
-        rules.plot_crops.output if REAL else [],
-    message:
-        "how real the flight and the benchmark look"
-
-
 # Layers that the tracker of the package picks in real pictures of one place in two years. Not part of the default run.
-
-
-rule match_repeat_pass:
-    input:
-        unread=repeat_pass_files,
-        code=imported_by(EVALUATION / "match_repeat_pass.py"),
-    output:
-        picks="results/repeat_pass.nc",
-        table="results/tables/repeat_pass.csv",
-    log:
-        "logs/match_repeat_pass.log",
-    benchmark:
-        "results/benchmarks/match_repeat_pass/all.tsv"
-    params:
-        folder=REAL,
-        # Of this run, if it has trained a tracker, else as it comes with the package.
-        weights=finished(["results/shipped/universal.onnx"])
-        or finished([str(ROOT / "snowsim/data/universal.onnx")]),
-        n_draws=1000,
-        seed=config["seed"],
-    message:
-        "layers of real pictures that are found in both years"
-    script:
-        "../scripts/match_repeat_pass.py"
-
-
-rule repeat_pass:
-    input:
-        rules.match_repeat_pass.output,
-        rules.plot_repeat_pass.output,
-    message:
-        "the tracker that comes with the package on real pictures of one place in two years"
 
 
 rule measure_phy:
@@ -489,29 +264,3 @@ rule charts_phy:
 # Accuracy of the convolution model: against a coherent solver with all multiples, and against off-nadir integrals.
 
 
-rule measure_convolution:
-    input:
-        code=imported_by(EVALUATION / "measure_convolution.py"),
-    output:
-        table="results/tables/convolution_accuracy.csv",
-    log:
-        "logs/measure_convolution.log",
-    benchmark:
-        "results/benchmarks/measure_convolution/all.tsv"
-    params:
-        reference=config["reference"],
-        n_looks=config["benchmark"]["n_looks"],
-        seed=config["seed"],
-        source=NOTE,
-    message:
-        "errors and cost of the convolution model"
-    script:
-        "../scripts/measure_convolution.py"
-
-
-rule convolution:
-    input:
-        rules.measure_convolution.output,
-        rules.plot_convolution.output,
-    message:
-        "how good the convolution model is, and where it stops being good enough"
