@@ -12,8 +12,7 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from lib.imports import ROOT
-
+ROOT = Path(__file__).resolve().parents[2]
 NOT_COPIED = shutil.ignore_patterns(
     ".git",
     ".venv",
