@@ -1,7 +1,6 @@
 """Sphinx builds the pages with this: ``make docs``, or ``sphinx-build -n -W docs build/docs``.
 
-Nothing is fetched: equations become MathML, and the configuration reference is made from the
-default configuration and its schema while its page is read.
+Nothing is fetched: equations become MathML.
 """
 
 import sys
@@ -10,10 +9,7 @@ from pathlib import Path
 from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parent / "workflow")]
-
-import configuration  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import snowsim  # noqa: E402
 
@@ -62,14 +58,6 @@ nitpicky = True
 nitpick_ignore_regex = [(r"py:(obj|class)", r"(?s).*")]
 
 
-def fill_in(app, docname, source):
-    """Put the configuration reference where its page asks for it."""
-    if docname == "configuration":
-        source[0] = source[0].replace(
-            "<!-- generated: configuration -->", configuration.reference()
-        )
-
-
 def visit_math(translator, node):
     """An equation within the text as MathML."""
     translator.body.append(str(tex2mathml(node.astext(), as_block=False)))
@@ -85,5 +73,3 @@ def visit_displaymath(translator, node):
 def setup(app):
     """Sphinx calls this."""
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_displaymath, None))
-    app.connect("source-read", fill_in)
-    app.connect("env-get-outdated", lambda app, env, added, changed, removed: {"configuration"})
