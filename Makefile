@@ -14,12 +14,12 @@ run: setup
 help:
 	@echo "make run           the whole workflow, to results/report.html"
 	@echo "make test          quick tests"
-	@echo "make test-all      every test: slow ones, whole runs, studies"
+	@echo "make test-all      every test: slow ones, whole runs, the study"
 	@echo "make test-machine  Debian packages that the cluster and browser tests need"
 	@echo "make setup         .venv with everything pinned"
 	@echo "make lint          check style"
 	@echo "make format        mend style"
-	@echo "make benchmarks    time the stages"
+	@echo "make benchmarks    time PHY, edge scores and tracking"
 	@echo "make docs          documentation, to build/docs/index.html"
 	@echo "make package-data  statistics of the default run, and the tracker trained on variants of them, into the package"
 	@echo "make clean         remove results, logs and caches"
@@ -29,7 +29,7 @@ help:
 test: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
-# Everything: slow property tests, several whole runs, crash, cluster and browser suites, studies.
+# Everything: slow property tests, several whole runs, crash, cluster and browser suites, the study.
 test-all: setup
 	.venv/bin/python -m pytest -m ""
 
@@ -65,13 +65,8 @@ benchmarks: export PYTHONPATH = workflow
 benchmarks: setup
 	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_phy.py --benchmark-only \
 		--benchmark-columns=median,min,rounds --benchmark-sort=mean
-	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_scenes.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_edges.py
-	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_cgan.py
-	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_tracker.py
 	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_track.py
-	OMP_NUM_THREADS=1 .venv/bin/python benchmarks/bench_reference.py
-	OMP_NUM_THREADS=1 .venv/bin/python -m pytest benchmarks/bench_statistics.py -s --benchmark-columns=median,min,rounds
 
 # Statistics of the default run's flight, to where they are read without a run.
 package-data: setup
