@@ -8,15 +8,11 @@ checks, plan and 8-bit scaling.
 import numpy as np
 import pytest
 
-from evaluation.lib.phy_alternatives import (
-    convolved_power,
-    render_as_printed,
-    table_power,
-    waveforms_of,
-)
+from evaluation.lib.literal_phy import convolved_power, render_as_printed, waveforms_of
 from snowsim.echogram import to_uint8
 from snowsim.phy import draw_speckle, mean_power, render
-from snowsim.phy.power import exact_power
+from snowsim.phy.plan import plan_power
+from snowsim.phy.power import exact_power, planned_power
 
 TOLERANCE_DB = 0.05
 N_BINS = N_LINES = 256
@@ -39,6 +35,11 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, rng):
         "n_looks": 100,
     }
     return layer_bins, parameters
+
+
+def table_power(waveforms, noise_power, tolerance_db):
+    """As `mean_power` has it by a tolerance."""
+    return planned_power(plan_power(waveforms, noise_power, tolerance_db))
 
 
 @pytest.fixture
