@@ -1,5 +1,7 @@
 """A report of planted tables, figures and scenes: seconds instead of a run of the workflow."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -13,11 +15,10 @@ from evaluation.lib.report import (
     page_content,
     write_page,
 )
-from lib.imports import ROOT
 from snowsim.echogram import Scene
 from snowsim.io.files import read_table
 
-REPORT = ROOT / "workflow/evaluation/report"
+REPORT = Path(__file__).parents[3] / "workflow/evaluation/report"
 
 
 def planted_scene(number, rng):
