@@ -2,11 +2,7 @@
 # results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
 
 PRINTED_TABLES = [f"results/as_printed/tables/table{n}.csv" for n in (2, 3)]
-# When both were last written: a parameter of the report, which as an input would have the default run make them.
 PRINTED_IS_MADE = all(map(os.path.isfile, PRINTED_TABLES))
-PRINTED_TIMES = {
-    file: os.path.getmtime(file) for file in PRINTED_TABLES if PRINTED_IS_MADE
-}
 PRINTED = copy.deepcopy(GIVEN)
 update_config(PRINTED, read_yaml("config/as_printed.yaml"))
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"

@@ -30,7 +30,7 @@ rule write_report:
         figure_stages=[FIGURES[file] for file in SHOWN],
         rule_stages={item.name: Path(item.snakefile).stem for item in workflow.rules},
         benchmarks="results/benchmarks",
-        printed=PRINTED_TIMES,
+        printed=finished(PRINTED_TABLES) if PRINTED_IS_MADE else {},
     message:
         "the report, one page"
     script:
