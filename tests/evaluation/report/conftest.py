@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from result_tables import picks, table2, table3_intervals
 
-from evaluation.lib.figures.style import METHODS, new_panel, write_figure
+from evaluation.lib.figures.style import METHODS, new_panel, save_figure
 from evaluation.lib.report import (
     depth_scale,
     figures_by_stage,
@@ -56,7 +56,7 @@ def planted_page(planted_tables, paper, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     figure, ax = new_panel()
     ax.plot([1, 3, 2])
-    write_figure(folder / "wave.svg", figure)
+    save_figure(folder / "wave.svg", figure, "planted")
     caption = folder / "wave.rst"
     caption.write_text("A wave (paper, Fig. 6).\n")
     rng = np.random.default_rng(11)
