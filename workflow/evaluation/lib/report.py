@@ -39,22 +39,20 @@ def page_content(tables, paper, printed, jobs, config, note):
     `tables` are this run's, `paper` the paper's, `printed` those of the run as printed, if there
     is one; all by name. `jobs` has a row a job with its rule and stage.
     """
-    sources = {"ours": tables, "paper": paper}
-    if printed:
-        sources["printed"] = printed
-    by_output = {
-        source: found["table3"].set_index("output")
-        for source, found in sources.items()
-        if source != "ours"
-    }
+    others = {"paper": paper, "printed": printed} if printed else {"paper": paper}
+    table2 = {"ours": tables["table2"]}
+    table3 = {}
+    for source, found in others.items():
+        table2[source] = found["table2"]
+        table3[source] = found["table3"].set_index("output")
     intervals = tables["table3_intervals"]
     return {
         "note": note,
         "synthetic": config["source"] == "reference",
         "as_printed": bool(printed),
         "summary": summary(tables["table2"], intervals, jobs),
-        "table2": compare_table2({source: found["table2"] for source, found in sources.items()}),
-        "table3": compare_table3(intervals, by_output),
+        "table2": compare_table2(table2),
+        "table3": compare_table3(intervals, table3),
         "n_trainings": int(intervals["n_replicas"].max()),
         "picks": errors_of_picks(tables["picks"]),
         "two_sample": distinguished(tables["two_sample"]),
