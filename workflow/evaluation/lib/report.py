@@ -21,8 +21,8 @@ STAGES = {
     "renders": "Renders by PHY and by the conditional GAN",
     "similarity": "Similarity of renders to observed scenes",
     "tracker": "Layer trackers",
-    "phy": "Speed against accuracy of PHY",
-    "atlas": "Atlases: where methods fail",
+    "charts": "Speed against accuracy, cost against worth, and where methods fail",
+    "closed_loop": "Closed loop: statistics in, renders, statistics out",
 }
 DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
 METRICS = ("ods", "ois", "ap")
