@@ -23,7 +23,7 @@ def browser():
         chromium.close()
 
 
-@pytest.fixture(params=[1280, 360], ids=["desktop", "phone"])
+@pytest.fixture(params=[1280, 360])
 def page(browser, planted_page, request):
     viewport = {"width": request.param, "height": 800}
     with browser.new_context(viewport=viewport, offline=True) as context:
