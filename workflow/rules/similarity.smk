@@ -30,7 +30,7 @@ rule tabulate_similarity:
         code=imported_by("tabulate_similarity.py"),
     output:
         all_images="results/similarity.parquet",
-        table2="results/tables/table2.csv",
+        table2=report("results/tables/table2.csv", category="similarity"),
         ssim_depth="results/tables/ssim_depth.csv",
     log:
         "logs/tabulate_similarity.log",

@@ -82,7 +82,7 @@ rule tabulate_trackers:
         statistics="results/statistics.nc",
         code=imported_by("tabulate_trackers.py"),
     output:
-        table3="results/tables/table3.csv",
+        table3=report("results/tables/table3.csv", category="tracker"),
         intervals="results/tables/table3_intervals.csv",
         tests="results/tables/table3_tests.csv",
         curves="results/tables/precision_recall.csv",

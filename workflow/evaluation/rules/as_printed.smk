@@ -1,6 +1,8 @@
 # The paper as printed beside the run: the same flight and benchmark, other choices from statistics to Table III, in
 # results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
 
+PRINTED_TABLES = [f"results/as_printed/tables/table{n}.csv" for n in (2, 3)]
+PRINTED_IS_MADE = all(map(os.path.isfile, PRINTED_TABLES))
 PRINTED = copy.deepcopy(GIVEN)
 update_config(PRINTED, read_yaml("config/as_printed.yaml"))
 PRINTED["checkpoints"]["folder"] = "results/as_printed/checkpoints"

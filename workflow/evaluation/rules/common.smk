@@ -49,12 +49,6 @@ def tables(*names):
     return [f"results/tables/{name}.csv" for name in names]
 
 
-# What the run as printed leaves for the report.
-PRINTED_TABLES = [
-    "results/as_printed/tables/table2.csv",
-    "results/as_printed/tables/table3_intervals.csv",
-]
-
 # Stage of every figure.
 FIGURES = {}
 
@@ -74,4 +68,3 @@ def drawn(stage, *files):
             path, caption=str(caption_file(file)), category=stage
         )
     return outputs
-

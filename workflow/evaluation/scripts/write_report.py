@@ -1,43 +1,51 @@
-"""The report: scenes of its gallery, and one page from the run's tables and figures."""
+"""The report, one page from the run's tables, figures and test scenes."""
 
-from contextlib import ExitStack
 from pathlib import Path
 
-from main_path import run
+from main_path import job
 
-from evaluation.lib.report.content import page_content
-from evaluation.lib.report.format import FILTERS
-from evaluation.lib.report.gallery import depth_scale, gallery_of
-from evaluation.lib.report.page import write_json, write_page
+from evaluation.lib.report import (
+    depth_scale,
+    figures_by_stage,
+    gallery_of,
+    page_content,
+    read_benchmarks,
+    write_page,
+)
 from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
 
 
-def write_report(
-    observed,
-    cgan,
-    phy,
-    images,
-    statistics,
-    template,
-    gallery,
-    page,
-    note,
-    config,
-    n_scenes,
-    **of_run,
-):
-    images = read_table(images)
-    files = {"observed": observed, "cgan": cgan, "phy": phy}
-    with ExitStack() as opened:
-        scenes = {name: opened.enter_context(SceneSet(paths)) for name, paths in files.items()}
-        shown = gallery_of(scenes, images, n_scenes)
-    bin_size_s = float(read_dataset(statistics).attrs["bin_size_s"])
-    scale = depth_scale(bin_size_s, config["tracker"]["picks"]["snow_density_kg_m3"])
-    shown = {"source": note, "scenes": shown, **scale}
-    write_json(gallery, shown)
-    content = page_content(gallery=shown, images=images, note=note, config=config, **of_run)
-    write_page(page, Path(template[0]).parent, "page.html.j2", content, FILTERS)
+def tables_by_name(paths):
+    """Tables by the names of their files."""
+    return {Path(path).stem: read_table(path) for path in paths}
 
 
-run(write_report)
+with job(snakemake):
+    config = snakemake.params.config
+    scenes = {
+        "observed": SceneSet(snakemake.input.observed),
+        "cgan": SceneSet(snakemake.input.cgan),
+        "phy": SceneSet(snakemake.input.phy),
+    }
+    images = read_table(snakemake.input.images)
+    statistics = read_dataset(snakemake.input.statistics)
+    content = page_content(
+        tables=tables_by_name(snakemake.input.tables),
+        paper=tables_by_name(snakemake.input.paper),
+        printed=tables_by_name(snakemake.params.printed),
+        jobs=read_benchmarks(snakemake.params.benchmarks, snakemake.params.rule_stages),
+        config=config,
+        note=snakemake.params.note,
+    )
+    content["figures"] = figures_by_stage(
+        snakemake.input.figures, snakemake.params.figure_stages, snakemake.input.captions
+    )
+    content["gallery"] = {
+        "scenes": gallery_of(scenes, images),
+        **depth_scale(
+            float(statistics.attrs["bin_size_s"]),
+            config["tracker"]["picks"]["snow_density_kg_m3"],
+        ),
+    }
+    write_page(snakemake.output.page, snakemake.input.template, content)

@@ -168,5 +168,3 @@ function enlarge(image) {
 
 startGallery();
 for (const button of document.querySelectorAll(".zoom")) button.addEventListener("click", () => enlarge(button.firstElementChild));
-// On paper nothing can be opened.
-addEventListener("beforeprint", () => document.querySelectorAll(".claim details").forEach((details) => { details.open = true; }));

@@ -1,0 +1,321 @@
+"""The report: a run's tables beside the paper's, its figures and scenes, as one page."""
+
+import base64
+import io
+from pathlib import Path
+
+import jinja2
+import numpy as np
+import pandas as pd
+from PIL import Image
+
+from evaluation.lib.figures.style import METHODS, NAMES, TRAINING_SETS, evenly_spaced
+from evaluation.lib.machine import describe_machine, describe_versions
+from snowsim.io.files import written_whole
+from snowsim.metrics.pick_tables import snow_per_bin_m
+
+# Headings of stages; others are called by their own names.
+STAGES = {
+    "flight": "The flight and its statistics",
+    "labels": "Label sets",
+    "renders": "Renders by PHY and by the conditional GAN",
+    "similarity": "Similarity of renders to observed scenes",
+    "tracker": "Layer trackers",
+    "charts": "Speed against accuracy, cost against worth, and where methods fail",
+    "closed_loop": "Closed loop: statistics in, renders, statistics out",
+}
+DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
+METRICS = ("ods", "ois", "ap")
+N_SCENES = 16  # of the gallery
+LINE_STEP = 2  # every other range line of a layer is drawn
+MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
+MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
+GIBIBYTE_MB = 1024
+
+
+def page_content(tables, paper, printed, jobs, config, note):
+    """What the page's template names, but for figures and gallery.
+
+    `tables` are this run's, `paper` the paper's, `printed` those of the run as printed, if there
+    is one; all by name. `jobs` has a row a job with its rule and stage.
+    """
+    others = {"paper": paper, "printed": printed} if printed else {"paper": paper}
+    table2 = {"ours": tables["table2"]}
+    table3 = {}
+    for source, found in others.items():
+        table2[source] = found["table2"]
+        table3[source] = found["table3"].set_index("output")
+    intervals = tables["table3_intervals"]
+    return {
+        "note": note,
+        "synthetic": config["source"] == "reference",
+        "as_printed": bool(printed),
+        "summary": summary(tables["table2"], intervals, jobs),
+        "table2": compare_table2(table2),
+        "table3": compare_table3(intervals, table3),
+        "n_trainings": int(intervals["n_replicas"].max()),
+        "picks": errors_of_picks(tables["picks"]),
+        "two_sample": distinguished(tables["two_sample"]),
+        "stage_costs": costs(jobs, "stage"),
+        "rule_costs": costs(jobs, "rule"),
+        "machine": describe_machine(),
+        "versions": describe_versions(),
+        "seed": config["seed"],
+        "settings": settings_of(config),
+    }
+
+
+def compare_table2(sources):
+    """Rows of Table II from tables by source: a cell a renderer, with "min / mean / max" each."""
+    rows = []
+    for metric in DIGITS:
+        cells = []
+        for method in METHODS:
+            texts = {name: least_mean_most(of, metric, method) for name, of in sources.items()}
+            cells.append(texts)
+        rows.append({"name": NAMES[metric], "cells": cells})
+    return rows
+
+
+def least_mean_most(table2, metric, method):
+    """One metric of one method as "min / mean / max"."""
+    of_metric = table2[table2["metric"] == metric].set_index("statistic")
+    values = of_metric.loc[["min", "mean", "max"], method]
+    return " / ".join(f"{value:.{DIGITS[metric]}f}" for value in values)
+
+
+def compare_table3(intervals, others):
+    """Rows of Table III: a cell a training set, with its mean and what `others` have, by source.
+
+    Of an augmented set also the difference to RD, which is `resolved` where its interval excludes
+    zero. `others` are indexed by output and have a column a training set and metric.
+    """
+    by_key = intervals.set_index(["output", "metric", "training_set"])
+    rows = []
+    for output in intervals["output"].unique():
+        for metric in METRICS:
+            cells = []
+            for name in TRAINING_SETS:
+                ours = by_key.loc[(output, metric, name)]
+                cell = {"ours": f"{ours['mean']:.3f}"}
+                for source, table3 in others.items():
+                    cell[source] = f"{table3.loc[output, f'{name}_{metric}']:.3f}"
+                if name != "rd":
+                    cell["difference"] = difference(ours)
+                    cell["resolved"] = ours["difference_low"] > 0 or ours["difference_high"] < 0
+                cells.append(cell)
+            rows.append({"name": f"{output.replace('_', ' ')}, {NAMES[metric]}", "cells": cells})
+    return rows
+
+
+def difference(row):
+    """A difference to RD and its interval, with real minus signs."""
+    value, low, high = row[["difference", "difference_low", "difference_high"]]
+    return f"{value:+.3f} [{low:+.3f}, {high:+.3f}]".replace("-", "\N{MINUS SIGN}")
+
+
+def errors_of_picks(picks):
+    """Table of texts on picks followed through the fused output, means over trainings."""
+    means = picks.groupby("training_set").mean(numeric_only=True).loc[list(TRAINING_SETS)]
+    names = {
+        "mean_absolute_error_bins": ("Mean absolute error [range bins]", 2),
+        "share_within": ("Share of errors within 2 range bins", 3),
+        "share_found": ("Share of layer pixels picked", 3),
+        "n_missed_layers": (f"Layers missed, of {means['n_layers'].iloc[0]:.0f}", 0),
+        "n_false_layers": ("False layers", 0),
+    }
+    rows = []
+    for column, (name, digits) in names.items():
+        rows.append([name, *means[column].map(f"{{:.{digits}f}}".format)])
+    return pd.DataFrame(rows, columns=["Picks", *map(NAMES.get, TRAINING_SETS)])
+
+
+def distinguished(two_sample):
+    """How often a small network knows observed scenes from others."""
+    of_network = two_sample.query("classifier == 'network' and first_row < 0")
+    rows = []
+    for row in of_network.itertuples():
+        name = "the other half of the observed" if row.scenes == "observed" else NAMES[row.scenes]
+        rows.append([name, f"{row.accuracy:.2f} [{row.low:.2f}, {row.high:.2f}]"])
+    return pd.DataFrame(rows, columns=["Observed scenes and", "Accuracy"])
+
+
+def summary(table2, intervals, jobs):
+    """Names, values and notes: similarity, tracker, gain of augmentation, time."""
+    ssim = mean_by_method(table2, "ssim", ".2f")
+    psnr = mean_by_method(table2, "psnr", ".1f")
+    of_fuse = intervals.query("output == 'fuse' and metric == 'ods'").set_index("training_set")
+    rd = of_fuse.loc["rd"]
+    best = of_fuse["mean"].drop(index="rd").idxmax()
+    gain = difference(of_fuse.loc[best])
+    wall = duration(jobs["s"].sum())
+    cpu = duration(jobs["cpu_time"].sum())
+    interval = f"95 % interval {rd['low']:.3f} to {rd['high']:.3f}"
+    return [
+        ("SSIM with observed scenes", ssim, f"PSNR [dB] {psnr}; means over test scenes"),
+        ("Tracker on RD alone, fused ODS", f"{rd['mean']:.3f}", interval),
+        ("Best augmented set, fused ODS", NAMES[best], f"{gain} over RD, 95 % interval"),
+        ("Time of all jobs", wall, f"{len(jobs)} jobs, CPU {cpu}"),
+    ]
+
+
+def mean_by_method(table2, metric, form):
+    """Mean of a metric by every method, as "cGAN 0.1, PHY 0.2"."""
+    means = table2.query("metric == @metric and statistic == 'mean'").iloc[0]
+    return ", ".join(f"{NAMES[method]} {means[method]:{form}}" for method in METHODS)
+
+
+def read_benchmarks(folder, stages):
+    """What Snakemake measured under ``folder/rule/...``, a row a job with its `rule` and `stage`.
+
+    `stages` maps rule to stage; jobs of other rules are left out.
+    """
+    rows = []
+    for path in sorted(Path(folder).rglob("*.tsv")):
+        rule = path.relative_to(folder).parts[0]
+        measured = pd.read_csv(path, sep="\t", na_values="-")
+        rows += measured.assign(rule=rule, stage=stages.get(rule)).to_dict("records")
+    jobs = pd.DataFrame(rows, columns=["stage", "rule", "s", "cpu_time", "max_rss"])
+    return jobs.dropna(subset="stage")
+
+
+def costs(jobs, of):
+    """Table of texts on what jobs cost by `stage` or `rule`, the longest first.
+
+    Jobs that end between two looks of the clock have no CPU time and no memory on file.
+    """
+    grouped = jobs.groupby(of)
+    wall_s = grouped["s"].sum().sort_values(ascending=False)
+    names = wall_s.index.map(heading) if of == "stage" else wall_s.index
+    memory_gb = grouped["max_rss"].max() / GIBIBYTE_MB
+    columns = {
+        "Jobs": grouped.size(),
+        "Wall time": wall_s.map(duration),
+        "Share": (wall_s / wall_s.sum()).map("{:.0%}".format),
+        "CPU time": grouped["cpu_time"].sum().map(duration),
+        "Largest job": memory_gb.map("{:.1f} GiB".format, na_action="ignore").fillna(""),
+    }
+    table = pd.DataFrame(columns).loc[wall_s.index]
+    table.insert(0, of.capitalize(), names)
+    return table
+
+
+def settings_of(config):
+    """Table of the settings by their full names, as "section.key"."""
+    values = pd.json_normalize(config).iloc[0].astype(str)
+    return values.reset_index().set_axis(["Setting", "Value"], axis=1)
+
+
+def heading(stage):
+    """A stage as a heading."""
+    return STAGES.get(stage, stage.replace("_", " ").capitalize())
+
+
+def duration(seconds):
+    """Seconds as "45 s", "3 min 20 s" or "2 h 5 min"."""
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {seconds} s"
+
+
+def figures_by_stage(paths, stages, captions):
+    """Figures in lists by the heading of their stage; three lists of equal length."""
+    by_stage = {}
+    for path, stage, caption in zip(paths, stages, captions, strict=True):
+        words = Path(caption).read_text(encoding="utf-8")
+        figure = {"name": Path(path).name, "caption": words, "uri": figure_uri(path)}
+        by_stage.setdefault(heading(stage), []).append(figure)
+    return by_stage
+
+
+def gallery_of(scenes, images, n_scenes=N_SCENES):
+    """Test scenes spread over their number of layers, as plain values.
+
+    `scenes` are observed and rendered ones by source, `images` is the table of similarity.
+    """
+    scores = images.set_index(["scene", "method"])[["ssim", "psnr"]].astype(float).round(3)
+    n_layers = [scene.layer_bins.shape[0] for scene in scenes["observed"]]
+    gallery = []
+    for number in evenly_spaced(n_layers, n_scenes).tolist():
+        scene = scenes["observed"][number]
+        shown = {
+            "name": scene.name,
+            "n_range_bins": scene.n_range_bins,
+            "n_range_lines": scene.n_range_lines,
+            "n_layers": n_layers[number] - 1,
+            "layers": layer_lines(scene.layer_bins),
+            "images": {source: image_uri(of[number].image) for source, of in scenes.items()},
+            "scores": {method: scores.loc[(scene.name, method)].to_dict() for method in METHODS},
+        }
+        gallery.append(shown)
+    return gallery
+
+
+def layer_lines(layer_bins, step=LINE_STEP):
+    """Layers (layer, range_line) as unbroken pieces [range_line, range_bin, range_line, ...].
+
+    Each `step`-th range line is kept, and the last.
+    """
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    last = layer_bins.shape[1] - 1
+    lines = np.union1d(np.arange(0, last, step), last)
+    layers = []
+    for bins in layer_bins[:, lines]:
+        points = np.column_stack([lines, np.round(bins, 1)])
+        runs = np.ma.clump_unmasked(np.ma.masked_invalid(bins))
+        layers.append([points[run].ravel().tolist() for run in runs])
+    return layers
+
+
+def depth_scale(bin_size_s, snow_density_kg_m3):
+    """Delay of a range bin [s], and its thickness in snow of some density and in air [m]."""
+    return {
+        "snow_density_kg_m3": snow_density_kg_m3,
+        "bin_size_s": bin_size_s,
+        "snow_per_bin_m": snow_per_bin_m(bin_size_s, snow_density_kg_m3),
+        "air_per_bin_m": snow_per_bin_m(bin_size_s, 0),
+    }
+
+
+def figure_uri(path, most_bytes=MOST_BYTES):
+    """A figure as a data URI: as it stands or, if it is larger, the PNG beside it as WebP."""
+    path = Path(path)
+    if path.stat().st_size <= most_bytes:
+        return data_uri(path.read_bytes(), MEDIA_TYPES[path.suffix])
+    with Image.open(path.with_suffix(".png")) as image:
+        return webp_uri(image.convert("RGB"), quality=80)
+
+
+def image_uri(image):
+    """An 8-bit grey image, (row, column), as a WebP data URI; lossy, for looking at."""
+    return webp_uri(Image.fromarray(image), quality=65)
+
+
+def webp_uri(image, quality):
+    """A picture as a WebP data URI."""
+    content = io.BytesIO()
+    image.save(content, format="WEBP", method=4, quality=quality)
+    return data_uri(content.getvalue(), "image/webp")
+
+
+def data_uri(content, media_type):
+    """Bytes as a base64 data URI of a media type."""
+    text = base64.b64encode(content).decode("ascii")
+    return f"data:{media_type};base64,{text}"
+
+
+def write_page(path, template, content):
+    """Write a page from a template, whole or not at all; an undefined name is an error."""
+    template = Path(template)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(template.parent),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template(template.name).render(content)
+    with written_whole(path) as aside:
+        aside.write_text(page, encoding="utf-8")

@@ -1,1 +1,0 @@
-"""Tables to the report's page."""
