@@ -53,44 +53,6 @@ def job(snakemake):
     logger.info("done in %.1f s", time.perf_counter() - begin)
 
 
-# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files
-# beside others.
-NOT_HANDED = {"code", "unread"}
-
-
-def run(function):
-    """Call a script's one function with what its rule names; nothing happens on import.
-
-    Inputs, outputs and params reach it by their names in the rule, those of `NOT_HANDED` left out.
-    """
-    if function.__module__ == "__main__":
-        snakemake = sys.modules["__main__"].snakemake
-        with job(snakemake):
-            function(**named(snakemake))
-
-
-def named(snakemake):
-    """Inputs, outputs and params of a job by name; each must have one, no two the same."""
-    given = {}
-    for kind in ("input", "output", "params"):
-        items = getattr(snakemake, kind)
-        spans = [span for _, span in items._get_names()]
-        n_named = sum(1 if end is None else end - start for start, end in spans)
-        n_unnamed = len(items) - n_named
-        if n_unnamed > 0:
-            msg = f"{kind}: expected a name for every item, "
-            msg += f"found {n_unnamed} of {len(items)} without"
-            raise ValueError(msg)
-        for name, value in items.items():
-            if name in given:
-                msg = f"expected each name once in input, output and params, found {name} twice"
-                raise ValueError(msg)
-            given[name] = value
-    for name in NOT_HANDED:
-        given.pop(name, None)
-    return given
-
-
 def check_memory(mem_mb):
     """Refuse to start where less memory is available than the rule asks for."""
     available = available_memory_mb()
