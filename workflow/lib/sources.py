@@ -1,11 +1,9 @@
-"""Checks before the first job: the source's data, space for results; ValueErrors say what is wrong.
+"""Where flight and benchmark come from; ValueErrors say what is wrong before the first job.
 
 Readers are imported where they are used: every start of the workflow comes by here, and needs those
 of one source.
 """
 
-import os
-import shutil
 from pathlib import Path
 
 ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
@@ -139,25 +137,3 @@ def check_lists(lists, *, data_scale, contrast_db):
         msg = f"range lines of a scene: expected the same in all lists, found {found}"
         raise ValueError(msg)
     return table
-
-
-def check_folders(*names):
-    """Refuse folders that cannot be written; root may write anywhere but on a read-only disk."""
-    for name in names:
-        folder = Path(name).absolute()
-        while not folder.exists():
-            folder = folder.parent
-        if not os.access(folder, os.W_OK):
-            msg = f"disk: {name}/ cannot be written: {folder} is read-only"
-            raise ValueError(msg)
-
-
-def check_disk(needed_bytes, name="results"):
-    """Refuse a run whose results do not fit on the disk of a folder."""
-    folder = Path(name).absolute()
-    folder = folder if folder.exists() else folder.parent
-    free_bytes = shutil.disk_usage(folder).free
-    if free_bytes < needed_bytes:
-        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, "
-        msg += f"{folder} has {free_bytes / 1e6:.0f} MB left"
-        raise ValueError(msg)

@@ -20,8 +20,7 @@ wildcard_constraints:
 
 rule export_scenes:
     input:
-        unread=lambda wildcards: sum(EXPORTS[wildcards.export_set].values(), []),
-        code=imported_by("export_scenes.py"),
+        scenes=lambda w: sum(EXPORTS[w.export_set].values(), []),
     output:
         folder=directory("results/export/{format}/{export_set}"),
     log:
@@ -29,10 +28,9 @@ rule export_scenes:
     benchmark:
         "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
     params:
-        wanted="{format}",
-        lists=lambda wildcards: EXPORTS[wildcards.export_set],
+        lists=lambda w: EXPORTS[w.export_set],
         layers=config["export"]["layers"],
-        what=lambda wildcards: WHAT[wildcards.export_set],
+        what=lambda w: WHAT[w.export_set],
     message:
         "{wildcards.export_set} as {wildcards.format}"
     script:
@@ -53,7 +51,6 @@ rule export:
 rule ship_statistics:
     input:
         statistics="results/statistics.nc",
-        code=imported_by("ship_statistics.py"),
     output:
         data="results/shipped/reference_flight.nc",
     log:

@@ -1,11 +1,20 @@
 # Layers of own echograms without annotation: every frame of the table of frames with the role track, for any `source`.
 
+from functools import cache
+
+
+# The table is read only where this target is asked for.
+@cache
+def frames_by_job():
+    """Frames to track, by the number of the job."""
+    jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
+    return dict(zip(numbered(len(jobs)), jobs))
+
 
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
-        unread=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
-        code=imported_by("track_frames.py"),
+        weights=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
     output:
         folder=directory("results/picks/{shard}"),
         table="results/tables/tracked_frames/{shard}.csv",
@@ -26,10 +35,7 @@ rule track_frames:
 
 rule tabulate_picks:
     input:
-        tables=lambda w: expand(
-            "results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()
-        ),
-        code=imported_by("tabulate_picks.py"),
+        tables=lambda w: expand("results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()),
     output:
         table="results/tables/tracked_frames.csv",
     log:

@@ -1,11 +1,16 @@
 # Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
 
 
+def layers_of(wildcards):
+    """Where the layers of a scene set to render come from."""
+    folder = {"labels": "labels", "test": "benchmark/test"}[wildcards.scenes]
+    return f"results/{folder}/{wildcards.shard}.nc"
+
+
 rule render_phy:
     input:
         layers=layers_of,
         statistics="results/statistics.nc",
-        code=imported_by("render_phy.py"),
     output:
         scenes="results/phy/{scenes}/{shard}.nc",
     log:
@@ -13,22 +18,20 @@ rule render_phy:
     benchmark:
         "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
     resources:
-        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
+        results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
     params:
         seed=config["seed"],
         phy=config["phy"],
-        by_other_statistics=False,
     message:
         "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        str(SCRIPTS / "render_phy.py")  # absolute, for rules that are made of this one
+        "../scripts/render_phy.py"
 
 
 rule complete_picks:
     input:
         scenes="results/benchmark/train/{shard}.nc",
         weights=str(ROOT / "snowsim/data/universal.onnx"),
-        code=imported_by("complete_picks.py"),
     output:
         completed="results/cgan/train/{shard}.nc",
     log:
@@ -39,11 +42,7 @@ rule complete_picks:
     resources:
         results_mb=lambda wildcards: scenes_mb("train", wildcards.shard, 220),
     params:
-        bin_s=(
-            config["reference"]["radar"]["bin_size_s"]
-            if config["source"] == "reference"
-            else config["import"]["bin_s"]
-        ),
+        bin_s=BIN_S,
         source=SYNTHETIC,
     message:
         "layers that picks of train scenes lack, shard {wildcards.shard}"
@@ -53,8 +52,12 @@ rule complete_picks:
 
 rule train_cgan:
     input:
-        scenes=cgan_train_files(),
-        code=imported_by("train_cgan.py"),
+        # With their picks, or with completed ones.
+        scenes=(
+            benchmark_files("train")
+            if config["cgan"]["picks"] == "as_picked"
+            else expand("results/cgan/train/{shard}.nc", shard=shards("train"))
+        ),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
@@ -67,11 +70,11 @@ rule train_cgan:
     priority: 100  # the longest chain of the workflow starts here
     resources:
         mem_mb=3000,
-        gpu=int(config["cgan"]["device"] == "cuda"),
+        gpu=on_gpu("cgan"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
-        settings=CGAN_SETTINGS,
+        settings=config["cgan"]["training"],
         validation=config["cgan"]["validation"],
         on_collapse=config["cgan"]["on_collapse"],
         source=SYNTHETIC,
@@ -81,7 +84,7 @@ rule train_cgan:
     message:
         "cGAN training"
     script:
-        str(SCRIPTS / "train_cgan.py")  # absolute, for rules that are made of this one
+        "../scripts/train_cgan.py"
 
 
 rule render_cgan:
@@ -89,7 +92,6 @@ rule render_cgan:
         layers=layers_of,
         generator="results/cgan/generator.safetensors",
         statistics="results/statistics.nc",
-        code=imported_by("render_cgan.py"),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",
     log:
@@ -99,8 +101,8 @@ rule render_cgan:
     priority: 90
     resources:
         mem_mb=3000,
-        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
-        gpu=int(config["cgan"]["device"] == "cuda"),
+        results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
+        gpu=on_gpu("cgan"),
     params:
         seed=config["seed"],
         device=config["cgan"]["device"],
@@ -108,14 +110,11 @@ rule render_cgan:
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        str(SCRIPTS / "render_cgan.py")  # absolute, for rules that are made of this one
+        "../scripts/render_cgan.py"
 
 
 rule renders:
     input:
-        rendered_files("cgan", "labels"),
-        rendered_files("cgan", "test"),
-        rendered_files("phy", "labels"),
-        rendered_files("phy", "test"),
+        [rendered_files(method, scenes) for method in METHODS for scenes in ("labels", "test")],
     message:
         "label sets and test masks rendered by both methods"

@@ -1,18 +1,7 @@
 # Where flight and benchmark come from: how many frames and scenes there are, and what they are called.
 
-from lib import sources
-
 SOURCE = config["source"]
 OWN = config["import"]
-
-
-def frame_inputs(row_of):
-    """Inputs of a rule that imports the frame of a row of the table; `row_of` is given wildcards."""
-    return {
-        "echogram": lambda w: row_of(w)["echogram"],
-        "layers": lambda w: row_of(w)["layers"],
-        "unread": lambda w: [CHECK, *sources.frame_files(row_of(w), SOURCE)],
-    }
 
 
 def numbered(n):
@@ -22,25 +11,26 @@ def numbered(n):
 
 # N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. How many scenes an own frame gives is known when it
 # is cut: there a file holds one frame, and frames are counted. CHECK is the table of the check of own files.
+OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
 if SOURCE == "reference":
     or_refused(sources.check_reference, config["reference"], config["flight"])
     SYNTHETIC = "synthetic reference flight, not observed data"
     NOTE = "synthetic reference flight"
+    BIN_S = config["reference"]["radar"]["bin_size_s"]
     N_OBSERVED = config["benchmark"]["n_scenes"]
-    OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
     FRAMES = numbered(config["flight"]["n_frames"])
     SEGMENT = ["results/flight/segment.nc"]
     CHECK = []
 else:
     SYNTHETIC = "no"
     NOTE = OWN["description"] or f"source: {SOURCE}"
+    BIN_S = OWN["bin_s"]
     SEGMENT = []
     if SOURCE == "png_pairs":
         PAIRS = OWN["pairs"]
         OBSERVED = or_refused(
             sources.own_pairs, PAIRS["folder"], PAIRS["lists"], PAIRS["data_scale"]
         )
-        OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
         FRAMES = []
         CHECK = "results/tables/scenes.csv"
     else:
