@@ -34,7 +34,7 @@ def replaced(settings, given, where=""):
     ValueError, naming the setting, if one is unknown or not within its limits.
     """
     if not isinstance(given, dict):
-        msg = f"{where or 'settings'}: expected names with values, got {given!r}"
+        msg = f"{where.rstrip('.') or 'settings'}: expected names with values, got {given!r}"
         raise ValueError(msg)
     known = [each.name for each in fields(settings)]
     changes = {}

@@ -9,16 +9,23 @@ from pathlib import Path
 ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
 
 
+def observed(config):
+    """Rows of own frames, or pairs of images, by their role; none of the reference flight."""
+    source = config["source"]
+    own = config["import"]
+    if source == "reference":
+        check_reference(config["reference"], config["flight"])
+        return {}
+    if source == "png_pairs":
+        pairs = own["pairs"]
+        return own_pairs(pairs["folder"], pairs["lists"], pairs["data_scale"])
+    return own_frames(own["frames"])
+
+
 def check_reference(reference, flight):
-    """Refuse settings of the reference flight that contradict each other, or too many frames."""
-    from snowsim.reference import checked_settings
+    """Refuse more frames of the reference flight than its line holds."""
     from snowsim.reference.line import line_length_km
 
-    try:
-        checked_settings(reference)
-    except ValueError as error:
-        msg = f"config: reference.{str(error).removeprefix('reference.')}"
-        raise ValueError(msg) from None
     n_frames = flight["n_frames"]
     n_range_lines = flight["n_range_lines"]
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
@@ -80,6 +87,12 @@ def frame_files(row, source):
     if row["layers"] and (organizer := find_organizer(row["layers"])):
         files.append(str(organizer))
     return files
+
+
+def frame_inputs(row, source):
+    """Inputs of a rule that imports the frame of a row; `files` are all that it is read from."""
+    files = frame_files(row, source)
+    return {"echogram": row["echogram"], "layers": row["layers"], "files": files}
 
 
 def own_pairs(folder, lists, data_scale):

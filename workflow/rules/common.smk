@@ -17,8 +17,9 @@ SCRIPTS = ROOT / "workflow/scripts"
 # What scripts import is read by the code that tests use, too; tables of own data by the package that the jobs use.
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
-from lib import sources
+from lib import checks, sources
 from lib.configuration import filled
+from lib.targets import described
 
 # One thread a process, processes side by side: numbers then do not depend on how many cores there are.
 for library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
@@ -67,6 +68,8 @@ wildcard_constraints:
     split="|".join(SPLITS),
     scenes="labels|test",
     training_set="|".join(TRAINING_SETS | ALONE),
+    export_set="rd|pd|gd",
+    format="pairs|netcdf",
 
 
 def shards(scenes):
@@ -110,3 +113,19 @@ def finished(paths):
 def on_gpu(stage):
     """How many GPUs a job of a stage needs."""
     return int(config[stage]["device"] == "cuda")
+
+
+def layers_of(wildcards):
+    """Where the layers of a scene set to render come from."""
+    folder = {"labels": "labels", "test": "benchmark/test"}[wildcards.scenes]
+    return f"results/{folder}/{wildcards.shard}.nc"
+
+
+def added_scenes(method):
+    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
+
+    def files(wildcards):
+        joins = method in (TRAINING_SETS | ALONE)[wildcards.training_set]
+        return rendered_files(method, "labels") if joins else []
+
+    return files

@@ -13,11 +13,6 @@ WHAT = {
 }
 
 
-wildcard_constraints:
-    export_set="|".join(EXPORTS),
-    format="pairs|netcdf",
-
-
 rule export_scenes:
     input:
         scenes=lambda w: sum(EXPORTS[w.export_set].values(), []),

@@ -121,15 +121,6 @@ else:
     READING = {name: OWN[name] for name in ("bin_s", "flattening", "layer_names", "flagged_by")}
     READING["source"] = SOURCE
 
-    def frame_inputs(row):
-        """Inputs of a rule that imports the frame of a row of the table."""
-        return {
-            "echogram": row["echogram"],
-            "layers": row["layers"],
-            "files": sources.frame_files(row, SOURCE),
-            "check": CHECK,
-        }
-
     rule check_frames:
         input:
             frames=OWN["frames"],
@@ -151,7 +142,8 @@ else:
 
     rule import_frame:
         input:
-            unpack(lambda w: frame_inputs(OBSERVED["statistics"][int(w.frame)])),
+            unpack(lambda w: sources.frame_inputs(OBSERVED["statistics"][int(w.frame)], SOURCE)),
+            check=CHECK,
         output:
             frame="results/flight/{frame}.nc",
             layers="results/flight/{frame}_layers.nc",
@@ -171,7 +163,8 @@ else:
 
     rule import_blocks:
         input:
-            unpack(lambda w: frame_inputs(OBSERVED[w.split][int(w.shard)])),
+            unpack(lambda w: sources.frame_inputs(OBSERVED[w.split][int(w.shard)], SOURCE)),
+            check=CHECK,
         output:
             scenes="results/benchmark/{split}/{shard}.nc",
         log:

@@ -43,9 +43,7 @@ rule draw_labels:
     params:
         seed=config["seed"],
         span=lambda w: shard_range("labels", w.shard),
-        labels={
-            name: value for name, value in LABELS.items() if name not in ("n_scenes", "shard_size")
-        },
+        labels={key: LABELS[key] for key in LABELS if key not in ("n_scenes", "shard_size")},
         choices={name: config["phy"][name] for name in CHOICES},
     message:
         "label sets, shard {wildcards.shard}"

@@ -1,15 +1,5 @@
 # Layers of own echograms without annotation: every frame of the table of frames with the role track, for any `source`.
 
-from functools import cache
-
-
-# The table is read only where this target is asked for.
-@cache
-def frames_by_job():
-    """Frames to track, by the number of the job."""
-    jobs = or_refused(sources.frames_to_track, OWN["frames"], FRAMES_PER_JOB)
-    return dict(zip(numbered(len(jobs)), jobs))
-
 
 rule track_frames:
     input:

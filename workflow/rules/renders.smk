@@ -1,12 +1,6 @@
 # Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
 
 
-def layers_of(wildcards):
-    """Where the layers of a scene set to render come from."""
-    folder = {"labels": "labels", "test": "benchmark/test"}[wildcards.scenes]
-    return f"results/{folder}/{wildcards.shard}.nc"
-
-
 rule render_phy:
     input:
         layers=layers_of,

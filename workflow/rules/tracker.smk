@@ -1,16 +1,6 @@
 # The layer tracker on real data and on three augmented sets, and its edge scores: Table III.
 
 
-def added_scenes(method):
-    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
-
-    def files(wildcards):
-        joins = method in (TRAINING_SETS | ALONE)[wildcards.training_set]
-        return rendered_files(method, "labels") if joins else []
-
-    return files
-
-
 rule train_tracker:
     input:
         real=lambda w: (benchmark_files("train") if w.training_set in TRAINING_SETS else []),
@@ -90,11 +80,10 @@ rule tabulate_trackers:
     benchmark:
         "results/benchmarks/tabulate_trackers/all.tsv"
     params:
+        **TRACKER["picks"],
         seed=config["seed"],
         n_bootstrap=TRACKER["n_bootstrap"],
         runs=RUNS,
-        depth_step_bins=TRACKER["picks"]["depth_step_bins"],
-        snow_density_kg_m3=TRACKER["picks"]["snow_density_kg_m3"],
     message:
         "Table III, scores by zone, errors of picks"
     script:

@@ -11,7 +11,10 @@ with job(snakemake):
     frames = snakemake.params.frames
     settings = checked_settings(snakemake.params.reference)
     climate = draw_climate(settings, rng=random_stream(seed, "climate"))
-    flight = {"n_frames": snakemake.params.n_frames, "n_range_lines": snakemake.params.n_range_lines}
+    flight = {
+        "n_frames": snakemake.params.n_frames,
+        "n_range_lines": snakemake.params.n_range_lines,
+    }
     common = {**flight, "climate": climate, "settings": settings}
     files = zip(frames, snakemake.output.echograms, snakemake.output.layers, strict=True)
     for frame, path_to_echogram, path_to_layers in progress(files, "frames", total=len(frames)):
