@@ -243,8 +243,22 @@ class Settings:
     radar: RadarSettings = field(default_factory=RadarSettings)
     picks: PickSettings = field(default_factory=PickSettings)
 
-    def __post_init__(self):
-        check_window(self)
+
+# Versioned: a changed value is another profile.
+PROFILES = {"greenland_2012": Settings()}
+
+
+def checked_settings(reference):
+    """Settings from the `reference` section of a configuration.
+
+    That has dicts `climate`, `firn`, `radar`, `picks`. Missing keys keep their defaults.
+    ValueError, naming the key, if one is unknown or a value out of range.
+    """
+    settings = replaced(Settings(), reference)
+    # The default's holds them, and starts of the workflow are spared what the check imports.
+    if settings != Settings():
+        check_window(settings)
+    return settings
 
 
 def check_window(settings):
@@ -263,16 +277,3 @@ def check_window(settings):
         msg += f"the surface's row {radar.surface_bin}, a first year of up to {bins:.0f} bins "
         msg += f"and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
         raise ValueError(msg)
-
-
-# Versioned: a changed value is another profile.
-PROFILES = {"greenland_2012": Settings()}
-
-
-def checked_settings(reference):
-    """Settings from the `reference` section of a configuration.
-
-    That has dicts `climate`, `firn`, `radar`, `picks`. Missing keys keep their defaults.
-    ValueError, naming the key, if one is unknown or a value out of range.
-    """
-    return replaced(Settings(), reference)

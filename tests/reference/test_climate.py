@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 from snowsim.reference import checked_settings
 from snowsim.reference.climate import draw_along_track, draw_waves
 from snowsim.reference.line import line_coordinates, line_length_km, place_at, temperature_fausto09
+from snowsim.reference.settings import Settings, check_window
 
 
 def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_are_distances():
@@ -111,3 +112,4 @@ def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation
 def test_settings_out_of_range_are_refused_by_name(reference, message):
     with pytest.raises(ValueError, match=message):
         checked_settings(reference)
+    check_window(Settings())  # every start of the workflow takes the default's for granted

@@ -23,9 +23,15 @@ def observed(config):
 
 
 def check_reference(reference, flight):
-    """Refuse more frames of the reference flight than its line holds."""
+    """Refuse settings of the reference flight that contradict each other, or too many frames."""
+    from snowsim.reference import checked_settings
     from snowsim.reference.line import line_length_km
 
+    try:
+        checked_settings(reference)
+    except ValueError as error:
+        msg = f"config: reference: {error}"
+        raise ValueError(msg) from None
     n_frames = flight["n_frames"]
     n_range_lines = flight["n_range_lines"]
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
