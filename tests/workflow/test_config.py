@@ -95,8 +95,8 @@ def test_the_package_refuses_what_the_limits_of_its_settings_exclude(stage):
             limits = dict(each.metadata)
             is_list = "minItems" in limits
             inside, outside = at_the_limits(limits, is_whole=isinstance(each.default, int))
-            # Settings of the flight also limit each other.
-            for value in inside if stage != "reference" else []:
+            # Settings of the flight, and numbers of layers, also limit each other.
+            for value in inside if stage not in ("reference", "labels") else []:
                 replace(group, **{each.name: limits["minItems"] * [value] if is_list else value})
             for value in [*outside, "none of these", {}, *([None] if inside else [])]:
                 if value is None and "None" in str(each.type):
@@ -152,7 +152,7 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
     ("text", "expected"),
     [
         ("sead: 7", "sead"),
-        ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: n_scenes"),
+        ("labels: {n_scene: 3}", "labels: .*n_scene.*expected: recipe, n_scenes"),
         ("phy: {recipe: papers}", "phy.recipe: expected measured or paper, got papers"),
         (
             "tracker: {training: {optimiser: sgd}}",
@@ -172,7 +172,7 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
             "labels: {n_layers_min: 9, n_layers_max: 6}",
             "labels: n_layers_min must be at most n_layers_max = 6, got 9",
         ),
-        ("labels: {n_zones: 4}", "labels: .*n_zones.*expected: n_scenes"),
+        ("labels: {n_zones: 4}", "labels: .*n_zones.*expected: recipe, n_scenes"),
         ("phy: {tolerance_db: -1}", "phy: tolerance_db must be positive and finite, got -1"),
         ('import: {description: "a\\nb"}', "import.description: .*expected: one line"),
         (
@@ -224,7 +224,7 @@ def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
     shared = {file.split("/")[1] for file in files if not file.startswith("results/as_printed/")}
     assert shared == {"flight", "benchmark", "statistics"}  # of the last the sums over frames
     assert "results/as_printed/statistics.nc" in files
-    assert "results/as_printed/tables/table3_intervals.csv" in files
+    assert "results/as_printed/tables/table3.csv" in files
 
 
 def test_what_is_printed_otherwise_stands_among_the_departures():

@@ -15,14 +15,12 @@ from runs import (
     ROOT,
     WRITTEN,
     lines_with,
-    parsed,
     refused,
     rules_to_run,
     run_snakemake,
     settings,
     text_of,
 )
-from snakemake.exceptions import WorkflowError
 from snakemake.utils import update_config
 
 from lib.configuration import filled, read_schema
@@ -95,17 +93,6 @@ def test_a_scene_in_two_lists_and_a_missing_folder_stop_before_any_job(tmp_path)
         assert expected in refused(tmp_path / "run", configs)
 
 
-def test_images_give_no_flight_and_a_target_that_needs_one_says_so(tmp_path):
-    for split, name in (("train", "1"), ("test", "2")):
-        (tmp_path / f"data_{name}.png").touch()
-        (tmp_path / f"layer_{name}.png").touch()
-        (tmp_path / f"{split}.lst").write_text(f"data_{name}.png\n")
-    configs = write_own(tmp_path, "png_pairs", pairs={"folder": str(tmp_path)})
-    message = "source png_pairs: there are no frames: images hold no positions"
-    with pytest.raises(WorkflowError, match=message):
-        parsed(tmp_path, configs, ["results/figures/echogram.svg"])
-
-
 def test_changed_flags_and_a_changed_setting_are_read_again_in_one_run(tmp_path, rng):
     formats.write_nsidc_flight(tmp_path, rng, ("statistics", "train", "test"), 512)
     own = {"source": "nsidc", "frames": str(tmp_path / "frames.tsv")}
@@ -169,7 +156,7 @@ def test_the_pipeline_runs_unchanged_on_a_folder_in_the_published_layout(exporte
     pairs = {"folder": str(exported / "export/pairs/rd"), "lists": {"validation": "validation.lst"}}
     configs = write_own(tmp_path, "png_pairs", pairs=pairs)
     done = run_snakemake(tmp_path, configs=configs, timeout=1800)
-    assert "left out: Doppler spectra: images hold no phase" in text_of(done)
+    assert "left out: figures of the flight and Doppler spectra: images hold" in text_of(done)
     results = tmp_path / "results"
     # Images and masks are those of the reference run, so what never saw the statistics scores the
     # same. Renders did.

@@ -82,7 +82,7 @@ def read_schema():
     """JSON Schema of a configuration; settings of the package are known to it by name."""
     schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
     for stage in ("labels", "phy"):
-        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), True)
+        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), {})
     return schema
 
 

@@ -68,7 +68,7 @@ wildcard_constraints:
     split="|".join(SPLITS),
     scenes="labels|test",
     training_set="|".join(TRAINING_SETS | ALONE),
-    export_set="rd|pd|gd",
+    set="rd|pd|gd",
     format="pairs|netcdf",
 
 
@@ -99,9 +99,9 @@ def benchmark_files(*splits):
     return [f"results/benchmark/{split}/{shard}.nc" for split in splits for shard in shards(split)]
 
 
-def rendered_files(method, scenes):
-    """The files of one scene set as one method rendered it."""
-    return [f"results/{method}/{scenes}/{shard}.nc" for shard in shards(scenes)]
+def rendered_files(method, *sets):
+    """The files of scene sets as one method rendered them."""
+    return [f"results/{method}/{scenes}/{shard}.nc" for scenes in sets for shard in shards(scenes)]
 
 
 def finished(paths):
@@ -110,22 +110,7 @@ def finished(paths):
     return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in made}
 
 
-def on_gpu(stage):
-    """How many GPUs a job of a stage needs."""
-    return int(config[stage]["device"] == "cuda")
-
-
-def layers_of(wildcards):
-    """Where the layers of a scene set to render come from."""
-    folder = {"labels": "labels", "test": "benchmark/test"}[wildcards.scenes]
-    return f"results/{folder}/{wildcards.shard}.nc"
-
-
-def added_scenes(method):
-    """Input function: the label sets rendered by a method if they join the real scenes in the training set."""
-
-    def files(wildcards):
-        joins = method in (TRAINING_SETS | ALONE)[wildcards.training_set]
-        return rendered_files(method, "labels") if joins else []
-
-    return files
+def added_scenes(method, training_set):
+    """The label sets rendered by a method, if they join the real scenes in a training set."""
+    joins = method in (TRAINING_SETS | ALONE)[training_set]
+    return rendered_files(method, "labels") if joins else []

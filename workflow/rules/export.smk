@@ -1,5 +1,6 @@
 # Scene sets for other people's code, in the published benchmark's layout and for xarray.
 
+EXPORT = config["export"]
 # Of each set its lists, and the scene set they show with who rendered it.
 EXPORTS = {
     "rd": {split: benchmark_files(split) for split in SPLITS if N_SCENES[split]},
@@ -15,30 +16,26 @@ WHAT = {
 
 rule export_scenes:
     input:
-        scenes=lambda w: sum(EXPORTS[w.export_set].values(), []),
+        scenes=lambda w: sum(EXPORTS[w.set].values(), []),
     output:
-        folder=directory("results/export/{format}/{export_set}"),
+        folder=directory("results/export/{format}/{set}"),
     log:
-        "logs/export_scenes/{format}/{export_set}.log",
+        "logs/export_scenes/{format}/{set}.log",
     benchmark:
-        "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
+        "results/benchmarks/export_scenes/{format}_{set}.tsv"
     params:
-        lists=lambda w: EXPORTS[w.export_set],
-        layers=config["export"]["layers"],
-        what=lambda w: WHAT[w.export_set],
+        lists=lambda w: EXPORTS[w.set],
+        layers=EXPORT["layers"],
+        what=lambda w: WHAT[w.set],
     message:
-        "{wildcards.export_set} as {wildcards.format}"
+        "{wildcards.set} as {wildcards.format}"
     script:
         "../scripts/export_scenes.py"
 
 
 rule export:
     input:
-        expand(
-            "results/export/{format}/{export_set}",
-            format=config["export"]["formats"],
-            export_set=config["export"]["sets"],
-        ),
+        expand("results/export/{format}/{set}", format=EXPORT["formats"], set=EXPORT["sets"]),
     message:
         "scenes for other code"
 

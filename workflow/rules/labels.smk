@@ -1,12 +1,10 @@
 # Sums over the flight -> flight statistics -> synthetic layer sets.
 
-# Sums over a shard of frames or, where there are only images, over a file of train scenes.
-SUMMARIES = [f"results/statistics/{number}.nc" for number in FRAME_SHARDS or shards("train")]
-
 
 rule fit_statistics:
     input:
-        summaries=SUMMARIES,
+        # Over a shard of frames or, where there are only images, over a file of train scenes.
+        summaries=expand("results/statistics/{shard}.nc", shard=FRAME_SHARDS or shards("train")),
         segment=SEGMENT,
     output:
         statistics="results/statistics.nc",
@@ -26,7 +24,6 @@ rule fit_statistics:
 
 # Of PHY, which a label set records.
 CHOICES = ["width", "width_bounds", "n_looks", "speckle_correlation"]
-LABEL_FILES = expand("results/labels/{shard}.nc", shard=shards("labels"))
 
 
 rule draw_labels:
@@ -53,6 +50,6 @@ rule draw_labels:
 
 rule labels:
     input:
-        LABEL_FILES,
+        expand("results/labels/{shard}.nc", shard=shards("labels")),
     message:
         "all label sets"

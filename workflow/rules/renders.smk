@@ -1,9 +1,15 @@
 # Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
 
+# Where the layers of a scene set come from.
+LAYERS = {"labels": "results/labels", "test": "results/benchmark/test"}
+# Train scenes of the cGAN, by what marks their layers.
+PICKED = {"as_picked": "results/benchmark/train", "completed": "results/cgan/train"}
+CGAN = config["cgan"]
+
 
 rule render_phy:
     input:
-        layers=layers_of,
+        layers=lambda w: f"{LAYERS[w.scenes]}/{w.shard}.nc",
         statistics="results/statistics.nc",
     output:
         scenes="results/phy/{scenes}/{shard}.nc",
@@ -46,12 +52,7 @@ rule complete_picks:
 
 rule train_cgan:
     input:
-        # With their picks, or with completed ones.
-        scenes=(
-            benchmark_files("train")
-            if config["cgan"]["picks"] == "as_picked"
-            else expand("results/cgan/train/{shard}.nc", shard=shards("train"))
-        ),
+        scenes=expand("{folder}/{shard}.nc", folder=PICKED[CGAN["picks"]], shard=shards("train")),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
@@ -64,13 +65,13 @@ rule train_cgan:
     priority: 100  # the longest chain of the workflow starts here
     resources:
         mem_mb=3000,
-        gpu=on_gpu("cgan"),
+        gpu=int(CGAN["device"] == "cuda"),
     params:
         seed=config["seed"],
-        device=config["cgan"]["device"],
-        settings=config["cgan"]["training"],
-        validation=config["cgan"]["validation"],
-        on_collapse=config["cgan"]["on_collapse"],
+        device=CGAN["device"],
+        settings=CGAN["training"],
+        validation=CGAN["validation"],
+        on_collapse=CGAN["on_collapse"],
         source=SYNTHETIC,
         checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
@@ -83,7 +84,7 @@ rule train_cgan:
 
 rule render_cgan:
     input:
-        layers=layers_of,
+        layers=lambda w: f"{LAYERS[w.scenes]}/{w.shard}.nc",
         generator="results/cgan/generator.safetensors",
         statistics="results/statistics.nc",
     output:
@@ -96,10 +97,10 @@ rule render_cgan:
     resources:
         mem_mb=3000,
         results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
-        gpu=on_gpu("cgan"),
+        gpu=int(CGAN["device"] == "cuda"),
     params:
         seed=config["seed"],
-        device=config["cgan"]["device"],
+        device=CGAN["device"],
         source=SYNTHETIC,
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
@@ -109,6 +110,6 @@ rule render_cgan:
 
 rule renders:
     input:
-        [rendered_files(method, scenes) for method in METHODS for scenes in ("labels", "test")],
+        [rendered_files(method, "labels", "test") for method in METHODS],
     message:
         "label sets and test masks rendered by both methods"

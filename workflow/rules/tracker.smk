@@ -3,9 +3,9 @@
 
 rule train_tracker:
     input:
-        real=lambda w: (benchmark_files("train") if w.training_set in TRAINING_SETS else []),
-        phy=added_scenes("phy"),
-        cgan=added_scenes("cgan"),
+        real=lambda w: benchmark_files("train") if w.training_set in TRAINING_SETS else [],
+        phy=lambda w: added_scenes("phy", w.training_set),
+        cgan=lambda w: added_scenes("cgan", w.training_set),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -16,16 +16,13 @@ rule train_tracker:
     priority: 50
     resources:
         mem_mb=2000,
-        gpu=on_gpu("tracker"),
+        gpu=int(TRACKER["device"] == "cuda"),
     params:
         seed=config["seed"],
         replica="{replica}",
         device=TRACKER["device"],
         n_epochs=TRACKER["n_epochs"],
-        data={
-            "added_per_real": TRACKER["added_per_real"],
-            "order": TRACKER["order"],
-        },
+        data={"added_per_real": TRACKER["added_per_real"], "order": TRACKER["order"]},
         settings=TRACKER["training"],
         checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
@@ -49,7 +46,7 @@ rule score_tracker:
         "results/benchmarks/score_tracker/{training_set}.tsv"
     resources:
         mem_mb=2000,
-        gpu=on_gpu("tracker"),
+        gpu=int(TRACKER["device"] == "cuda"),
     params:
         device=TRACKER["device"],
     message:
