@@ -211,7 +211,7 @@ rule measure_phy:
         seed=config["seed"],
         reference=config["reference"],
         n_looks=config["benchmark"]["n_looks"],
-        cgan=config["cgan"]["training"],
+        cgan=CGAN_SETTINGS,
     message:
         "speed and accuracy of PHY's parts and of whole scenes, and what plans left out"
     script:
