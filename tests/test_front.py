@@ -2,6 +2,7 @@
 
 import pickle
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from ship_statistics import shipped
 
 import snowsim
-from lib.imports import ROOT
 from snowsim import cli
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.front import REFERENCE
@@ -22,6 +22,7 @@ from snowsim.io.png_pairs import PairSet
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import PRESETS, physical_parameters
 
+ROOT = Path(__file__).resolve().parents[1]
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
 

@@ -5,18 +5,19 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
-from lib.imports import ROOT
 from snowsim.echogram import layer_mask
 from snowsim.io.files import write_dataset
 from snowsim.io.images import write_image
 from snowsim.reference import checked_settings, draw_climate, draw_frame
 
+ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 SCRIPTS = [code for language, code in blocks(ROOT / "README.md") if language == "python"]

@@ -1,16 +1,17 @@
 """Five newcomers, each with their own files and the wheel in an environment of their own."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from test_install import bare, built, run_in, write_frames, write_predictions  # noqa: F401
 
-from lib.imports import ROOT
 from snowsim.io.files import write_dataset
 from snowsim.reference import checked_settings, draw_climate, draw_frame
 
+ROOT = Path(__file__).resolve().parents[1]
 pytestmark = pytest.mark.slow
 
 PIT = """depth [cm],density [g cm-3]

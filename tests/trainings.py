@@ -1,6 +1,6 @@
 """What tests of both networks' trainings share.
 
-Taking steps, comparing states, killing a script midway.
+Taking steps, comparing states, killing a process midway.
 """
 
 import os
@@ -20,15 +20,15 @@ from snowsim.io.models import read_model
 torch.set_num_threads(1)  # as in every training
 ROOT = Path(__file__).resolve().parents[1]
 FILES = {"losses": "losses.csv", "checkpoint": "unfinished.safetensors", "events": "events"}
-# Runs a script in a process of its own and tells every step it has taken.
+# Trains in a process of its own and tells every step it has taken.
 CHILD = """
-import sys, {script} as script
-def steps_shown(*given, steps=script.train_steps):
+import sys, {module} as module
+def steps_shown(*given, steps=module.train_steps):
     for step, losses in steps(*given):
         print(step, flush=True)
         yield step, losses
-script.train_steps = steps_shown
-script.train(**eval(sys.argv[1]))
+module.train_steps = steps_shown
+module.train(**eval(sys.argv[1]))
 """
 
 
@@ -56,25 +56,23 @@ def same(a, b):
 
 
 def paths_in(folder, **files):
-    """Arguments of a script that name its files in `folder`.
+    """Arguments of a training that name its files in `folder`.
 
     Those of every training, and others.
     """
     return {name: str(folder / file) for name, file in (FILES | files).items()}
 
 
-def check_killed_training(script, arguments, whole):
-    """Kill the training of a script after 3.5 checkpoints and begin it again.
+def check_killed_training(module, arguments, whole):
+    """Kill the training of a module after 3.5 checkpoints and begin it again.
 
     Its files are those in `whole`.
     """
     checkpoint, every_steps = Path(arguments["checkpoint"]), arguments["checkpoint_steps"]
     n_steps = arguments["settings"]["n_steps"]
     names = {path.name for path in whole.iterdir() if path.is_file()}
-    environment = os.environ | {
-        "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow/scripts")])
-    }
-    command = [sys.executable, "-c", CHILD.format(script=script), repr(arguments)]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "workflow")])}
+    command = [sys.executable, "-c", CHILD.format(module=module), repr(arguments)]
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as child:
         for line in child.stdout:
             if int(line) >= 3.5 * every_steps:
@@ -86,7 +84,7 @@ def check_killed_training(script, arguments, whole):
     _, metadata = read_model(checkpoint)
     assert 3 * every_steps <= metadata["step"] < n_steps
     assert last_shown - metadata["step"] <= every_steps  # one interval lost at most
-    import_module(script).train(**arguments)
+    import_module(module).train(**arguments)
     for name in names:
         assert (checkpoint.parent / name).read_bytes() == (whole / name).read_bytes()
     assert read_table(arguments["losses"])["step"].tolist() == list(range(1, n_steps + 1))

@@ -2,8 +2,8 @@
 
 from snowsim.cgan.inputs import Levels
 from snowsim.cgan.render import render, trained_generator, validate
-from snowsim.cgan.settings import Settings
 from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
+from snowsim.settings.cgan import Settings
 
 __all__ = [
     "Levels",

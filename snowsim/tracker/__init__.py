@@ -1,12 +1,16 @@
 """The multi-scale layer tracker: echograms to layer probabilities."""
 
 from snowsim.constants import OUTPUTS
+from snowsim.settings import tracker as settings
+from snowsim.settings.tracker import Settings
 from snowsim.tracker.loss import annotated_pixels
 from snowsim.tracker.network import MultiScaleNetwork, track
 from snowsim.tracker.published import PublishedNetwork
 from snowsim.tracker.sampling import Completed, TrainingSet
-from snowsim.tracker.settings import Settings, published
 from snowsim.tracker.train import Training, train_steps, trained_network
+
+# Over the module of the same name, which holds its network.
+published = settings.published
 
 __all__ = [
     "OUTPUTS",

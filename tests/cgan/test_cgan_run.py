@@ -1,14 +1,14 @@
-"""A training through its script survives kill -9; a collapse is stated."""
+"""A training survives kill -9; a collapse is stated."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from toy_scenes import toy_scenes
-from train_cgan import train
 from trainings import check_killed_training, paths_in
 
 from lib import cgan_training
+from lib.cgan_training import train
 from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.io.scenes import SceneSet, write_scenes
@@ -27,7 +27,7 @@ VALIDATION = {"n_scenes": 2, "every_steps": 50, "by": "distance", "patience": No
 
 
 def arguments(folder, **changes):
-    """Arguments of the script, its files in `folder`, its scenes beside it."""
+    """Arguments of the training, its files in `folder`, its scenes beside it."""
     scenes = folder.parent / "scenes.nc"
     if not scenes.exists():
         write_scenes(scenes, toy_scenes(6))
@@ -60,7 +60,7 @@ def whole(tmp_path_factory):
 
 
 def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(whole):
-    check_killed_training("train_cgan", arguments(whole.parent / "killed"), whole)
+    check_killed_training("lib.cgan_training", arguments(whole.parent / "killed"), whole)
 
 
 def test_the_weights_are_those_of_the_best_validation_and_samples_hold_each_scene_at_every_one(

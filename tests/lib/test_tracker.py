@@ -1,91 +1,16 @@
-"""What trainings of the tracker's study are.
-
-Zones and depths of its tables divide what is scored and lose nothing.
-"""
+"""Zones and depths of the tracker's tables divide what is scored and lose nothing."""
 
 import numpy as np
 import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
 
-from evaluation.lib.tracker_runs import (
-    ablation_of,
-    check_names,
-    choices_of,
-    data_of,
-    draws,
-    labels_of,
-    pairs_of,
-    renders_of,
-    training_of,
-    worth_of,
-)
 from lib.score_tables import COUNTS, tracker_intervals
 from lib.tracker_scores import count_edges, pick_scenes
 from lib.tracker_tables import intervals_by_zone, picks_by_depth, picks_by_zone, rows_of_picks
 from snowsim.constants import OUTPUTS
 from snowsim.metrics.pick_tables import SUMS
 from snowsim.seeding import random_stream
-
-TRACKER = {
-    "added_per_real": 0.6,
-    "order": "mixed",
-    "training": {"n_steps": 100, "learning_rate": 1e-3},
-}
-STUDY = {
-    "ablation": [
-        {"name": "masked", "training_sets": ["rd"], "training": {"mask_unannotated": True}},
-        {"name": "longer", "training_sets": ["rd"], "steps": 2},
-    ],
-    "worth": [["pd", "rd"], ["longer/rd", "masked/rd"]],
-}
-
-
-def test_a_setting_changes_what_it_names_and_nothing_else():
-    masked, longer = STUDY["ablation"]
-    assert training_of(masked, TRACKER) == {
-        "n_steps": 100,
-        "learning_rate": 1e-3,
-        "mask_unannotated": True,
-    }
-    assert training_of(longer, TRACKER) == {"n_steps": 200, "learning_rate": 1e-3}
-    assert data_of(longer, TRACKER) == {"added_per_real": 0.6, "order": "mixed"}
-    assert data_of({"order": "synthetic_first", "steps": 2}, TRACKER)["order"] == "synthetic_first"
-
-
-def test_a_setting_with_label_sets_of_its_own_draws_and_renders_them_by_what_it_names():
-    labels = {"n_layers": "measured", "surface": "measured"}
-    phy = {"n_looks": 16, "background": "measured", "estimator": "deblended"}
-    uniform = {"draw": {"n_layers": "uniform"}}
-    assert draws(uniform)
-    assert not draws({"phy": {"n_looks": 100}})
-    assert labels_of(uniform, labels) == {"n_layers": "uniform", "surface": "measured"}
-    assert choices_of({"draw": {}, "phy": {"n_looks": 100}}, ["n_looks"], phy) == {"n_looks": 100}
-    assert choices_of(uniform, ["n_looks"], phy) == {"n_looks": 16}
-    default = ["results/phy/labels/0000.nc"]
-    assert renders_of("longer", {"steps": 2}, default) == default
-    own = ["results/studies/tracker/uniform/phy/0000.nc"]
-    assert renders_of("uniform", uniform, default) == own
-
-
-def test_runs_are_compared_with_what_is_named_once_or_with_their_default():
-    assert worth_of(STUDY) == [
-        (("default", "pd"), ("default", "rd")),
-        (("longer", "rd"), ("masked", "rd")),
-    ]
-    assert pairs_of([("default", "rd_pd"), ("masked", "rd_pd")]) == [
-        (("default", "rd_pd"), ("default", "rd_pd")),
-        (("masked", "rd_pd"), ("default", "rd_pd")),
-    ]
-    assert ablation_of(STUDY)["default"]["training_sets"] == ["rd"]
-    check_names(STUDY)
-    with pytest.raises(
-        ValueError, match="worth: expected a setting, one of default, masked, longer, got"
-    ):
-        check_names({**STUDY, "worth": [["mask/rd", "rd"]]})
-    with pytest.raises(ValueError, match="expected every name once, got masked 2 times"):
-        check_names({**STUDY, "ablation": [*STUDY["ablation"], {"name": "masked"}]})
-
 
 SETS = ["rd", "rd_gd"]
 RUNS = [(name, replica) for name in SETS for replica in (0, 1)]

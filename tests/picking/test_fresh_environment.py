@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from planted_layers import BIN_S, WRITERS, content_of, planted
 
-from lib.imports import ROOT
 from snowsim.io import read_layers
 from snowsim.io.images import write_image
 
+ROOT = Path(__file__).resolve().parents[2]
 SEGMENT_OF = {"mat73": "20120330_04", "nsidc": "20120330_05", "opr": "20120330_06"}
 MOST_MB = 120  # that the extra may add
 XOPR = """

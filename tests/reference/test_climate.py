@@ -95,8 +95,8 @@ def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation
 @pytest.mark.parametrize(
     ("reference", "message"),
     [
-        ({"weather": {}}, "reference: unknown key weather"),
-        ({"firn": {"densty": 3}}, "reference.firn: unknown key densty"),
+        ({"weather": {}}, "weather: unknown key, expected some of climate, firn"),
+        ({"firn": {"densty": 3}}, "firn.densty: unknown key"),
         ({"firn": {"surface_density_kg_m3": 950.0}}, "firn.surface_density_kg_m3 must lie in"),
         ({"firn": {"fade_depth_m": 0.5}}, "firn.fade_depth_m must exceed fade_least_m"),
         ({"climate": {"anomaly_sd": -0.1}}, "climate.anomaly_sd must lie in"),

@@ -10,6 +10,7 @@ import pytest
 import torch
 import yaml
 from numpy.testing import assert_allclose
+from snakemake.utils import update_config
 from toy_scenes import toy_scene, toy_scenes
 
 from lib.configuration import filled
@@ -139,9 +140,10 @@ def test_only_copies_let_a_scene_without_layers_pass():
 
 def test_the_paper_s_configuration_is_the_published_recipe():
     n_gradients = {}
-    tracker = filled(yaml.safe_load((CONFIG / "paper.yaml").read_text()))["tracker"]
+    config = yaml.safe_load((CONFIG / "config.yaml").read_text())
+    update_config(config, yaml.safe_load((CONFIG / "paper.yaml").read_text()))
+    tracker = filled(config)["tracker"]
     settings = tracker["training"]
-    default = yaml.safe_load((CONFIG / "config.yaml").read_text())["tracker"]
     assert Settings(**settings) == published(settings["n_steps"])
     for n_sets in (0, 1, 2):
         sets = [range(1500)] * n_sets
@@ -152,7 +154,7 @@ def test_the_paper_s_configuration_is_the_published_recipe():
             tracker["n_epochs"],
             1,
             1500 / 2360,
-            default["order"],
+            tracker["order"],
         )
         n_gradients[n_sets] = chosen.n_steps
     # 15 epochs of five copies of 2360 real scenes and 1500 of every added set.

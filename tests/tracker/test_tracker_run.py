@@ -1,19 +1,13 @@
-"""A training through its script survives kill -9.
-
-What a setting of the study changes is what is shown.
-"""
+"""A training survives kill -9; what a setting changes is what is shown."""
 
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from toy_scenes import toy_scenes
-from train_tracker import train
 from trainings import check_killed_training, paths_in
 
-from lib.tracker_training import compose
-from snowsim.io.models import read_model
+from lib.tracker_training import compose, train
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.tracker import Settings
 
@@ -30,13 +24,12 @@ def scene_files(tmp_path):
 
 
 def arguments(folder, scene_files):
-    """Arguments of the script, its files in `folder`."""
+    """Arguments of the training, its files in `folder`."""
     options = {
         "seed": 1,
         "replica": "0",
         "device": "cpu",
         "n_epochs": None,
-        "skip": 0,
         "checkpoint_steps": 10,
     }
     settings = {
@@ -62,19 +55,8 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(
 ):
     train(**arguments(tmp_path / "whole", scene_files))
     check_killed_training(
-        "train_tracker", arguments(tmp_path / "killed", scene_files), tmp_path / "whole"
+        "lib.tracker_training", arguments(tmp_path / "killed", scene_files), tmp_path / "whole"
     )
-
-
-def test_a_skipped_share_leaves_the_end_of_the_schedule(tmp_path, scene_files):
-    given = arguments(tmp_path, scene_files)
-    # Drawn scenes alone: they stand where real ones did.
-    given |= {"real": [], "skip": 0.4, "settings": {**given["settings"], "n_steps": 10}}
-    train(**given)
-    assert pd.read_csv(given["losses"])["step"].tolist() == [5, 6, 7, 8, 9, 10]
-    _, metadata = read_model(given["network"], {"kind": "tracker"})
-    # 6 of 10 gradients, over 8 scenes.
-    assert metadata["epochs"] == 6 * 2 / 8  # two scenes a step
 
 
 def composed(scene_files, n_epochs=None, n_steps=40, **data):

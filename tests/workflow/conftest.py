@@ -1,15 +1,8 @@
 """A finished run of the tiny configuration, made once for all tests, and the rules as declared."""
 
-from pathlib import Path
-from types import SimpleNamespace
-
 import pytest
 import reproducible
-from runs import ROOT, copy_source, made_once, parsed, run_snakemake, source_tree
-
-from lib.imports import SCRIPTS
-
-FOLDERS = (SCRIPTS, ROOT / "workflow/evaluation/scripts")
+from runs import copy_source, made_once, parsed, run_snakemake, source_tree
 
 
 @pytest.fixture(scope="session")
@@ -52,22 +45,9 @@ def load_rules(tmp_path_factory):
     """Function that gives the rules as declared for the tiny configuration and further settings."""
 
     def load(**settings):
-        workflow = parsed(tmp_path_factory.mktemp("rules"), **settings)
-        return [described(rule) for rule in workflow.rules]
+        return list(parsed(tmp_path_factory.mktemp("rules"), **settings).rules)
 
     return load
-
-
-def described(rule):
-    """A rule as it is declared, with its script and the code that this imports."""
-    script = None
-    code = set()
-    if rule.script:
-        name = Path(str(rule.script)).name
-        script = next(folder / name for folder in FOLDERS if (folder / name).is_file())
-        # An input function that asks for no wildcards.
-        code = {Path(path).relative_to(ROOT) for path in rule.input.code(None)}
-    return SimpleNamespace(name=rule.name, script=script, code=code, declared=rule)
 
 
 @pytest.fixture(scope="session")

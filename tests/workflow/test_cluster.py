@@ -51,9 +51,9 @@ def test_the_slurm_profile_plans_the_whole_run(tmp_path):
 @pytest.mark.parametrize("device", ["cpu", "cuda"])
 def test_rules_that_use_a_gpu_ask_for_one(load_rules, device):
     rules = load_rules(cgan={"device": device}, tracker={"device": device})
-    n_gpus = {rule.name: dict(rule.declared.resources.items()).get("gpu") for rule in rules}
+    n_gpus = {rule.name: dict(rule.resources.items()).get("gpu") for rule in rules}
     asking = {name for name, resource in n_gpus.items() if resource is not None and resource.value}
     # Exactly the rules that are given a device.
-    given = {rule.name for rule in rules if "device" in dict(rule.declared.params.items())}
+    given = {rule.name for rule in rules if "device" in dict(rule.params.items())}
     assert given >= {"train_cgan", "train_tracker"}
     assert asking == (given if device == "cuda" else set())

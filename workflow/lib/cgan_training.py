@@ -1,7 +1,6 @@
-"""What watches a training of the conditional GAN: similarity on held-out scenes, and detectors."""
+"""A training of the conditional GAN, watched: similarity on held-out scenes, and detectors."""
 
 import logging
-import time
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -11,7 +10,11 @@ from lib.cgan_health import WINDOW_STEPS, faults, is_early, measure_losses, meas
 from lib.fades import fade_spread
 from lib.patch_distance import scenes_distance
 from lib.scope import scope_of
-from snowsim.cgan import Settings, Training, train_steps, validate
+from lib.training import TrainingRun, check_memory, enough_memory
+from snowsim.cgan import Settings, Training, least_bytes, train_steps, validate
+from snowsim.io.files import write_table
+from snowsim.io.models import fingerprint, write_model
+from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.patches import check_trainable, draw_index
 
 N_SAMPLES = 3  # scenes of the sample sheet
@@ -208,16 +211,33 @@ def sample_scenes(scenes, samples):
             yield replace(scene, image=image, complete_layer_bins=None, notes={"step": step})
 
 
-def train_and_examine(settings, seed, train_scenes, held_scenes):
-    """Similarity, health, cost and outcome of one training; endless values end it."""
-    started = time.process_time()
-    training = Training(settings, seed=seed)
-    try:
-        losses = [step_losses for _, step_losses in train_steps(training, train_scenes)]
-        seconds = time.process_time() - started
-        examined = examine(training, losses, held_scenes)
-    except FloatingPointError as error:
-        return {"outcome": f"values that are not finite: {error}"}
-    found = faults(examined.health, dropout=settings.dropout)
-    row = examined.scores | examined.health
-    return row | {"core_seconds": seconds, "outcome": "; ".join(found) or "healthy"}
+def train(
+    scenes, generator, losses, scores, samples,
+    *, settings, checkpoint, checkpoint_steps, events, source, **options,
+):  # fmt: skip
+    """Train by the `Recipe` of `settings` and `options`, from the checkpoint where there is one."""
+    recipe = Recipe(Settings(**settings), **options)
+    made_of = recipe.made_of(fingerprint(scenes))
+    what = f"a cGAN of width {recipe.settings.width}"
+    check_memory(least_bytes(recipe.settings), what)
+    with SceneSet(scenes) as observed, enough_memory(what):
+        train_scenes, held_scenes = split_scenes(observed, recipe)
+        training = Training(recipe.settings, seed=recipe.seed, device=recipe.device)
+        validation = Validation(training, held_scenes, recipe)
+        unfinished = TrainingRun(
+            training,
+            checkpoint,
+            {"kind": "unfinished cgan training", **made_of},
+            every_steps=checkpoint_steps,
+            path_to_events=events,
+            validation=validation,
+        )
+        with unfinished as taken:
+            validation.run = taken
+            collapse = take_all_steps(taken, train_steps(training, train_scenes), recipe)
+            # Within the block: only a training whose files are written needs no checkpoint.
+            write_table(losses, taken.losses())
+            write_table(scores, taken.scores())
+            write_scenes(samples, sample_scenes(held_scenes, taken.samples), {"synthetic": source})
+            metadata = description(taken, made_of, collapse, train_scenes)
+            write_model(generator, taken.best, metadata)

@@ -1,53 +1,67 @@
-"""The configuration as rules read it: recipes and the profile of the flight filled in.
+"""The configuration as rules read it: checked, recipes and the profile of the flight filled in.
 
-The settings of the package, with their limits and recipes, are read from a file that
-docs/configuration.py makes of their dataclasses: no start of the workflow imports the package.
+Settings of the package are defined by its dataclasses alone, all others by config.schema.yaml.
 """
 
-import json
+from dataclasses import asdict, fields
 from pathlib import Path
 
+import jsonschema
 import yaml
 
-SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
+from snowsim.reference.settings import PROFILES
+from snowsim.settings import replaced
+from snowsim.settings.cgan import RECIPES as CGAN
+from snowsim.settings.labels import RECIPES as LABELS
+from snowsim.settings.phy import RECIPES as PHY
+from snowsim.settings.tracker import RECIPES as TRACKER
 
-
-def stages():
-    """Settings of the package by stage: their `properties`, and every recipe in full."""
-    return json.loads((SCHEMAS / "settings.json").read_text())
-
-
-def whole_schema():
-    """JSON Schema of a configuration that is filled in."""
-    text = (SCHEMAS / "config.schema.yaml").read_text()
-    schema = yaml.load(text, Loader=yaml.CSafeLoader)
-    for stage, told in stages().items():
-        part = schema["properties"][stage]
-        part["properties"] |= told["properties"]
-        part["required"] += told["properties"]
-        if "training" in told["properties"]:
-            schema["$defs"][f"{stage}_training"] = told["properties"]["training"] | {"required": []}
-    return schema
+SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
+# By stage; the first is the default.
+RECIPES = {"reference": PROFILES, "labels": LABELS, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
 
 
 def filled(config):
     """A configuration with all settings of its recipes; single ones that it names win.
 
-    ValueError for a recipe that is not known.
+    ValueError, one line, for unknown keys, wrong types and impossible values.
     """
+    check(config)
     whole = dict(config)
-    for stage, told in stages().items():
-        given = config.get(stage, {})
-        if stage == "reference" and isinstance(given, str):
-            given = {"recipe": given}
-        if isinstance(given, dict):
-            whole[stage] = _merged(_recipe(stage, given, told["recipes"]), given)
+    for stage in ("labels", "phy"):
+        others = dict(config[stage])
+        named = {name: others.pop(name) for name in names_of(stage) if name in others}
+        recipe = chosen(stage, others.pop("recipe", None))
+        whole[stage] = others | asdict(built(stage, recipe, named))
+    trained = {}
+    for stage in ("cgan", "tracker"):
+        others = dict(config[stage])
+        recipe = chosen(stage, others.pop("recipe", None))
+        trained[stage] = built(f"{stage}.training", recipe, others.get("training", {}))
+        whole[stage] = others | {"training": asdict(trained[stage])}
+    pretrained = config["pretrained"]
+    training = built("pretrained.training", trained["tracker"], pretrained["training"])
+    whole["pretrained"] = pretrained | {"training": asdict(training)}
+    named = config["reference"]
+    if isinstance(named, str):
+        named = {"recipe": named}
+    profile = chosen("reference", named.get("recipe"))
+    groups = {name: group for name, group in named.items() if name != "recipe"}
+    whole["reference"] = asdict(built("reference", profile, groups))
     return whole
 
 
-def _recipe(stage, given, recipes):
-    """The recipe that a stage names, by default the first."""
-    name = given.get("recipe", next(iter(recipes)))
+def names_of(stage):
+    """Names of a stage's settings that the package holds."""
+    [default, *_] = RECIPES[stage].values()
+    return [each.name for each in fields(default)]
+
+
+def chosen(stage, name):
+    """The recipe that a stage names; the default where it names none."""
+    recipes = RECIPES[stage]
+    if name is None:
+        return next(iter(recipes.values()))
     if name not in recipes:
         key = stage if stage == "reference" else f"{stage}.recipe"
         msg = f"config: {key}: expected {' or '.join(recipes)}, got {name}"
@@ -55,12 +69,38 @@ def _recipe(stage, given, recipes):
     return recipes[name]
 
 
-def _merged(recipe, given):
-    """A recipe with what is given in its place; the name of the recipe is left out."""
-    merged = dict(recipe)
-    for key, value in given.items():
-        if isinstance(value, dict) and isinstance(merged.get(key), dict):
-            value = _merged(merged[key], value)
-        if key != "recipe":
-            merged[key] = value
-    return merged
+def built(section, recipe, named):
+    """Settings of a recipe with those that a section of the configuration names."""
+    try:
+        return replaced(recipe, named)
+    except ValueError as error:
+        msg = f"config: {section}: {error}"
+        raise ValueError(msg) from None
+
+
+def read_schema():
+    """JSON Schema of a configuration; settings of the package are known to it by name."""
+    schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
+    for stage in ("labels", "phy"):
+        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), {})
+    return schema
+
+
+def check(config):
+    """ValueError for unknown keys, and for values outside their limits of all other settings."""
+    validator = jsonschema.Draft202012Validator(read_schema())
+    error = jsonschema.exceptions.best_match(validator.iter_errors(config))
+    if error is not None:
+        key = ".".join(str(part) for part in error.absolute_path) or "top level"
+        expected = error.schema.get("description", "")
+        if error.validator == "additionalProperties":
+            expected = ", ".join(error.schema["properties"])
+        hint = f" (expected: {expected})" if expected else ""
+        msg = f"config: {key}: {error.message}{hint}"
+        raise ValueError(msg)
+    n_held = config["cgan"]["validation"]["n_scenes"]
+    n_train = config["benchmark"]["n_scenes"]["train"]
+    if config["source"] == "reference" and n_held >= n_train:
+        msg = "config: cgan.validation.n_scenes: "
+        msg += f"expected fewer than benchmark.n_scenes.train = {n_train}, got {n_held}"
+        raise ValueError(msg)

@@ -1,14 +1,25 @@
-"""Checks before the first job: the source's data, space for results; ValueErrors say what is wrong.
+"""Where flight and benchmark come from; ValueErrors say what is wrong before the first job.
 
 Readers are imported where they are used: every start of the workflow comes by here, and needs those
 of one source.
 """
 
-import os
-import shutil
 from pathlib import Path
 
 ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
+
+
+def observed(config):
+    """Rows of own frames, or pairs of images, by their role; none of the reference flight."""
+    source = config["source"]
+    own = config["import"]
+    if source == "reference":
+        check_reference(config["reference"], config["flight"])
+        return {}
+    if source == "png_pairs":
+        pairs = own["pairs"]
+        return own_pairs(pairs["folder"], pairs["lists"], pairs["data_scale"])
+    return own_frames(own["frames"])
 
 
 def check_reference(reference, flight):
@@ -19,7 +30,7 @@ def check_reference(reference, flight):
     try:
         checked_settings(reference)
     except ValueError as error:
-        msg = f"config: reference.{str(error).removeprefix('reference.')}"
+        msg = f"config: reference: {error}"
         raise ValueError(msg) from None
     n_frames = flight["n_frames"]
     n_range_lines = flight["n_range_lines"]
@@ -84,6 +95,12 @@ def frame_files(row, source):
     return files
 
 
+def frame_inputs(row, source):
+    """Inputs of a rule that imports the frame of a row; `files` are all that it is read from."""
+    files = frame_files(row, source)
+    return {"echogram": row["echogram"], "layers": row["layers"], "files": files}
+
+
 def own_pairs(folder, lists, data_scale):
     """A `PairSet` for each split with a list file; no scene may be in two lists."""
     from snowsim.io.png_pairs import PairSet
@@ -139,25 +156,3 @@ def check_lists(lists, *, data_scale, contrast_db):
         msg = f"range lines of a scene: expected the same in all lists, found {found}"
         raise ValueError(msg)
     return table
-
-
-def check_folders(*names):
-    """Refuse folders that cannot be written; root may write anywhere but on a read-only disk."""
-    for name in names:
-        folder = Path(name).absolute()
-        while not folder.exists():
-            folder = folder.parent
-        if not os.access(folder, os.W_OK):
-            msg = f"disk: {name}/ cannot be written: {folder} is read-only"
-            raise ValueError(msg)
-
-
-def check_disk(needed_bytes, name="results"):
-    """Refuse a run whose results do not fit on the disk of a folder."""
-    folder = Path(name).absolute()
-    folder = folder if folder.exists() else folder.parent
-    free_bytes = shutil.disk_usage(folder).free
-    if free_bytes < needed_bytes:
-        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, "
-        msg += f"{folder} has {free_bytes / 1e6:.0f} MB left"
-        raise ValueError(msg)

@@ -1,8 +1,14 @@
-"""What a tracker is trained on in a setting, and for how many steps."""
+"""A training of the tracker: on what, for how many steps, and what it leaves."""
 
 import dataclasses
+from contextlib import ExitStack
 
-from snowsim.tracker import Completed, TrainingSet
+from lib.training import TrainingRun, enough_memory
+from snowsim.io.files import write_table
+from snowsim.io.models import fingerprint, write_model
+from snowsim.io.scenes import SceneSet
+from snowsim.seeding import random_stream
+from snowsim.tracker import Completed, Settings, Training, TrainingSet, train_steps
 
 
 def compose(
@@ -31,3 +37,37 @@ def compose(
             real, added, added_per_real=added_per_real, n_draws_synthetic_first=n_draws, seed=seed
         )
     return scenes, settings
+
+
+def train(
+    real, phy, cgan, network, losses,
+    *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
+):  # fmt: skip
+    """Train one tracker on the files of its training set, from the checkpoint where there is one.
+
+    `data` are the options of `compose`.
+    """
+    # Of the replica alone: with every training set it starts from the same weights.
+    seed = int(random_stream(seed, "train_tracker", replica).integers(2**31))
+    settings = Settings(**settings)
+    with ExitStack() as opened:
+        opened.enter_context(enough_memory(f"a tracker of width {settings.width}"))
+        given = [paths for paths in (real, phy, cgan) if paths]
+        observed, *added = (opened.enter_context(SceneSet(paths)) for paths in given)
+        scenes, settings = compose(observed, added, settings, n_epochs, seed, **data)
+        made_of = {
+            "settings": dataclasses.asdict(settings),
+            "seed": seed,
+            "scenes": data,
+            "data": fingerprint([*real, *phy, *cgan]),
+        }
+        training = Training(settings, seed=seed, device=device)
+        unfinished = {"kind": "unfinished tracker training", **made_of}
+        kept = {"every_steps": checkpoint_steps, "path_to_events": events}
+        with TrainingRun(training, checkpoint, unfinished, **kept) as taken:
+            taken.take(train_steps(training, scenes), settings.n_steps, "tracker")
+            n_shown = training.step * settings.batch_size
+            epochs = n_shown / (settings.n_copies * scenes.n_per_epoch)
+            metadata = {"kind": "tracker", **made_of, "step": training.step, "epochs": epochs}
+            write_table(losses, taken.losses())
+            write_model(network, training.state()["network"], metadata)

@@ -1,5 +1,6 @@
 # Scene sets for other people's code, in the published benchmark's layout and for xarray.
 
+EXPORT = config["export"]
 # Of each set its lists, and the scene set they show with who rendered it.
 EXPORTS = {
     "rd": {split: benchmark_files(split) for split in SPLITS if N_SCENES[split]},
@@ -13,39 +14,28 @@ WHAT = {
 }
 
 
-wildcard_constraints:
-    export_set="|".join(EXPORTS),
-    format="pairs|netcdf",
-
-
 rule export_scenes:
     input:
-        unread=lambda wildcards: sum(EXPORTS[wildcards.export_set].values(), []),
-        code=imported_by("export_scenes.py"),
+        scenes=lambda w: sum(EXPORTS[w.set].values(), []),
     output:
-        folder=directory("results/export/{format}/{export_set}"),
+        folder=directory("results/export/{format}/{set}"),
     log:
-        "logs/export_scenes/{format}/{export_set}.log",
+        "logs/export_scenes/{format}/{set}.log",
     benchmark:
-        "results/benchmarks/export_scenes/{format}_{export_set}.tsv"
+        "results/benchmarks/export_scenes/{format}_{set}.tsv"
     params:
-        wanted="{format}",
-        lists=lambda wildcards: EXPORTS[wildcards.export_set],
-        layers=config["export"]["layers"],
-        what=lambda wildcards: WHAT[wildcards.export_set],
+        lists=lambda w: EXPORTS[w.set],
+        layers=EXPORT["layers"],
+        what=lambda w: WHAT[w.set],
     message:
-        "{wildcards.export_set} as {wildcards.format}"
+        "{wildcards.set} as {wildcards.format}"
     script:
         "../scripts/export_scenes.py"
 
 
 rule export:
     input:
-        expand(
-            "results/export/{format}/{export_set}",
-            format=config["export"]["formats"],
-            export_set=config["export"]["sets"],
-        ),
+        expand("results/export/{format}/{set}", format=EXPORT["formats"], set=EXPORT["sets"]),
     message:
         "scenes for other code"
 
@@ -53,7 +43,6 @@ rule export:
 rule ship_statistics:
     input:
         statistics="results/statistics.nc",
-        code=imported_by("ship_statistics.py"),
     output:
         data="results/shipped/reference_flight.nc",
     log:

@@ -9,8 +9,6 @@ if SOURCE == "reference":
         rule:
             name:
                 f"reference_frames_{shard}"
-            input:
-                code=imported_by("reference_frames.py"),
             output:
                 echograms=expand("results/flight/{frame}.nc", frame=frames),
                 layers=expand("results/flight/{frame}_layers.nc", frame=frames),
@@ -21,16 +19,12 @@ if SOURCE == "reference":
                 f"results/benchmarks/reference_frames/{shard}.tsv"
             resources:
                 mem_mb=1500,
-                results_mb=math.ceil(
-                    len(frames) * config["flight"]["n_range_lines"] * 3.7e-3
-                ),
+                results_mb=math.ceil(len(frames) * config["flight"]["n_range_lines"] * 3.7e-3),
             params:
                 frames=[int(frame) for frame in frames],
                 seed=config["seed"],
-                flight={
-                    "n_frames": config["flight"]["n_frames"],
-                    "n_range_lines": config["flight"]["n_range_lines"],
-                },
+                n_frames=config["flight"]["n_frames"],
+                n_range_lines=config["flight"]["n_range_lines"],
                 reference=config["reference"],
             message:
                 f"frames of the synthetic reference flight, shard {shard}"
@@ -38,8 +32,6 @@ if SOURCE == "reference":
                 "../scripts/reference_frames.py"
 
     rule reference_scenes:
-        input:
-            code=imported_by("reference_scenes.py"),
         output:
             scenes="results/benchmark/{split}/{shard}.nc",
         log:
@@ -53,8 +45,7 @@ if SOURCE == "reference":
             seed=config["seed"],
             reference=config["reference"],
             n_looks=config["benchmark"]["n_looks"],
-            split="{split}",
-            span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+            span=lambda w: shard_range(w.split, w.shard),
             source=SYNTHETIC,
         message:
             "{wildcards.split} scenes, shard {wildcards.shard}, of the synthetic benchmark"
@@ -64,17 +55,12 @@ if SOURCE == "reference":
 elif SOURCE == "png_pairs":
 
     # A folder in the published benchmark's layout is the benchmark; the statistics come from its train scenes.
-    LISTS = {
-        split: str(Path(PAIRS["folder"]) / PAIRS["lists"][split]) for split in OBSERVED
-    }
+    LISTS = {split: str(Path(PAIRS["folder"]) / PAIRS["lists"][split]) for split in OBSERVED}
 
     rule check_pairs:
         input:
-            unread=[
-                list(LISTS.values()),
-                [pairs.files(slice(None)) for pairs in OBSERVED.values()],
-            ],
-            code=imported_by("check_pairs.py"),
+            lists=list(LISTS.values()),
+            images=[pairs.files(slice(None)) for pairs in OBSERVED.values()],
         output:
             table=CHECK,
         log:
@@ -92,14 +78,11 @@ elif SOURCE == "png_pairs":
 
     rule import_pairs:
         input:
-            listing=lambda wildcards: LISTS[wildcards.split],
+            listing=lambda w: LISTS[w.split],
+            images=lambda w: OBSERVED[w.split].files(slice(*shard_range(w.split, w.shard))),
             # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or
             # files have changed, and what was imported with the old ones would stay. The same holds for frames.
-            unread=lambda w: [
-                CHECK,
-                *OBSERVED[w.split].files(slice(*shard_range(w.split, w.shard))),
-            ],
-            code=imported_by("import_pairs.py"),
+            check=CHECK,
         output:
             scenes="results/benchmark/{split}/{shard}.nc",
         log:
@@ -107,8 +90,7 @@ elif SOURCE == "png_pairs":
         benchmark:
             "results/benchmarks/import_pairs/{split}/{shard}.tsv"
         params:
-            split="{split}",
-            span=lambda wildcards: shard_range(wildcards.split, wildcards.shard),
+            span=lambda w: shard_range(w.split, w.shard),
             data_scale=PAIRS["data_scale"],
         message:
             "{wildcards.split} scenes, shard {wildcards.shard}"
@@ -118,7 +100,6 @@ elif SOURCE == "png_pairs":
     rule summarise_scenes:
         input:
             scenes="results/benchmark/train/{shard}.nc",
-            code=imported_by("summarise_scenes.py"),
         output:
             summary="results/statistics/{shard}.nc",
         log:
@@ -137,22 +118,13 @@ elif SOURCE == "png_pairs":
 else:
 
     # Own frames are the flight and, cut into blocks, the benchmark.
-    READING = {
-        "source": SOURCE,
-        "bin_s": OWN["bin_s"],
-        "flattening": OWN["flattening"],
-        "layer_names": OWN["layer_names"],
-        "flagged_by": OWN["flagged_by"],
-    }
-    FILES = [
-        sources.frame_files(row, SOURCE) for rows in OBSERVED.values() for row in rows
-    ]
+    READING = {name: OWN[name] for name in ("bin_s", "flattening", "layer_names", "flagged_by")}
+    READING["source"] = SOURCE
 
     rule check_frames:
         input:
             frames=OWN["frames"],
-            unread=sorted(set(sum(FILES, []))),
-            code=imported_by("check_frames.py"),
+            files=[sources.frame_files(row, SOURCE) for row in sum(OBSERVED.values(), [])],
         output:
             table=CHECK,
         log:
@@ -170,11 +142,11 @@ else:
 
     rule import_frame:
         input:
-            **frame_inputs(lambda w: OBSERVED["statistics"][int(w.frame)]),
-            code=imported_by("import_frame.py"),
+            unpack(lambda w: sources.frame_inputs(OBSERVED["statistics"][int(w.frame)], SOURCE)),
+            check=CHECK,
         output:
             frame="results/flight/{frame}.nc",
-            frame_layers="results/flight/{frame}_layers.nc",
+            layers="results/flight/{frame}_layers.nc",
         log:
             "logs/import_frame/{frame}.log",
         benchmark:
@@ -191,8 +163,8 @@ else:
 
     rule import_blocks:
         input:
-            **frame_inputs(lambda w: OBSERVED[w.split][int(w.shard)]),
-            code=imported_by("import_blocks.py"),
+            unpack(lambda w: sources.frame_inputs(OBSERVED[w.split][int(w.shard)], SOURCE)),
+            check=CHECK,
         output:
             scenes="results/benchmark/{split}/{shard}.nc",
         log:
@@ -214,13 +186,8 @@ if FRAME_SHARDS:
 
     rule summarise_frames:
         input:
-            echograms=lambda wildcards: expand(
-                "results/flight/{frame}.nc", frame=FRAME_SHARDS[wildcards.shard]
-            ),
-            layers=lambda wildcards: expand(
-                "results/flight/{frame}_layers.nc", frame=FRAME_SHARDS[wildcards.shard]
-            ),
-            code=imported_by("summarise_frames.py"),
+            echograms=lambda w: expand("results/flight/{frame}.nc", frame=FRAME_SHARDS[w.shard]),
+            layers=lambda w: expand("results/flight/{frame}_layers.nc", frame=FRAME_SHARDS[w.shard]),
         output:
             summary="results/statistics/{shard}.nc",
         log:

@@ -4,8 +4,7 @@
 rule track_frames:
     input:
         echograms=lambda w: [row["echogram"] for row in frames_by_job()[w.shard]],
-        unread=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
-        code=imported_by("track_frames.py"),
+        weights=[OWN["tracker"]] if OWN["tracker"].endswith(".onnx") else [],
     output:
         folder=directory("results/picks/{shard}"),
         table="results/tables/tracked_frames/{shard}.csv",
@@ -26,10 +25,7 @@ rule track_frames:
 
 rule tabulate_picks:
     input:
-        tables=lambda w: expand(
-            "results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()
-        ),
-        code=imported_by("tabulate_picks.py"),
+        tables=lambda w: expand("results/tables/tracked_frames/{shard}.csv", shard=frames_by_job()),
     output:
         table="results/tables/tracked_frames.csv",
     log:

@@ -1,11 +1,16 @@
 # Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
 
+# Where the layers of a scene set come from.
+LAYERS = {"labels": "results/labels", "test": "results/benchmark/test"}
+# Train scenes of the cGAN, by what marks their layers.
+PICKED = {"as_picked": "results/benchmark/train", "completed": "results/cgan/train"}
+CGAN = config["cgan"]
+
 
 rule render_phy:
     input:
-        layers=layers_of,
+        layers=lambda w: f"{LAYERS[w.scenes]}/{w.shard}.nc",
         statistics="results/statistics.nc",
-        code=imported_by("render_phy.py"),
     output:
         scenes="results/phy/{scenes}/{shard}.nc",
     log:
@@ -13,22 +18,20 @@ rule render_phy:
     benchmark:
         "results/benchmarks/render_phy/{scenes}/{shard}.tsv"
     resources:
-        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
+        results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
     params:
         seed=config["seed"],
         phy=config["phy"],
-        by_other_statistics=False,
     message:
         "PHY renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        str(SCRIPTS / "render_phy.py")  # absolute, for rules that are made of this one
+        "../scripts/render_phy.py"
 
 
 rule complete_picks:
     input:
         scenes="results/benchmark/train/{shard}.nc",
         weights=str(ROOT / "snowsim/data/universal.onnx"),
-        code=imported_by("complete_picks.py"),
     output:
         completed="results/cgan/train/{shard}.nc",
     log:
@@ -39,11 +42,7 @@ rule complete_picks:
     resources:
         results_mb=lambda wildcards: scenes_mb("train", wildcards.shard, 220),
     params:
-        bin_s=(
-            config["reference"]["radar"]["bin_size_s"]
-            if config["source"] == "reference"
-            else config["import"]["bin_s"]
-        ),
+        bin_s=BIN_S,
         source=SYNTHETIC,
     message:
         "layers that picks of train scenes lack, shard {wildcards.shard}"
@@ -53,8 +52,7 @@ rule complete_picks:
 
 rule train_cgan:
     input:
-        scenes=cgan_train_files(),
-        code=imported_by("train_cgan.py"),
+        scenes=expand("{folder}/{shard}.nc", folder=PICKED[CGAN["picks"]], shard=shards("train")),
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
@@ -67,13 +65,13 @@ rule train_cgan:
     priority: 100  # the longest chain of the workflow starts here
     resources:
         mem_mb=3000,
-        gpu=int(config["cgan"]["device"] == "cuda"),
+        gpu=int(CGAN["device"] == "cuda"),
     params:
         seed=config["seed"],
-        device=config["cgan"]["device"],
-        settings=CGAN_SETTINGS,
-        validation=config["cgan"]["validation"],
-        on_collapse=config["cgan"]["on_collapse"],
+        device=CGAN["device"],
+        settings=CGAN["training"],
+        validation=CGAN["validation"],
+        on_collapse=CGAN["on_collapse"],
         source=SYNTHETIC,
         checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
@@ -81,15 +79,14 @@ rule train_cgan:
     message:
         "cGAN training"
     script:
-        str(SCRIPTS / "train_cgan.py")  # absolute, for rules that are made of this one
+        "../scripts/train_cgan.py"
 
 
 rule render_cgan:
     input:
-        layers=layers_of,
+        layers=lambda w: f"{LAYERS[w.scenes]}/{w.shard}.nc",
         generator="results/cgan/generator.safetensors",
         statistics="results/statistics.nc",
-        code=imported_by("render_cgan.py"),
     output:
         scenes="results/cgan/{scenes}/{shard}.nc",
     log:
@@ -99,23 +96,20 @@ rule render_cgan:
     priority: 90
     resources:
         mem_mb=3000,
-        results_mb=lambda wildcards: scenes_mb(wildcards.scenes, wildcards.shard, 220),
-        gpu=int(config["cgan"]["device"] == "cuda"),
+        results_mb=lambda w: scenes_mb(w.scenes, w.shard, 220),
+        gpu=int(CGAN["device"] == "cuda"),
     params:
         seed=config["seed"],
-        device=config["cgan"]["device"],
+        device=CGAN["device"],
         source=SYNTHETIC,
     message:
         "cGAN renders of {wildcards.scenes}, shard {wildcards.shard}"
     script:
-        str(SCRIPTS / "render_cgan.py")  # absolute, for rules that are made of this one
+        "../scripts/render_cgan.py"
 
 
 rule renders:
     input:
-        rendered_files("cgan", "labels"),
-        rendered_files("cgan", "test"),
-        rendered_files("phy", "labels"),
-        rendered_files("phy", "test"),
+        [rendered_files(method, "labels", "test") for method in METHODS],
     message:
         "label sets and test masks rendered by both methods"

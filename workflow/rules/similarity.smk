@@ -5,12 +5,9 @@ rule score_similarity:
     input:
         observed="results/benchmark/test/{shard}.nc",
         rendered=expand("results/{method}/test/{{shard}}.nc", method=METHODS),
-        code=imported_by("score_similarity.py"),
     output:
         images=expand("results/similarity/{method}/{{shard}}.parquet", method=METHODS),
-        rows=expand(
-            "results/similarity/{method}/{{shard}}_rows.parquet", method=METHODS
-        ),
+        rows=expand("results/similarity/{method}/{{shard}}_rows.parquet", method=METHODS),
     log:
         "logs/score_similarity/{shard}.log",
     benchmark:
@@ -27,7 +24,6 @@ rule tabulate_similarity:
     input:
         images=expand(rules.score_similarity.output.images, shard=shards("test")),
         rows=expand(rules.score_similarity.output.rows, shard=shards("test")),
-        code=imported_by("tabulate_similarity.py"),
     output:
         all_images="results/similarity.parquet",
         table2=report("results/tables/table2.csv", category="similarity"),

@@ -3,10 +3,9 @@
 
 rule train_tracker:
     input:
-        real=real_scenes,
-        phy=added_scenes("phy"),
-        cgan=added_scenes("cgan"),
-        code=imported_by("train_tracker.py"),
+        real=lambda w: benchmark_files("train") if w.training_set in TRAINING_SETS else [],
+        phy=lambda w: added_scenes("phy", w.training_set),
+        cgan=lambda w: added_scenes("cgan", w.training_set),
     output:
         network="results/tracker/{training_set}/{replica}.safetensors",
         losses="results/tracker/{training_set}/{replica}_losses.csv",
@@ -17,70 +16,53 @@ rule train_tracker:
     priority: 50
     resources:
         mem_mb=2000,
-        gpu=int(config["tracker"]["device"] == "cuda"),
+        gpu=int(TRACKER["device"] == "cuda"),
     params:
         seed=config["seed"],
         replica="{replica}",
-        device=config["tracker"]["device"],
-        n_epochs=config["tracker"]["n_epochs"],
-        data={
-            "added_per_real": config["tracker"]["added_per_real"],
-            "order": config["tracker"]["order"],
-        },
-        settings=config["tracker"]["training"],
-        skip=0,
+        device=TRACKER["device"],
+        n_epochs=TRACKER["n_epochs"],
+        data={"added_per_real": TRACKER["added_per_real"], "order": TRACKER["order"]},
+        settings=TRACKER["training"],
         checkpoint=f"{CHECKPOINTS}/train_tracker_{{training_set}}_{{replica}}.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_tracker/{{training_set}}/{{replica}}",
     message:
         "tracker on {wildcards.training_set}, replica {wildcards.replica}"
     script:
-        str(SCRIPTS / "train_tracker.py")  # absolute, for rules that are made of this one
+        str(SCRIPTS / "train_tracker.py")
 
 
 rule score_tracker:
     input:
         scenes=benchmark_files("test"),
-        networks=expand(
-            "results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS
-        ),
-        code=imported_by("score_tracker.py"),
+        networks=expand("results/tracker/{{training_set}}/{replica}.safetensors", replica=SEEDS),
     output:
-        counts=expand(
-            "results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS
-        ),
-        picks=expand(
-            "results/tracker/{{training_set}}/{replica}_picks.parquet", replica=SEEDS
-        ),
+        counts=expand("results/tracker/{{training_set}}/{replica}_counts.parquet", replica=SEEDS),
+        picks=expand("results/tracker/{{training_set}}/{replica}_picks.parquet", replica=SEEDS),
     log:
         "logs/score_tracker/{training_set}.log",
     benchmark:
         "results/benchmarks/score_tracker/{training_set}.tsv"
     resources:
         mem_mb=2000,
-        gpu=int(config["tracker"]["device"] == "cuda"),
+        gpu=int(TRACKER["device"] == "cuda"),
     params:
-        device=config["tracker"]["device"],
+        device=TRACKER["device"],
     message:
         "edge scores of {wildcards.training_set}, every replica"
     script:
-        str(SCRIPTS / "score_tracker.py")  # absolute, for rules that are made of this one
+        str(SCRIPTS / "score_tracker.py")
+
+
+RUNS = [(name, replica) for name in TRAINING_SETS for replica in SEEDS]
 
 
 rule tabulate_trackers:
     input:
-        counts=expand(
-            "results/tracker/{training_set}/{replica}_counts.parquet",
-            training_set=TRAINING_SETS,
-            replica=SEEDS,
-        ),
-        picks=expand(
-            "results/tracker/{training_set}/{replica}_picks.parquet",
-            training_set=TRAINING_SETS,
-            replica=SEEDS,
-        ),
+        counts=[f"results/tracker/{name}/{replica}_counts.parquet" for name, replica in RUNS],
+        picks=[f"results/tracker/{name}/{replica}_picks.parquet" for name, replica in RUNS],
         statistics="results/statistics.nc",
-        code=imported_by("tabulate_trackers.py"),
     output:
         table3=report("results/tables/table3.csv", category="tracker"),
         intervals="results/tables/table3_intervals.csv",
@@ -95,11 +77,10 @@ rule tabulate_trackers:
     benchmark:
         "results/benchmarks/tabulate_trackers/all.tsv"
     params:
+        **TRACKER["picks"],
         seed=config["seed"],
-        n_bootstrap=config["tracker"]["n_bootstrap"],
-        runs=[(name, replica) for name in TRAINING_SETS for replica in SEEDS],
-        depth_step_bins=config["tracker"]["picks"]["depth_step_bins"],
-        snow_density_kg_m3=config["tracker"]["picks"]["snow_density_kg_m3"],
+        n_bootstrap=TRACKER["n_bootstrap"],
+        runs=RUNS,
     message:
         "Table III, scores by zone, errors of picks"
     script:

@@ -1,12 +1,15 @@
 """Draw one shard of synthetic layer sets from the flight statistics."""
 
-from job import run
+from job import job
 
-from lib.label_sets import draw_shard
+from lib.label_sets import draw_sets
+from snowsim.io.files import read_dataset
+from snowsim.io.scenes import write_scenes
 
-
-def draw_labels(statistics, labels, **settings):
-    draw_shard(statistics, labels, **settings)
-
-
-run(draw_labels)
+with job(snakemake):
+    flight = read_dataset(snakemake.input.statistics)
+    drawn = draw_sets(
+        flight, snakemake.params.labels, snakemake.params.choices,
+        span=snakemake.params.span, seed=snakemake.params.seed,
+    )  # fmt: skip
+    write_scenes(snakemake.output.labels, drawn, {"synthetic": flight.attrs["synthetic"]})

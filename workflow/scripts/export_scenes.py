@@ -2,20 +2,21 @@
 
 from pathlib import Path
 
-from job import progress, run
+from job import job, progress
 
 from snowsim.io.export import export_netcdf, export_pairs
 from snowsim.io.files import written_whole
 from snowsim.io.scenes import SceneSet
 
-
-def export(folder, *, wanted, lists, layers, what):
-    lines = [what]
-    for name, paths in lists.items():
+with job(snakemake):
+    folder = snakemake.output.folder
+    lines = [snakemake.params.what]
+    for name, paths in snakemake.params.lists.items():
         list_name = f"{name}.lst"
         with SceneSet(paths) as scenes:
             shown = progress(scenes, f"export of {name}")
-            if wanted == "pairs":
+            if snakemake.wildcards.format == "pairs":
+                layers = snakemake.params.layers
                 counts = export_pairs(folder, shown, list_name=list_name, layers=layers)
             else:
                 counts = export_netcdf(folder, shown, list_name=list_name)
@@ -24,6 +25,3 @@ def export(folder, *, wanted, lists, layers, what):
     about = "".join(f"{line}\n" for line in lines)
     with written_whole(Path(folder) / "about.txt") as aside:
         aside.write_text(about, encoding="utf-8")
-
-
-run(export)

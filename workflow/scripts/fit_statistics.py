@@ -1,6 +1,6 @@
 """Statistics of the flight from sums over its frames, and the Doppler spectrum of any segment."""
 
-from job import run
+from job import job
 
 from snowsim.echogram import bin_size_s
 from snowsim.io.files import read_dataset, write_dataset
@@ -27,14 +27,16 @@ def doppler(segment):
     return {dim: wavenumber, "doppler_layer_1": (dim, first), "doppler_layer_mean": (dim, mean)}
 
 
-def fit_statistics(summaries, segment, statistics, *, estimator, finest_lines):
-    datasets = [read_dataset(path) for path in summaries]
+with job(snakemake):
+    datasets = [read_dataset(path) for path in snakemake.input.summaries]
     summary = merge(summary_from_dataset(dataset) for dataset in datasets)
-    fitted = estimate(summary, estimator=estimator, finest_lines=finest_lines)
+    fitted = estimate(
+        summary,
+        estimator=snakemake.params.estimator,
+        finest_lines=snakemake.params.finest_lines,
+    )
     warn_of_little(fitted)
-    for path in segment:
+    for path in snakemake.input.segment:
         fitted = fitted.assign(doppler(read_dataset(path)))
-    write_dataset(statistics, fitted.assign_attrs(synthetic=datasets[0].attrs["synthetic"]))
-
-
-run(fit_statistics)
+    synthetic = datasets[0].attrs["synthetic"]
+    write_dataset(snakemake.output.statistics, fitted.assign_attrs(synthetic=synthetic))

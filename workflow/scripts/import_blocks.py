@@ -2,19 +2,19 @@
 
 from types import SimpleNamespace
 
-from job import logger, run
+from job import job
 
 from snowsim.io.frame_table import read_frame, scenes_of_frame
 from snowsim.io.scenes import write_scenes
 
-
-def import_blocks(echogram, layers, scenes, *, name, reading):
-    row = SimpleNamespace(frame=name, echogram=echogram, layers=layers)
+with job(snakemake) as log:
+    name = snakemake.params.name
+    reading = snakemake.params.reading
+    files = {"echogram": snakemake.input.echogram, "layers": snakemake.input.layers}
+    row = SimpleNamespace(frame=name, **files)
     observed, picked = read_frame(row, **reading)
     cut, skipped = scenes_of_frame(row, observed, picked)
     for block, reason in skipped.items():
-        logger.info("%s is no scene: %s", block, reason)
-    write_scenes(scenes, cut, {"frame": name, "source": reading["source"], "synthetic": "no"})
-
-
-run(import_blocks)
+        log.info("%s is no scene: %s", block, reason)
+    attributes = {"frame": name, "source": reading["source"], "synthetic": "no"}
+    write_scenes(snakemake.output.scenes, cut, attributes)

@@ -2,27 +2,25 @@
 
 from types import SimpleNamespace
 
-from job import logger, run
+from job import job
 
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK
 from snowsim.frames import count_flagged
 from snowsim.io.files import write_dataset
 from snowsim.io.frame_table import read_frame
 
-
-def import_frame(echogram, layers, frame, frame_layers, *, name, reading):
-    row = SimpleNamespace(echogram=echogram, layers=layers)
+with job(snakemake) as log:
+    name = snakemake.params.name
+    reading = snakemake.params.reading
+    row = SimpleNamespace(echogram=snakemake.input.echogram, layers=snakemake.input.layers)
     observed, picked = read_frame(row, **reading)
     n_flagged, flags = count_flagged(observed)
     if flags:
         n_lines = observed.sizes["slow_time"]
-        logger.info("%s: %d of %d range lines left out; flags: %s", name, n_flagged, n_lines, flags)
+        log.info("%s: %d of %d range lines left out; flags: %s", name, n_flagged, n_lines, flags)
     kept = observed[["Data", *ECHOGRAM_ALONG_TRACK]]
     attributes = {"frame": name, "source": reading["source"], "synthetic": "no"}
     kept.attrs = attributes
     picked.attrs = attributes
-    write_dataset(frame, kept)
-    write_dataset(frame_layers, picked)
-
-
-run(import_frame)
+    write_dataset(snakemake.output.frame, kept)
+    write_dataset(snakemake.output.layers, picked)

@@ -20,8 +20,12 @@ from lib.progress import available_memory_mb, progress  # noqa: E402, F401
 
 logger = logging.getLogger("snowsim")
 
-# Without this a process searches all its modules for garbage while it ends, a second with torch.
-atexit.register(gc.freeze)
+# Modules live as long as the process. It does not search them for garbage: not while scripts import
+# them after this one, a fifth of the time that takes; not later; and not while it ends, a second
+# with torch.
+if hasattr(sys.modules["__main__"], "snakemake"):
+    gc.disable()
+    atexit.register(gc.freeze)
 
 
 @contextmanager
@@ -36,6 +40,8 @@ def job(snakemake):
         format="%(asctime)s %(message)s",
         force=True,
     )
+    gc.freeze()
+    gc.enable()
     begin = time.perf_counter()
     try:
         check_memory(snakemake.resources.get("mem_mb", 0))
@@ -51,44 +57,6 @@ def job(snakemake):
         logger.error("error: %s: %s", type(error).__name__, error)
         raise
     logger.info("done in %.1f s", time.perf_counter() - begin)
-
-
-# Inputs that rerun a job and that its script does not open by name: code, checks to wait for, files
-# beside others.
-NOT_HANDED = {"code", "unread"}
-
-
-def run(function):
-    """Call a script's one function with what its rule names; nothing happens on import.
-
-    Inputs, outputs and params reach it by their names in the rule, those of `NOT_HANDED` left out.
-    """
-    if function.__module__ == "__main__":
-        snakemake = sys.modules["__main__"].snakemake
-        with job(snakemake):
-            function(**named(snakemake))
-
-
-def named(snakemake):
-    """Inputs, outputs and params of a job by name; each must have one, no two the same."""
-    given = {}
-    for kind in ("input", "output", "params"):
-        items = getattr(snakemake, kind)
-        spans = [span for _, span in items._get_names()]
-        n_named = sum(1 if end is None else end - start for start, end in spans)
-        n_unnamed = len(items) - n_named
-        if n_unnamed > 0:
-            msg = f"{kind}: expected a name for every item, "
-            msg += f"found {n_unnamed} of {len(items)} without"
-            raise ValueError(msg)
-        for name, value in items.items():
-            if name in given:
-                msg = f"expected each name once in input, output and params, found {name} twice"
-                raise ValueError(msg)
-            given[name] = value
-    for name in NOT_HANDED:
-        given.pop(name, None)
-    return given
 
 
 def check_memory(mem_mb):

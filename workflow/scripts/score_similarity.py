@@ -1,7 +1,7 @@
 """Score renders of test scenes against the observed ones, image by image and row by row."""
 
 import pandas as pd
-from job import progress, run
+from job import job, progress
 
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
@@ -27,12 +27,8 @@ def score_method(observed, path_to_rendered, method):
     return pd.DataFrame(images), pd.concat(rows)
 
 
-def score_similarity(observed, rendered, images, rows, *, methods):
-    with SceneSet(observed) as scenes:
-        for i, method in enumerate(methods):
-            of_images, of_rows = score_method(scenes, rendered[i], method)
-            write_table(images[i], of_images)
-            write_table(rows[i], of_rows)
-
-
-run(score_similarity)
+with job(snakemake), SceneSet(snakemake.input.observed) as observed:
+    for i, method in enumerate(snakemake.params.methods):
+        images, rows = score_method(observed, snakemake.input.rendered[i], method)
+        write_table(snakemake.output.images[i], images)
+        write_table(snakemake.output.rows[i], rows)

@@ -3,19 +3,16 @@
 import sys
 
 import pandas as pd
-from job import run
+from job import job
 from tqdm import tqdm
 
 from snowsim.io.files import read_table, write_table
 
-
-def tabulate(tables, table):
-    found = pd.concat([read_table(path) for path in tables])
+with job(snakemake):
+    found = pd.concat([read_table(path) for path in snakemake.input.tables])
+    table = snakemake.output.table
     write_table(table, found)
     failed = found.loc[~found["tracked"], "frame"].tolist()
     if failed:
         told = f"{len(failed)} of {len(found)} frames could not be tracked, {failed[0]} the first"
         tqdm.write(f"warning: {told}: {table} says why", file=sys.stderr)
-
-
-run(tabulate)

@@ -4,31 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from job import logger, progress, run
+from job import job, progress
 
 from snowsim.io.files import read_dataset, write_table
 from snowsim.tracking import track_files
-
-
-def track(echograms, folder, table, *, frames, model):
-    # Also where no frame can be tracked.
-    Path(folder).mkdir()
-    said = []
-    track_files(
-        echograms,
-        folder,
-        model=model,
-        say=said.append,
-        progress=lambda paths: progress(paths, "frames"),
-    )
-    rows = []
-    for frame, echogram in zip(frames, echograms, strict=True):
-        found = Path(folder) / f"{Path(echogram).stem}_layers.nc"
-        lines = [line for line in said if str(echogram) in line]
-        rows.append({"frame": frame, **picked(found), "remarks": "; ".join(lines)})
-    for line in said:
-        logger.info(line)
-    write_table(table, pd.DataFrame(rows))
 
 
 def picked(path):
@@ -39,4 +18,24 @@ def picked(path):
     return {"tracked": True, "n_layers": len(twtt), "n_picks": int(np.isfinite(twtt).sum())}
 
 
-run(track)
+with job(snakemake) as log:
+    echograms = snakemake.input.echograms
+    folder = Path(snakemake.output.folder)
+    # Also where no frame can be tracked.
+    folder.mkdir()
+    said = []
+    track_files(
+        echograms,
+        folder,
+        model=snakemake.params.model,
+        say=said.append,
+        progress=lambda paths: progress(paths, "frames"),
+    )
+    rows = []
+    for frame, echogram in zip(snakemake.params.frames, echograms, strict=True):
+        found = folder / f"{Path(echogram).stem}_layers.nc"
+        lines = [line for line in said if str(echogram) in line]
+        rows.append({"frame": frame, **picked(found), "remarks": "; ".join(lines)})
+    for line in said:
+        log.info(line)
+    write_table(snakemake.output.table, pd.DataFrame(rows))

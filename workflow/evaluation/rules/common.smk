@@ -1,47 +1,22 @@
 # What the rules of the evaluation share.
 
 import copy
-import hashlib
 
+import yaml
 from snakemake.logging import logger
 from snakemake.utils import update_config
 
-EVALUATION = ROOT / "workflow/evaluation/scripts"
-
-# What the source cannot give, and why.
-DETECTED = {"Doppler spectra": "files of detected power hold no phase"}
-IMAGES = {
-    "Doppler spectra": "images hold no phase",
-    "map and echogram of the flight": "images hold no positions; statistics come from the train scenes",
-}
-LACKING = {
-    "reference": {},
-    "nsidc": DETECTED,
-    "cresis": DETECTED,
-    "opr": DETECTED,
-    "png_pairs": IMAGES,
-}
-LEFT_OUT = LACKING[SOURCE]
-for what, reason in LEFT_OUT.items():
-    logger.info(f"source {SOURCE}: left out: {what}: {reason}")
+if SOURCE == "png_pairs":
+    logger.info(
+        "left out: figures of the flight and Doppler spectra: images hold no positions, no phase"
+    )
+elif SOURCE != "reference":
+    logger.info("left out: Doppler spectra: files of detected power hold no phase")
 
 
-def flight_files(pattern):
-    """Input function: files of all frames; where there are only images, a line that says so."""
-
-    def files(wildcards):
-        if not FRAMES:
-            reason = LEFT_OUT["map and echogram of the flight"]
-            raise WorkflowError(f"source {SOURCE}: there are no frames: {reason}")
-        return expand(pattern, frame=FRAMES)
-
-    return files
-
-
-def middle_frame(pattern):
-    """Input function: file of the frame in the middle of the flight."""
-    files = flight_files(pattern)
-    return lambda wildcards: files(wildcards)[len(FRAMES) // 2]
+def read_yaml(path):
+    """What a file of the workflow's own says."""
+    return yaml.load((ROOT / path).read_text(), Loader=yaml.CSafeLoader)
 
 
 def tables(*names):

@@ -40,6 +40,10 @@ class Settings:
 
     def __post_init__(self):
         check_settings(self)
+        if self.n_layers_min > self.n_layers_max:
+            msg = f"n_layers_min must be at most n_layers_max = {self.n_layers_max}, "
+            msg += f"got {self.n_layers_min}"
+            raise ValueError(msg)
 
 
 PAPER = Settings(

@@ -32,9 +32,10 @@ class Settings:
     width_bounds: tuple | None = setting(
         None,
         "[range bins] for width: paper; null: as measured in the flight; paper: [10, 15]",
+        listed="two positive numbers",
         minItems=2,
         maxItems=2,
-        items={"type": "number", "exclusiveMinimum": 0},
+        exclusiveMinimum=0,
     )
     n_looks: float | None = setting(
         16,

@@ -57,8 +57,10 @@ class Settings:
     scales: tuple = setting(
         (1.0, 0.75, 0.5, 0.25),
         "published: relative sizes at which an epoch shows every image, and once mirrored",
+        listed="one or more in (0, 1]",
         minItems=1,
-        items={"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+        exclusiveMinimum=0,
+        maximum=1,
     )
     n_accumulated: int = setting(10, "published: [gradients] per update", minimum=1)
     n_steps_per_tenth: int = setting(
@@ -71,11 +73,8 @@ class Settings:
     )
 
     def __post_init__(self):
-        object.__setattr__(self, "scales", tuple(self.scales))
         check_settings(self)
-        if not self.scales or not all(0 < scale <= 1 for scale in self.scales):
-            msg = f"scales must be one or more in (0, 1], got {self.scales}"
-            raise ValueError(msg)
+        object.__setattr__(self, "scales", tuple(self.scales))
 
     @property
     def n_copies(self):

@@ -1,10 +1,11 @@
 """Settings as fields of dataclasses: default, limits, and unit, meaning and source, each once.
 
-Limits are keywords of JSON Schema: the schema of the configuration is made from them.
+Limits have the names that JSON Schema gives them. Modules beside this one hold the settings of a
+stage and its recipes; every start of the workflow imports them, so they import no stage.
 """
 
 import math
-from dataclasses import field, fields
+from dataclasses import field, fields, is_dataclass, replace
 from typing import get_args
 
 WORDS = {
@@ -27,6 +28,27 @@ def limited(default, low=None, high=None, about=""):
     return setting(default, about, minimum=low, maximum=high)
 
 
+def replaced(settings, given, where=""):
+    """Settings with what is given in the place of some, by name; groups of settings alike.
+
+    ValueError, naming the setting, if one is unknown or not within its limits.
+    """
+    if not isinstance(given, dict):
+        msg = f"{where.rstrip('.') or 'settings'}: expected names with values, got {given!r}"
+        raise ValueError(msg)
+    known = [each.name for each in fields(settings)]
+    changes = {}
+    for name, value in given.items():
+        if name not in known:
+            msg = f"{where}{name}: unknown key, expected some of {', '.join(known)}"
+            raise ValueError(msg)
+        group = getattr(settings, name)
+        if is_dataclass(group):
+            value = replaced(group, value, f"{where}{name}.")
+        changes[name] = value
+    return replace(settings, **changes)
+
+
 def check_settings(settings, group=""):
     """ValueError, naming the setting, unless each is of its kind and within its limits."""
     for each in fields(settings):
@@ -45,6 +67,10 @@ def _expected(value, each):
     kinds = get_args(each.type) or (each.type,)
     if "enum" in limits:
         return None if value in limits["enum"] else f"be one of {', '.join(limits['enum'])}"
+    if bool in kinds:
+        return None if isinstance(value, bool) else "be true or false"
+    if tuple in kinds:
+        return None if _is_list(value, limits) else f"be {limits['listed']}"
     if int not in kinds and float not in kinds:
         return None
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -58,6 +84,15 @@ def _expected(value, each):
         return f"lie in [{limits['minimum']:g}, {limits['maximum']:g}]"
     said = [f"{words} {limits[name]:g}" for name, words in WORDS.items() if name in limits]
     return f"be {'an integer' if int in kinds else 'a finite number'} {' and '.join(said)}".rstrip()
+
+
+def _is_list(value, limits):
+    """Whether a value is a list of as many numbers as there may be, each within the limits."""
+    if not isinstance(value, list | tuple):
+        return False
+    if not limits["minItems"] <= len(value) <= limits.get("maxItems", math.inf):
+        return False
+    return all(isinstance(each, int | float) and _is_within(each, limits) for each in value)
 
 
 def _is_within(value, limits):

@@ -1,0 +1,57 @@
+"""Checks before the first job: space for results, and edits of code that no result has seen."""
+
+import logging
+import os
+import shutil
+from pathlib import Path
+
+# Frames and scenes take nearly all of a run's disk: their rules say how much, by the sizes in
+# docs/scale.md.
+SMALL_FILES_MB = 20
+# Results that show the way from the flight to both tables.
+LANDMARKS = ("statistics.nc", "tables/table2.csv", "tables/table3.csv")
+
+
+def warn_of_edits(root, results):
+    """Warn, in one line, of code that was edited after results were made.
+
+    Rules do not name the code that their scripts import, so that an edit of it reruns nothing.
+    """
+    made = [Path(results, name) for name in LANDMARKS]
+    made = [path for path in made if path.exists()]
+    code = [*root.glob("snowsim/**/*.py"), *root.glob("workflow/**/lib/**/*.py")]
+    if not made:
+        return
+    oldest = min(made, key=_time)
+    newest = max(code, key=_time)
+    if _time(newest) > _time(oldest):
+        words = f"{newest.relative_to(root)} is newer than {oldest}; edited code reruns nothing by "
+        words += "itself: snakemake --forcerun RULE, or --touch if no result depends on the edit"
+        logging.getLogger("snakemake.logging").warning(words)
+
+
+def _time(path):
+    return path.stat().st_mtime
+
+
+def check_folders(*names):
+    """Refuse folders that cannot be written; root may write anywhere but on a read-only disk."""
+    for name in names:
+        folder = Path(name).absolute()
+        while not folder.exists():
+            folder = folder.parent
+        if not os.access(folder, os.W_OK):
+            msg = f"disk: {name}/ cannot be written: {folder} is read-only"
+            raise ValueError(msg)
+
+
+def check_disk(scenes_mb, name="results"):
+    """Refuse a run whose results do not fit on the disk of a folder; of frames and scenes [MB]."""
+    needed_bytes = 1e6 * (scenes_mb + SMALL_FILES_MB)
+    folder = Path(name).absolute()
+    folder = folder if folder.exists() else folder.parent
+    free_bytes = shutil.disk_usage(folder).free
+    if free_bytes < needed_bytes:
+        msg = f"disk: this run writes about {needed_bytes / 1e6:.0f} MB, "
+        msg += f"{folder} has {free_bytes / 1e6:.0f} MB left"
+        raise ValueError(msg)
