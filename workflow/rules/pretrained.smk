@@ -12,9 +12,7 @@ UNSEEN = {flight["name"]: flight for flight in TRANSFER["flights"]}
 OTHER_FLIGHTS = TUNING | UNSEEN
 # Jobs start without what this imports.
 if workflow.is_main_process:
-    or_refused(
-        transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config
-    )
+    or_refused(transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config)
 # From the bins and lines of another flight to the default's.
 SCALES = {
     name: transfer.scale_of(flight, config["reference"]["radar"])
@@ -76,11 +74,11 @@ use rule train_tracker as train_pretrained with:
 
 rule other_flight_scenes:
     output:
-        scenes="results/other_flights/{other_flight}.nc",
+        scenes="results/other_flights/{other_flight}/{split}.nc",
     log:
-        "logs/other_flight_scenes/{other_flight}.log",
+        "logs/other_flight_scenes/{other_flight}/{split}.log",
     benchmark:
-        "results/benchmarks/other_flight_scenes/{other_flight}.tsv"
+        "results/benchmarks/other_flight_scenes/{other_flight}/{split}.tsv"
     resources:
         mem_mb=1500,
     params:
@@ -91,11 +89,11 @@ rule other_flight_scenes:
         n_looks=lambda w: OTHER_FLIGHTS[w.other_flight].get(
             "n_looks", config["benchmark"]["n_looks"]
         ),
-        split="test",
+        split="{split}",
         span=(0, TRANSFER["n_scenes"]),
         source="synthetic reference flight, not observed data",
     message:
-        "fully annotated scenes of the flight {wildcards.other_flight}"
+        "{wildcards.split} scenes of the flight {wildcards.other_flight}"
     script:
         "../scripts/reference_scenes.py"
 
@@ -103,7 +101,7 @@ rule other_flight_scenes:
 rule calibrate_pretrained:
     input:
         network="results/pretrained/network.safetensors",
-        scenes=expand("results/other_flights/{flight}.nc", flight=TUNING),
+        scenes=expand("results/other_flights/{flight}/test.nc", flight=TUNING),
     output:
         calibration="results/pretrained/calibration.csv",
         reliability="results/pretrained/reliability.csv",
@@ -162,7 +160,7 @@ rule score_transfer:
         network="results/pretrained/network.safetensors",
         calibration="results/pretrained/calibration.csv",
         confidence="results/pretrained/confidence.csv",
-        scenes=expand("results/other_flights/{flight}.nc", flight=UNSEEN),
+        scenes=expand("results/other_flights/{flight}/test.nc", flight=UNSEEN),
     output:
         table="results/tables/transfer.csv",
     log:

@@ -6,6 +6,7 @@
 
 import sys
 
+import yaml
 from evaluation.lib import flights
 
 FLIGHTS = flights.flights_of(config["studies"]["flights"]["n_flights"])
@@ -75,8 +76,7 @@ rule score_flight:
         "../scripts/score_flight.py"
 
 
-# All flights. A run goes on where it was stopped. Its folder belongs to this job alone: a lock in it is that of a job that
-# was killed.
+# All flights. A run goes on where it was stopped; its folder belongs to this job alone, so it takes no lock.
 
 
 rule fly:
