@@ -2,54 +2,45 @@
 
 import numpy as np
 import pandas as pd
-import pytest
-import yaml
-from configuration import CONFIG
 from edge_counts import image_counts
 from numpy.testing import assert_allclose
+from runs import CONFIG
 from scipy.stats import ttest_1samp
 
 from evaluation.lib import flights
 from evaluation.lib.flight_scores import PAIRS, mean_over_flights, training_scores, worth_table
-from lib.configuration import filled
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.reference import checked_settings
 
 
-@pytest.fixture
-def config():
-    given = yaml.safe_load(CONFIG.read_text())
-    return given | filled(given)
-
-
-def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown(config):
+def test_flights_lie_within_the_stated_ranges_and_are_flights_that_can_be_flown():
     for flight in flights.flights_of(20):
-        drawn = flights.draw_reference(config["reference"], int(flight))
+        drawn = flights.draw_reference(CONFIG["reference"], int(flight))
         checked_settings(drawn)
         for group, ranges in flights.RANGES.items():
             for name, (low, high) in ranges.items():
                 assert low <= drawn[group][name] <= high, (group, name)
 
 
-def test_every_range_holds_the_default_and_is_that_of_a_setting(config):
+def test_every_range_holds_the_default_and_is_that_of_a_setting():
     for group, ranges in flights.RANGES.items():
         for name, (low, high) in ranges.items():
-            assert low < config["reference"].get(group, {}).get(name, (low + high) / 2) < high
+            assert low < CONFIG["reference"].get(group, {}).get(name, (low + high) / 2) < high
 
 
-def test_flights_differ_in_seed_climate_and_radar_alone(config):
-    first, second = (flights.flight_config(config, flight) for flight in ("2000", "2001"))
+def test_flights_differ_in_seed_climate_and_radar_alone():
+    first, second = (flights.flight_config(CONFIG, flight) for flight in ("2000", "2001"))
     assert (first["seed"], second["seed"]) == (2000, 2001)
     assert first["reference"]["climate"] != second["reference"]["climate"]
     assert first["reference"]["radar"] != second["reference"]["radar"]
-    assert first["tracker"]["n_seeds"] == config["studies"]["flights"]["n_trainings"]
+    assert first["tracker"]["n_seeds"] == CONFIG["studies"]["flights"]["n_trainings"]
     for own in (first, second):
         del own["seed"], own["reference"]
     assert first == second
 
 
-def test_draws_of_a_flight_are_those_that_the_published_scores_are_of(config):
-    drawn = flights.draw_reference(config["reference"], 2000)
+def test_draws_of_a_flight_are_those_that_the_published_scores_are_of():
+    drawn = flights.draw_reference(CONFIG["reference"], 2000)
     assert drawn["climate"]["accumulation_factor"] == 0.9628
     assert drawn["radar"]["line_gain_sd_db"] == 0.321
 
