@@ -60,10 +60,10 @@ def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():
         assert abs(middle - layer) < 0.05
 
 
-def test_scores_of_the_card_are_those_of_the_shipped_tracker(tmp_path):
+def test_scores_of_the_card_are_those_of_the_table_if_there_is_one(tmp_path):
     table = tmp_path / "transfer.csv"
     names = "flight,tracker,ods,recall,precision,f,missed_share,false_share"
-    table.write_text(f"{names}\na,universal,.81234,.5,.5,.5,.1,.2\na,rd,.7,.5,.5,.5,.1,.2\n")
+    table.write_text(f"{names}\na,universal,.81234,.5,.5,.5,.1,.2\n")
     scores = scores_for_card({str(table): "digest"})
     assert [row["flight"] for row in scores] == ["a"]
     assert scores[0]["ods"] == 0.812

@@ -1,17 +1,13 @@
-"""The study of flights in the tiny configuration, and what each of its flights is planned to be."""
-
-from itertools import product
+"""The study of flights and the scores of the shipped tracker, in the tiny configuration."""
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from runs import parsed, refused, run_snakemake, settings
+from runs import parsed, run_snakemake
 
 from evaluation.lib import flights
 from evaluation.lib.flight_scores import PAIRS
-
-COUNTS = "results/one_flight/counts.parquet"
 
 
 def jobs_of(workflow, name):
@@ -19,79 +15,54 @@ def jobs_of(workflow, name):
     return [job for job in workflow.dag.jobs if job.rule.name == name]
 
 
-def test_a_flight_is_a_whole_run_with_controls_and_few_scenes_for_the_curve(tmp_path):
-    plan = parsed(tmp_path, targets=[COUNTS])
-    controls = {job.wildcards.control: job for job in jobs_of(plan, "train_flight_control")}
-    assert controls["rd_full"].params.data["labels"] == "complete"
-    assert any("one_flight/blocks" in path for path in controls["rd_own"].input.real)
-    # Of few scenes come statistics, and of these what is drawn, and nothing else of the flight.
-    for job in jobs_of(plan, "fit_few"):
-        assert job.input.few.startswith("results/one_flight/few/")
+def test_the_control_differs_from_rd_in_its_labels_alone(tmp_path):
+    plan = parsed(tmp_path, targets=["results/one_flight/scores.csv"])
+    (control,) = jobs_of(plan, "train_rd_full")
+    (rd,) = [job for job in jobs_of(plan, "train_tracker") if job.wildcards.training_set == "rd"]
+    assert control.params.data == {**rd.params.data, "labels": "complete"}
+    for name in ("seed", "replica", "settings", "n_epochs"):
+        assert control.params[name] == rd.params[name]
+    assert list(control.input.real) == list(rd.input.real)
 
 
-def test_trainings_on_scenes_of_the_cgan_have_a_generator_each(tmp_path):
-    study = {"studies": {"flights": {"n_trainings": 3}}}
-    plan = parsed(tmp_path, targets=[COUNTS], **study)
-    seeds = {job.params.seed for job in jobs_of(plan, "train_flight_cgan")}
-    assert len(seeds | {job.params.seed for job in jobs_of(plan, "train_cgan")}) == 3
-    trained = {
-        (job.wildcards.by_generator, job.params.replica)
-        for job in jobs_of(plan, "train_by_generator")
-    }
-    assert trained == set(product(flights.WITH_CGAN, "12"))
-    for job in jobs_of(plan, "train_by_generator"):
-        folder = f"results/one_flight/cgan/{job.params.replica}/"
-        assert all(path.startswith(folder) for path in job.input.cgan)
-
-
-def test_every_flight_of_the_study_is_flown_with_its_own_settings(tmp_path):
+def test_every_flight_is_flown_with_its_own_settings_and_starts_no_flights(tmp_path):
     plan = parsed(tmp_path, targets=["study_flights"])
-    flown = {job.wildcards.flight for job in jobs_of(plan, "fly")}
-    assert flown == {"2000", "2001"}
-    seeds = {job.params.settings["seed"] for job in jobs_of(plan, "set_flight")}
-    assert seeds == {2000, 2001}
-    # A run of one flight starts no flights.
-    assert not jobs_of(parsed(tmp_path, targets=[COUNTS]), "fly")
-
-
-def test_a_curve_of_more_scenes_than_there_are_is_refused(tmp_path):
-    files = settings(tmp_path / "more", "studies: {flights: {curve: [2, 7]}}")
-    said = refused(tmp_path / "run", files)
-    assert "studies.flights.curve: expected at most benchmark.n_scenes.train = 6, got 7" in said
+    seeds = {job.wildcards.flight: job.params.settings["seed"] for job in jobs_of(plan, "fly")}
+    assert seeds == {"2000": 2000, "2001": 2001}
+    assert not jobs_of(parsed(tmp_path, targets=["results/one_flight/scores.csv"]), "fly")
 
 
 @pytest.mark.study
-def test_two_small_flights_run_to_their_tables_and_figures_and_go_on_where_they_stopped(tmp_path):
+def test_two_small_flights_run_to_their_table_and_figure_and_go_on_where_they_stopped(tmp_path):
     run_snakemake(tmp_path, "--", "study_flights", timeout=3600)
     folder = tmp_path / "results/studies/flights"
     worth = pd.read_csv(folder / "worth.csv")
-    n_rows = 3 * len(PAIRS)
-    of_all = worth[~worth["run"].str.contains("_of_")]
-    assert list(of_all["family"] == "endpoint") == [True] + [False] * (n_rows - 1)
-    assert (of_all["n_flights"] == 2).all()
-    assert (worth["p_holm"] >= worth["p_value"]).all()
-    scores = pd.read_csv(folder / "scores.csv")
-    assert set(scores["flight"]) == {2000, 2001}
-    assert np.isfinite(scores[["ods", "ois", "ap"]].to_numpy()).all()
-    curve = pd.read_csv(folder / "curve.csv")
-    assert set(curve["flight"]) == {2000}
-    assert sorted(set(curve["n_scenes"])) == [0, 2, 4]
-    assert (
-        curve["ods"]
-        .isna()
-        .equals((curve["radiometry"] == "refused") & (curve["training_set"] != "rd"))
-    )
-    drawn = pd.read_csv(folder / "flights.csv")
-    assert drawn["accumulation_factor"].nunique() == 2
-    for name in ("flights_worth", "learning_curve"):
-        assert (tmp_path / f"results/figures/{name}.svg").stat().st_size > 1000
+    assert list(worth.iloc[0][["training_set", "base", "metric"]]) == ["rd_pd", "rd", "ods"]
+    sets = {name for pair in PAIRS for name in pair}
+    assert len(worth) == 3 * (len(PAIRS) + len(sets))
+    assert np.isfinite(worth.loc[:, "mean":]).all(axis=None)
+    assert {"flight_2000", "flight_2001"} <= set(worth)
+    assert (tmp_path / "results/figures/flights_worth.svg").stat().st_size > 1000
     # A flight that lost its scores trains nothing again.
     own = yaml.safe_load((folder / "2001/config.yaml").read_text())
     assert own == flights.flight_config(own, "2001")
     trained = folder / "2001/results/tracker/rd/0.safetensors"
     before = trained.stat().st_mtime_ns
-    (folder / "2001" / COUNTS).unlink()
-    (folder / "worth.csv").unlink()  # else nothing asks for the counts
+    scores = folder / "2001/results/one_flight/scores.csv"
+    scores.unlink()
+    (folder / "worth.csv").unlink()  # else nothing asks for the scores
     run_snakemake(tmp_path, "--", "study_flights", timeout=600)
     assert trained.stat().st_mtime_ns == before
-    assert (folder / "2001" / COUNTS).is_file()
+    assert scores.is_file()
+
+
+@pytest.mark.study
+def test_the_tracker_is_trained_scored_on_unseen_flights_and_shipped_with_its_scores(tmp_path):
+    run_snakemake(tmp_path, "--", "transfer", timeout=1800)
+    table = pd.read_csv(tmp_path / "results/tables/transfer.csv")
+    assert list(table["flight"]) == ["noisy", "mean"]
+    assert set(table["tracker"]) == {"universal"}
+    assert table["ods"].between(0, 1).all()
+    run_snakemake(tmp_path, "--", "pretrained", timeout=600)
+    card = yaml.safe_load((tmp_path / "results/shipped/universal.json").read_text())
+    assert [row["flight"] for row in card["scores"]] == ["noisy", "mean"]

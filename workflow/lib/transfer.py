@@ -1,34 +1,13 @@
-"""Trackers on flights that they never saw: which flights, how they are tracked, how they score."""
+"""Flights beside the default's, which the shipped tracker is tuned or scored on."""
 
 import copy
 from collections import Counter
-from dataclasses import dataclass
 
 from snakemake.utils import update_config
 
 from snowsim.reference import checked_settings
 
-HELD_SHARE = 0.2  # of a flight's own scenes, which its control is chosen on
 TUNING_SEEDS = range(1000, 2000)
-
-
-@dataclass(frozen=True)
-class Part:
-    """Scenes of a flight: their split of the benchmark, and which of it, from and to."""
-
-    split: str
-    span: tuple
-
-
-def parts_of(n_scenes):
-    """Parts of another flight by name: scored; trained on by its control; held out by that."""
-    n_own = n_scenes["own"]
-    n_fit = n_own - max(1, round(HELD_SHARE * n_own))
-    return {
-        "test": Part("test", (0, n_scenes["test"])),
-        "own": Part("train", (0, n_fit)),
-        "held": Part("train", (n_fit, n_own)),
-    }
 
 
 def variants_of(shard, per_shard, n_variants):

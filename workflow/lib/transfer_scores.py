@@ -1,4 +1,4 @@
-"""Scores of trackers on another flight: of edges in the fused output, and of picks."""
+"""Scores of a tracker on another flight: of edges in the fused output, and of picks."""
 
 from dataclasses import dataclass
 
@@ -26,13 +26,12 @@ from snowsim.tracker.calibration import (
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
-    """A tracker that is compared: its network, and what it was calibrated to elsewhere.
+class Calibrated:
+    """A trained network, and what it was calibrated to elsewhere.
 
     `confidence` are the coefficients of `snowsim.picking.confidence`.
     """
 
-    name: str
     network: torch.nn.Module
     calibration: Calibration
     confidence: tuple = CONFIDENCE
@@ -115,34 +114,26 @@ def reliability_of(picks, scenes, scale=AS_THEY_ARE):
 
 
 def score_tracker(tracker, scenes, scale):
-    """A row of `scores` and the `reliability` table of a tracker on annotated scenes.
+    """Scores of a tracker on annotated scenes, by name.
 
-    What a network was not trained for is brought to its range bins and line spacing by `scale`
-    (bin, line).
-
-    Returns
-    -------
-    scores : dict
-        `tracker`; `ods`, `ois`, `ap`; of picks, linked at its `threshold`: `recall`, `precision`
-        and `f` within 2 bins, `mean_error_bins` of picks that belong to a layer, `missed_share` and
-        `false_share`, layers missed and false pieces, of the number of true layers; `deviation` of
-        the reliability of its confidence.
-    curve : pandas.DataFrame
-        `tracker, said, seen, n_pixels`, a row a class of confidence.
+    `scale` (bin, line) brings them to the range bins and line spacing that it was trained on.
+    `ods, ois, ap`; of picks, linked at its `threshold`: `recall`, `precision` and `f` within 2
+    bins, `mean_error_bins` of picks that belong to a layer, `missed_share` and `false_share`,
+    layers missed and false pieces, of the number of true layers; `deviation` of the reliability of
+    its confidence.
     """
     logits = [fused_logits(tracker.network, resized(scene.image, scale)) for scene in scenes]
     own = [on_pixels(each, scene.image.shape) for each, scene in zip(logits, scenes, strict=True)]
     edges = edge_scores([tracker.calibration.probability(each) for each in own], scenes)
     scores = {name: edges[name] for name in ("ods", "ois", "ap")}
-    row = {"tracker": tracker.name, **scores, "threshold": tracker.calibration.threshold}
+    scores["threshold"] = tracker.calibration.threshold
     picks = [
         followed(each, tracker, scene.image.shape)
         for each, scene in zip(logits, scenes, strict=True)
     ]
-    row |= pick_scores(picks, scenes)
-    curve = reliability_of(picks, scenes, scale)
-    row["deviation"] = curve.deviation
-    return row, pd.DataFrame({"tracker": tracker.name, **vars(curve)})
+    scores |= pick_scores(picks, scenes)
+    scores["deviation"] = reliability_of(picks, scenes, scale).deviation
+    return scores
 
 
 def pick_scores(picks, scenes):

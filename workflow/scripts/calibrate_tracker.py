@@ -1,27 +1,31 @@
-"""Calibration of a trained tracker on annotated scenes, and its reliability there."""
+"""Calibration of the shipped tracker on flights for tuning, and how sure its picks are there."""
 
 import dataclasses
 
 import pandas as pd
-from job import progress, run
+from job import job, progress
 
 from lib.resizing import scenes_in_bins
 from lib.tracker_scores import read_tracker
+from lib.transfer_scores import Calibrated, fit_confidence, followed, reliability_of
 from snowsim.io.files import write_table
-from snowsim.tracker.calibration import calibrate as calibration_of
-from snowsim.tracker.calibration import fused_logits, ridges_of
-from snowsim.tracker.calibration import reliability as curve_of
+from snowsim.tracker.calibration import calibrate, fused_logits, reliability, ridges_of
 
-
-def calibrate(network, scenes, calibration, reliability, *, bin_shares):
-    tracker = read_tracker(network)
-    held = scenes_in_bins(scenes, bin_shares)
-    logits = [fused_logits(tracker.network, scene.image) for scene in progress(held, "tracked")]
-    found = calibration_of(logits, held)
+with job(snakemake):
+    network = read_tracker(snakemake.input.network).network
+    held = scenes_in_bins(snakemake.input.scenes, snakemake.params.bin_shares)
+    logits = [fused_logits(network, scene.image) for scene in progress(held, "tracked")]
+    calibration = calibrate(logits, held)
     ridges = ridges_of(logits, held)
-    curve = curve_of(found.probability(ridges.logits), ridges.hits)
-    write_table(calibration, pd.DataFrame([dataclasses.asdict(found)]))
-    write_table(reliability, pd.DataFrame(vars(curve)))
+    curve = reliability(calibration.probability(ridges.logits), ridges.hits)
+    write_table(snakemake.output.calibration, pd.DataFrame([dataclasses.asdict(calibration)]))
+    write_table(snakemake.output.reliability, pd.DataFrame(vars(curve)))
 
-
-run(calibrate)
+    offset, near, far = fit_confidence(logits, held, calibration)
+    tracker = Calibrated(network, calibration, (offset, near, far))
+    pairs = zip(logits, held, strict=True)
+    picks = [followed(each, tracker, scene.image.shape) for each, scene in pairs]
+    curve = reliability_of(picks, held)
+    row = {"offset": offset, "near": near, "far": far, "deviation": curve.deviation}
+    write_table(snakemake.output.confidence, pd.DataFrame([row]))
+    write_table(snakemake.output.pick_reliability, pd.DataFrame(vars(curve)))

@@ -1,6 +1,6 @@
 """The pretrained tracker in the form in which it comes with the package: ONNX and a card."""
 
-from job import run
+from job import job
 
 from lib.pretraining import EVERY, scores_for_card
 from lib.tracker_scores import read_calibration, read_confidence, read_tracker
@@ -15,31 +15,27 @@ LIMITS = (
     "jumps, roll fades, sidelobes of deconvolution, ice lenses, or layers that percolation breaks"
 )
 
-
-def ship(
-    network, calibration, confidence, statistics, tracker, card,
-    *, n_scenes, n_variants, radar, scores,
-):  # fmt: skip
-    trained = read_tracker(network)
-    calibrated = read_calibration(calibration)
+with job(snakemake):
+    trained = read_tracker(snakemake.input.network)
+    calibration = read_calibration(snakemake.input.calibration)
     settings = trained.settings
+    n_scenes = snakemake.params.n_scenes
+    n_variants = snakemake.params.n_variants
     trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_variants} variants of the "
     trained_on += "statistics of the reference flight with crusts and bands of noise, one in "
     trained_on += f"{EVERY} without and the flight's own but for short undulations, rendered by "
     trained_on += "PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
-    written = make_card(
+    card = make_card(
         "universal",
-        calibrated,
+        calibration,
         trained_on=trained_on,
-        **radar,
-        ranges=ranges_of(read_dataset(statistics), Ranges()),
-        scores=scores_for_card(scores),
+        **snakemake.params.radar,
+        ranges=ranges_of(read_dataset(snakemake.input.statistics), Ranges()),
+        scores=scores_for_card(snakemake.params.scores),
         limits=LIMITS,
-        confidence=read_confidence(confidence),
+        confidence=read_confidence(snakemake.input.confidence),
     )
-    write_tracker(tracker, to_onnx(trained.network, calibrated.offset), written)
-
-
-run(ship)
+    network = to_onnx(trained.network, calibration.offset)
+    write_tracker(snakemake.output.tracker, network, card)
