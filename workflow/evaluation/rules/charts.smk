@@ -12,7 +12,7 @@ rule measure_phy:
         mem_mb=2000,
     params:
         seed=config["seed"],
-        cgan=CGAN_SETTINGS,
+        cgan=config["cgan"]["training"],
     message:
         "speed and accuracy of PHY's parts and of whole scenes"
     script:
