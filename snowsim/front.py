@@ -74,9 +74,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     Notes
     -----
     Powers, widths and tails: `snowsim.physical.physical_parameters`; PHY renders them. Against a
-    coherent solver, contrasts of 30-250 kg m-3 three range cells apart or more, delays are within
-    0.1 bin and mean powers within 0.5
-    dB; figure *convolution_accuracy* of the report shows where not.
+    transfer matrix, contrasts of 30-250 kg m-3 three range cells apart or more, delays are within
+    0.1 bin and mean powers within 0.5 dB.
 
     Examples
     --------

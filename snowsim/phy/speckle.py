@@ -8,8 +8,7 @@ from scipy.special import gammainc, gammaincinv
 from snowsim.echogram import check_choice
 from snowsim.phy.correlated import draw_correlated, look_up
 
-METHODS = ("looks", "gamma", "cube", "quantile")
-MINIMUM_LOOKS_CUBE = 10  # below, a cube turns negative once in 1e12 draws or more often
+METHODS = ("looks", "gamma", "quantile")
 MOST_LOOKS_QUANTILE = 1e6  # above, float32 no longer tells the cells apart
 QUANTILES = 65536  # one for each value of 16 random bits
 
@@ -23,7 +22,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         Mean power of signal and noise together, not negative.
     n_looks : float
         Independent looks averaged, at least 1; whole for `looks`.
-    method : {"looks", "gamma", "cube", "quantile"}
+    method : {"looks", "gamma", "quantile"}
         See Notes.
     correlation : array_like, (lag,), optional
         Autocorrelation of power down range where its mean is constant, 1 at lag 0 and zero beyond
@@ -49,9 +48,6 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
 
     - ``looks``: eqs (3)-(4) as printed, M pairs of normals.
     - ``gamma``: the mean of M such looks is Gamma(M) / M. Exact.
-    - ``cube``: ``(1 - 1 / 9M + n / 3 sqrt(M))^3``, n normal, Wilson & Hilferty (1931), PNAS 17,
-      684-688. Its distribution function is within 6.1e-3 / M of exact, its mean ``1 / 729 M^3``
-      low. From 10 looks.
     - ``quantile``: 16 random bits choose one of 65536 equally likely cells of the exact
       distribution; each gives its own mean. The distribution function is within 1e-5 of exact up to
       1000 looks and within 4e-5 up to 1e6, the most it takes; the mean is exact; the largest value
@@ -80,8 +76,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
         raise ValueError(msg)
     if method == "looks":
-        every_look = np.broadcast_to(mean_power, (int(n_looks), *mean_power.shape))
-        return draw_looks(every_look, rng)
+        return _draw_looks(mean_power, int(n_looks), rng)
     if correlation is not None:
         return draw_correlated(mean_power, n_looks, correlation, rng)
     if method == "quantile":
@@ -90,8 +85,7 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         power = np.empty_like(mean_power)
         look_up(quantile_table(n_looks), cell, mean_power, power)
         return power
-    draw = draw_gamma if method == "gamma" else _draw_cube
-    return draw(mean_power, n_looks, rng)
+    return _draw_gamma(mean_power, n_looks, rng)
 
 
 def checked_looks(n_looks):
@@ -108,9 +102,6 @@ def check_method(method, n_looks, correlation=None):
     check_choice("speckle method", method, METHODS)
     if method == "looks" and n_looks != np.floor(n_looks):
         msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
-        raise ValueError(msg)
-    if method == "cube" and n_looks < MINIMUM_LOOKS_CUBE:
-        msg = f"speckle method cube needs at least {MINIMUM_LOOKS_CUBE} looks, got {n_looks:g}"
         raise ValueError(msg)
     if method == "quantile" and n_looks > MOST_LOOKS_QUANTILE:
         msg = f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, "
@@ -132,29 +123,18 @@ def quantile_table(n_looks):
     return table
 
 
-def draw_looks(mean_power, rng):
-    """Sum over looks of `mean_power`, (look, range_bin, range_line), one look at a time."""
-    total = np.zeros(mean_power.shape[1:])
-    for look in mean_power:
-        in_phase, quadrature = rng.standard_normal((2, *look.shape))
-        total += look * (in_phase**2 + quadrature**2)
-    return (total / (2 * len(mean_power))).astype(mean_power.dtype, copy=False)
+def _draw_looks(mean_power, n_looks, rng):
+    """Mean of looks, one at a time."""
+    total = np.zeros(mean_power.shape)
+    for _ in range(n_looks):
+        in_phase, quadrature = rng.standard_normal((2, *mean_power.shape))
+        total += mean_power * (in_phase**2 + quadrature**2)
+    return (total / (2 * n_looks)).astype(mean_power.dtype, copy=False)
 
 
-def draw_gamma(mean_power, shape, rng):
-    """Gamma of a shape, one number or one for each pixel, about the mean."""
-    power = rng.standard_gamma(shape, size=mean_power.shape, dtype=mean_power.dtype)
+def _draw_gamma(mean_power, n_looks, rng):
+    """Gamma of shape M about the mean."""
+    power = rng.standard_gamma(n_looks, size=mean_power.shape, dtype=mean_power.dtype)
     power *= mean_power
-    power /= shape
-    return power
-
-
-def _draw_cube(mean_power, shape, rng):
-    root = rng.standard_normal(mean_power.shape, dtype=np.float32)
-    root = root.astype(mean_power.dtype, copy=False)
-    root *= 1 / (3 * np.sqrt(shape))
-    root += 1 - 1 / (9 * shape)
-    power = root * root
-    power *= root
-    power *= mean_power
+    power /= n_looks
     return power

@@ -44,9 +44,9 @@ class Settings:
     )
     speckle: str = setting(
         "quantile",
-        "law within 1e-5; gamma: exact; looks: eqs (3)-(4); cube: within 6e-3 / M; "
-        "correlated speckle is drawn by quantile instead of gamma, and not by looks or cube",
-        enum=("gamma", "looks", "cube", "quantile"),
+        "law within 1e-5; gamma: exact; looks: eqs (3)-(4); "
+        "correlated speckle is drawn by quantile instead of gamma, and not by looks",
+        enum=("gamma", "looks", "quantile"),
     )
     speckle_correlation: str = setting(
         "measured",

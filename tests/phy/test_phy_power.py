@@ -6,10 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from evaluation.lib.phy_alternatives import convolved_power, power_in_support, recursive_power
+from evaluation.lib.atlas_phy import waveform_by_quadrature
+from evaluation.lib.literal_phy import convolved_power, largest_error_db, summed_power
 from snowsim.echogram import crossing_layers
-from snowsim.phy import mean_power
-from snowsim.phy.parameters import checked_waveforms
+from snowsim.phy import mean_power, render
+from snowsim.phy.parameters import EXACT_BOUND_DB, checked_waveforms
 from snowsim.phy.tables import allowed_error, find_supports, tabulated_power
 
 
@@ -185,13 +186,57 @@ def test_normalised_and_aligned_waveform_peaks_at_its_power_on_its_layer():
     assert printed.max() > 1
 
 
-@pytest.mark.parametrize("way", [power_in_support, recursive_power])
-def test_other_ways_agree_where_they_should(way, five_layers):
-    waveforms, exact = five_layers
-    other = way(waveforms, tolerance_db=0.05, noise_power=1e-3)
-    # The support keeps 0.05 dB; Simpson's rule over one bin of such Gaussians adds less than that.
-    error_db = 10 * np.log10((other + 1e-3) / (exact + 1e-3))
-    assert np.abs(error_db).max() < 0.1
+LINES = np.array([[0.0, 0.26, 0.53, 0.77]])  # sub-bin positions
+PLAIN = {
+    "layer_bins": 100 + LINES,
+    "peak_power": [1.0],
+    "variance_bins2": [12.0],
+    "decay_rate": [0.07],
+    "n_range_bins": 256,
+}
+NOTHING = {"peak_power": [], "variance_bins2": [], "decay_rate": []}
+FAR_APART = {
+    "layer_bins": np.concatenate([100 + LINES, 160 + LINES]),
+    "peak_power": [1.0, 1e-300],
+    "variance_bins2": [12.0, 12.0],
+    "decay_rate": [0.07, 0.07],
+}
+AT_THE_LIMITS = {
+    "no layers": (NOTHING | {"layer_bins": np.empty((0, 4))}, 1e-3),
+    "all absent": ({"layer_bins": np.nan * LINES}, 1e-3),
+    "partly absent": ({"layer_bins": np.where(LINES > 0.5, np.nan, 100 + LINES)}, 1e-3),
+    "no range lines": ({"layer_bins": np.empty((1, 0))}, 1e-3),
+    "one pixel": ({"layer_bins": [[0.0]], "n_range_bins": 1}, 1e-3),
+    "on top border": ({"layer_bins": 0 * LINES}, 1e-3),
+    "half above top": ({"layer_bins": 0 * LINES - 0.5}, 1e-3),
+    "half below bottom": ({"layer_bins": 0 * LINES + 255.5}, 1e-3),
+    "far outside": ({"layer_bins": LINES - 1e4}, 1e-3),
+    "no noise": ({}, 0.0),
+    "noise over peak": ({}, 1e3),
+    "no power": ({"peak_power": [0.0]}, 0.0),
+    "power of 1e-280": ({"peak_power": [1e-280]}, 1e-283),
+    "power of 1e300": ({"peak_power": [1e300]}, 1e297),
+    "300 decades apart": (FAR_APART, 1e-302),
+}
+
+
+@pytest.mark.parametrize(("change", "noise_power"), AT_THE_LIMITS.values(), ids=AT_THE_LIMITS)
+def test_scenes_at_the_limits_of_valid_input_keep_their_bounds(change, noise_power, rng):
+    scene = PLAIN | change
+    printed = {"normalise": "none", "align": "gaussian"}
+    expected = summed_power(checked_waveforms(**scene, **printed), waveform_by_quadrature)
+    exact = mean_power(**scene, **printed)
+    assert largest_error_db(exact, expected, 0.0) <= EXACT_BOUND_DB
+    tolerance = {"tolerance_db": 0.05, "noise_power": noise_power}
+    planned = mean_power(**scene, **printed, **tolerance)
+    assert largest_error_db(planned, expected, noise_power) <= 0.05
+    layer_bins = scene.pop("layer_bins")
+    n_range_bins = scene.pop("n_range_bins")
+    parameters = scene | {"noise_power": noise_power, "n_looks": 1e6}
+    options = {"tolerance_db": 0.05, "rng": rng, **printed}
+    power = render(layer_bins, parameters, n_range_bins, **options)
+    # Speckle of 1e6 looks is 4.3e-3 dB: six deviations are allowed to it.
+    assert largest_error_db(power, expected + noise_power, 0.0) <= 0.05 + 0.03
 
 
 GOOD = {

@@ -5,7 +5,7 @@ import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
-from evaluation.lib.statistics_atlas import is_finite
+from evaluation.lib.atlas_statistics import is_finite
 from snowsim import statistics
 from snowsim.io.files import read_dataset, write_dataset
 

@@ -1,0 +1,156 @@
+"""Speed against accuracy of PHY: seconds and error of every way to a part, and to a whole scene."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import torch
+from scipy.special import gammainc
+
+from evaluation.lib.literal_phy import (
+    convolved_power,
+    largest_error_db,
+    planted_scene,
+    render_as_printed,
+    waveforms_of,
+)
+from evaluation.lib.machine import device_name, time_rounds
+from snowsim.cgan import Settings, networks_of
+from snowsim.cgan import render as render_cgan
+from snowsim.echogram import Scene, to_uint8
+from snowsim.phy import draw_speckle, render
+from snowsim.phy.plan import plan_power
+from snowsim.phy.power import exact_power, planned_power
+from snowsim.phy.speckle import quantile_table
+
+N_LAYERS = 15
+N_RANGE_BINS = 256
+N_RANGE_LINES = 256
+N_ROUNDS = 5
+TOLERANCES_DB = (0.5, 0.05, 1e-3, 1e-6)
+DEFAULT_DB = 0.05
+N_LOOKS = (16, 100)
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to a result: what computes it, and how far it is from exact, where it should be.
+
+    `error_db` is the largest of mean power and noise, `distance` that of the distribution function
+    of speckle from Gamma(M).
+    """
+
+    method: str
+    setting: str
+    work: Callable
+    error_db: float = np.nan
+    distance: float = np.nan
+
+
+def measured(*, cgan, rng):
+    """Every run of every way, a row each; `cgan` are settings of its networks."""
+    scene = planted_scene(N_LAYERS, N_RANGE_LINES, N_RANGE_BINS)
+    panels = {
+        "mean power": waveform_ways(*scene),
+        "speckle": speckle_ways(rng),
+        "whole scenes": scene_ways(*scene, cgan, rng),
+    }
+    normals = partial(rng.standard_normal, (N_RANGE_BINS, N_RANGE_LINES), dtype=np.float32)
+    floor = Way("one float32 normal a pixel", "floor", normals)
+    rows = []
+    for panel, ways in panels.items():
+        works = {way: way.work for way in [*ways, floor]}
+        for way, repeat, seconds in time_rounds(works, N_ROUNDS):
+            row = {"panel": panel, **vars(way), "repeat": repeat, "seconds": seconds}
+            rows.append(row)
+    table = pd.DataFrame(rows).drop(columns="work")
+    return table.assign(n_pixels=N_RANGE_BINS * N_RANGE_LINES, device=device_name())
+
+
+def waveform_ways(layer_bins, parameters):
+    """Mean power: columns convolved, the closed form on every pixel, sub-bin tables."""
+    waveforms = waveforms_of(layer_bins, parameters, N_RANGE_BINS)
+    noise_power = parameters["noise_power"]
+    exact = exact_power(waveforms)
+
+    def way(method, setting, work):
+        return Way(method, setting, work, largest_error_db(work(), exact, noise_power))
+
+    ways = [way("closed form", "every pixel", partial(exact_power, waveforms))]
+    for n_samples in (1, 4):
+        work = partial(convolved_power, waveforms, samples_per_bin=n_samples)
+        ways.append(way("convolution", f"{n_samples} a bin", work))
+    for tolerance_db in TOLERANCES_DB:
+        work = partial(table_power, waveforms, noise_power, tolerance_db)
+        ways.append(way("table", f"{tolerance_db:g} dB", work))
+    return ways
+
+
+def table_power(waveforms, noise_power, tolerance_db):
+    """Mean power within a tolerance, as `mean_power` has it."""
+    return planned_power(plan_power(waveforms, noise_power, tolerance_db))
+
+
+def speckle_ways(rng):
+    """Speckle: looks summed, Gamma drawn, quantiles looked up."""
+    ones = np.ones((N_RANGE_BINS, N_RANGE_LINES), dtype=np.float32)
+    ways = []
+    for n_looks in N_LOOKS:
+        setting = f"M = {n_looks}"
+        draw = partial(draw_speckle, ones, n_looks, rng=rng)
+        distance = quantile_distance(n_looks)
+        ways += [
+            Way("looks", setting, partial(draw, method="looks"), distance=0.0),
+            Way("gamma", setting, partial(draw, method="gamma"), distance=0.0),
+            Way("quantile", setting, partial(draw, method="quantile"), distance=distance),
+        ]
+    return ways
+
+
+def quantile_distance(n_looks):
+    """Largest distance of the distribution functions of speckle methods `quantile` and `gamma`."""
+    table = quantile_table(float(n_looks)).astype(float)
+    exact = gammainc(n_looks, n_looks * table)
+    before = np.arange(table.size) / table.size
+    above_start = exact - before
+    above_end = above_start - 1 / table.size
+    return float(max(np.abs(above_start).max(), np.abs(above_end).max()))
+
+
+def scene_ways(layer_bins, parameters, cgan, rng):
+    """Whole scenes, 8-bit scaling included: PHY as printed, exact and by default; the cGAN.
+
+    The cGAN does not model eq. (1) and has no error against it; what it has learned makes no
+    difference to its cost.
+    """
+    given = (layer_bins, parameters, N_RANGE_BINS)
+    noise_power = parameters["noise_power"]
+    waveforms = waveforms_of(*given)
+    exact = exact_power(waveforms)
+    literal = largest_error_db(convolved_power(waveforms), exact, noise_power)
+    planned = table_power(waveforms, noise_power, DEFAULT_DB)
+    by_default = largest_error_db(planned, exact, noise_power)
+
+    def phy(tolerance_db):
+        return to_uint8(render(*given, tolerance_db=tolerance_db, rng=rng))
+
+    settings = Settings(**cgan)
+    generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
+    masked = Scene("planted", N_RANGE_BINS, layer_bins)
+    return [
+        Way(
+            "PHY, as printed",
+            f"M = {parameters['n_looks']}",
+            lambda: to_uint8(render_as_printed(*given, rng=rng)),
+            literal,
+        ),
+        Way("PHY, exact", "closed form", partial(phy, None), 0.0),
+        Way("PHY", f"{DEFAULT_DB:g} dB", partial(phy, DEFAULT_DB), by_default),
+        Way(
+            "cGAN",
+            f"width {settings.width}",
+            lambda: render_cgan(generator, masked, settings, rng=rng),
+        ),
+    ]

@@ -1,0 +1,65 @@
+# Speed against accuracy of PHY, where it and the estimators of statistics fail, and what scores of trackers cost.
+
+
+rule measure_phy:
+    output:
+        table="results/tables/speed_accuracy.csv",
+    log:
+        "logs/measure_phy.log",
+    benchmark:
+        "results/benchmarks/measure_phy/all.tsv"
+    resources:
+        mem_mb=2000,
+    params:
+        seed=config["seed"],
+        cgan=config["cgan"]["training"],
+    message:
+        "speed and accuracy of PHY's parts and of whole scenes"
+    script:
+        "../scripts/measure_phy.py"
+
+
+rule draw_atlases:
+    output:
+        phy="results/tables/atlas_phy.csv",
+        statistics="results/tables/atlas_statistics.csv",
+    log:
+        "logs/draw_atlases.log",
+    benchmark:
+        "results/benchmarks/draw_atlases/all.tsv"
+    resources:
+        mem_mb=1500,
+    params:
+        seed=config["seed"],
+    message:
+        "atlases of PHY and of the estimators"
+    script:
+        "../scripts/draw_atlases.py"
+
+
+rule plot_charts:
+    input:
+        speed_accuracy="results/tables/speed_accuracy.csv",
+        atlas_phy="results/tables/atlas_phy.csv",
+        atlas_statistics="results/tables/atlas_statistics.csv",
+        # Of trainings that take hours: fixed numbers.
+        budgets=ROOT / "workflow/evaluation/measured_budgets.csv",
+    output:
+        **drawn("charts", "speed_accuracy.svg", "atlas.svg", "cost_worth.svg"),
+    log:
+        "logs/plot_charts.log",
+    benchmark:
+        "results/benchmarks/plot_charts/all.tsv"
+    message:
+        "figures of speed, accuracy, failure and cost"
+    script:
+        "../scripts/plot_charts.py"
+
+
+rule charts_phy:
+    input:
+        rules.measure_phy.output,
+        rules.draw_atlases.output,
+        rules.plot_charts.output,
+    message:
+        "speed-accuracy charts and atlases of PHY and of the estimators"

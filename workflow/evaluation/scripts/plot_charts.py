@@ -1,0 +1,18 @@
+"""Speed against accuracy of PHY, the atlases, and cost against worth to a tracker."""
+
+from main_path import job
+
+from evaluation.lib.figures import charts
+from evaluation.lib.figures.style import PLANTED, save_figure
+from snowsim.io.files import read_table
+
+with job(snakemake):
+    measured = read_table(snakemake.input.speed_accuracy)
+    of_phy = read_table(snakemake.input.atlas_phy)
+    of_statistics = read_table(snakemake.input.atlas_statistics)
+    budgets = read_table(snakemake.input.budgets)
+    save_figure(snakemake.output.speed_accuracy_svg, charts.speed_accuracy(measured), PLANTED)
+    save_figure(snakemake.output.atlas_svg, charts.atlas(of_phy, of_statistics), PLANTED)
+    commit = budgets["measured_at"].iloc[0]
+    source = f"measured with snowsim at commit {commit}"
+    save_figure(snakemake.output.cost_worth_svg, charts.cost_worth(budgets), source)
