@@ -1,35 +1,32 @@
-"""Figures of the trackers."""
+"""Figures of the trackers; the first replica of every training set is shown on test scenes."""
 
-from main_path import run
+from main_path import job, progress
 
 from evaluation.lib.figures import tracker
-from evaluation.lib.figures.style import save_figure
+from evaluation.lib.figures.style import Scale, save_figure
+from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, read_table
+from snowsim.io.scenes import SceneSet
 
-
-def plot_tracker(
-    picks,
-    table3_zones,
-    samples,
-    precision_recall,
-    table3,
-    losses,
-    picks_svg,
-    table3_zones_svg,
-    side_outputs_png,
-    precision_recall_svg,
-    table3_svg,
-    tracker_losses_svg,
-    source,
-):
-    save_figure(picks_svg, tracker.picks(*map(read_table, picks)), source)
-    save_figure(table3_zones_svg, tracker.table3_zones(*map(read_table, table3_zones)), source)
-    save_figure(side_outputs_png, tracker.side_outputs(read_dataset(samples)), source)
-    save_figure(
-        precision_recall_svg, tracker.precision_recall(*map(read_table, precision_recall)), source
-    )
-    save_figure(table3_svg, tracker.table3(*map(read_table, table3)), source)
-    save_figure(tracker_losses_svg, tracker.tracker_losses(map(read_table, losses)), source)
-
-
-run(plot_tracker)
+with job(snakemake):
+    tables = snakemake.input
+    output = snakemake.output
+    params = snakemake.params
+    curves = tracker.precision_recall(read_table(tables.precision_recall))
+    save_figure(output.precision_recall_svg, curves, params.source)
+    with SceneSet(tables.scenes) as test_scenes:
+        scenes = tracker.scenes_to_show(test_scenes)
+    outputs = {}
+    picked = {}
+    trained = zip(params.training_sets, tables.networks, tables.rows_of_picks, strict=True)
+    for training_set, network, rows in progress(trained, "trackers", len(params.training_sets)):
+        trained_tracker = read_tracker(network, params.device)
+        outputs[training_set] = [trained_tracker.track(scene.image) for scene in scenes]
+        threshold = read_table(rows)["threshold"].iloc[0]
+        picked[training_set] = tracker.fused_picks(outputs[training_set][-1], threshold)
+    save_figure(output.side_outputs_png, tracker.side_outputs(scenes, outputs), params.source)
+    scale = Scale.of(read_dataset(tables.statistics), params.snow_density_kg_m3)
+    errors = read_table(tables.picks)
+    by_depth = read_table(tables.picks_by_depth)
+    picks = tracker.picks(errors, by_depth, scenes[-1], picked, scale)
+    save_figure(output.picks_svg, picks, params.source)
