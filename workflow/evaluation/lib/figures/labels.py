@@ -44,7 +44,8 @@ def relative_thickness(scenes):
             layers = scene.complete_layer_bins[: len(layers)]
         thickness = np.diff(layers.mean(axis=1))
         rows.append(thickness / thickness[:1])
-    by_zone = pd.DataFrame(rows).groupby([scene.zone for scene in scenes])
+    zones = np.array([scene.zone for scene in scenes])
+    by_zone = pd.DataFrame(rows).groupby(zones)
     return by_zone.mean().where(by_zone.count() >= ENOUGH_SCENES)
 
 

@@ -16,6 +16,7 @@ from evaluation.lib.figures.style import (
 def similarity_boxplots(images):
     """The three metrics of every method as box plots."""
     figure, axes = new_figure(1, 3, width=7)
+    # Without identical images, whose ratio is infinite.
     finite = images[np.isfinite(images["psnr"])]
     by_method = dict(list(finite.groupby("method")))
     names = list(map(name_of, by_method))
