@@ -1,7 +1,7 @@
 """The closed loop: statistics of PHY's renders of label sets beside those that went in."""
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -17,30 +17,23 @@ from snowsim.statistics.zones import OWN_ZONE
 logger = logging.getLogger("snowsim")
 
 
-@dataclass(frozen=True)
-class Bound:
-    """The largest error allowed of a quantity, and its unit."""
-
-    unit: str
-    largest: float
-
-
+# The largest error allowed, relative or [bins].
 BOUNDS = {
-    "peak_power": Bound("relative", 0.03),
-    "decay_rate": Bound("relative", 0.05),
-    "noise_power": Bound("relative", 0.01),
-    "variance_bins2": Bound("relative", 0.20),
-    "width_bins": Bound("bins", 1.0),
-    "thickness_mean_bins": Bound("relative", 0.03),
-    "thickness_variance_bins2": Bound("relative", 0.10),
-    "relative_thickness_mean": Bound("relative", 0.03),
-    "relative_thickness_variance": Bound("relative", 0.10),
-    "thickness_trend_variance_bins2": Bound("relative", 0.15),
-    "surface_trend_variance_bins2": Bound("relative", 0.15),
-    "surface_fraction": Bound("relative", 0.05),
+    "peak_power": 0.03,
+    "decay_rate": 0.05,
+    "noise_power": 0.01,
+    "variance_bins2": 0.20,
+    "width_bins": 1.0,
+    "thickness_mean_bins": 0.03,
+    "thickness_variance_bins2": 0.10,
+    "relative_thickness_mean": 0.03,
+    "relative_thickness_variance": 0.10,
+    "thickness_trend_variance_bins2": 0.15,
+    "surface_trend_variance_bins2": 0.15,
+    "surface_fraction": 0.05,
 }
-SPREAD_BOUND = Bound("relative", 0.15)
-# What renders of label sets with one radiometry for all do not show.
+IN_BINS = ("width_bins",)
+# What renders of label sets with one radiometry for all do not show, and its bound.
 SPREADS = (
     "noise_spread_db",
     "surface_to_noise_spread_db",
@@ -53,6 +46,7 @@ SPREADS = (
     "texture_length_bins",
     "texture_length_lines",
 )
+SPREAD_BOUND = 0.15
 WHERE = ["layer", "zone", "slab", "interface"]
 NUMBERS = ["given", "recovered", "error", "error_standard_error"]
 COLUMNS = ["quantity", *WHERE, *NUMBERS, "unit", "bound", "within"]
@@ -68,9 +62,7 @@ def compare(given, recovered, *, varies=True):
     `error` is recovered against given, in `unit`, its standard error that of sampling the renders.
     Where label sets have one radiometry, nothing `varies` and `SPREADS` are left out.
     """
-    bounds = dict(BOUNDS)
-    if varies:
-        bounds |= dict.fromkeys(SPREADS, SPREAD_BOUND)
+    bounds = BOUNDS | dict.fromkeys(SPREADS, SPREAD_BOUND) if varies else BOUNDS
     tables = [
         _compared(quantity, bound, given, recovered)
         for quantity, bound in bounds.items()
@@ -98,15 +90,16 @@ def _compared(quantity, bound, given, recovered):
     table = pd.concat(series, axis=1, join="inner").dropna().reset_index()
     # Slab 0 is one in units of itself, without an error.
     table = table[(table["standard_error"] > 0) & (table["given"] != 0)]
-    scale = table["given"] if bound.unit == "relative" else 1.0
+    unit = "bins" if quantity in IN_BINS else "relative"
+    scale = 1.0 if quantity in IN_BINS else table["given"]
     error = (table["recovered"] - table["given"]) / scale
     table = table.assign(
         quantity=quantity,
         error=error,
         error_standard_error=table["standard_error"] / scale,
-        unit=bound.unit,
-        bound=bound.largest,
-        within=error.abs() <= bound.largest,
+        unit=unit,
+        bound=bound,
+        within=error.abs() <= bound,
     )
     return table.reindex(columns=COLUMNS, fill_value=-1)
 

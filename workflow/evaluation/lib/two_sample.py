@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pandas as pd
+from numpy.lib.stride_tricks import sliding_window_view
 
 from evaluation.lib.patch_network import fit_network
 from snowsim.echogram import SURFACE_ROW
@@ -52,18 +53,15 @@ def tiled(sets):
     everything = [scene for scenes in sets.values() for scene in scenes]
     n_bins = min(scene.n_range_bins for scene in everything)
     n_lines = min(scene.n_range_lines for scene in everything)
-    n_rows = (n_bins - FIRST_ROW) // PATCH
-    n_columns = n_lines // PATCH
-    if n_rows < 1 or n_columns < 1:
+    if n_bins < FIRST_ROW + PATCH or n_lines < PATCH:
         msg = f"two-sample test: expected scenes of {FIRST_ROW + PATCH} x {PATCH} pixels or more, "
         msg += f"the smallest has {n_bins} x {n_lines}"
         raise ValueError(msg)
-    window = (slice(FIRST_ROW, FIRST_ROW + n_rows * PATCH), slice(n_columns * PATCH))
     patches = {}
     for name, scenes in sets.items():
-        images = np.array([scene.image[window] for scene in scenes])
-        shape = (len(scenes), n_rows, PATCH, n_columns, PATCH)
-        patches[name] = images.reshape(shape).swapaxes(2, 3)
+        images = np.array([scene.image[FIRST_ROW:n_bins, :n_lines] for scene in scenes])
+        windows = sliding_window_view(images, (PATCH, PATCH), axis=(1, 2))
+        patches[name] = windows[:, ::PATCH, ::PATCH]
     return patches
 
 

@@ -15,14 +15,12 @@ with job(snakemake), ExitStack() as opened:
     params = snakemake.params
     losses = renders.cgan_losses(read_table(files.losses), read_table(files.validation))
     save_figure(snakemake.output.cgan_losses_svg, losses, params.source)
-    test = {
-        name: opened.enter_context(SceneSet(files[f"test_{name}"]))
-        for name in ("observed", *METHODS)
-    }
-    drawn = {
-        method: list(islice(opened.enter_context(SceneSet(files[method])), params.n_labels))
-        for method in METHODS
-    }
+    test = {"observed": opened.enter_context(SceneSet(files.observed))}
+    drawn = {}
+    for method in METHODS:
+        test[method] = opened.enter_context(SceneSet(files[f"{method}_test"]))
+        scenes = opened.enter_context(SceneSet(files[f"{method}_labels"]))
+        drawn[method] = list(islice(scenes, params.n_labels))
     scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
-    sample = renders.sample(test, drawn, read_table(files.images), scale)
+    sample = renders.sample(test, drawn, scale)
     save_figure(snakemake.output.sample_svg, sample, params.source)

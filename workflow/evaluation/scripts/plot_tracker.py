@@ -1,32 +1,34 @@
-"""Figures of the trackers; the first replica of every training set is shown on test scenes."""
+"""Figures of the trackers; the first replica of every training set is shown on a test scene."""
 
+import numpy as np
 from main_path import job, progress
 
 from evaluation.lib.figures import tracker
-from evaluation.lib.figures.style import Scale, save_figure
+from evaluation.lib.figures.style import TRAINING_SETS, Scale, save_figure
 from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
+from snowsim.metrics.edges import suppress
+from snowsim.metrics.picks import pick_layers
 
 with job(snakemake):
-    tables = snakemake.input
-    output = snakemake.output
+    files = snakemake.input
+    figures = snakemake.output
     params = snakemake.params
-    curves = tracker.precision_recall(read_table(tables.precision_recall))
-    save_figure(output.precision_recall_svg, curves, params.source)
-    with SceneSet(tables.scenes) as test_scenes:
-        scenes = tracker.scenes_to_show(test_scenes)
+    with SceneSet(files.scenes) as scenes:
+        n_layers = [len(scene.layer_bins) for scene in scenes]
+        scene = scenes[np.argsort(n_layers, kind="stable")[len(scenes) // 2]]
     outputs = {}
     picked = {}
-    trained = zip(params.training_sets, tables.networks, tables.rows_of_picks, strict=True)
-    for training_set, network, rows in progress(trained, "trackers", len(params.training_sets)):
-        trained_tracker = read_tracker(network, params.device)
-        outputs[training_set] = [trained_tracker.track(scene.image) for scene in scenes]
+    replicas = zip(TRAINING_SETS, files.networks, files.picks, strict=True)
+    for name, network, rows in progress(replicas, "trackers", total=len(TRAINING_SETS)):
+        outputs[name] = read_tracker(network, params.device).track(scene.image)
+        *_, fused = outputs[name]
         threshold = read_table(rows)["threshold"].iloc[0]
-        picked[training_set] = tracker.fused_picks(outputs[training_set][-1], threshold)
-    save_figure(output.side_outputs_png, tracker.side_outputs(scenes, outputs), params.source)
-    scale = Scale.of(read_dataset(tables.statistics), params.snow_density_kg_m3)
-    errors = read_table(tables.picks)
-    by_depth = read_table(tables.picks_by_depth)
-    picks = tracker.picks(errors, by_depth, scenes[-1], picked, scale)
-    save_figure(output.picks_svg, picks, params.source)
+        picked[name] = pick_layers(suppress(fused), threshold=threshold)
+    scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
+    curves = tracker.precision_recall(read_table(files.precision_recall))
+    save_figure(figures.precision_recall_svg, curves, params.source)
+    save_figure(figures.side_outputs_png, tracker.side_outputs(scene, outputs), params.source)
+    picks = tracker.picks(scene, picked, read_table(files.picks_by_depth), scale)
+    save_figure(figures.picks_svg, picks, params.source)

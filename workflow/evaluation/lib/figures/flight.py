@@ -1,15 +1,13 @@
 """The flight: an echogram and its picks, where its frames lie, and its statistics."""
 
 import numpy as np
-import pandas as pd
 
 from evaluation.lib.figures.style import (
     BLACK,
-    BLUE,
     GREY,
     GUIDE,
     LAND,
-    RED,
+    name_of,
     new_figure,
     new_panel,
 )
@@ -17,11 +15,12 @@ from snowsim.echogram import layer_bins_of, to_db
 
 N_BANDS = 64  # of a spectrum along track
 SHOWN_PERCENT = (0.5, 99.9)  # of the powers of an echogram, from black to white
+# About a layer: of averaged lines, as fitted by all layers, and of this layer alone.
+WAVEFORMS = {"mean_waveform": "-", "model_waveform": "--", "layer_waveform": ":"}
 # Greenland: degrees north and east of capes and towns, clockwise from Cape Farewell.
 COAST = (
-    (59.8, -43.9), (65.6, -37.6), (68.1, -31.8), (70.5, -22.0), (76.8, -18.7), (81.4, -11.5),
-    (83.6, -33.4), (81.2, -63.6), (78.2, -73.1), (75.9, -66.4), (74.6, -57.2), (69.3, -53.5),
-    (64.2, -51.7), (61.2, -48.4), (59.8, -43.9),
+    (59.8, -43.9), (65.6, -37.6), (68.1, -31.8), (70.5, -22.0), (81.4, -11.5), (83.6, -33.4),
+    (81.2, -63.6), (78.2, -73.1), (74.6, -57.2), (69.3, -53.5), (64.2, -51.7), (59.8, -43.9),
 )  # fmt: skip
 
 
@@ -34,45 +33,26 @@ def echogram(frame, picks, scale):
     layer_bins = layer_bins_of(picks, frame)
     surface_bin = np.nanmedian(layer_bins[0])
     bare, picked = axes[0]
-    for ax in (bare, picked):
+    for ax, title in ((bare, "echogram"), (picked, "with picks")):
         ax.set_facecolor(BLACK)
         scale.plot_image(ax, power_db, surface_bin, limits)
-        ax.set(xlabel="along track [km]", title="echogram")
+        ax.set(xlabel="along track [km]", title=title)
     scale.plot_layers(picked, layer_bins, surface_bin)
-    picked.set_title("with picks")
     bare.set_ylabel("depth [m]")
     return figure
 
 
-def flight_line(positions, scale):
-    """Frames on a map of Greenland, coloured by the thickness of slab 0."""
-    figure, ax = new_panel(width=4.2, height=5.4)
+def flight_line(frames):
+    """The frames on a map of Greenland, each at its mean position."""
+    figure, ax = new_panel(width=4.2, height=5)
     latitude, longitude = np.transpose(COAST)
     ax.fill(longitude, latitude, color=LAND)
-    thickness_m = positions["first_slab_bins"] * scale.bin_m
-    style = {"s": 14, "cmap": "viridis"}
-    points = ax.scatter(positions["longitude"], positions["latitude"], c=thickness_m, **style)
-    bar = figure.colorbar(points, ax=ax, location="bottom", shrink=0.7)
-    bar.set_label("mean thickness of slab 0 [m]")
-    ax.set_aspect(1 / np.cos(np.radians(positions["latitude"].mean())))
-    ax.set(xlabel="longitude [°E]", ylabel="latitude [°N]")
+    positions = [[frame[name].mean() for name in ("Latitude", "Longitude")] for frame in frames]
+    latitude, longitude = np.transpose(positions)
+    ax.plot(longitude, latitude, "o-", color=BLACK)
+    ax.set_aspect(1 / np.cos(np.radians(latitude.mean())))
+    ax.set(xlabel="longitude [°E]", ylabel="latitude [°N]", title="frames")
     return figure
-
-
-def positions_of(frames, frame_picks):
-    """Mean position, mean thickness of slab 0 and number of picks, a row a frame."""
-    rows = []
-    for frame, picks in zip(frames, frame_picks, strict=True):
-        layer_bins = layer_bins_of(picks, frame)
-        first_slab = np.diff(layer_bins[:2], axis=0)  # empty where the surface alone is picked
-        row = {
-            "latitude": float(frame["Latitude"].mean()),
-            "longitude": float(frame["Longitude"].mean()),
-            "first_slab_bins": pd.Series(first_slab.ravel()).mean(),
-            "n_picks": np.isfinite(layer_bins).sum(),
-        }
-        rows.append(row)
-    return pd.DataFrame(rows)
 
 
 def waveforms(statistics):
@@ -80,24 +60,18 @@ def waveforms(statistics):
     figure, axes = new_figure(1, 3, width=8)
     *of_waveforms, of_peaks = axes[0]
     lag_ns = statistics["lag"] * statistics.attrs["bin_size_s"] * 1e9
-    noise = float(statistics["noise_power"])
+    noise_db = to_db(float(statistics["noise_power"]))
     for layer, ax in enumerate(of_waveforms):
-        rows = statistics.isel(layer=layer)
-        ax.plot(lag_ns, to_db(rows["mean_waveform"]), color=BLACK, label="averaged lines")
-        ax.plot(lag_ns, to_db(rows["model_waveform"]), "--", color=BLUE, label="all layers")
-        alone = rows["layer_waveform"] + noise
-        ax.plot(lag_ns, to_db(alone), ":", color=RED, label="this layer and noise")
+        for name, dashes in WAVEFORMS.items():
+            power_db = to_db(statistics[name][layer])
+            ax.plot(lag_ns, power_db, dashes, label=name_of(name))
         ax.set(xlabel="two-way travel time [ns]", ylabel="power [dB]", title=f"about layer {layer}")
+        ax.set_ylim(noise_db - 3, None)
         ax.legend()
-    power = statistics["peak_power"].values
-    error = 2 * statistics["peak_power_standard_error"].values
-    low = np.maximum(power - error, 1e-3 * power)
-    layer = np.arange(power.size)
-    of_peaks.vlines(layer, to_db(low), to_db(power + error), color="0.6")
-    of_peaks.plot(layer, to_db(power), "o", color=BLACK)
-    of_peaks.axhline(to_db(noise), **GUIDE)
-    of_peaks.annotate("noise", (0, to_db(noise)), fontsize=7, va="bottom")
+    of_peaks.plot(to_db(statistics["peak_power"]), "o", color=BLACK)
+    of_peaks.axhline(noise_db, label="noise", **GUIDE)
     of_peaks.set(xlabel="layer", ylabel="peak power [dB]", title="all layers")
+    of_peaks.legend()
     return figure
 
 
@@ -106,15 +80,15 @@ def along_track(statistics):
     figure, axes = new_figure(1, 2, width=7)
     of_spectra, of_law = axes[0]
     if "doppler_layer_1" in statistics:
-        plot_spectrum(of_spectra, statistics["doppler_layer_1"], GREY, "layer 1")
-        plot_spectrum(of_spectra, statistics["doppler_layer_mean"], BLACK, "mean of layers 1-15")
-        of_spectra.set(xlabel="wavenumber [cycles per m]", title="Doppler spectrum")
+        spectra = ["doppler_layer_1", "doppler_layer_mean"]
+        of_spectra.set_xlabel("wavenumber [cycles per m]")
     else:
-        density = statistics["detected_power_spectrum_layer_mean"][1:]
-        plot_spectrum(of_spectra, density, BLACK, "mean of layers 1-15")
+        spectra = ["detected_power_spectrum_layer_mean"]
         of_spectra.set_xlabel("wavenumber [cycles per range line]")
-        of_spectra.set_title("spectrum of detected power")
-    of_spectra.set_ylabel("density / mean [dB]")
+    for name, colour in zip(spectra, (GREY, BLACK), strict=False):
+        # The first has none of the mean, which is taken out.
+        plot_spectrum(of_spectra, statistics[name][1:], colour, name_of(name))
+    of_spectra.set(ylabel="density / mean [dB]", title="spectra along track")
     of_spectra.legend()
     # The paper's chi-square.
     expected = statistics["gamma_quantile"]

@@ -6,7 +6,7 @@ from evaluation.lib.figures.style import (
     BLACK,
     COLOURS,
     GUIDE,
-    dashed_style,
+    line_style,
     name_of,
     new_figure,
     new_panel,
@@ -33,7 +33,7 @@ def ssim_depth(ssim_depth, scale):
     for method, rows in ssim_depth.groupby("method"):
         depth_m = scale.depth_m(rows["range_bin"])
         ax.plot(depth_m, rows["ssim"], color=COLOURS[method], alpha=0.25, linewidth=0.7)
-        ax.plot(depth_m, rows["ssim_smooth"], **dashed_style(method))
+        ax.plot(depth_m, rows["ssim_smooth"], **line_style(method))
     ax.axvline(0, label="snow surface", **GUIDE)
     ax.set(xlabel="depth [m]", ylabel="SSIM", title="means over renders of test scenes")
     ax.legend(fontsize=8)

@@ -19,19 +19,13 @@ GREEN = "#009E73"
 ORANGE = "#E69F00"
 PINK = "#CC79A7"
 SKY = "#56B4E9"
-# Beside them the grey of what serves as a foil, and grounds.
+# Beside them the grey of what serves as a foil, and of land.
 GREY = "#999999"
-WHITE = "#FFFFFF"
 LAND = "#EDF2F5"
 SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
-# Of zones, the shallowest first; last, of what has no zone, which is -1.
-ZONE_COLOURS = (BLUE, GREEN, ORANGE, RED, BLACK)
-ZONE_MARKERS = ("o", "^", "s", "D", "o")
 TRAINING_SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
 METHODS = ("cgan", "phy")
 COLOURS = {
-    # Sources of scenes, and training sets.
-    "observed": BLACK,
     "cgan": RED,
     "phy": BLUE,
     "rd": BLACK,
@@ -40,37 +34,9 @@ COLOURS = {
     "rd_pd_gd": GREEN,
     "gd": RED,
     "pd": BLUE,
-    "universal": PINK,
     # Estimators.
     "paper": RED,
     "deblended": BLUE,
-    # Ways to compute waveforms.
-    "exact": GREEN,
-    "closed form": GREEN,
-    "closed form in support": GREY,
-    "naive": PINK,
-    "naive closed form": PINK,
-    "planned": BLUE,
-    "table": BLUE,
-    "nearest": SKY,
-    "sampled": BLACK,
-    "convolved": BLACK,
-    "cut": ORANGE,
-    # Ways to draw speckle.
-    "looks": BLACK,
-    "looks, moving": GREY,
-    "gamma": GREEN,
-    "gamma, moving": SKY,
-    "quantile": BLUE,
-    "quantile, correlated": ORANGE,
-    # Whole scenes.
-    "render": SKY,
-    "as printed": BLACK,
-    "PHY": BLUE,
-    "PHY exact": GREEN,
-    "PHY, as printed": SKY,
-    "cGAN": PINK,
-    "nature run": GREY,
 }
 # Beside colours, for readers in grey.
 DASHES = {"phy": "-", "cgan": "--", "rd": "-", "rd_gd": "--", "rd_pd": "-.", "rd_pd_gd": ":"}
@@ -85,9 +51,6 @@ NAMES = {
     "rd_pd": "RD+PD",
     "rd_pd_gd": "RD+PD+GD",
     "rd_full": "RD, full labels",
-    "rd_full_pd": "RD, full labels, +PD",
-    "rd_own": "RD+own blocks",
-    "universal": "tracker of the package",
     "psnr": "PSNR [dB]",
     "rmse": "RMSE [grey levels]",
     "ssim": "SSIM",
@@ -160,14 +123,9 @@ def name_of(key):
     return NAMES.get(key, key.replace("_", " "))
 
 
-def named_style(key):
-    """Colour and label of a method, a training set, a source of scenes."""
-    return {"color": COLOURS[key], "label": name_of(key)}
-
-
-def dashed_style(key):
+def line_style(key):
     """Colour, dashes and label of a method or a training set."""
-    return named_style(key) | {"linestyle": DASHES[key]}
+    return {"color": COLOURS[key], "linestyle": DASHES[key], "label": name_of(key)}
 
 
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
@@ -181,14 +139,6 @@ def new_panel(width=6.0, height=3.0):
     return figure, axes[0, 0]
 
 
-def note_source(figure, source):
-    """State what the data are in a corner, unless the figure says so already; gives the figure."""
-    if not figure.texts:
-        figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
-        figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
-    return figure
-
-
 def list_downwards(ax, names, **keywords):
     """Names of what stands one below the other, a row each, the first at the top."""
     ax.set_yticks(range(len(names)), names, **keywords)
@@ -198,24 +148,20 @@ def list_downwards(ax, names, **keywords):
 def evenly_spaced(numbers, n_chosen):
     """Indices of numbers at evenly spaced ranks, in that order; all if there are fewer."""
     order = np.argsort(np.asarray(numbers), kind="stable")
-    n_chosen = min(n_chosen, order.size)
-    ranks = np.linspace(0, order.size - 1, n_chosen)
-    return order[np.unique(np.rint(ranks).astype(int))]
+    ranks = np.linspace(0, order.size - 1, min(n_chosen, order.size))
+    return order[np.rint(ranks).astype(int)]
 
 
 def save_figure(path, figure, source):
-    """Write a figure that says what its data are: whole or not at all, and without a date.
+    """Write a figure that says in a corner what its data are, whole or not at all.
 
-    The same figure gives the same bytes. One in .svg is written as .png too, and first: where the
-    .svg lies both do.
+    Without a date: the same figure gives the same bytes. One in .svg is written as .png too, and
+    first: where the .svg lies both do.
     """
-    note_source(figure, source)
+    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
+    figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
     path = Path(path)
-    if path.suffix not in METADATA:
-        msg = f"{path}: expected a figure name that ends in .svg or .png"
-        raise ValueError(msg)
-    endings = [".png", ".svg"] if path.suffix == ".svg" else [".png"]
-    for ending in endings:
+    for ending in dict.fromkeys([".png", path.suffix]):
         with written_whole(path.with_suffix(ending)) as aside:
             figure.savefig(aside, metadata=METADATA[ending], bbox_inches="tight", dpi=DPI)
     plt.close(figure)
