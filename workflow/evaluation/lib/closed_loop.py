@@ -88,8 +88,9 @@ def _compared(quantity, bound, given, recovered):
     # Label sets may have other numbers of layers than the flight: what both have is compared.
     series = {name: values.expand_dims("row").to_series() for name, values in numbers.items()}
     table = pd.concat(series, axis=1, join="inner").dropna().reset_index()
-    # Slab 0 is one in units of itself, without an error.
-    table = table[(table["standard_error"] > 0) & (table["given"] != 0)]
+    table = table[table["given"] != 0]
+    if quantity.startswith("relative_"):
+        table = table[table["slab"] > 0]  # slab 0 is one in units of itself
     unit = "bins" if quantity in IN_BINS else "relative"
     scale = 1.0 if quantity in IN_BINS else table["given"]
     error = (table["recovered"] - table["given"]) / scale
