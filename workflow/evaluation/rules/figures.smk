@@ -117,59 +117,6 @@ rule plot_tracker:
         "../scripts/plot_tracker.py"
 
 
-rule plot_phy:
-    input:
-        speed_accuracy_waveforms=tables("speed_accuracy_waveforms"),
-        speed_accuracy_speckle=tables("speed_accuracy_speckle"),
-        speed_accuracy_scenes=tables("speed_accuracy_scenes"),
-        speed_accuracy_growth=tables("speed_accuracy_growth"),
-        plans="results/phy_plans.parquet",
-        code=imported_by(EVALUATION / "plot_phy.py"),
-    output:
-        **drawn(
-            "phy",
-            "speed_accuracy_waveforms.svg",
-            "speed_accuracy_speckle.svg",
-            "speed_accuracy_scenes.svg",
-            "speed_accuracy_growth.svg",
-            "phy_plan.svg",
-        ),
-    log:
-        "logs/plot_phy.log",
-    benchmark:
-        "results/benchmarks/plot_phy/all.tsv"
-    params:
-        source=NOTE,
-    message:
-        "speed and accuracy of PHY"
-    script:
-        "../scripts/plot_phy.py"
-
-
-rule plot_atlas:
-    input:
-        atlas_phy=tables("atlas_phy"),
-        atlas_statistics=tables("atlas_statistics"),
-        code=imported_by(EVALUATION / "plot_atlas.py"),
-    output:
-        **drawn(
-            "atlas",
-            "atlas_phy.svg",
-            "atlas_statistics.svg",
-            "atlas_statistics_borders.svg",
-        ),
-    log:
-        "logs/plot_atlas.log",
-    benchmark:
-        "results/benchmarks/plot_atlas/all.tsv"
-    params:
-        source=NOTE,
-    message:
-        "atlases of PHY and of the estimators"
-    script:
-        "../scripts/plot_atlas.py"
-
-
 rule plot_closed_loop:
     input:
         table="results/tables/closed_loop.csv",
