@@ -14,5 +14,5 @@ with job(snakemake):
     statistics = read_dataset(snakemake.input.statistics)
     scale = Scale.of(statistics, params.snow_density_kg_m3)
     with SceneSet(snakemake.input.labels) as scenes:
-        figure = labels(islice(scenes, params.n_scenes), statistics, scale)
+        figure = labels(list(islice(scenes, params.n_scenes)), statistics, scale)
     save_figure(snakemake.output.labels_svg, figure, params.source)

@@ -30,7 +30,8 @@ def labels(scenes, statistics, scale):
 
     by_zone = statistics["relative_thickness_mean"].fillna(0)
     of_slabs.plot(by_zone.weighted(statistics["n_samples"]).mean("zone"), **FLIGHT)
-    of_slabs.plot(pd.DataFrame(map(relative_thickness, scenes)).mean(), **DRAWN)
+    drawn = pd.concat(map(relative_thickness, scenes), axis=1)
+    of_slabs.plot(drawn.mean(axis=1), **DRAWN)
     of_slabs.set(xlabel="slab", ylabel="mean thickness / slab 0", title="all slabs")
     for ax in axes[0]:
         ax.legend()
@@ -43,4 +44,4 @@ def relative_thickness(scene):
     if scene.complete_layer_bins is not None:
         layers = scene.complete_layer_bins[: len(layers)]
     thickness = np.diff(layers.mean(axis=1))
-    return thickness / thickness[:1]
+    return pd.Series(thickness / thickness[:1])
