@@ -1,4 +1,4 @@
-"""Statistics of a flight with known spectra, and spectra of known laws."""
+"""Statistics of a flight with known spectra."""
 
 import numpy as np
 import xarray as xr
@@ -7,30 +7,6 @@ from snowsim.labels import prepare
 
 N_LINES = 256
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
-
-PARAMETERS = {
-    "white": (3.0,),
-    "power_law": (2e-4, 2.3),
-    "ar1": (0.02, 0.95),
-    "matern": (5e-5, np.log(0.03), 1.6),
-}
-
-
-def density_of(name):
-    """Density of the planted parameters, written out by hand."""
-    k = np.where(WAVENUMBER > 0, WAVENUMBER, np.inf)
-    a, *shape = PARAMETERS[name]
-    if name == "white":
-        density = np.full(k.size, a)
-    elif name == "power_law":
-        density = a / k ** shape[0]
-    elif name == "ar1":
-        density = a / (1 + shape[0] ** 2 - 2 * shape[0] * np.cos(2 * np.pi * WAVENUMBER))
-    else:
-        density = a / (np.exp(shape[0]) ** 2 + WAVENUMBER**2) ** shape[1]
-    density[0] = 0
-    density[-1] /= 2
-    return density
 
 
 def planted(n_slabs=20, scale=40.0):

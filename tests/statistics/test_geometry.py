@@ -8,15 +8,22 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
-from evaluation.lib.label_summary import LAGS, mean_square_differences
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.process import HALF_CYCLE_SHOWS
 from snowsim.statistics.blocks import BAND_EDGES, periodogram, pick_noise, stretches
 from snowsim.statistics.surface import surface_statistics
 from snowsim.statistics.zones import as_variables, zone_statistics
 
+LAGS = (1, 2, 4, 8, 16, 32, 64, 128, 255)  # of structure functions [range lines]
 N_LINES, N_LONG = 256, 4096
 LONG = np.fft.rfftfreq(N_LONG)
+
+
+def mean_square_differences(series):
+    """Mean squares of differences at `LAGS`, and of second differences, (..., lag and one)."""
+    differences = [series[..., lag:] - series[..., :-lag] for lag in LAGS]
+    differences.append(np.diff(series, 2))
+    return np.stack([np.mean(part**2, axis=-1) for part in differences], axis=-1)
 
 
 def matern(wavenumber, knee, slope):

@@ -12,7 +12,6 @@ WIDTH = 8
 BATCH_SIZE = 64
 LEARNING_RATE = 1e-2
 WEIGHT_DECAY = 1e-2
-N_CLASSIFIED = 512  # patches at once
 
 
 def patch_network():
@@ -58,7 +57,6 @@ def fit_network(patches, truth, *, n_steps, rng):
 
     @torch.no_grad()
     def decide(of):
-        parts = np.array_split(of, math.ceil(len(of) / N_CLASSIFIED))
-        return np.concatenate([network(to_signed(part))[:, 0].numpy() > 0 for part in parts])
+        return network(to_signed(of))[:, 0].numpy() > 0
 
     return decide

@@ -1,131 +1,90 @@
-# Figures: x.svg is the output x_svg of its rule, whose script of the same name draws it. Its caption is captions/x.rst.
+# Figures, one rule a stage: x.svg is the output x_svg of its rule. Its caption is captions/x.rst.
 
-# Label sets to choose the shown ones from: in the first shards, whatever their size.
-N_SHOWN = 100
+# What figures say of the data, and what makes metres of snow of range bins.
+DRAWING = {
+    "source": NOTE,
+    "snow_density_kg_m3": config["tracker"]["picks"]["snow_density_kg_m3"],
+}
+# Images come without frames.
+OF_FRAMES = ["echogram.svg", "flight_line.svg"] if FRAMES else []
 
 
 rule plot_flight:
     input:
         statistics="results/statistics.nc",
-        code=imported_by(EVALUATION / "plot_flight.py"),
+        frames=expand("results/flight/{frame}.nc", frame=FRAMES),
+        picks=expand("results/flight/{frame}_layers.nc", frame=FRAMES),
     output:
-        **drawn("flight", "waveforms.svg", "along_track.svg"),
+        **drawn("flight", "waveforms.svg", "along_track.svg", *OF_FRAMES),
     log:
         "logs/plot_flight.log",
     benchmark:
         "results/benchmarks/plot_flight/all.tsv"
     params:
-        source=NOTE,
+        **DRAWING,
     message:
-        "figures of the flight's statistics"
+        "figures of the flight and of its statistics"
     script:
         "../scripts/plot_flight.py"
 
 
-rule plot_frames:
-    input:
-        frame=middle_frame("results/flight/{frame}.nc"),
-        picks=middle_frame("results/flight/{frame}_layers.nc"),
-        frames=flight_files("results/flight/{frame}.nc"),
-        frame_picks=flight_files("results/flight/{frame}_layers.nc"),
-        code=imported_by(EVALUATION / "plot_frames.py"),
-    output:
-        **drawn("flight", "echogram.svg", "flight_line.svg", "pixel_grid.svg"),
-        flight_table="results/tables/flight.csv",
-        pixel_table="results/tables/pixel_grid.csv",
-    log:
-        "logs/plot_frames.log",
-    benchmark:
-        "results/benchmarks/plot_frames/all.tsv"
-    params:
-        source=NOTE,
-    message:
-        "figures of the flight's frames"
-    script:
-        "../scripts/plot_frames.py"
-
-
 rule plot_labels:
     input:
-        label_models=tables(
-            "model_selection", "model_selection_scenes", "model_selection_spectra"
-        ),
-        labels=tables(
-            "label_layers", "label_moments", "label_spectra", "label_correlation"
-        ),
-        code=imported_by(EVALUATION / "plot_labels.py"),
+        statistics="results/statistics.nc",
+        labels=expand("results/labels/{shard}.nc", shard=first_shards(500)),
     output:
-        **drawn("labels", "label_models.svg", "labels.svg"),
+        **drawn("labels", "labels.svg"),
     log:
         "logs/plot_labels.log",
     benchmark:
         "results/benchmarks/plot_labels/all.tsv"
     params:
-        source=NOTE,
+        **DRAWING,
+        n_scenes=500,
     message:
-        "figures of the label sets"
+        "figure of the label sets"
     script:
         "../scripts/plot_labels.py"
 
 
 rule plot_renders:
     input:
+        statistics="results/statistics.nc",
         losses="results/cgan/losses.csv",
         validation="results/cgan/validation.csv",
-        samples="results/cgan/samples.nc",
-        train=benchmark_files("train"),
-        test=benchmark_files("test"),
-        phy=expand("results/phy/labels/{shard}.nc", shard=first_shards(N_SHOWN)),
-        cgan=expand("results/cgan/labels/{shard}.nc", shard=first_shards(N_SHOWN)),
-        code=imported_by(EVALUATION / "plot_renders.py"),
+        observed=benchmark_files("test"),
+        cgan_test=rendered_files("cgan", "test"),
+        phy_test=rendered_files("phy", "test"),
+        cgan_labels=expand("results/cgan/labels/{shard}.nc", shard=first_shards(100)),
+        phy_labels=expand("results/phy/labels/{shard}.nc", shard=first_shards(100)),
     output:
-        **drawn(
-            "renders",
-            "cgan_losses.svg",
-            "cgan_samples.png",
-            "annotation.svg",
-            "synthetic.svg",
-        ),
+        **drawn("renders", "cgan_losses.svg", "sample.svg"),
     log:
         "logs/plot_renders.log",
     benchmark:
         "results/benchmarks/plot_renders/all.tsv"
     params:
-        source=NOTE,
-        n_labels=N_SHOWN,
+        **DRAWING,
+        n_labels=100,
     message:
-        "figures of the renders of label sets"
+        "figures of the cGAN's training and of renders"
     script:
         "../scripts/plot_renders.py"
 
 
 rule plot_similarity:
     input:
-        render_positions=tables("render_positions"),
+        statistics="results/statistics.nc",
         images="results/similarity.parquet",
-        ssim_depth=tables("ssim_depth"),
-        observed=benchmark_files("test"),
-        cgan=rendered_files("cgan", "test"),
-        phy=rendered_files("phy", "test"),
-        similarity_bounds=tables("similarity_bounds", "similarity_parts", "air_texture"),
-        worth=tables("two_sample", "drawn_scenes"),
-        code=imported_by(EVALUATION / "plot_similarity.py"),
+        ssim_depth="results/tables/ssim_depth.csv",
     output:
-        **drawn(
-            "similarity",
-            "render_positions.svg",
-            "similarity_boxplots.svg",
-            "ssim_depth.svg",
-            "sample.svg",
-            "similarity_bounds.svg",
-            "worth.svg",
-        ),
+        **drawn("similarity", "similarity_boxplots.svg", "ssim_depth.svg"),
     log:
         "logs/plot_similarity.log",
     benchmark:
         "results/benchmarks/plot_similarity/all.tsv"
     params:
-        source=NOTE,
+        **DRAWING,
     message:
         "figures of similarity"
     script:
@@ -134,31 +93,24 @@ rule plot_similarity:
 
 rule plot_tracker:
     input:
-        picks=tables("picks", "picks_by_depth"),
-        table3_zones=tables("table3_zones"),
-        samples="results/tracker/samples.nc",
-        precision_recall=tables("precision_recall"),
-        table3=tables("table3_intervals"),
-        losses=expand(
-            "results/tracker/{training_set}/0_losses.csv", training_set=TRAINING_SETS
-        ),
-        code=imported_by(EVALUATION / "plot_tracker.py"),
+        statistics="results/statistics.nc",
+        scenes=benchmark_files("test"),
+        networks=expand("results/tracker/{name}/0.safetensors", name=TRAINING_SETS),
+        picks=expand("results/tracker/{name}/0_picks.parquet", name=TRAINING_SETS),
+        picks_by_depth="results/tables/picks_by_depth.csv",
+        precision_recall="results/tables/precision_recall.csv",
     output:
-        **drawn(
-            "tracker",
-            "picks.svg",
-            "table3_zones.svg",
-            "side_outputs.png",
-            "precision_recall.svg",
-            "table3.svg",
-            "tracker_losses.svg",
-        ),
+        **drawn("tracker", "picks.svg", "side_outputs.png", "precision_recall.svg"),
     log:
         "logs/plot_tracker.log",
     benchmark:
         "results/benchmarks/plot_tracker/all.tsv"
+    resources:
+        mem_mb=2000,
+        gpu=int(config["tracker"]["device"] == "cuda"),
     params:
-        source=NOTE,
+        **DRAWING,
+        device=config["tracker"]["device"],
     message:
         "figures of the trackers"
     script:
@@ -167,26 +119,9 @@ rule plot_tracker:
 
 rule plot_closed_loop:
     input:
-        closed_loop=tables("closed_loop", "closed_loop_conventions"),
-        validation_thickness=tables("validation_thickness", "validation_tests"),
-        validation=tables(
-            "validation_distributions",
-            "validation_thickness",
-            "validation_tests",
-            "label_spectra",
-            "label_correlation",
-            "closed_loop",
-        ),
-        superposition=tables("superposition"),
-        code=imported_by(EVALUATION / "plot_closed_loop.py"),
+        table="results/tables/closed_loop.csv",
     output:
-        **drawn(
-            "closed_loop",
-            "closed_loop.svg",
-            "validation_thickness.svg",
-            "validation.svg",
-            "superposition.svg",
-        ),
+        **drawn("closed_loop", "closed_loop.svg"),
     log:
         "logs/plot_closed_loop.log",
     benchmark:
@@ -194,7 +129,7 @@ rule plot_closed_loop:
     params:
         source=NOTE,
     message:
-        "figures of the closed loop and of the validation"
+        "figure of the closed loop"
     script:
         "../scripts/plot_closed_loop.py"
 
@@ -202,6 +137,5 @@ rule plot_closed_loop:
 rule charts:
     input:
         rules.plot_flight.output,
-        rules.plot_frames.output if FRAMES else [],
     message:
         "figures of the flight and of its statistics"

@@ -1,16 +1,24 @@
-"""Figures of the flight's statistics."""
+"""Figures of the flight's statistics and, where it has frames, of these."""
 
-from main_path import run
+import numpy as np
+from main_path import job
 
 from evaluation.lib.figures import flight
-from evaluation.lib.figures.style import save_figure
+from evaluation.lib.figures.style import Scale, save_figure
 from snowsim.io.files import read_dataset
 
-
-def plot_flight(statistics, waveforms_svg, along_track_svg, source):
-    statistics = read_dataset(statistics)
-    save_figure(waveforms_svg, flight.waveforms(statistics), source)
-    save_figure(along_track_svg, flight.along_track(statistics), source)
-
-
-run(plot_flight)
+with job(snakemake):
+    frames = snakemake.input.frames
+    picks = snakemake.input.picks
+    figures = snakemake.output
+    params = snakemake.params
+    statistics = read_dataset(snakemake.input.statistics)
+    save_figure(figures.waveforms_svg, flight.waveforms(statistics), params.source)
+    save_figure(figures.along_track_svg, flight.along_track(statistics), params.source)
+    if frames:
+        line = flight.flight_line(map(read_dataset, frames))
+        save_figure(figures.flight_line_svg, line, params.source)
+        most = np.argmax([read_dataset(path)["twtt"].count() for path in picks])
+        scale = Scale.of(statistics, params.snow_density_kg_m3)
+        shown = flight.echogram(read_dataset(frames[most]), read_dataset(picks[most]), scale)
+        save_figure(figures.echogram_svg, shown, params.source)

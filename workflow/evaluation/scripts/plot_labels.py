@@ -1,15 +1,18 @@
-"""Figures of the label sets."""
+"""Figure of the label sets."""
 
-from main_path import run
+from itertools import islice
 
-from evaluation.lib.figures import labels as figures
-from evaluation.lib.figures.style import save_figure
-from snowsim.io.files import read_table
+from main_path import job
 
+from evaluation.lib.figures.labels import labels
+from evaluation.lib.figures.style import Scale, save_figure
+from snowsim.io.files import read_dataset
+from snowsim.io.scenes import SceneSet
 
-def plot_labels(label_models, labels, label_models_svg, labels_svg, source):
-    save_figure(label_models_svg, figures.label_models(*map(read_table, label_models)), source)
-    save_figure(labels_svg, figures.labels(*map(read_table, labels)), source)
-
-
-run(plot_labels)
+with job(snakemake):
+    params = snakemake.params
+    statistics = read_dataset(snakemake.input.statistics)
+    scale = Scale.of(statistics, params.snow_density_kg_m3)
+    with SceneSet(snakemake.input.labels) as scenes:
+        figure = labels(list(islice(scenes, params.n_scenes)), statistics, scale)
+    save_figure(snakemake.output.labels_svg, figure, params.source)

@@ -1,37 +1,26 @@
-"""Figures of the renders of label sets."""
+"""Figures of the cGAN's training, and of both renders of observed and of synthetic layers."""
 
-from main_path import run
+from contextlib import ExitStack
+from itertools import islice
+
+from main_path import job
 
 from evaluation.lib.figures import renders
-from evaluation.lib.figures.style import save_figure
-from snowsim.io.files import read_table
+from evaluation.lib.figures.style import METHODS, Scale, save_figure
+from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
 
-
-def plot_renders(
-    losses,
-    validation,
-    samples,
-    train,
-    test,
-    phy,
-    cgan,
-    cgan_losses_svg,
-    cgan_samples_png,
-    annotation_svg,
-    synthetic_svg,
-    n_labels,
-    source,
-):
-    losses = renders.cgan_losses(read_table(losses), read_table(validation))
-    save_figure(cgan_losses_svg, losses, source)
-    with SceneSet(samples) as scenes:
-        save_figure(cgan_samples_png, renders.cgan_samples(scenes), source)
-    with SceneSet(train) as scenes:
-        save_figure(annotation_svg, renders.annotation(scenes, source), source)
-    with SceneSet(test) as observed, SceneSet(phy) as by_phy, SceneSet(cgan) as by_cgan:
-        synthetic = renders.synthetic(observed, by_phy, by_cgan, n_labels, source)
-        save_figure(synthetic_svg, synthetic, source)
-
-
-run(plot_renders)
+with job(snakemake), ExitStack() as opened:
+    files = snakemake.input
+    params = snakemake.params
+    losses = renders.cgan_losses(read_table(files.losses), read_table(files.validation))
+    save_figure(snakemake.output.cgan_losses_svg, losses, params.source)
+    test = {"observed": opened.enter_context(SceneSet(files.observed))}
+    drawn = {}
+    for method in METHODS:
+        test[method] = opened.enter_context(SceneSet(files[f"{method}_test"]))
+        scenes = opened.enter_context(SceneSet(files[f"{method}_labels"]))
+        drawn[method] = list(islice(scenes, params.n_labels))
+    scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
+    sample = renders.sample(test, drawn, scale)
+    save_figure(snakemake.output.sample_svg, sample, params.source)

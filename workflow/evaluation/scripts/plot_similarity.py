@@ -1,47 +1,16 @@
 """Figures of similarity."""
 
-from main_path import run
+from main_path import job
 
 from evaluation.lib.figures import similarity
-from evaluation.lib.figures.style import save_figure
-from snowsim.io.files import read_table
-from snowsim.io.scenes import SceneSet
+from evaluation.lib.figures.style import Scale, save_figure
+from snowsim.io.files import read_dataset, read_table
 
-
-def plot_similarity(
-    render_positions,
-    images,
-    ssim_depth,
-    observed,
-    cgan,
-    phy,
-    similarity_bounds,
-    worth,
-    render_positions_svg,
-    similarity_boxplots_svg,
-    ssim_depth_svg,
-    sample_svg,
-    similarity_bounds_svg,
-    worth_svg,
-    source,
-):
-    images = read_table(images)
-    save_figure(
-        render_positions_svg,
-        similarity.render_positions(*map(read_table, render_positions)),
-        source,
-    )
-    save_figure(similarity_boxplots_svg, similarity.similarity_boxplots(images), source)
-    save_figure(ssim_depth_svg, similarity.ssim_depth(*map(read_table, ssim_depth)), source)
-    with SceneSet(observed) as scenes, SceneSet(cgan) as by_cgan, SceneSet(phy) as by_phy:
-        sample = similarity.sample(scenes, by_cgan, by_phy, images)
-        save_figure(sample_svg, sample, source)
-    save_figure(
-        similarity_bounds_svg,
-        similarity.similarity_bounds(*map(read_table, similarity_bounds)),
-        source,
-    )
-    save_figure(worth_svg, similarity.worth(*map(read_table, worth)), source)
-
-
-run(plot_similarity)
+with job(snakemake):
+    output = snakemake.output
+    params = snakemake.params
+    boxplots = similarity.similarity_boxplots(read_table(snakemake.input.images))
+    save_figure(output.similarity_boxplots_svg, boxplots, params.source)
+    scale = Scale.of(read_dataset(snakemake.input.statistics), params.snow_density_kg_m3)
+    by_depth = similarity.ssim_depth(read_table(snakemake.input.ssim_depth), scale)
+    save_figure(output.ssim_depth_svg, by_depth, params.source)

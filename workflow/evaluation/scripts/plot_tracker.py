@@ -1,35 +1,34 @@
-"""Figures of the trackers."""
+"""Figures of the trackers; the first replica of every training set is shown on a test scene."""
 
-from main_path import run
+import numpy as np
+from main_path import job, progress
 
 from evaluation.lib.figures import tracker
-from evaluation.lib.figures.style import save_figure
+from evaluation.lib.figures.style import TRAINING_SETS, Scale, save_figure
+from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, read_table
+from snowsim.io.scenes import SceneSet
+from snowsim.metrics.edges import suppress
+from snowsim.metrics.picks import pick_layers
 
-
-def plot_tracker(
-    picks,
-    table3_zones,
-    samples,
-    precision_recall,
-    table3,
-    losses,
-    picks_svg,
-    table3_zones_svg,
-    side_outputs_png,
-    precision_recall_svg,
-    table3_svg,
-    tracker_losses_svg,
-    source,
-):
-    save_figure(picks_svg, tracker.picks(*map(read_table, picks)), source)
-    save_figure(table3_zones_svg, tracker.table3_zones(*map(read_table, table3_zones)), source)
-    save_figure(side_outputs_png, tracker.side_outputs(read_dataset(samples)), source)
-    save_figure(
-        precision_recall_svg, tracker.precision_recall(*map(read_table, precision_recall)), source
-    )
-    save_figure(table3_svg, tracker.table3(*map(read_table, table3)), source)
-    save_figure(tracker_losses_svg, tracker.tracker_losses(map(read_table, losses)), source)
-
-
-run(plot_tracker)
+with job(snakemake):
+    files = snakemake.input
+    figures = snakemake.output
+    params = snakemake.params
+    with SceneSet(files.scenes) as scenes:
+        n_layers = [len(scene.layer_bins) for scene in scenes]
+        scene = scenes[np.argsort(n_layers, kind="stable")[len(scenes) // 2]]
+    outputs = {}
+    picked = {}
+    replicas = zip(TRAINING_SETS, files.networks, files.picks, strict=True)
+    for name, network, rows in progress(replicas, "trackers", total=len(TRAINING_SETS)):
+        outputs[name] = read_tracker(network, params.device).track(scene.image)
+        *_, fused = outputs[name]
+        threshold = read_table(rows)["threshold"].iloc[0]
+        picked[name] = pick_layers(suppress(fused), threshold=threshold)
+    scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
+    curves = tracker.precision_recall(read_table(files.precision_recall))
+    save_figure(figures.precision_recall_svg, curves, params.source)
+    save_figure(figures.side_outputs_png, tracker.side_outputs(scene, outputs), params.source)
+    picks = tracker.picks(scene, picked, read_table(files.picks_by_depth), scale)
+    save_figure(figures.picks_svg, picks, params.source)

@@ -1,12 +1,15 @@
 """The one style of all figures, what they share, and how they are written."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 
+from snowsim.echogram import SURFACE_ROW
 from snowsim.io.files import written_whole
+from snowsim.metrics.pick_tables import snow_per_bin_m
 
 # Okabe & Ito (2008), distinct for colour-blind readers too.
 BLACK = "#000000"
@@ -16,86 +19,31 @@ GREEN = "#009E73"
 ORANGE = "#E69F00"
 PINK = "#CC79A7"
 SKY = "#56B4E9"
-YELLOW = "#F0E442"
-# Beside them: a wine, the grey of what serves as a foil, and grounds.
-WINE = "#882255"
+# Beside them the grey of what serves as a foil, and of land.
 GREY = "#999999"
-WHITE = "#FFFFFF"
 LAND = "#EDF2F5"
 SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
-ZONE_COLOURS = (BLUE, GREEN, ORANGE, RED)
 TRAINING_SETS = ("rd", "rd_gd", "rd_pd", "rd_pd_gd")
 METHODS = ("cgan", "phy")
 COLOURS = {
-    # Sources of scenes, and training sets.
-    "observed": BLACK,
     "cgan": RED,
     "phy": BLUE,
-    "phy_constant": SKY,
-    "l1": YELLOW,
     "rd": BLACK,
     "rd_gd": RED,
     "rd_pd": BLUE,
     "rd_pd_gd": GREEN,
     "gd": RED,
     "pd": BLUE,
-    "universal": PINK,
-    # Estimators, and spectra of label models.
+    # Estimators.
     "paper": RED,
     "deblended": BLUE,
-    "tabulated": BLACK,
-    "white": GREY,
-    "power_law": BLUE,
-    "ar1": RED,
-    "matern": GREEN,
-    # Ways to compute waveforms.
-    "exact": GREEN,
-    "closed form": GREEN,
-    "closed form in support": GREY,
-    "naive": PINK,
-    "naive closed form": PINK,
-    "planned": BLUE,
-    "table": BLUE,
-    "table32": YELLOW,
-    "nearest": SKY,
-    "sampled": BLACK,
-    "convolved": BLACK,
-    "wrapped": GREY,
-    "cut": ORANGE,
-    "recursive32": RED,
-    "recursive64": WINE,
-    "recursive float32": RED,
-    "recursive float64": WINE,
-    # Ways to draw speckle.
-    "looks": BLACK,
-    "looks, moving": GREY,
-    "gamma": GREEN,
-    "gamma, moving": SKY,
-    "quantile": BLUE,
-    "quantile, correlated": ORANGE,
-    "cube": PINK,
-    "cube_open": RED,
-    # Whole scenes, and models of the echo.
-    "render": SKY,
-    "as printed": BLACK,
-    "PHY": BLUE,
-    "PHY exact": GREEN,
-    "PHY, as printed": SKY,
-    "cGAN": PINK,
-    "nature run": GREY,
-    "scatterers": RED,
-    "transfer matrix": BLACK,
-    "single scattering": GREEN,
-    "convolution": BLUE,
-    "Born": RED,
-    "SMRT": PINK,
 }
+# Beside colours, for readers in grey.
+DASHES = {"phy": "-", "cgan": "--", "rd": "-", "rd_gd": "--", "rd_pd": "-.", "rd_pd_gd": ":"}
 # As figures write them; other names stand with spaces for underscores.
 NAMES = {
     "cgan": "cGAN",
     "phy": "PHY",
-    "phy_constant": "PHY, constant",
-    "l1": "L1 U-Net",
     "rd": "RD",
     "gd": "GD",
     "pd": "PD",
@@ -103,21 +51,12 @@ NAMES = {
     "rd_pd": "RD+PD",
     "rd_pd_gd": "RD+PD+GD",
     "rd_full": "RD, full labels",
-    "rd_full_pd": "RD, full labels, +PD",
-    "rd_own": "RD+own blocks",
-    "universal": "tracker of the package",
     "psnr": "PSNR [dB]",
-    "rmse": "RMSE",
+    "rmse": "RMSE [grey levels]",
     "ssim": "SSIM",
     "ods": "ODS",
     "ois": "OIS",
     "ap": "AP",
-    "ar1": "AR(1)",
-    "matern": "Matérn",
-    "width_bins": "1/e width",
-    "noise_power": "noise",
-    "offset_bins": "offset",
-    "relative_thickness_mean": "thickness / slab 0",
 }
 # What most figures use; some say otherwise.
 STYLE = {
@@ -144,20 +83,49 @@ mpl.use("Agg")
 mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
 GUIDE = {"color": "0.5", "linestyle": ":", "linewidth": 1}  # how levels are marked
 DPI = 200
-RUNNING_STEPS = 50  # of means of losses
 METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
 PLANTED = "planted layers, no observed data"
 
 
+@dataclass(frozen=True)
+class Scale:
+    """Metres of snow in a range bin, and kilometres along track in a range line."""
+
+    bin_m: float
+    line_km: float
+
+    @classmethod
+    def of(cls, statistics, density_kg_m3):
+        """By the flight's radar, and by snow of one density throughout."""
+        bin_m = snow_per_bin_m(statistics.attrs["bin_size_s"], density_kg_m3)
+        return cls(bin_m, statistics.attrs["line_spacing_m"] / 1e3)
+
+    def depth_m(self, bins, surface_bin=SURFACE_ROW):
+        """Depth of range bins below the surface [m]; air above it counts as snow."""
+        return (bins - surface_bin) * self.bin_m
+
+    def plot_image(self, ax, image, surface_bin=SURFACE_ROW, limits=(0, 255)):
+        """Echogram against depth and distance, black to white between two limits."""
+        n_bins, n_lines = image.shape
+        right = n_lines * self.line_km
+        top, bottom = self.depth_m(np.array([-0.5, n_bins - 0.5]), surface_bin)
+        ax.imshow(image, vmin=limits[0], vmax=limits[1], extent=(0, right, bottom, top))
+
+    def plot_layers(self, ax, layer_bins, surface_bin=SURFACE_ROW, color=ORANGE):
+        """Layers as thin lines against depth and distance."""
+        distance_km = (np.arange(layer_bins.shape[1]) + 0.5) * self.line_km
+        depth_m = self.depth_m(layer_bins.T, surface_bin)
+        ax.plot(distance_km, depth_m, color=color, linewidth=0.6)
+
+
 def name_of(key):
     """What figures call a method, a training set, a metric, a quantity."""
-    name, of, n = key.partition("_of_")
-    return NAMES.get(name, name.replace("_", " ")) + (f" of {n}" if of else "")
+    return NAMES.get(key, key.replace("_", " "))
 
 
-def named_style(key):
-    """Colour and label of a method, a training set, a source of scenes."""
-    return {"color": COLOURS[key], "label": name_of(key)}
+def line_style(key):
+    """Colour, dashes and label of a method or a training set."""
+    return {"color": COLOURS[key], "linestyle": DASHES[key], "label": name_of(key)}
 
 
 def new_figure(n_rows=1, n_columns=1, width=6.0, height=3.0, **keywords):
@@ -171,70 +139,29 @@ def new_panel(width=6.0, height=3.0):
     return figure, axes[0, 0]
 
 
-def note_source(figure, source):
-    """State what the data are in a corner, unless the figure says so already; gives the figure."""
-    if not figure.texts:
-        figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
-        figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
-    return figure
-
-
-def name_columns(ax, keys):
-    """Names of what stands side by side, a column each."""
-    names = [name_of(key) for key in keys]
-    ax.set_xticks(range(len(names)), names, rotation=30, ha="right")
-
-
 def list_downwards(ax, names, **keywords):
     """Names of what stands one below the other, a row each, the first at the top."""
     ax.set_yticks(range(len(names)), names, **keywords)
     ax.set_ylim(len(names) - 0.5, -0.5)
 
 
-def plot_echogram(ax, image, title=""):
-    """8-bit echogram, range down, range lines across."""
-    ax.imshow(image, vmin=0, vmax=255)
-    ax.set(xlabel="range line", title=title)
-
-
-def plot_layers(ax, scene, title):
-    """Layers of a scene as lines on the frame of its image."""
-    ax.plot(scene.layer_bins.T, color=BLACK, linewidth=0.6)
-    ax.set_xlim(-0.5, scene.n_range_lines - 0.5)
-    ax.set_ylim(scene.n_range_bins - 0.5, -0.5)
-    ax.set(xlabel="range line", title=title)
-
-
 def evenly_spaced(numbers, n_chosen):
     """Indices of numbers at evenly spaced ranks, in that order; all if there are fewer."""
     order = np.argsort(np.asarray(numbers), kind="stable")
-    n_chosen = min(n_chosen, order.size)
-    ranks = np.linspace(0, order.size - 1, n_chosen)
-    return order[np.unique(np.rint(ranks).astype(int))]
-
-
-def plot_picks(ax, layer_bins):
-    """Picks as thin lines over an echogram."""
-    ax.plot(np.asarray(layer_bins).T, color=ORANGE, linewidth=0.6)
-
-
-def write_figure(path, figure):
-    """Write a figure whole or not at all, and without a date: the same bytes for the same figure.
-
-    One in .svg is written as .png too, and first: where the .svg lies both do.
-    """
-    path = Path(path)
-    if path.suffix not in METADATA:
-        msg = f"{path}: expected a figure name that ends in .svg or .png"
-        raise ValueError(msg)
-    endings = [".png", ".svg"] if path.suffix == ".svg" else [".png"]
-    for ending in endings:
-        with written_whole(path.with_suffix(ending)) as aside:
-            figure.savefig(aside, metadata=METADATA[ending], bbox_inches="tight", dpi=DPI)
-    plt.close(figure)
+    ranks = np.linspace(0, order.size - 1, min(n_chosen, order.size))
+    return order[np.rint(ranks).astype(int)]
 
 
 def save_figure(path, figure, source):
-    """Write a figure that says what its data are."""
-    note_source(figure, source)
-    write_figure(path, figure)
+    """Write a figure that says in a corner what its data are, whole or not at all.
+
+    Without a date: the same figure gives the same bytes. One in .svg is written as .png too, and
+    first: where the .svg lies both do.
+    """
+    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
+    figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
+    path = Path(path)
+    for ending in dict.fromkeys([".png", path.suffix]):
+        with written_whole(path.with_suffix(ending)) as aside:
+            figure.savefig(aside, metadata=METADATA[ending], bbox_inches="tight", dpi=DPI)
+    plt.close(figure)
