@@ -4,8 +4,9 @@ import formats
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from runs import CONFIG, SCHEMA
+from runs import CONFIG
 
+from lib.configuration import read_schema
 from snowsim.frames import FLAGGED_BY
 from snowsim.io import read_echogram
 from snowsim.io.frame_table import check_frames, read_frame, scenes_of_frame
@@ -34,7 +35,7 @@ def by_line(*lines):
 
 
 def test_the_setting_knows_the_flags_of_the_files():
-    described = SCHEMA["properties"]["import"]["properties"]["flagged_by"]
+    described = read_schema()["properties"]["import"]["properties"]["flagged_by"]
     assert described["items"]["enum"] == list(SUPPLEMENT_FLAGS)
     assert CONFIG["import"]["flagged_by"] == list(FLAGGED_BY)
 
