@@ -9,8 +9,8 @@ import hashlib
 TIMED = (
     "benchmarks/*",
     "checkpoints/*",
-    "tables/speed_accuracy_*",
-    "figures/speed_accuracy_*",
+    "tables/speed_accuracy*",
+    "figures/speed_accuracy*",
     "report.html",
 )
 
