@@ -79,16 +79,17 @@ def along_track(statistics):
     """Spectra along track under the picks; tracked power beside the Gamma law."""
     figure, axes = new_figure(1, 2, width=7)
     of_spectra, of_law = axes[0]
-    if "doppler_layer_1" in statistics:
-        spectra = ["doppler_layer_1", "doppler_layer_mean"]
-        of_spectra.set_xlabel("wavenumber [cycles per m]")
-    else:
-        spectra = ["detected_power_spectrum_layer_mean"]
-        of_spectra.set_xlabel("wavenumber [cycles per range line]")
-    for name, colour in zip(spectra, (GREY, BLACK), strict=False):
-        # The first has none of the mean, which is taken out.
-        plot_spectrum(of_spectra, statistics[name][1:], colour, name_of(name))
-    of_spectra.set(ylabel="density / mean [dB]", title="spectra along track")
+    is_complex = "doppler_layer_1" in statistics
+    kind = "doppler" if is_complex else "detected_power_spectrum"
+    of_spectra.set_xlabel(f"wavenumber [cycles per {'m' if is_complex else 'range line'}]")
+    for part, colour in {"layer_1": GREY, "layer_mean": BLACK}.items():
+        # Few picks show the one or the other of detected power, or none.
+        if f"{kind}_{part}" in statistics:
+            density = statistics[f"{kind}_{part}"][
+                1:
+            ]  # the first is the mean's, which is taken out
+            plot_spectrum(of_spectra, density, colour, name_of(part))
+    of_spectra.set(ylabel="density / mean [dB]", title=name_of(kind))
     of_spectra.legend()
     # The paper's chi-square.
     expected = statistics["gamma_quantile"]
