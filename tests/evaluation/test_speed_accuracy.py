@@ -1,5 +1,7 @@
 """Measures of error, what the charts are of, and the chart itself."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -76,3 +78,12 @@ def test_points_are_the_fastest_runs_per_pixel_and_what_has_no_error_is_a_line()
     assert points["closed form"].get_xydata()[0, 0] < 0.01
     others = {line.get_label(): line for line in of_scenes.get_lines()}
     assert_allclose(others["cGAN"].get_ydata(), 70.0)
+
+
+def test_every_measured_budget_is_drawn():
+    evaluation = Path(charts.__file__).parents[2]
+    budgets = pd.read_csv(evaluation / "measured_budgets.csv")
+    (ax,) = charts.cost_worth(budgets).axes
+    drawn = {line.get_label(): line.get_xydata() for line in ax.get_lines()}
+    assert set(drawn) == set(budgets["series"])
+    assert sum(map(len, drawn.values())) == len(budgets) == len(ax.texts)

@@ -302,6 +302,7 @@ GOOD = {
             ({"tolerance_db": db}, f"tolerance_db must be positive and finite, .*, got {db}")
             for db in (0, -1, np.nan)
         ],
+        ({"tolerance_db": 1e-12}, "tolerance_db must be at least 1e-11, the rounding"),
         ({"noise_power": -1}, "noise_power must be finite and not negative, got -1"),
         ({"normalise": "area"}, "normalise must be one of peak, none, got 'area'"),
         ({"align": "centre"}, "align must be one of peak, gaussian, got 'centre'"),
