@@ -9,13 +9,9 @@ EARTH_RADIUS_M = 6.371e6  # mean radius; distances are taken on a sphere
 # 23, 245-256.
 KOVACS_M3_KG = 0.845e-3
 
-# Snow Radar, Table I of Yari et al. (2021), IEEE JSTARS 14.
-START_FREQUENCY_HZ = 2e9
-STOP_FREQUENCY_HZ = 8e9
 # What is processed of the sweep: 2012_Greenland_P3 parameter sheet of the radar's group, 2.30016 to
 # 7.449984 GHz.
 PROCESSED_BANDWIDTH_HZ = 5.149824e9
-CENTRE_FREQUENCY_HZ = (START_FREQUENCY_HZ + STOP_FREQUENCY_HZ) / 2
 
 BLOCK_LINES = 256  # range lines of a block, and of a scene
 OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")  # of the tracker

@@ -3,11 +3,9 @@
 from dataclasses import astuple, dataclass
 
 import numpy as np
-import xarray as xr
 
 from snowsim.echogram import zone_of
 from snowsim.statistics.blocks import (
-    BAND_EDGES,
     BLOCK_LINES,
     block_levels,
     block_means,
@@ -19,7 +17,6 @@ from snowsim.statistics.blocks import (
     periodogram,
     pick_noise,
     rises,
-    thickness_blocks,
     undulation_correlation,
     without_noise,
 )
@@ -37,7 +34,6 @@ ALL_ZONES = 1
 OTHER_SLABS = 2
 # Pick noise of a tenth of a density or more distorts the correlation between slabs.
 CLEAR_OF_NOISE = 10
-N_MOMENTS = 2  # of a Gaussian
 DIMENSIONS = {
     "zone_edge_bins": ("edge",),
     "thickness_psd": ("zone", "slab", "wavenumber"),
@@ -149,13 +145,6 @@ def zone_statistics(
         "n_blocks_not_placed": int((~placed).sum()),
         "n_blocks_without_layers": int((n_layers == 0).sum()),
     }
-
-
-def place_blocks(thickness, zone_edge_bins):
-    """Block means (block, slab), thickness of slab 0, zone (block,); NaN, -1 where unknown."""
-    mean = block_means(thickness)
-    level, _ = block_levels(mean)
-    return mean, level, zone_of(level, zone_edge_bins)
 
 
 def as_variables(zones):
@@ -388,109 +377,3 @@ def _trend_correlation(stretches, variance):
     n_parts = BLOCK_LINES / series.shape[2]
     unit = np.sqrt(n_parts / np.where(variance > 0, variance, np.inf))
     return correlation_by_separation((rise * unit)[..., None])
-
-
-def zone_models(summary, n_layers, counts, *, tapered=True):
-    """Thickness statistics of a flight divided into other numbers of zones.
-
-    A dataset for each of `counts`, from 1. Each holds what `snowsim.labels.prepare` needs, of the
-    `n_layers` layers that `estimate` reports; `block_psd (zone, slab, wavenumber)`, mean
-    periodogram of the zone's own blocks, 0 where it has none; and attributes
-    `means_log_likelihood`, `means_aic_penalty`, `means_bic_penalty`, `means_n_parameters` of block
-    means relative to slab 0, `dispersion`, and `independent_share` of a spectrum's wavenumbers.
-
-    Relative thickness is taken as Gaussian in each zone and slab, blocks and slabs as independent;
-    slabs with too few blocks for values of their own add nothing. `means_aic_penalty` is that of
-    Hurvich & Tsai (1989), Biometrika 76, 297-307, by cell, because cells hold few blocks: ``2 k n /
-    (n - k - 1)``. Dispersion: variance of periodograms over their squared mean, averaged: 1 for a
-    Gaussian process, more where blocks of one cell differ in level.
-    """
-    counts = list(counts)
-    if min(counts) < 1:
-        msg = f"a flight has at least one zone, got {min(counts)}"
-        raise ValueError(msg)
-    thickness = thickness_blocks(summary, n_layers)
-    return [_zone_model(thickness, n_zones, tapered) for n_zones in counts]
-
-
-def _zone_model(thickness, n_zones, tapered):
-    values = zone_statistics(thickness, n_zones=n_zones, tapered=tapered)
-    mean, level, zone = place_blocks(thickness, values["zone_edge_bins"])
-    own_density = _own_density(thickness, zone, n_zones, tapered)
-    variables = as_variables(values)
-    variables["block_psd"] = DIMENSIONS["thickness_psd"], own_density
-    coords = {
-        "wavenumber": np.fft.rfftfreq(BLOCK_LINES),
-        "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
-    }
-    attrs = _means_likelihood(mean / level[:, None], zone, values)
-    attrs["dispersion"] = _dispersion(values)
-    # Squares of Hann's ordinates correlate by (2/3)^2 and (1/6)^2 with their neighbours on either
-    # side.
-    attrs["independent_share"] = 1 / (1 + 2 * (4 / 9 + 1 / 36)) if tapered else 1.0
-    return xr.Dataset(variables, coords, attrs)
-
-
-def _own_density(thickness, zone, n_zones, tapered):
-    """Mean periodogram of each zone's own stretches, (zone, slab, wavenumber).
-
-    It is 0 where there is none.
-    """
-    cut, density_of = (for_spectra, _tapered_density) if tapered else (for_trends, _plain_density)
-    series = cut(thickness, MINIMUM_BLOCKS)
-    zone = np.repeat(zone, len(series) // len(thickness))
-    served = np.isfinite(series).all(axis=2)
-    density = np.zeros((n_zones, thickness.shape[1], BLOCK_LINES // 2 + 1))
-    for z, slab in np.ndindex(density.shape[:2]):
-        held = served[:, slab] & (zone == z)
-        if held.any():
-            density[z, slab] = density_of(series[held, slab]).mean(axis=0)
-    return density
-
-
-def _means_likelihood(relative, zone, values):
-    """Log likelihood of relative block means and the penalties of their Gaussians."""
-    likelihood = 0.0
-    n_values = []  # of each Gaussian
-    for slab in range(1, relative.shape[1]):
-        share = relative[:, slab]
-        known = np.isfinite(share) & (zone >= 0)
-        source = values["source"][:, slab]
-        for z, own in enumerate(source == OWN_ZONE):
-            held = share[known & (zone == z)]
-            mean = values["relative_thickness_mean"][z, slab]
-            variance = values["relative_thickness_variance"][z, slab]
-            if held.size and variance > 0 and source[z] != OTHER_SLABS:
-                squares = (held - mean) ** 2 / variance
-                likelihood -= 0.5 * (np.log(2 * np.pi * variance) + squares).sum()
-            if own:
-                n_values.append(held.size)
-        # Zones with too few blocks of a slab share one Gaussian of all.
-        if (source == ALL_ZONES).any():
-            n_values.append(known.sum())
-    aic_penalty = 0.0
-    bic_penalty = 0.0
-    for n in n_values:
-        # If values are too few, as for one more than needed.
-        aic_penalty += float(2 * N_MOMENTS * n / max(n - N_MOMENTS - 1, 1))
-        bic_penalty += float(N_MOMENTS * np.log(n))
-    return {
-        "means_log_likelihood": likelihood,
-        "means_aic_penalty": aic_penalty,
-        "means_bic_penalty": bic_penalty,
-        "means_n_parameters": N_MOMENTS * len(n_values),
-    }
-
-
-def _dispersion(values):
-    """Variance of periodograms over their squared mean, where a cell has its own; at least 1."""
-    own = values["psd_source"] == OWN_ZONE
-    if not own.any():
-        return 1.0
-    n = values["n_psd_samples"][own][:, None]
-    density = values["thickness_psd"][own]
-    error = values["thickness_psd_standard_error"][own]
-    share = np.divide(error, density, out=np.zeros_like(error), where=density > 0)
-    # The error is s / sqrt(n); (s / m)^2 of n exponential values has the mean n / (n + 1).
-    dispersion = (n + 1) * share**2
-    return max(float(dispersion[:, 1:-1].mean()), 1.0)
