@@ -42,7 +42,7 @@ def test_at_least_eight_flights_are_named_and_none_is_tuned_on():
         ([{"name": "a", "seed": 1}, {"name": "a", "seed": 2}], "every name once, got a 2 times"),
         (
             [{"name": "a", "seed": 1, "reference": {"radar": {"band": 1}}}],
-            "flight a: radar.band: unknown key",
+            "flight a: reference.radar: unknown key band",
         ),
     ],
 )
