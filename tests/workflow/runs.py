@@ -23,12 +23,13 @@ from snakemake.settings.types import (
     ResourceSettings,
 )
 
-from lib.configuration import filled
+from lib.configuration import filled, read_schema
 
 ROOT = Path(__file__).resolve().parents[2]
-# The default as it is written, and as rules read it.
+# The default as it is written, and as rules read it; and the schema of the former.
 WRITTEN = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 CONFIG = filled(WRITTEN)
+SCHEMA = read_schema()
 SNAKEMAKE = Path(sys.executable).with_name("snakemake")
 TINY = ("config.yaml", "tiny.yaml")
 PARTS = ("Snakefile", "workflow", "snowsim", "config", "profiles", "envs")

@@ -11,6 +11,7 @@ from jsonschema import Draft202012Validator
 from runs import (
     CONFIG,
     ROOT,
+    SCHEMA,
     WRITTEN,
     lines_with,
     parsed,
@@ -21,12 +22,10 @@ from runs import (
 )
 from snakemake.utils import update_config
 
-from lib.configuration import RECIPES, filled, read_schema
+from lib.configuration import RECIPES, filled
 from snowsim import cgan, tracker
 from snowsim.labels import prepare
 from snowsim.settings.labels import Settings as LabelSettings
-
-SCHEMA = read_schema()
 
 
 def resolved(part):

@@ -13,6 +13,7 @@ import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 from runs import (
     ROOT,
+    SCHEMA,
     WRITTEN,
     lines_with,
     refused,
@@ -23,7 +24,7 @@ from runs import (
 )
 from snakemake.utils import update_config
 
-from lib.configuration import filled, read_schema
+from lib.configuration import filled
 from snowsim.io.frame_table import read_frames
 from snowsim.io.png_pairs import PairSet
 from snowsim.io.scenes import SceneSet
@@ -39,7 +40,7 @@ EXPORTED = {
 
 def test_there_is_a_worked_example_for_every_source():
     sources = {yaml.safe_load(path.read_text())["source"] for path in EXAMPLES}
-    assert sources | {"reference"} == set(read_schema()["properties"]["source"]["enum"])
+    assert sources | {"reference"} == set(SCHEMA["properties"]["source"]["enum"])
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
