@@ -85,9 +85,8 @@ def along_track(statistics):
     for part, colour in {"layer_1": GREY, "layer_mean": BLACK}.items():
         # Few picks show the one or the other of detected power, or none.
         if f"{kind}_{part}" in statistics:
-            density = statistics[f"{kind}_{part}"][
-                1:
-            ]  # the first is the mean's, which is taken out
+            # The first wavenumber is the mean's, which is taken out.
+            density = statistics[f"{kind}_{part}"][1:]
             plot_spectrum(of_spectra, density, colour, name_of(part))
     of_spectra.set(ylabel="density / mean [dB]", title=name_of(kind))
     of_spectra.legend()
