@@ -104,12 +104,12 @@ class Scale:
         """Depth of range bins below the surface [m]; air above it counts as snow."""
         return (bins - surface_bin) * self.bin_m
 
-    def plot_image(self, ax, image, surface_bin=SURFACE_ROW, limits=(0, 255)):
-        """Echogram against depth and distance, black to white between two limits."""
+    def plot_image(self, ax, image, surface_bin=SURFACE_ROW):
+        """Echogram against depth and distance, black to white from 0 to 255."""
         n_bins, n_lines = image.shape
         right = n_lines * self.line_km
         top, bottom = self.depth_m(np.array([-0.5, n_bins - 0.5]), surface_bin)
-        ax.imshow(image, vmin=limits[0], vmax=limits[1], extent=(0, right, bottom, top))
+        ax.imshow(image, vmin=0, vmax=255, extent=(0, right, bottom, top))
 
     def plot_layers(self, ax, layer_bins, surface_bin=SURFACE_ROW, color=ORANGE):
         """Layers as thin lines against depth and distance."""
