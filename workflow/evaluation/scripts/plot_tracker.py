@@ -1,4 +1,4 @@
-"""Figures of the trackers: scores of all; the first replicas on the scene of most layers."""
+"""Figures of the trackers: scores of all; the first replicas on a scene of median layers."""
 
 from main_path import job
 
@@ -15,7 +15,8 @@ with job(snakemake):
     figures = snakemake.output
     params = snakemake.params
     with SceneSet(files.scenes) as scenes:
-        scene = max(scenes, key=lambda scene: len(scene.layer_bins))
+        by_layers = sorted(scenes, key=lambda scene: len(scene.layer_bins))
+    scene = by_layers[len(by_layers) // 2]
     outputs = {}
     picked = {}
     replicas = zip(TRAINING_SETS, files.networks, files.picks, strict=True)
