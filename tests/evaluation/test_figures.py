@@ -55,9 +55,9 @@ def test_what_was_not_measured_is_black_and_leaves_the_rest_as_it_was(flight):
     assert shown.mask[:, 7].all()
     assert shown.mask[5, 9]
     assert ax.get_facecolor() == (0, 0, 0, 1)
-    assert_array_equal(shown.compressed(), whole.get_array()[~shown.mask])
-    # Quantiles of 250 lines, one of which is missing.
-    assert_allclose(ax.images[0].get_clim(), whole.get_clim(), atol=0.5)
+    # Black and white are quantiles of 250 lines, one of which is missing: they move by some
+    # hundredths of the 30 dB in 255 grey levels.
+    assert_allclose(shown.compressed(), whole.get_array()[~shown.mask], atol=1)
 
 
 def test_numbers_are_chosen_at_even_ranks():

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from snowsim.constants import EARTH_RADIUS_M
-from snowsim.frames.blocks import placeholder_frame
+from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
 from snowsim.labels import Dress, redress
 from snowsim.phy import plan, render_plan
 from snowsim.statistics import estimate, merge, summarise
@@ -107,7 +106,7 @@ def _compared(quantity, bound, given, recovered):
 
 def as_frame(power, layer_bins, index, *, bin_size_s, line_spacing_m):
     """A rendered scene, linear power and layers, as a frame for `summarise`, sorted by `index`."""
-    latitude = 70 + np.degrees(line_spacing_m / EARTH_RADIUS_M) * np.arange(power.shape[1])
+    latitude = 70 + np.arange(power.shape[1]) * line_spacing_m / METRES_PER_DEGREE
     return placeholder_frame(power, layer_bins, latitude, bin_s=bin_size_s, minute=index)
 
 

@@ -74,19 +74,15 @@ def decisions(one, other, *, n_splits, fit):
     """
     right = ([], [])
     for split in range(n_splits):
-        seen = [_others(scenes, split, n_splits) for scenes in (one, other)]
+        held = np.s_[split::n_splits]
+        seen = [np.delete(scenes, held, axis=0) for scenes in (one, other)]
+        seen = [scenes.reshape(-1, PATCH, PATCH) for scenes in seen]
         decide = fit(np.concatenate(seen), np.repeat([False, True], list(map(len, seen))))
         for is_other, scenes in enumerate((one, other)):
-            for scene in scenes[split::n_splits]:
+            for scene in scenes[held]:
                 decided = decide(scene.reshape(-1, PATCH, PATCH)).reshape(scene.shape[:2])
                 right[is_other].append(decided == bool(is_other))
     return [np.array(side) for side in right]
-
-
-def _others(scenes, split, n_splits):
-    """Patches of the scenes of all splits but one."""
-    is_other = np.arange(len(scenes)) % n_splits != split
-    return scenes[is_other].reshape(-1, PATCH, PATCH)
 
 
 def accuracy(shares, *, rng):

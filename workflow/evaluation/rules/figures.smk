@@ -127,7 +127,7 @@ rule plot_closed_loop:
     benchmark:
         "results/benchmarks/plot_closed_loop/all.tsv"
     params:
-        source=NOTE,
+        source=f"{NOTE}, and PHY renders of its statistics",
     message:
         "figure of the closed loop"
     script:

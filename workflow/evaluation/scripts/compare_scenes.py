@@ -17,8 +17,10 @@ with job(snakemake):
         with SceneSet(snakemake.input[name]) as scenes:
             sets[name] = list(islice(scenes, params.n_scenes))
     n = min(map(len, sets.values()))
+    for scenes in sets.values():
+        del scenes[n:]
     table = two_sample_table(
-        {name: scenes[:n] for name, scenes in sets.items()},
+        sets,
         n_splits=params.n_splits,
         n_steps=params.n_steps,
         stream=partial(random_stream, params.seed, "compare_scenes"),

@@ -8,5 +8,4 @@ from snowsim.io.files import read_table
 
 with job(snakemake):
     figure = closed_loop(read_table(snakemake.input.table))
-    source = f"{snakemake.params.source}, and PHY renders of its statistics"
-    save_figure(snakemake.output.closed_loop_svg, figure, source)
+    save_figure(snakemake.output.closed_loop_svg, figure, snakemake.params.source)

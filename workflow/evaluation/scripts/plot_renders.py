@@ -1,6 +1,5 @@
 """Figures of the cGAN's training, and of both renders of observed and of synthetic layers."""
 
-from contextlib import ExitStack
 from itertools import islice
 
 from main_path import job
@@ -10,17 +9,15 @@ from evaluation.lib.figures.style import METHODS, Scale, save_figure
 from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
 
-with job(snakemake), ExitStack() as opened:
+with job(snakemake):
     files = snakemake.input
     params = snakemake.params
     losses = renders.cgan_losses(read_table(files.losses), read_table(files.validation))
     save_figure(snakemake.output.cgan_losses_svg, losses, params.source)
-    test = {"observed": opened.enter_context(SceneSet(files.observed))}
+    test = {"observed": SceneSet(files.observed)}
     drawn = {}
     for method in METHODS:
-        test[method] = opened.enter_context(SceneSet(files[f"{method}_test"]))
-        scenes = opened.enter_context(SceneSet(files[f"{method}_labels"]))
-        drawn[method] = list(islice(scenes, params.n_labels))
+        test[method] = SceneSet(files[f"{method}_test"])
+        drawn[method] = list(islice(SceneSet(files[f"{method}_labels"]), params.n_labels))
     scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
-    sample = renders.sample(test, drawn, scale)
-    save_figure(snakemake.output.sample_svg, sample, params.source)
+    save_figure(snakemake.output.sample_svg, renders.sample(test, drawn, scale), params.source)

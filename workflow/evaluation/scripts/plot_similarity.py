@@ -7,10 +7,9 @@ from evaluation.lib.figures.style import Scale, save_figure
 from snowsim.io.files import read_dataset, read_table
 
 with job(snakemake):
-    output = snakemake.output
     params = snakemake.params
     boxplots = similarity.similarity_boxplots(read_table(snakemake.input.images))
-    save_figure(output.similarity_boxplots_svg, boxplots, params.source)
+    save_figure(snakemake.output.similarity_boxplots_svg, boxplots, params.source)
     scale = Scale.of(read_dataset(snakemake.input.statistics), params.snow_density_kg_m3)
     by_depth = similarity.ssim_depth(read_table(snakemake.input.ssim_depth), scale)
-    save_figure(output.ssim_depth_svg, by_depth, params.source)
+    save_figure(snakemake.output.ssim_depth_svg, by_depth, params.source)

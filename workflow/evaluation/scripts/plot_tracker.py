@@ -1,7 +1,6 @@
-"""Figures of the trackers; the first replica of every training set is shown on a test scene."""
+"""Figures of the trackers: scores of all; the first replicas on a scene of median layers."""
 
-import numpy as np
-from main_path import job, progress
+from main_path import job
 
 from evaluation.lib.figures import tracker
 from evaluation.lib.figures.style import TRAINING_SETS, Scale, save_figure
@@ -16,12 +15,12 @@ with job(snakemake):
     figures = snakemake.output
     params = snakemake.params
     with SceneSet(files.scenes) as scenes:
-        n_layers = [len(scene.layer_bins) for scene in scenes]
-        scene = scenes[np.argsort(n_layers, kind="stable")[len(scenes) // 2]]
+        by_layers = sorted(scenes, key=lambda scene: len(scene.layer_bins))
+    scene = by_layers[len(by_layers) // 2]
     outputs = {}
     picked = {}
     replicas = zip(TRAINING_SETS, files.networks, files.picks, strict=True)
-    for name, network, rows in progress(replicas, "trackers", total=len(TRAINING_SETS)):
+    for name, network, rows in replicas:
         outputs[name] = read_tracker(network, params.device).track(scene.image)
         *_, fused = outputs[name]
         threshold = read_table(rows)["threshold"].iloc[0]

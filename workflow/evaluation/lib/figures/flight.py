@@ -29,13 +29,14 @@ def echogram(frame, picks, scale):
     figure, axes = new_figure(1, 2, width=8, height=4, sharey=True)
     power = frame["Data"].transpose("twtt", "slow_time").values
     power_db = to_db(np.where(power > 0, power, np.nan))
-    limits = np.nanpercentile(power_db, SHOWN_PERCENT)
+    darkest_db, brightest_db = np.nanpercentile(power_db, SHOWN_PERCENT)
+    image = 255 * (power_db - darkest_db) / (brightest_db - darkest_db)
     layer_bins = layer_bins_of(picks, frame)
     surface_bin = np.nanmedian(layer_bins[0])
     bare, picked = axes[0]
     for ax, title in ((bare, "echogram"), (picked, "with picks")):
         ax.set_facecolor(BLACK)
-        scale.plot_image(ax, power_db, surface_bin, limits)
+        scale.plot_image(ax, image, surface_bin)
         ax.set(xlabel="along track [km]", title=title)
     scale.plot_layers(picked, layer_bins, surface_bin)
     bare.set_ylabel("depth [m]")
@@ -85,9 +86,8 @@ def along_track(statistics):
     for part, colour in {"layer_1": GREY, "layer_mean": BLACK}.items():
         # Few picks show the one or the other of detected power, or none.
         if f"{kind}_{part}" in statistics:
-            density = statistics[f"{kind}_{part}"][
-                1:
-            ]  # the first is the mean's, which is taken out
+            # The first wavenumber is the mean's, which is taken out.
+            density = statistics[f"{kind}_{part}"][1:]
             plot_spectrum(of_spectra, density, colour, name_of(part))
     of_spectra.set(ylabel="density / mean [dB]", title=name_of(kind))
     of_spectra.legend()

@@ -19,6 +19,7 @@ GREEN = "#009E73"
 ORANGE = "#E69F00"
 PINK = "#CC79A7"
 SKY = "#56B4E9"
+YELLOW = "#F0E442"
 # Beside them the grey of what serves as a foil, and of land.
 GREY = "#999999"
 LAND = "#EDF2F5"
@@ -57,6 +58,7 @@ NAMES = {
     "ods": "ODS",
     "ois": "OIS",
     "ap": "AP",
+    "doppler": "Doppler spectrum",
 }
 # What most figures use; some say otherwise.
 STYLE = {
@@ -104,14 +106,14 @@ class Scale:
         """Depth of range bins below the surface [m]; air above it counts as snow."""
         return (bins - surface_bin) * self.bin_m
 
-    def plot_image(self, ax, image, surface_bin=SURFACE_ROW, limits=(0, 255)):
-        """Echogram against depth and distance, black to white between two limits."""
+    def plot_image(self, ax, image, surface_bin=SURFACE_ROW):
+        """Echogram against depth and distance, black to white from 0 to 255."""
         n_bins, n_lines = image.shape
         right = n_lines * self.line_km
         top, bottom = self.depth_m(np.array([-0.5, n_bins - 0.5]), surface_bin)
-        ax.imshow(image, vmin=limits[0], vmax=limits[1], extent=(0, right, bottom, top))
+        ax.imshow(image, vmin=0, vmax=255, extent=(0, right, bottom, top))
 
-    def plot_layers(self, ax, layer_bins, surface_bin=SURFACE_ROW, color=ORANGE):
+    def plot_layers(self, ax, layer_bins, surface_bin=SURFACE_ROW, color=YELLOW):
         """Layers as thin lines against depth and distance."""
         distance_km = (np.arange(layer_bins.shape[1]) + 0.5) * self.line_km
         depth_m = self.depth_m(layer_bins.T, surface_bin)
