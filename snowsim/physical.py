@@ -22,6 +22,7 @@ MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low i
 # Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
 MOST_LOST_DB = 4.0
 LEAST_DENSITY_KG_M3 = 5.0  # of the densest snow; below, values are in g cm-3
+LEAST_HZ = 1e6  # of a radar; below, values are in GHz or MHz
 # Of undulations, as the reference flight's.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
 DRIFT_LENGTH_M = 3000.0  # along track
@@ -73,6 +74,11 @@ class Radar:
         numbers = {name: value for name, value in vars(self).items() if name != "window"}
         for name, value in numbers.items():
             _check_number("radar", name, value)
+        least_hz = min(self.centre_hz, self.bandwidth_hz)
+        if 0 < least_hz < LEAST_HZ:
+            msg = "radar: centre_hz and bandwidth_hz must be in hertz, such as 5e9, and bin_s in "
+            msg += f"seconds, got {least_hz:g}, as in GHz"
+            raise ValueError(msg)
         most = {"bandwidth_hz": 2 * self.centre_hz, "beamwidth_deg": 120}
         for name, value in numbers.items():
             limit = most.get(name, np.inf)
@@ -200,7 +206,9 @@ class Snowpack:
     `attenuation_db_m`: two-way, beside what interfaces reflect. `coherent`: whether interfaces
     within a range cell of each other add in amplitude, as those of one measured profile do, or in
     power, as on average where their distances vary along track; by default in power, with a
-    warning if there are any. Of one range line alone can they add in amplitude.
+    warning if there are any. Of one range line alone can they add in amplitude. `measured`, by
+    layer: whether a profile tells of it; others give no echo. Speckle is full at any roughness,
+    0 too: what a smooth surface returns as a mirror does is not simulated.
     """
 
     depth_m: np.ndarray
@@ -209,10 +217,12 @@ class Snowpack:
     slope: np.ndarray = 0.03
     attenuation_db_m: float = 0.0
     coherent: bool | None = None
+    measured: np.ndarray = True
 
     def __post_init__(self):
-        given = {name: value for name, value in vars(self).items() if name != "coherent"}
-        held = {name: _filled(name, value) for name, value in given.items()}
+        switches = ("coherent", "measured")
+        names = [name for name in vars(self) if name not in switches]
+        held = {name: _filled(name, getattr(self, name)) for name in names}
         for name in ("depth_m", "density_kg_m3"):
             if held[name].size == 0:
                 msg = f"snowpack: {name} must hold the surface at least, got no value"
@@ -230,45 +240,60 @@ class Snowpack:
         below_zero = np.nextafter(0, -1)
         limits = {
             "depth_m": (shape, above_m, np.inf),
-            "density_kg_m3": (shape, below_zero, ICE_DENSITY_KG_M3),
+            "density_kg_m3": (shape, 0, ICE_DENSITY_KG_M3),
             "roughness_m": (shape[:1], below_zero, np.inf),
             "slope": (shape[:1], 0, 1),
             "attenuation_db_m": ((), below_zero, np.inf),
         }
         for name, (to, low, high) in limits.items():
             value = np.broadcast_to(held[name], to)
-            bad = ~(np.isfinite(value) & (value > low) & (value <= high))
-            if bad.any():
-                rule = "increase with layer" if name == "depth_m" else f"lie between 0 and {high:g}"
-                msg = f"snowpack: {name} must be finite and {rule}, "
-                msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
-                raise ValueError(msg)
+            _check_values(name, value, low, high)
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "measured", np.broadcast_to(self.measured, shape[:1]))
         if self.coherent and shape[1] > 1:
             msg = "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
             msg += f"got {shape[1]}: coherent=False adds them in power"
             raise ValueError(msg)
 
     @classmethod
-    def from_profile(cls, depth_m, density_kg_m3, **others):
+    def from_profile(cls, depth_m, density_kg_m3, *, thickness_m=None, **others):
         """Snow as a pit, a core or a penetrometer measured it: steps of a millimetre to decimetres.
 
-        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below; the
-        interfaces lie half-way between, and the last sample's snow goes on below. NaN in
-        `density_kg_m3` [kg m-3] is missing: straight lines bridge it, which reflect nothing, with a
-        warning. `others` are those of `Snowpack`. Interfaces stay as measured; how they combine, a
-        radar decides: `snowsim.profile.combine`.
+        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below;
+        `thickness_m`, alike: by default samples reach half-way to their neighbours. The last
+        sample's snow goes on below. NaN in `density_kg_m3` [kg m-3] is missing, as is what no
+        sample reaches: density goes on to the surface from the first sample, straight lines bridge
+        gaps, without an echo, and a warning tells. `others` are those of `Snowpack`. Interfaces
+        stay as measured; how they combine, a radar decides: `snowsim.profile.combine`.
         """
-        interface_m, density = interfaces(
-            _filled("depth_m", depth_m), _filled("density_kg_m3", density_kg_m3)
+        given = {"depth_m": depth_m, "density_kg_m3": density_kg_m3, "thickness_m": thickness_m}
+        given = {name: _filled(name, value) for name, value in given.items() if value is not None}
+        found = interfaces(**given)
+        return cls(
+            found.depth_m,
+            found.density_kg_m3,
+            coherent=True,
+            measured=found.measured,
+            **others,
         )
-        return cls(interface_m, density, coherent=True, **others)
 
     def __repr__(self):
         n_layers, n_lines = self.depth_m.shape
         depth = f"{n_layers} layers down to {self.depth_m.max():.4g} m"
         density = f"{self.density_kg_m3.min():.4g} to {self.density_kg_m3.max():.4g} kg m-3"
         return f"Snowpack({depth}, {density}, range lines: {n_lines})"
+
+
+def _check_values(name, value, low, high):
+    """ValueError unless all values are finite, above `low` and at most `high`."""
+    bad = ~(np.isfinite(value) & (value > low) & (value <= high))
+    if bad.any():
+        rule = "increase with layer"
+        if name != "depth_m":
+            rule = f"be {'above' if low == 0 else 'at least'} 0 and at most {high:g}"
+        msg = f"snowpack: {name} must be finite and {rule}, "
+        msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
+        raise ValueError(msg)
 
 
 def _filled(name, value):
@@ -404,13 +429,15 @@ def _combined(snowpack, radar):
         msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
         msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
         warnings.warn(msg, UserWarning, stacklevel=4)
+    measured = np.logical_or.reduceat(snowpack.measured, found.first)
+    first = found.first[measured]
     return _Echoes(
-        below_s=found.delay_s[:, None],
-        depth_m=depth_m[:, None],
-        power=found.power[:, None],
-        index_above=index[found.first, 0],
-        roughness_m=snowpack.roughness_m[found.first],
-        slope=snowpack.slope[found.first],
+        below_s=found.delay_s[measured, None],
+        depth_m=depth_m[measured, None],
+        power=found.power[measured, None],
+        index_above=index[first, 0],
+        roughness_m=snowpack.roughness_m[first],
+        slope=snowpack.slope[first],
     )
 
 

@@ -171,51 +171,99 @@ def _fitted(power, grouped, centre_s, profile, last_s, sweep):
     return power
 
 
-def interfaces(depth_m, density_kg_m3):
-    """Depth of the interfaces of a measured profile [m], and density below each: (interface,).
+@dataclass(frozen=True)
+class Interfaces:
+    """Interfaces of a measured profile, (interface,): depth [m], density of the snow below.
 
-    Samples (sample,) are homogeneous to half-way to their neighbours; where density is NaN it is
-    bridged by steps of `BRIDGE_STEP_M`, of which a warning tells.
+    `measured` where the snow on both sides was.
     """
-    _check_profile(depth_m, density_kg_m3)
+
+    depth_m: np.ndarray
+    density_kg_m3: np.ndarray
+    measured: np.ndarray
+
+
+def interfaces(depth_m, density_kg_m3, thickness_m=None):
+    """`Interfaces` of samples (sample,), each homogeneous.
+
+    They reach over their thickness about `depth_m`, else half-way to their neighbours. Where
+    nothing was measured density changes by steps of `BRIDGE_STEP_M`, above the first and below the
+    last sample it stays, of which a warning tells.
+    """
+    _check_samples(depth_m, density_kg_m3, depth_m if thickness_m is None else thickness_m)
+    top_m, base_m = _extents(depth_m, thickness_m)
+    _check_order(depth_m, top_m, base_m)
     known = np.flatnonzero(np.isfinite(density_kg_m3))
-    known_m = depth_m[known]
+    top_m = top_m[known]
+    base_m = base_m[known]
     density = density_kg_m3[known]
-    within = np.diff(known) > 1
-    if within.any() or known[-1] + 1 < depth_m.size:
-        _warn_of_missing(depth_m, known, within)
-    bridges = [
-        np.arange(top_m + BRIDGE_STEP_M, base_m, BRIDGE_STEP_M)
-        for top_m, base_m in zip(known_m[:-1][within], known_m[1:][within], strict=True)
-    ]
-    sample_m = np.sort(np.concatenate([known_m, *bridges]))
-    filled = np.interp(sample_m, known_m, density)
-    return np.append(0.0, (sample_m[:-1] + sample_m[1:]) / 2), filled
+    gaps = np.flatnonzero(top_m[1:] - base_m[:-1] > BRIDGE_STEP_M)
+    end_m = base_m[-1] if known[-1] + 1 < depth_m.size else np.inf
+    _warn_of_missing(top_m[0], (top_m[1:] - base_m[:-1])[gaps].sum(), end_m)
+    upper_m = np.append(0.0, (top_m[1:] + base_m[:-1]) / 2)
+    upper_m[gaps + 1] = top_m[gaps + 1]
+    measured = np.ones(density.size, dtype=bool)
+    measured[gaps + 1] = False
+    bridges_m = []
+    bridges = []
+    for gap in gaps:
+        steps_m = np.arange(base_m[gap], top_m[gap + 1], BRIDGE_STEP_M)
+        bridges_m.append(steps_m)
+        ends_m = (base_m[gap], top_m[gap + 1])
+        bridges.append(np.interp(steps_m, ends_m, density[gap : gap + 2]))
+    every_m = np.concatenate([upper_m, *bridges_m])
+    order = np.argsort(every_m)
+    every = np.concatenate([density, *bridges])
+    bridged = np.zeros(every.size - density.size, dtype=bool)
+    return Interfaces(every_m[order], every[order], np.append(measured, bridged)[order])
 
 
-def _check_profile(depth_m, density_kg_m3):
-    """ValueError unless both are (sample,), depths increase from 0 on and some density is known."""
-    shapes = f"{depth_m.shape} and {density_kg_m3.shape}"
-    if depth_m.ndim != 1 or density_kg_m3.shape != depth_m.shape:
-        msg = "profile: depth_m and density_kg_m3 must be one value a sample, got shapes "
-        raise ValueError(msg + shapes)
+def _extents(depth_m, thickness_m):
+    """Depth of the top and of the base of every sample [m], two (sample,)."""
+    if thickness_m is not None:
+        return depth_m - thickness_m / 2, depth_m + thickness_m / 2
+    between_m = (depth_m[:-1] + depth_m[1:]) / 2
+    last_m = 2 * depth_m[-1:] - between_m[-1:] if between_m.size else depth_m
+    # Of the first as much above its depth as below, and all of the snow above if that is less
+    # than a sample.
+    first_m = 2 * depth_m[:1] - between_m[:1] if between_m.size else 0 * depth_m
+    first_m[first_m < 2 * (depth_m[:1] - first_m)] = 0
+    return np.append(first_m, between_m), np.append(between_m, last_m)
+
+
+def _check_samples(depth_m, density_kg_m3, thickness_m):
+    """ValueError unless all are (sample,) and some density is known."""
+    shapes = {depth_m.shape, density_kg_m3.shape, thickness_m.shape}
+    if depth_m.ndim != 1 or len(shapes) > 1:
+        msg = "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, "
+        msg += f"got shapes {', '.join(map(str, sorted(shapes)))}"
+        raise ValueError(msg)
     if not np.isfinite(density_kg_m3).any():
         msg = f"profile: density_kg_m3 must be known somewhere, got {depth_m.size} missing values"
         raise ValueError(msg)
-    rises = np.diff(depth_m, prepend=-TINY_M) > 0
-    if not rises.all():
-        at = np.flatnonzero(~rises)[0]
-        msg = "profile: depth_m must be finite, from 0 on, and increase, "
-        msg += f"got {depth_m[at]:g} at sample {at}"
+
+
+def _check_order(depth_m, top_m, base_m):
+    """ValueError unless samples follow one another from 0 on."""
+    follows = np.diff(depth_m, prepend=-TINY_M) > 0
+    follows &= (base_m > top_m) & (top_m >= np.append(0, base_m[:-1]) - BRIDGE_STEP_M)
+    if not follows.all():
+        at = np.flatnonzero(~follows)[0]
+        msg = "profile: depth_m must be finite, from 0 on, and increase, samples not overlap, "
+        msg += f"got {depth_m[at]:g} at sample {at}, from {top_m[at]:.4g} to {base_m[at]:.4g} m"
         raise ValueError(msg)
 
 
-def _warn_of_missing(depth_m, known, within):
+def _warn_of_missing(first_m, missing_m, end_m):
     """Say how much of a profile is missing."""
-    missing_m = np.diff(depth_m[known])[within].sum()
-    end_m = depth_m[known[-1]]
-    msg = f"profile: density is missing over {missing_m:.3g} of {end_m:.4g} m: "
-    msg += "bridged by straight lines, which reflect nothing"
-    if known[-1] + 1 < depth_m.size:
-        msg += f"; below {end_m:.4g} m it is missing to the end: the last density goes on"
-    warnings.warn(msg, UserWarning, stacklevel=4)
+    said = []
+    if first_m > BRIDGE_STEP_M:
+        said.append(
+            f"above {first_m:.4g} m the first one is taken, on which surface and depths depend"
+        )
+    if missing_m > 0:
+        said.append(f"over {missing_m:.3g} m it is bridged by straight lines, without a layer")
+    if np.isfinite(end_m):
+        said.append(f"below {end_m:.4g} m the last one goes on")
+    if said:
+        warnings.warn(f"profile: density is missing: {'; '.join(said)}", UserWarning, stacklevel=4)

@@ -7,6 +7,7 @@ import os
 import re
 import warnings
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Integral
 from pathlib import Path
 
@@ -35,6 +36,7 @@ from snowsim.picking import (
     probability_of,
 )
 from snowsim.picking.network import network
+from snowsim.progress import shown
 
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
@@ -77,6 +79,10 @@ class Tracker:
     def __init__(self, weights, card, where="weights"):
         self.card = checked_card(card, Path(where).with_suffix(".json"))
         self._run = network(weights, where)
+
+    def __repr__(self):
+        made_for = f"bins of {1e9 * self.card.bin_s:g} ns, lines {self.card.line_spacing_m:g} m"
+        return f"Tracker({self.card.name} {self.card.version}, made for {made_for} apart)"
 
     @classmethod
     def from_pretrained(cls, name="universal"):
@@ -178,7 +184,7 @@ def track_files(
     bin_s=None,
     force=False,
     say=print,
-    progress=iter,
+    progress=None,
 ):
     """Track echograms and write their layers to a folder.
 
@@ -200,7 +206,8 @@ def track_files(
     force : bool
         Write over files that are there, but for those beside the input that they are named by.
     say, progress : callable
-        Told a line of every file that fails, and of what was written; and wrapping the files.
+        Told a line of every file that fails, and of what was written; and wrapping the files, by
+        default in a bar.
 
     Returns
     -------
@@ -223,6 +230,7 @@ def track_files(
         named.setdefault(segment, set()).add(number)
     n_failed = 0
     seen = []
+    progress = progress or partial(shown, unit="file")
     for path in progress(paths):
         try:
             _check_outputs(path, folder, named, png, force)

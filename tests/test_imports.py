@@ -15,6 +15,7 @@ CORE = {
     "echoes",
     "echogram",
     "patches",
+    "progress",
     "rounding",
     "seeding",
     "settings",
