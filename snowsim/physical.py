@@ -422,14 +422,15 @@ def _one_by_one(snowpack, radar):
 def _combined(snowpack, radar):
     """`_Echoes` of a profile whose interfaces within a range cell add in amplitude."""
     index, below_s = _index_and_delay(snowpack)
-    found = combine(below_s[:, 0], _reflection(index)[:, 0], radar.sweep)
+    reflection = _reflection(index)[:, 0]
+    found = combine(below_s[:, 0], reflection, radar.sweep)
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
     faint = found.lost_db > MOST_LOST_DB
     if faint.any():
         msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
         msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
         warnings.warn(msg, UserWarning, stacklevel=4)
-    measured = np.logical_or.reduceat(snowpack.measured, found.first)
+    measured = np.logical_or.reduceat(snowpack.measured & (reflection != 0), found.first)
     first = found.first[measured]
     return _Echoes(
         below_s=found.delay_s[measured, None],

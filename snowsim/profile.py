@@ -207,9 +207,9 @@ def interfaces(depth_m, density_kg_m3, thickness_m=None):
     bridges_m = []
     bridges = []
     for gap in gaps:
-        steps_m = np.arange(base_m[gap], top_m[gap + 1], BRIDGE_STEP_M)
-        bridges_m.append(steps_m)
         ends_m = (base_m[gap], top_m[gap + 1])
+        steps_m = np.arange(ends_m[0], ends_m[1] - BRIDGE_STEP_M / 2, BRIDGE_STEP_M)
+        bridges_m.append(steps_m)
         bridges.append(np.interp(steps_m, ends_m, density[gap : gap + 2]))
     every_m = np.concatenate([upper_m, *bridges_m])
     order = np.argsort(every_m)

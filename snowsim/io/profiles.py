@@ -65,8 +65,9 @@ def read_profile(
     others = table.drop(columns=density)
     tops = _named(others, TOP)
     bottoms = _named(others, BOTTOM)
-    if depth_column is None and len(tops) == len(bottoms) == 1:
-        depth, beside = tops[0], bottoms
+    of_both_ends = depth_column is None and len(tops) == len(bottoms) == 1
+    if of_both_ends:
+        depth, *beside = tops + bottoms
     else:
         beside = _named(others, THICKNESS)[:1]
         depth = _column(path, others.drop(columns=beside), "depth", DEPTH, depth_column)
@@ -77,7 +78,7 @@ def read_profile(
     in_m = UNITS["depth"][depth_unit] * values.drop(columns=density)
     depth_m = in_m[depth].to_numpy()
     thickness_m = in_m[beside[0]].to_numpy() if beside else None
-    if beside == bottoms:
+    if of_both_ends:
         thickness_m = thickness_m - depth_m
     place = _place(path, depth, depth_of, depth_m, thickness_m)
     middle_m, thickness_m = _middles(depth_m, thickness_m, place)
