@@ -7,7 +7,6 @@ import dataclasses
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -28,8 +27,9 @@ from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_z
 from snowsim.io.files import read_dataset
 from snowsim.io.guard import MAXIMUM_BYTES
 from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
+from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import ALIGN, NORMALISE, checked_height, checked_tolerance
+from snowsim.phy.parameters import ALIGN, EXACT_BOUND_DB, NORMALISE
 from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
@@ -170,7 +170,7 @@ def _check_lines(n_range_lines, snowpack, radar):
 
     Simulating takes five times the size of an echogram.
     """
-    _check_count("n_range_lines", n_range_lines)
+    check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))
     depth_s = 2 * MOST_INDEX * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
@@ -192,18 +192,10 @@ def _surface_row(surface_s, radar):
     """
     height_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S
     highest_s = surface_s.min()
-    if highest_s <= -height_s:
-        msg = f"snowpack: the surface rises to the radar, {radar.height_m:g} m above the mean one"
-        raise ValueError(msg)
+    room_s = height_s + highest_s
+    check_values("snowpack: travel time from the radar to the surface", room_s, 0, above=True)
     above = SURFACE_ROW + int(np.ceil(max(0.0, -highest_s / radar.bin_s)))
     return min(above, int(height_s / radar.bin_s))
-
-
-def _check_count(name, value):
-    """Raise ValueError unless a value is a whole number of at least 1."""
-    if not isinstance(value, Integral) or isinstance(value, bool) or value < 1:
-        msg = f"{name} must be a whole number of at least 1, got {value!r}"
-        raise ValueError(msg)
 
 
 def _track(n_range_lines, radar):
@@ -387,16 +379,16 @@ def scenes(
     """
     if not callable(renderer):
         check_choice("renderer", renderer, ("phy",))
-    _check_count("n", n)
-    _check_count("n_range_lines", n_range_lines)
+    check_count("n", n)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     if n_range_bins is not None:
-        n_range_bins = checked_height(n_range_bins)
+        check_count("n_range_bins", n_range_bins)
     choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
     for name in options:
         check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
-    checked_tolerance(options["tolerance_db"])
+    if options["tolerance_db"] is not None:
+        check_values("tolerance_db", options["tolerance_db"], EXACT_BOUND_DB)
     for name, known in RENDERING.items():
         if options.get(name) is not None:
             check_choice(name, options[name], known)

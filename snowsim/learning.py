@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from snowsim.io.trackers import read_tracker, shipped_trackers, write_tracker
+from snowsim.limits import check_count
 from snowsim.progress import shown
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
 from snowsim.tracker.calibration import calibrate, fused_logits
@@ -49,9 +50,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         If there are fewer than 2 scenes, one cannot be trained on or tells another range bin, or
         `start` is no tracker.
     """
-    if len(scenes) < 2:
-        msg = f"expected at least 2 scenes, one of them to calibrate on, got {len(scenes)}"
-        raise ValueError(msg)
+    check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from snowsim.limits import check_values
+
 REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB there
 SAMPLES = 6  # of power, to a range cell
 CENTRE_SAMPLES = 12  # of a group, where its power is centred
@@ -75,16 +77,12 @@ def combine(delay_s, reflection, sweep):
     ValueError if travel times fall or the surface reflects nothing.
     """
     delay_s, reflection = (np.asarray(values, dtype=float) for values in (delay_s, reflection))
-    if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not delay_s.size:
-        msg = "delay_s and reflection must be of one size (interface,), "
-        msg += f"got {delay_s.shape} and {reflection.shape}"
+    if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not reflection[:1].any():
+        msg = "delay_s and reflection must be of one size (interface,), the surface's not 0, "
+        msg += f"got shapes {delay_s.shape} and {reflection.shape}, {reflection[:1]} of the surface"
         raise ValueError(msg)
-    if not (np.isfinite(delay_s).all() and (np.diff(delay_s) >= 0).all()):
-        msg = f"delay_s must be finite and not fall, got {delay_s}"
-        raise ValueError(msg)
-    if not np.isfinite(reflection).all() or reflection[0] == 0:
-        msg = f"reflection must be finite and the surface's not 0, got {reflection}"
-        raise ValueError(msg)
+    check_values("reflection", reflection)
+    check_values("delay_s must not fall: its steps", np.diff(delay_s), 0)
     interfaces = np.flatnonzero(reflection)
     surface_s = delay_s[0]
     delay_s = delay_s[interfaces] - surface_s
@@ -234,12 +232,11 @@ def _extents(depth_m, thickness_m):
 def _check_samples(depth_m, density_kg_m3, thickness_m):
     """ValueError unless all are (sample,) and some density is known."""
     shapes = {depth_m.shape, density_kg_m3.shape, thickness_m.shape}
-    if depth_m.ndim != 1 or len(shapes) > 1:
-        msg = "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, "
-        msg += f"got shapes {', '.join(map(str, sorted(shapes)))}"
-        raise ValueError(msg)
-    if not np.isfinite(density_kg_m3).any():
-        msg = f"profile: density_kg_m3 must be known somewhere, got {depth_m.size} missing values"
+    known = np.isfinite(density_kg_m3)
+    if depth_m.ndim != 1 or len(shapes) > 1 or not known.any():
+        msg = "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, some "
+        msg += f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
+        msg += f"{known.sum()} densities"
         raise ValueError(msg)
 
 

@@ -4,7 +4,6 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
-from numbers import Integral, Real
 
 import numpy as np
 import pandas as pd
@@ -12,12 +11,14 @@ import pandas as pd
 from snowsim.echogram import layer_mask
 from snowsim.io.guard import listed, refusal
 from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
+from snowsim.limits import check_count, check_values
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
 from snowsim.metrics.picks import pick_layers
 from snowsim.progress import shown
 
+OPTIONAL = ("tolerance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
@@ -158,15 +159,12 @@ def score_folders(
 
 
 def _check_numbers(**numbers):
-    """ValueError for what is no number, or below 0."""
+    """ValueError for what is no number, or below the least that it may be."""
     for name, value in numbers.items():
-        if value is None and name in ("tolerance_bins", "bin_s"):
-            continue
-        kind, wanted = (Integral, "a whole number") if name in WHOLE else (Real, "a number")
-        least = WHOLE.get(name, 0)
-        if not isinstance(value, kind) or isinstance(value, bool) or not value >= least:
-            msg = f"{name} must be {wanted} of at least {least}, got {value!r}"
-            raise ValueError(msg)
+        if name in WHOLE:
+            check_count(name, value, WHOLE[name])
+        elif value is not None or name not in OPTIONAL:
+            check_values(name, value, 0)
 
 
 def _empty(rows):
@@ -315,19 +313,27 @@ def _picks_and_truth(prediction, truth, bin_s):
     made = Picks(np.empty((0, n_lines)), true.slow_time)
     if prediction is not None:
         made = read_picks(prediction, bin_s)
-    if made.layer_bins.shape[1] != n_lines:
-        expected = f"{n_lines} range lines as {truth} has"
-        raise refusal(prediction, "size", expected, made.layer_bins.shape[1])
-    of_time = [each.slow_time is not None for each in (made, true)]
-    if of_time[0] != of_time[1]:
-        kinds = ["travel times" if timed else "rows of an image" for timed in of_time]
-        raise refusal(prediction, "layers", f"{kinds[1]} as {truth} has", kinds[0])
-    if of_time[0] and n_lines > 1:
-        away = np.abs(made.slow_time - true.slow_time)
-        if (2 * away > np.median(np.diff(true.slow_time))).any():
-            expected = f"range lines at the times of {truth}"
-            raise refusal(prediction, "slow_time", expected, f"one {away.max()} away")
+    if not _are_of_same_lines(made, true):
+        raise refusal(prediction, "size", f"{_lines(true)} as {truth} has", _lines(made))
     return made.layer_bins, true.layer_bins
+
+
+def _are_of_same_lines(made, true):
+    """Whether layers lie on as many range lines, of an image or at the same times."""
+    if made.layer_bins.shape[1] != true.layer_bins.shape[1]:
+        return False
+    if made.slow_time is None or true.slow_time is None:
+        return made.slow_time is true.slow_time
+    away = np.abs(made.slow_time - true.slow_time)
+    return away.size == 1 or bool((2 * away < np.median(np.diff(true.slow_time))).all())
+
+
+def _lines(picks):
+    """Range lines of layers, as a message tells them."""
+    n_lines = picks.layer_bins.shape[1]
+    times = picks.slow_time
+    where = "of an image" if times is None else f"from {times[0]} to {times[-1]}"
+    return f"{n_lines} range lines {where}"
 
 
 def _false_layers(picks):

@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from numbers import Integral
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import bin_size_s, from_uint8
+from snowsim.echogram import bin_size_s, check_choice, from_uint8
 from snowsim.io import read_echogram
 from snowsim.io.guard import container_of, existing, is_zarr, refusal
 from snowsim.io.images import read_image
@@ -88,10 +89,7 @@ class Tracker:
     def from_pretrained(cls, name="universal"):
         """A tracker that comes with the package; see `list_pretrained`."""
         shipped = shipped_trackers()
-        if name not in shipped:
-            known = ", ".join(sorted(shipped)) or "none"
-            msg = f"no weights named {name!r} come with the package, but {known}"
-            raise ValueError(msg)
+        check_choice("a tracker that comes with the package", name, shipped)
         return cls.load(shipped[name])
 
     @classmethod
@@ -263,17 +261,13 @@ def _check_names(paths):
 
 def _made(folder):
     """The folder, made where there is none; ValueError unless it can be written to."""
-    if not str(folder):
-        msg = "output: expected a folder, got an empty name"
-        raise ValueError(msg)
-    folder = Path(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        os.makedirs(folder, exist_ok=True)  # not of a Path: one of no name is the folder one is in
+        with TemporaryFile(dir=folder):
+            return Path(folder)
     except OSError as error:
-        raise refusal(folder, "output", "a folder", error.strerror) from error
-    if not os.access(folder, os.W_OK):
-        raise refusal(folder, "output", "a folder that can be written to", "one that cannot")
-    return folder
+        wanted = "a folder that can be written to"
+        raise refusal(folder, "output", wanted, error.strerror) from error
 
 
 def _see(tracker, path, bin_s, seen):

@@ -14,6 +14,7 @@ CORE = {
     "constants",
     "echoes",
     "echogram",
+    "limits",
     "patches",
     "progress",
     "rounding",
