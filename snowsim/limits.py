@@ -16,14 +16,16 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False):
         held = (values > low) if above else (values >= low)
         bad = ~(held & np.isfinite(values) & (values <= high))
     if bad.any():
-        place = tuple(map(int, np.argwhere(bad)[0]))
+        place = tuple(np.argwhere(bad)[0].tolist())
         rule = "finite"
         if low > -np.inf:
             rule += f", {'above' if above else 'at least'} {low:g}"
         if high < np.inf:
             rule += f", at most {high:g}"
         at = f" at {place}" if place else ""
-        msg = f"{name} must be {rule}, got {values[place].item()!r}{at}"
+        found = values[place]
+        found = found.item() if isinstance(found, np.generic) else found
+        msg = f"{name} must be {rule}, got {found!r}{at}"
         raise ValueError(msg)
 
 

@@ -25,17 +25,25 @@ def render(generator, scene, settings, *, levels=None, rng):
         ValueError if its mask holds no layer.
     settings : Settings
         Those it was trained with. Dropout stays on, as in pix2pix, drawn from `rng` as all noise
-        is.
+        is. FloatingPointError if a pixel is not finite.
     levels : Levels, optional
         How bright layers and snow are; by default as in the scene's image, or 1. Given, the
         brightest pixel of a render is white, as that of an observed image is.
     rng : numpy.random.Generator
     """
+    mask = scene.mask()
+    if not mask.any():
+        msg = f"scene {scene.name}: mask without layers, "
+        msg += f"expected at least one annotated pixel in {mask.shape}"
+        raise ValueError(msg)
     generator.eval()
     if settings.method == "pix2pix":
         image = published.render_image(generator, scene, settings, rng=rng)
     else:
         image = _render_image(generator, scene, settings, levels, rng)
+    if not torch.isfinite(image).all():
+        msg = "generator renders values that are not finite: its training diverged"
+        raise FloatingPointError(msg)
     return from_signed(image.clamp(-1, 1)[None, None])[0]
 
 

@@ -14,6 +14,7 @@ from snowsim.cgan.networks import (
     adversarial_loss,
     initialise,
 )
+from snowsim.limits import check_count
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
@@ -98,6 +99,7 @@ def train_steps(training, scenes):
     (2021); `l1` is a share of half the grey range. ValueError for a scene not
     trainable; FloatingPointError if a loss is not finite.
     """
+    check_count("scenes to train on", len(scenes))
     held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
     while training.step < training.settings.n_steps:
         losses = _take_step(training, held, len(scenes))

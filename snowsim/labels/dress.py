@@ -48,10 +48,6 @@ class Dress:
             check_choice(name, getattr(self, name), choices)
         if self.n_looks is not None:
             check_values("n_looks", self.n_looks, 1)
-        if self.width_bounds is not None:
-            least, most = self.width_bounds
-            check_values("width_bounds: the least", least, 0, above=True)
-            check_values("width_bounds: the most", most, least)
 
     @classmethod
     def split(cls, settings):
@@ -110,7 +106,6 @@ def dress(layer_bins, statistics, choices=None, *, rng=None):
     n_layers = len(layer_bins)
     variance = choices.variance_bins2(statistics, n_layers, rng=rng)
     noise_power = values_of(statistics, "noise_power", ()).item()
-    check_values("flight statistics: noise_power", noise_power, 0, above=True)
     power = _uppermost(statistics, "peak_power", n_layers)
     layers = Echoes(
         bins=layer_bins,

@@ -202,10 +202,7 @@ def prepare(
     if n_layers == "measured":
         chosen |= _counts_of_layers(statistics)
     else:
-        fewest, most = n_layers
-        check_count("n_layers: the fewest", fewest)
-        check_count("n_layers: the most", most, fewest)
-        chosen["n_layers"] = (fewest, most)
+        chosen["n_layers"] = tuple(n_layers)
     if first_slab == "measured":
         quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
         chosen["first_quantile_bins"] = quantiles

@@ -72,14 +72,14 @@ class Card:
 
 def checked_card(content, where):
     """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
-    for name, (low, high) in NUMBERS.items():
-        check_values(f"{where}: {name}", content.get(name), low, high)
     coefficients = content.get("confidence", CONFIDENCE)
-    check_values(f"{where}: confidence", coefficients)
     held = content.get("ranges") or {}
     ranges = {name: held[name] for name in RANGED if name in held}
-    for name, limits in ranges.items():
-        check_values(f"{where}: ranges of {name}", limits)
+    numbers = {name: content.get(name) for name in NUMBERS}
+    numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
+    numbers["confidence"] = coefficients
+    for name, values in numbers.items():
+        check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
     return Card(
         str(content.get("name")),
         str(content.get("version")),

@@ -175,7 +175,9 @@ def _noise(summary):
     check_count(what, n_surface, MINIMUM_GROUPS)
     held = stacked(summary, "air_count") > 0
     n_groups = held.sum()
-    check_count(f"averaged lines with air {AIR_MARGIN_BINS} bins above the surface", n_groups)
+    check_count(
+        f"noise: averaged lines with air {AIR_MARGIN_BINS} range bins above the surface", n_groups
+    )
     count = stacked(summary, "air_count")[held]
     total = stacked(summary, "air_sum")[held]
     mean = total.sum() / count.sum()

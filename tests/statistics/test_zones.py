@@ -33,15 +33,13 @@ def test_four_zones_are_those_of_the_flight(divided):
         assert_allclose(models[1][name], direct[name], rtol=1e-9, err_msg=name)
 
 
-def test_zones_hold_equally_many_blocks_and_there_is_one_at_least(divided):
-    _, summary, models = divided
+def test_zones_hold_equally_many_blocks(divided):
+    _, _, models = divided
     for model in models:
         n_zones = model.sizes["zone"]
         assert model.sizes["edge"] == n_zones + 1
         assert_array_equal(model["n_samples"][:, 0], 48 // n_zones)
         assert model["n_psd_samples"].sum() == 48 * 3 - 1
-    with pytest.raises(ValueError, match="at least one zone, got 0"):
-        zone_models(summary, 4, (0, 4))
 
 
 def test_likelihood_and_penalties_are_those_of_the_blocks(divided):
