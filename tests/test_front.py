@@ -21,6 +21,7 @@ from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import PRESETS, physical_parameters
+from snowsim.seeding import random_stream
 
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
 
@@ -324,12 +325,67 @@ def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
 
 
 def test_what_people_print_is_one_readable_line(drawn):
-    said = [repr(drawn), repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
+    said = [repr(drawn), repr(drawn.scene(2)), repr(snowsim.Tracker.from_pretrained())]
+    said += [repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
     assert said == [
         "Scenes(6 of 320 range bins and 64 range lines)",
+        "Scene('drawn_000002', 320 range bins, 64 range lines, 13 layers, image)",
+        "Tracker(universal 2, made for bins of 0.2886 ns, lines 5.2 m apart)",
         "Radar(6 GHz about 5 GHz, hann window, bins of 0.0867 ns, 5 looks, 500 m above the snow)",
         "Snowpack(3 layers down to 2.5 m, 340 to 400 kg m-3, range lines: 1)",
     ]
+
+
+def test_a_scene_has_the_layers_that_its_mask_lacks(tmp_path):
+    drawn = snowsim.scenes(12, rng=1, n_range_lines=64)
+    scenes = [drawn.scene(number) for number in range(12)]
+    n_alone = 0
+    for scene in scenes:
+        labelled = np.isfinite(scene.layer_bins)
+        complete = scene.complete_layer_bins[: len(labelled)]
+        assert np.isfinite(complete).all()
+        assert_allclose(complete[labelled], scene.layer_bins[labelled])
+        assert (~labelled).sum() == scene.notes["n_pixels_unlabelled"]
+        n_alone += not labelled[1:].any()
+    counts = drawn.write(tmp_path / "drawn")
+    assert 0 < counts["n_surface_alone"] == n_alone
+    assert counts["n_pixels_unlabelled"] == sum(s.notes["n_pixels_unlabelled"] for s in scenes)
+    constant = snowsim.scenes(1, rng=1, n_range_lines=64, radiometry="constant").scene(0)
+    assert_array_equal(constant.complete_layer_bins, constant.layer_bins)
+
+
+def test_any_function_of_a_scene_renders():
+    def rendered(scene):
+        noise = random_stream(3, scene.name).exponential(size=(scene.n_range_bins, 64))
+        return noise + 30 * scene.mask()
+
+    mine = snowsim.scenes(6, rng=1, n_range_bins=320, n_range_lines=64, renderer=rendered)
+    image, mask = mine[2]
+    assert image.dtype == np.uint8
+    assert image[mask > 0].min() > np.median(image)
+    assert_array_equal(mine[2][0], image)
+    assert np.isfinite(mine.scene(2).maximum_db)
+    grey = snowsim.scenes(
+        2, rng=1, n_range_lines=64, renderer=lambda scene: 9 * scene.mask().astype(np.uint8)
+    )
+    assert set(np.unique(grey[1][0])) == {0, 9}
+
+
+def test_a_mirror_is_told_that_its_speckle_is_full():
+    with pytest.warns(UserWarning, match="roughness_m is 0, but speckle is full"):
+        snowsim.simulate(snowsim.Snowpack(**SNOW, roughness_m=0), "snow-2-8", rng=1)
+
+
+def test_the_command_takes_a_window_by_its_name(tmp_path):
+    asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "window", "blackman"]
+    assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
+    assert xr.load_dataset(tmp_path / "a.nc").attrs["window"] == "blackman"
+
+
+def test_what_takes_seconds_shows_a_bar_on_a_terminal(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    snowsim.scenes(2, rng=1, n_range_lines=16).write(tmp_path / "few")
+    assert "0/2" in capsys.readouterr().err
 
 
 def test_a_scene_says_what_its_height_cuts_and_the_first_warns():

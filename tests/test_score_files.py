@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
+from PIL import Image
+from scipy.ndimage import binary_dilation
 
 from snowsim import score_folders
 from snowsim.cli import main
 from snowsim.echogram import layer_mask
 from snowsim.io.export import layer_numbers
 from snowsim.io.images import write_image
+from snowsim.io.layer_files import write_layer_files
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 
 WAVE = np.round(6 * np.sin(np.arange(64) / 12))
@@ -284,6 +287,102 @@ def test_a_perfect_map_of_one_level_is_told_why_its_ap_is_0(tmp_path):
     assert table.loc[0, ["ods", "ap"]].tolist() == [1, 0]
     (note,) = table.attrs["notes"]
     assert note.startswith("ap is 0 because recall is the same at every threshold")
+
+
+def of_files(tmp_path, made, true, **options):
+    """Scores of an array against another, and what is noted of them."""
+    np.save(tmp_path / "made.npy", made)
+    np.save(tmp_path / "true.npy", true)
+    table = score_folders(tmp_path / "made.npy", tmp_path / "true.npy", n_bootstrap=1, **options)
+    return table.loc[0, ["ods", "ap"]].tolist(), table.attrs["notes"]
+
+
+def test_truth_drawn_three_pixels_thick_scores_as_one_and_is_said_to_be_thinned(tmp_path):
+    thin, notes = of_files(tmp_path, edge_map(1), MASK)
+    assert notes == []
+    thick, (note,) = of_files(tmp_path, edge_map(1), binary_dilation(MASK, np.ones((3, 1))))
+    # It halved them: two thirds of the true pixels had no partner.
+    assert thick == thin
+    assert (
+        note
+        == "truths are thinned to the middle of layers drawn up to 3 pixels thick (1 of 1): made"
+    )
+
+
+def test_faint_maps_are_told_what_that_does_to_ap(tmp_path):
+    noise = np.random.default_rng(1).uniform(0, 0.3, MASK.shape)
+    whole = np.maximum(edge_map(1) / 255, noise)
+    full, notes = of_files(tmp_path, whole, MASK)
+    assert notes == []
+    faint, (note,) = of_files(tmp_path, whole / 10, MASK)
+    assert faint[1] < full[1]
+    assert note.startswith("maps reach 0.098 at most: 91% of the thresholds lie above")
+
+
+@pytest.mark.parametrize("form", ["rgb", "rgba", "16 bit", "batch", "channel", "uint16"])
+def test_grey_images_and_batches_of_one_score_as_the_map_itself(tmp_path, form):
+    grey = edge_map(1)
+    if form in ("rgb", "rgba", "16 bit"):
+        values = {
+            "rgb": np.dstack([grey] * 3),
+            "rgba": np.dstack([grey, grey, grey, np.full_like(grey, 255)]),
+            "16 bit": grey.astype(np.uint16) * 257,
+        }[form]
+        made = tmp_path / "made.png"
+        Image.fromarray(values).save(made)
+    else:
+        values = {"batch": grey[None], "channel": grey[..., None], "uint16": grey * np.uint16(257)}
+        made = tmp_path / "made.npy"
+        np.save(made, values[form])
+    np.save(tmp_path / "plain.npy", grey)
+    # Truth as people save it, too.
+    Image.fromarray(np.dstack([255 * MASK.astype(np.uint8)] * 3)).save(tmp_path / "true.png")
+    np.save(tmp_path / "mask.npy", MASK[None])
+    found = score_folders(made, tmp_path / "true.png", n_bootstrap=1)
+    expected = score_folders(tmp_path / "plain.npy", tmp_path / "mask.npy", n_bootstrap=1)
+    assert found.iloc[:, 1:].equals(expected.iloc[:, 1:])
+
+
+def test_a_prediction_too_many_is_named_and_left_out(ten):
+    np.save(ten[0] / "extra.npy", edge_map(1))
+    table = score_folders(*ten, n_bootstrap=1)
+    assert len(table) == 10 + 3
+    said = "predictions without a truth are left out (1 of 11): extra"
+    assert table.attrs["notes"] == [said]
+
+
+BIN_S = 2e-10
+
+
+@pytest.fixture
+def layer_files(tmp_path):
+    """Layers of an echogram, and the same a bin and a half deeper, as CReSIS and as NetCDF."""
+    n_lines = LAYERS.shape[1]
+    start = np.datetime64("2012-03-30T12:00:00", "ns")
+    slow_time = start + np.arange(n_lines) * np.timedelta64(40, "ms")
+    flags = {name: (("layer", "slow_time"), np.ones_like(LAYERS)) for name in ("quality", "type")}
+    along = {name: ("slow_time", np.ones(n_lines)) for name in ("Latitude", "Longitude")}
+    for name, off_bins in (("true", 0.0), ("made", 1.5)):
+        twtt = (("layer", "slow_time"), 3e-6 + (LAYERS + off_bins) * BIN_S)
+        layers = xr.Dataset({"twtt": twtt} | flags | along, {"slow_time": slow_time})
+        layers["Elevation"] = layers["Latitude"]
+        write_layer_files(tmp_path / name, "20120330_04", {1: layers})
+        layers.to_netcdf(tmp_path / name / "frame_layers.nc")
+    return tmp_path
+
+
+def test_layer_files_are_scored_in_the_echogram_s_range_bins(layer_files):
+    folders = [layer_files / name / "CSARP_layer/20120330_04" for name in ("made", "true")]
+    Image.new("L", (3, 3)).save(folders[0] / "frame_picks.png")  # drawn by snowsim track --png
+    for files in (folders, [layer_files / name / "frame_layers.nc" for name in ("made", "true")]):
+        table = score_folders(*files, picks=True, bin_s=BIN_S, n_bootstrap=1)
+        assert_allclose(table["mean_absolute_error_bins"][0], 1.5, rtol=1e-4)
+        assert table["n_missed_layers"][0] == 0
+    with pytest.raises(ValueError, match="expected bin_s .--bin-s., the echogram's range bin"):
+        score_folders(*folders, picks=True)
+    np.save(layer_files / "rows.npy", LAYERS)
+    with pytest.raises(ValueError, match="expected 64 range lines of an image .* found 64 .* from"):
+        score_folders(files[0], layer_files / "rows.npy", picks=True, bin_s=BIN_S)
 
 
 @pytest.mark.parametrize(
