@@ -63,6 +63,7 @@ def export(sources, folder, layers, netcdf, force):
     """  # noqa: D205, D301
     from snowsim.io.export import check_empty, export_netcdf, export_pairs
     from snowsim.io.frame_table import read_frame, scenes_of_frame
+    from snowsim.progress import shown
 
     if not force:
         check_empty(folder)
@@ -78,7 +79,7 @@ def export(sources, folder, layers, netcdf, force):
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
     written = export_netcdf if netcdf else export_pairs
-    echo_counts(written(folder, scenes))
+    echo_counts(written(folder, shown(scenes, unit="scene")))
 
 
 def scene_set(source):

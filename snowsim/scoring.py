@@ -360,7 +360,8 @@ def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     resampled = _errors(pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns))
     if counts is not None:
         stacked = stack_counts(counts)
-        scores = [replica_scores([stacked], draw)[0] for draw in draws]
+        resamples = shown(draws, unit="resample")
+        scores = [replica_scores([stacked], draw)[0] for draw in resamples]
         images = _beside([_of_edges([image]) for image in counts], images)
         whole = _beside([_of_edges(stacked)], whole)
         resampled = _beside([dict(zip(METRICS, row, strict=True)) for row in scores], resampled)

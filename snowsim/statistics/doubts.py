@@ -37,7 +37,7 @@ def looks_like_amplitude(echogram, layers):
     relative = air / air.mean(axis=0) - 1
     deviation = relative.std()
     skewness_error = np.sqrt(6 / relative.size)
-    if deviation < 9 * skewness_error:
+    if deviation < 6 * skewness_error:
         return False
     skewness = (relative**3).mean() / deviation**3
     return skewness < LEAST_OF_POWER * deviation
