@@ -175,13 +175,11 @@ def _check_lines(n_range_lines, snowpack, radar):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))
     depth_s = 2 * MOST_INDEX * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
     n_range_bins = int(depth_s / radar.bin_s) + SURFACE_ROW + ROWS_BELOW_LAST_LAYER
-    line_bytes = PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS)
-    n_bytes = line_bytes * n_range_lines
-    if n_bytes > MAXIMUM_BYTES:
-        msg = f"n_range_lines: {n_range_lines} range lines make an echogram of some "
-        msg += f"{n_bytes / 2**30:.2g} GiB, readers take {MAXIMUM_BYTES / 2**30:g}: simulate parts "
-        msg += f"of at most {MAXIMUM_BYTES // line_bytes}, each by a seed of its own; parts of one "
-        msg += "snow are range lines of a Snowpack's depth_m and density_kg_m3"
+    most = MAXIMUM_BYTES // (PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS))
+    if n_range_lines > most:
+        msg = f"n_range_lines must be at most some {most}, {MAXIMUM_BYTES / 2**30:g} GiB, as "
+        msg += f"readers take, got {n_range_lines}: simulate parts, each by a seed of its own; "
+        msg += "parts of one snow are range lines of a Snowpack's depth_m and density_kg_m3"
         raise ValueError(msg)
 
 

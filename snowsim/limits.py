@@ -24,8 +24,8 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False):
             rule += f", at most {high:g}"
         at = f" at {place}" if place else ""
         found = values[place]
-        found = found.item() if isinstance(found, np.generic) else found
-        msg = f"{name} must be {rule}, got {found!r}{at}"
+        got = f"{found:g}" if values.dtype.kind in "fiu" else repr(np.asarray(found).tolist())
+        msg = f"{name} must be {rule}, got {got}{at}"
         raise ValueError(msg)
 
 

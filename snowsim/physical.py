@@ -381,7 +381,7 @@ def _one_by_one(snowpack, radar):
 def _combined(snowpack, radar):
     """`_Echoes` of a profile whose interfaces within a range cell add in amplitude."""
     index, below_s = _index_and_delay(snowpack)
-    reflection = _reflection(index)[:, 0]
+    reflection = np.where(snowpack.measured, _reflection(index)[:, 0], 0)
     found = combine(below_s[:, 0], reflection, radar.sweep)
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
     faint = found.lost_db > MOST_LOST_DB
@@ -389,15 +389,13 @@ def _combined(snowpack, radar):
         msg = f"snowpack: below {depth_m[faint][0]:.3g} m more than {MOST_LOST_DB:g} dB are lost "
         msg += "to reflections above: multiples, left out, make mean power there 1 dB or more low"
         warnings.warn(msg, UserWarning, stacklevel=4)
-    measured = np.logical_or.reduceat(snowpack.measured & (reflection != 0), found.first)
-    first = found.first[measured]
     return _Echoes(
-        below_s=found.delay_s[measured, None],
-        depth_m=depth_m[measured, None],
-        power=found.power[measured, None],
-        index_above=index[first, 0],
-        roughness_m=snowpack.roughness_m[first],
-        slope=snowpack.slope[first],
+        below_s=found.delay_s[:, None],
+        depth_m=depth_m[:, None],
+        power=found.power[:, None],
+        index_above=index[found.first, 0],
+        roughness_m=snowpack.roughness_m[found.first],
+        slope=snowpack.slope[found.first],
     )
 
 

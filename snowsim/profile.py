@@ -11,7 +11,7 @@ from snowsim.limits import check_values
 REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB there
 SAMPLES = 6  # of power, to a range cell
 CENTRE_SAMPLES = 12  # of a group, where its power is centred
-BRIDGE_STEP_M = 0.001  # across missing stretches: an eighth of a wavelength in ice at 20 GHz
+TOUCHING_M = 0.001  # samples nearer than that to each other leave no gap
 TINY_M = 1e-12
 N_ROUNDS = 30  # of the fit; 200 change no cell of half a metre by 0.1 dB
 
@@ -184,9 +184,9 @@ class Interfaces:
 def interfaces(depth_m, density_kg_m3, thickness_m=None):
     """`Interfaces` of samples (sample,), each homogeneous.
 
-    They reach over their thickness about `depth_m`, else half-way to their neighbours. Where
-    nothing was measured density changes by steps of `BRIDGE_STEP_M`, above the first and below the
-    last sample it stays, of which a warning tells.
+    They reach over their thickness about `depth_m`, else half-way to their neighbours. A gap has
+    the mean density of its ends, and so the travel time of a straight line between them; above the
+    first sample and below the last one density goes on: a warning tells of all.
     """
     _check_samples(depth_m, density_kg_m3, depth_m if thickness_m is None else thickness_m)
     top_m, base_m = _extents(depth_m, thickness_m)
@@ -195,25 +195,20 @@ def interfaces(depth_m, density_kg_m3, thickness_m=None):
     top_m = top_m[known]
     base_m = base_m[known]
     density = density_kg_m3[known]
-    gaps = np.flatnonzero(top_m[1:] - base_m[:-1] > BRIDGE_STEP_M)
+    missing_m = top_m[1:] - base_m[:-1]
+    after = 1 + np.flatnonzero(missing_m > TOUCHING_M)
     end_m = base_m[-1] if known[-1] + 1 < depth_m.size else np.inf
-    _warn_of_missing(top_m[0], (top_m[1:] - base_m[:-1])[gaps].sum(), end_m)
+    _warn_of_missing(top_m[0], missing_m[after - 1].sum(), end_m)
     upper_m = np.append(0.0, (top_m[1:] + base_m[:-1]) / 2)
-    upper_m[gaps + 1] = top_m[gaps + 1]
+    upper_m[after] = top_m[after]
     measured = np.ones(density.size, dtype=bool)
-    measured[gaps + 1] = False
-    bridges_m = []
-    bridges = []
-    for gap in gaps:
-        ends_m = (base_m[gap], top_m[gap + 1])
-        steps_m = np.arange(ends_m[0], ends_m[1] - BRIDGE_STEP_M / 2, BRIDGE_STEP_M)
-        bridges_m.append(steps_m)
-        bridges.append(np.interp(steps_m, ends_m, density[gap : gap + 2]))
-    every_m = np.concatenate([upper_m, *bridges_m])
-    order = np.argsort(every_m)
-    every = np.concatenate([density, *bridges])
-    bridged = np.zeros(every.size - density.size, dtype=bool)
-    return Interfaces(every_m[order], every[order], np.append(measured, bridged)[order])
+    measured[after] = False
+    between = (density[after - 1] + density[after]) / 2
+    return Interfaces(
+        np.insert(upper_m, after, base_m[after - 1]),
+        np.insert(density, after, between),
+        np.insert(measured, after, False),
+    )
 
 
 def _extents(depth_m, thickness_m):
@@ -242,24 +237,23 @@ def _check_samples(depth_m, density_kg_m3, thickness_m):
 
 def _check_order(depth_m, top_m, base_m):
     """ValueError unless samples follow one another from 0 on."""
-    follows = np.diff(depth_m, prepend=-TINY_M) > 0
-    follows &= (base_m > top_m) & (top_m >= np.append(0, base_m[:-1]) - BRIDGE_STEP_M)
-    if not follows.all():
-        at = np.flatnonzero(~follows)[0]
-        msg = "profile: depth_m must be finite, from 0 on, and increase, samples not overlap, "
-        msg += f"got {depth_m[at]:g} at sample {at}, from {top_m[at]:.4g} to {base_m[at]:.4g} m"
-        raise ValueError(msg)
+    above_m = top_m - np.append(0, base_m[:-1])
+    check_values("profile: depth_m", depth_m, 0)
+    check_values("profile: depth_m must increase: extents", base_m - top_m, 0, above=True)
+    check_values("profile: samples must not overlap: distances", above_m, -TOUCHING_M)
 
 
 def _warn_of_missing(first_m, missing_m, end_m):
     """Say how much of a profile is missing."""
     said = []
-    if first_m > BRIDGE_STEP_M:
+    if first_m > TOUCHING_M:
         said.append(
             f"above {first_m:.4g} m the first one is taken, on which surface and depths depend"
         )
     if missing_m > 0:
-        said.append(f"over {missing_m:.3g} m it is bridged by straight lines, without a layer")
+        said.append(
+            f"over {missing_m:.3g} m it is bridged by straight lines, which reflect nothing"
+        )
     if np.isfinite(end_m):
         said.append(f"below {end_m:.4g} m the last one goes on")
     if said:

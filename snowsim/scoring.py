@@ -20,6 +20,7 @@ from snowsim.progress import shown
 
 OPTIONAL = ("tolerance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
+SAME_TIME = np.timedelta64(1, "ms")  # of a range line in two files
 FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
     "mean_absolute_error_bins",
@@ -130,12 +131,12 @@ def score_folders(
         def each(function, **settings):
             return list(progress(mapped(partial(function, **settings), pairs), len(pairs)))
 
-        threshold = counted = None
+        threshold = counts = None
         if not picks:
-            counted = each(
+            counts = each(
                 _count, suppressed=suppressed, max_dist=tolerance, max_dist_pixels=tolerance_bins
             )
-            threshold = score([image.counts for image in counted], THRESHOLDS)["ods_threshold"]
+            threshold = score(counts, THRESHOLDS)["ods_threshold"]
         rows = each(
             _pick,
             suppressed=suppressed,
@@ -149,11 +150,10 @@ def score_folders(
         raise refusal(truth, "truth", "at least one layer", "none")
     names = [name for name, _, _ in pairs]
     rng = np.random.default_rng(seed)
-    counts = None if picks else [image.counts for image in counted]
     table = _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
     notes = _notes_of_pairs(truths, left_out, matched_only, without_layers, len(pairs))
     if not picks:
-        notes += _notes_of_maps(counted, names, table.iloc[-3])
+        notes += _notes_of_maps(counts, names, table.iloc[-3])
     table.attrs["notes"] = notes
     return table
 
@@ -200,17 +200,17 @@ def _notes_of_pairs(truths, left_out, matched_only, without_layers, n_scored):
     return notes
 
 
-def _notes_of_maps(counted, names, found):
+def _notes_of_maps(counts, names, found):
     """What to know of edge maps and masks beside the scores found, in sentences."""
     notes = []
-    thick = [name for name, image in zip(names, counted, strict=True) if image.thickness > 1]
+    thick = [name for name, image in zip(names, counts, strict=True) if image["thickness"] > 1]
     if thick:
-        most = max(image.thickness for image in counted)
+        most = max(image["thickness"] for image in counts)
         notes.append(
             f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick "
             f"({len(thick)} of {len(names)}): {listed(thick)}"
         )
-    largest = max(image.largest for image in counted)
+    largest = max(image["largest"] for image in counts)
     if 0 < largest < FAINT:
         notes.append(
             f"maps reach {largest:.2g} at most: {np.mean(largest < THRESHOLDS):.0%} of the "
@@ -271,21 +271,12 @@ def _thinned(mask, layer_bins):
     return (layer_mask(layer_bins, len(mask)) if thickness > 1 else mask), thickness
 
 
-@dataclass(frozen=True)
-class _Counted:
-    """Counts of an image, thickness of its mask as drawn, and largest value of its map."""
-
-    counts: dict
-    thickness: float
-    largest: float
-
-
 def _count(pair, *, suppressed, **tolerance):
-    """`_Counted` of one image."""
+    """Counts of one image, with the thickness of its mask as drawn and the largest of its map."""
     _, prediction, truth = pair
     image = _read_image(prediction, truth, suppressed)
     counts = match_counts(image.edges, image.mask, THRESHOLDS, **tolerance, where=str(prediction))
-    return _Counted(counts, image.thickness, image.largest)
+    return counts | {"thickness": image.thickness, "largest": image.largest}
 
 
 def _pick(pair, *, suppressed, threshold, bin_s, **limits):
@@ -313,27 +304,20 @@ def _picks_and_truth(prediction, truth, bin_s):
     made = Picks(np.empty((0, n_lines)), true.slow_time)
     if prediction is not None:
         made = read_picks(prediction, bin_s)
-    if not _are_of_same_lines(made, true):
-        raise refusal(prediction, "size", f"{_lines(true)} as {truth} has", _lines(made))
+    expected = f"{_lines(true)} as {truth} has"
+    if _lines(made) != _lines(true):
+        raise refusal(prediction, "size", expected, _lines(made))
+    if made.slow_time is not None:
+        away = np.abs(made.slow_time - true.slow_time).max()
+        if away > SAME_TIME:
+            raise refusal(prediction, "slow_time", expected, f"one {away} away")
     return made.layer_bins, true.layer_bins
-
-
-def _are_of_same_lines(made, true):
-    """Whether layers lie on as many range lines, of an image or at the same times."""
-    if made.layer_bins.shape[1] != true.layer_bins.shape[1]:
-        return False
-    if made.slow_time is None or true.slow_time is None:
-        return made.slow_time is true.slow_time
-    away = np.abs(made.slow_time - true.slow_time)
-    return away.size == 1 or bool((2 * away < np.median(np.diff(true.slow_time))).all())
 
 
 def _lines(picks):
     """Range lines of layers, as a message tells them."""
     n_lines = picks.layer_bins.shape[1]
-    times = picks.slow_time
-    where = "of an image" if times is None else f"from {times[0]} to {times[-1]}"
-    return f"{n_lines} range lines {where}"
+    return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
 
 
 def _false_layers(picks):

@@ -19,16 +19,10 @@ from snowsim.front import REFERENCE
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
-from snowsim.phy.waveform import waveform_peak
-from snowsim.physical import PRESETS, physical_parameters
+from snowsim.physical import PRESETS
 from snowsim.seeding import random_stream
 
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
-
-
-def test_what_people_script_with_is_listed():
-    names = {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"}
-    assert names <= set(dir(snowsim))
 
 
 def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
@@ -44,13 +38,6 @@ def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_
     assert_allclose(twtt, np.tile(delay_s[:, None], 5), rtol=1e-12)
 
 
-def test_simulated_power_is_labelled_as_what_it_is_relative_to(rng):
-    snow = snowsim.Snowpack(**SNOW)
-    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=1, rng=rng)
-    assert echogram["Data"].attrs["units"] == "1"
-    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
-
-
 def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
     snowsim.scenes(3, rng=1, n_range_lines=16).write(tmp_path / "few")
     before = sorted((tmp_path / "few").iterdir())
@@ -61,21 +48,19 @@ def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
     assert others.write(tmp_path / "few", force=True)["n_scenes"] == 2
 
 
-def test_layers_are_as_bright_as_eq_1_and_noise_as_deep_as_the_radar_says(rng):
+def test_layers_are_as_bright_as_their_power_and_noise_as_deep_as_the_radar_says(rng):
     # Slopes so small that no tail hides a layer.
     snow = snowsim.Snowpack(**SNOW, slope=0.001)
     radar = snowsim.Radar.preset("ku-12-18", n_looks=400)
     echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=rng)
+    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
     profile = echogram["Data"].mean("slow_time").values
-    _, given = physical_parameters(snow, radar)
-    _, height = waveform_peak(given["variance_bins2"], given["decay_rate"])
     below_first_s = layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])
     at = np.rint(below_first_s / radar.bin_s).astype(int)
     noise = profile[:20].mean()
-    expected = given["peak_power"][:, 0] * height + noise
     # The nearest bin is off the peak by half a bin at most: below 0.4 dB; 400 lines of 400 looks:
     # 0.01 dB.
-    assert_allclose(10 * np.log10(profile[at] / expected), 0, atol=0.4)
+    assert_allclose(10 * np.log10(profile[at] - noise), layers["power_db"][:, 0], atol=0.4)
     assert_allclose(10 * np.log10(profile[at[0]] / noise), 27, atol=0.4)
 
 
@@ -133,9 +118,7 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
         ),
         (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
         (lambda: snowsim.scenes(2, rng=1, nlooks=3), "a choice of phy must be .* got 'nlooks'"),
-        (lambda: snowsim.scenes(2, rng=1, speckle="foo"), "speckle must be one of .* got 'foo'"),
         (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite, at least 1, got"),
-        (lambda: snowsim.scenes(2, rng=1, tolerance_db=-1), "tolerance_db must be finite, at leas"),
         (
             lambda: snowsim.scenes(2, rng=1, renderer=lambda scene: scene.image)[0],
             r"renderer: expected an image \(\d+, 256\) of scene drawn_000000, got \(\)",
@@ -153,7 +136,6 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             "format must be one of pairs, netcdf, zarr, got 'gif'",
         ),
         (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
-        (lambda: snowsim.Radar.preset("snow-2-8", bandwidth_hz=11e9), "bandwidth_hz must .* 1e.10"),
         # All in GHz and nanoseconds.
         (
             lambda: snowsim.Radar(centre_hz=5, bandwidth_hz=6, bin_s=0.0867),
@@ -166,16 +148,14 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
         (lambda: snowsim.Radar.preset("snow-2-8", height_m="500"), "height_m must .* got '500'"),
         (
             lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
-            "depth_m must increase with layer: its steps must be finite, above 0, got -1.0",
+            "depth_m must increase with layer: its steps must be finite, above 0, got -1",
         ),
-        (lambda: snowsim.Snowpack([0, 1], [300, 950]), "density_kg_m3 must .* 917, got 950.0"),
         (lambda: snowsim.Snowpack([0, 1], [300, 0]), "density_kg_m3 must .* at least 1, .* got 0"),
         (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
         (
             lambda: snowsim.Snowpack(["top", 1], [300, 300]),
             r"snowpack: depth_m must be numbers, got \['top', 1\]",
         ),
-        (lambda: snowsim.Snowpack([], []), r"snowpack: depth_m must be numbers, got \[\]"),
         (
             lambda: snowsim.Snowpack([0, 1], np.ma.array([340, 400], mask=[False, True])),
             "density_kg_m3 must be finite",
@@ -189,15 +169,9 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
         ),
         (
             lambda: snowsim.simulate(
-                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=np.random.default_rng(1)
-            ),
-            "n_range_lines must be a whole number of at least 1, got 0",
-        ),
-        (
-            lambda: snowsim.simulate(
                 snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=10**6, rng=1
             ),
-            "1000000 range lines make .* GiB, readers take 1: simulate parts of at most 6",
+            "n_range_lines must be at most some 6.*, 1 GiB, .* got 1000000: simulate parts",
         ),
         (
             lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),
@@ -261,22 +235,8 @@ def test_all_names_people_script_with_come_with_a_star():
         "hamming",
         "blackman",
         "taylor",
-        "nuttall",
-        "flattop",
-        "blackmanharris",
-        "bohman",
-        "cosine",
-        "parzen",
-        "tukey",
-        "triang",
-        "barthann",
-        "boxcar",
-        "bartlett",
-        "lanczos",
         ("chebwin", 60),
         ("kaiser", 8.6),
-        ("gaussian", 600),
-        ("dpss", 3),
         ("kaiser_bessel_derived", 14),
         ("exponential", None, 500),
     ],
@@ -399,9 +359,3 @@ def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
         assert scene.notes["n_pixels_drawn"] == n_drawn
         # No two layers share a pixel, so the mask holds what is not cut.
         assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()
-
-
-def test_scenes_are_refused_where_their_masks_would_hold_no_layer():
-    blind = read_dataset(REFERENCE).assign(end_contrast_db=33.0)
-    with pytest.raises(ValueError, match="labelled at the surface alone"):
-        snowsim.scenes(3, statistics=blind, rng=1)

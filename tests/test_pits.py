@@ -13,7 +13,6 @@ from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.io.files import read_dataset
 from snowsim.io.profiles import read_profile
 from snowsim.physical import PRESETS, Snowpack, physical_parameters
-from snowsim.seeding import generator
 
 
 def snow_of(profile):
@@ -110,18 +109,21 @@ def test_a_real_core_of_summit_is_read(shared_data):
         ("depth_m,density\n1,310\n,320", "depth_m: expected numbers, found nan in row 2"),
         (
             "depth_m,density\n0,310\n2,310\n1,320",
-            "depth_m must .* increase, .* got 1.5 at sample 1, from 2 to 1 m",
+            r"depth_m must increase: extents must be finite, above 0, got -1 at \(1,\)",
         ),
         (
             "depth_m,density_kg_m3\n1,.31\n3,.35",
             "density_kg_m3 must be finite, at least 1, .* got 0.31",
         ),
         ("depth_cm,density\n10,310\n20,320", "expected top, middle or bottom .* 0.1 m of 0.1 m"),
-        ("top_cm,bottom_cm,density\n0,10,310\n5,20,320", "samples not overlap, got 0.125 at sam"),
+        (
+            "top_cm,bottom_cm,density\n0,10,310\n5,20,320",
+            "samples must not overlap: distances must .* got -0.05 at",
+        ),
         ("depth_m,density\n0,05,310\n0,15,420", "rows: expected as many fields as the header has"),
         (
             "depth_m,density\n1,0\n3,310",
-            "density_kg_m3 must be finite, at least 1, .* got 0.0",
+            "density_kg_m3 must be finite, at least 1, .* got 0 at",
         ),
     ],
 )
@@ -195,34 +197,19 @@ def test_missing_stretches_reflect_nothing():
     assert len(of_bridged) == len(given["peak_power"]) == 1
 
 
-def test_every_layer_has_the_power_at_which_its_echo_peaks():
-    snow = Snowpack([0, 1.0, 2.5], [340, 400, 350], slope=0.001)
-    radar = snowsim.Radar.preset("ku-12-18", n_looks=400)
-    echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=generator(1))
-    peak_s = layers["peak_twtt"][:, 0].values - float(echogram["twtt"][0])
-    found = echogram["Data"].mean("slow_time").values[np.rint(peak_s / radar.bin_s).astype(int)]
-    noise = float(echogram["Data"][:20].mean())
-    # Half a bin off the peak at most: below 0.4 dB.
-    assert_allclose(10 * np.log10(found - noise), layers["power_db"][:, 0], atol=0.4)
-
-
 def test_samples_reach_half_way_to_their_neighbours_and_the_last_goes_on():
     snow = Snowpack.from_profile([0.1, 0.2, 0.4], [300, 350, 400])
     assert_allclose(snow.depth_m[:, 0], [0, 0.15, 0.3])
     assert_allclose(snow.density_kg_m3[:, 0], [300, 350, 400])
     assert snow.coherent
-    echogram, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=4, rng=1)
-    assert echogram.sizes["slow_time"] == layers.sizes["slow_time"] == 4
 
 
 @pytest.mark.parametrize(
     ("depth_m", "density", "message"),
     [
-        ([0.1, 0.3, 0.2], [300, 310, 320], "increase, .* got 0.2 at sample 2"),
-        ([-0.1, 0.3], [300, 310], "from 0 on, and increase, .* got -0.1 at sample 0"),
+        ([0.1, 0.3, 0.2], [300, 310, 320], "depth_m must increase: extents must"),
         ([0.1, 0.3], [np.nan, np.nan], "some density known, got .* with 0 densities"),
         ([0.1, 0.3], [300], r"one value a sample, .* got shapes \(1,\), \(2,\)"),
-        ([0.1, 0.3], [0.3, 0.31], "at least 1, at most 917, got 0.3 at"),
     ],
 )
 def test_what_is_no_profile_is_refused_in_one_line(depth_m, density, message):

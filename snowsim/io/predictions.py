@@ -10,7 +10,7 @@ from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
 from snowsim.io.containers import read_netcdf
-from snowsim.io.guard import check_size, existing, library_errors, listed, numeric, refusal
+from snowsim.io.guard import existing, library_errors, listed, numeric, refusal
 from snowsim.io.images import ANY_GREY, read_image
 from snowsim.io.png_pairs import Labels, png_labels
 from snowsim.io.sniff import names_in
@@ -77,14 +77,12 @@ def _by_name(folder, order, endings):
     """
     if not folder.is_dir():
         raise refusal(folder, "path", "a folder", "a file" if folder.exists() else "nothing")
-    paths = [path for path in sorted(folder.glob("[!.]*")) if path.suffix in endings]
-    paths = [path for path in paths if not NO_LAYERS.fullmatch(path.name)]
-    stems = {}
-    for path in paths:
-        if path.stem in stems:
-            found = f"{stems[path.stem].name} and {path.name}"
-            raise refusal(folder, "files", "names that differ", found)
-        stems[path.stem] = path
+    held = [path for path in sorted(folder.glob("[!.]*")) if path.suffix in endings]
+    paths = [path for path in held if not NO_LAYERS.fullmatch(path.name)]
+    stems = [path.stem for path in paths]
+    twice = [path.name for path in paths if stems.count(path.stem) > 1]
+    if twice:
+        raise refusal(folder, "files", "names that differ", listed(twice))
     files = {}
     for path in sorted(paths, key=lambda path: order.index(NAME.match(path.stem)[1])):
         files.setdefault(_name(path), path)
@@ -227,9 +225,7 @@ def _array(path, names, smallest=(1, 1)):
 def _npy(path):
     with library_errors(path, "NPY", "a whole array of numbers"):
         # Mapped: a header that declares more than the file has is refused before room is made.
-        stored = np.load(path, mmap_mode="r", allow_pickle=False)
-    check_size(path, "NPY", stored.shape, stored.dtype.itemsize)
-    return np.array(stored)
+        return np.array(np.load(path, mmap_mode="r", allow_pickle=False))
 
 
 def _variable(path, names):

@@ -1,6 +1,5 @@
 """Profiles of density against depth as text: pits, cores, penetrometers."""
 
-import io
 import re
 from dataclasses import dataclass
 from unicodedata import normalize
@@ -89,16 +88,11 @@ def read_profile(
 
 
 def _table(path):
-    """Table of texts; the header tells what divides its fields."""
+    """Table of texts."""
     with library_errors(path, "table", "text with a header and columns"):
-        content = path.read_bytes()
-        try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = content.decode("cp1252")  # as spreadsheets write it
-        lines = [line for line in text.splitlines() if line.strip() and line[0] != "#"]
-        divider = next((sign for sign in ";\t," if sign in lines[0]), r"\s+")
-        table = pd.read_csv(io.StringIO("\n".join(lines)), sep=divider, dtype=str, engine="python")
+        # Spreadsheets write a raised 3 as no UTF-8.
+        how = {"encoding": "utf-8-sig", "encoding_errors": "replace", "dtype": str}
+        table = pd.read_csv(path, sep=None, engine="python", comment="#", **how)
     if table.empty or not isinstance(table.index, pd.RangeIndex):
         found = "no row" if table.empty else "more: decimal commas?"
         raise refusal(path, "rows", "as many fields as the header has", found)
