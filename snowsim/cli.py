@@ -1,5 +1,6 @@
 """Command `snowsim`, a function for each of its own; what takes time is imported when it runs."""
 
+import dataclasses
 import json
 import os
 import sys
@@ -24,6 +25,8 @@ seed_option = click.option("--seed", type=click.IntRange(0), default=0, help="Of
 # Written out: importing the radars takes a second, and help should not.
 PRESETS = ("snow-2-8", "snow-2012", "snow-2-18", "ku-12-18", "accumulation")
 SHOWN = {"show_default": True}
+# Options of `simulate` that a climate has.
+CLIMATE = ("accumulation_m", "variability", "n_years")
 # Images of more range lines take tens of gigabytes to render.
 MOST_RANGE_LINES = 2**16
 into_option = click.option("--force", is_flag=True, help="Write into a folder that is not empty.")
@@ -60,6 +63,7 @@ def export(sources, folder, layers, netcdf, force):
     """  # noqa: D205, D301
     from snowsim.io.export import check_empty, export_netcdf, export_pairs
     from snowsim.io.frame_table import read_frame, scenes_of_frame
+    from snowsim.progress import shown
 
     if not force:
         check_empty(folder)
@@ -75,7 +79,7 @@ def export(sources, folder, layers, netcdf, force):
         for name, reason in skipped.items():
             click.echo(f"{name} is no scene: {reason}", err=True)
     written = export_netcdf if netcdf else export_pairs
-    echo_counts(written(folder, scenes))
+    echo_counts(written(folder, shown(scenes, unit="scene")))
 
 
 def scene_set(source):
@@ -141,16 +145,18 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
       snowsim scenes few/ -n 20 --range-bins 512 --format netcdf --seed 1
       snowsim scenes mine/ --statistics results/statistics.nc
     """  # noqa: D205, D301
-    from tqdm import tqdm
-
     from snowsim.front import scenes
     from snowsim.io.export import check_empty
 
     if not force:
         check_empty(folder)  # before it is drawn for seconds
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
-    shown = tqdm(range(n), unit="scene", leave=False, disable=None)  # none where nobody looks
-    echo_counts(drawn.write(folder, form, indices=shown, force=force))
+    counts = drawn.write(folder, form, force=force)
+    echo_counts(counts)
+    click.echo(
+        f"masks hold layers down to the deepest that shows: {counts['n_surface_alone']} of {n} "
+        "scenes are labelled at the surface alone, and layers without a label are in the images"
+    )
 
 
 @commands.command(
@@ -174,6 +180,7 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
 @click.option("--tolerance-bins", type=NOT_NEGATIVE, help="Of matches, in pixels instead.")
 @click.option("--max-distance-bins", type=POSITIVE, default=10.0, help="Of a pick from its layer.")
 @click.option("--within-bins", type=NOT_NEGATIVE, default=2.0, help="Errors to count as small.")
+@click.option("--bin-s", type=POSITIVE, help="Range bin of the echograms that layer files are of.")
 @click.option(
     "--bootstrap",
     "n_bootstrap",
@@ -190,27 +197,23 @@ def score(predictions, truth, form, **settings):
     missed and false layers, of every image and, with 95 % intervals by the bootstrap over images,
     of all.
 
-    Maps are 8-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a mask,
-    layer numbers, or layers in range bins; where a prediction is missing, it counts as an empty
-    map. To data_NAME or NAME belongs layer_binary_NAME,
-    layer_NAME, scene_NAME or NAME. The published predictor's folder is taken as it stands.
+    Maps are 8-bit, 16-bit or in [0, 1], bright on dark, and suppressed to ridges first. Truth is a
+    mask, layer numbers, or layers in range bins; where a prediction is missing, it counts as an
+    empty map. To data_NAME or NAME belongs layer_binary_NAME, layer_NAME, scene_NAME or NAME. The
+    published predictor's folder is taken as it stands. With --picks both may be layer files, such
+    as `snowsim track` writes.
 
     \b
     Examples:
       snowsim score predictions/ test/
       snowsim score predictions/ test/ --output side_3 -j 4 --format csv > side_3.csv
       snowsim score --picks my_layers/ test/ --within-bins 1
+      snowsim score --picks picked/ annotated/ --bin-s 2.886e-10
       snowsim score map.npy layers.npy --tolerance-bins 3
     """  # noqa: D205, D301
-    from tqdm import tqdm
-
     from snowsim.scoring import score_folders
 
-    def progress(steps, total):
-        # None where nobody looks.
-        return tqdm(steps, total=total, unit="image", leave=False, disable=None)
-
-    table = score_folders(predictions, truth, **settings, progress=progress)
+    table = score_folders(predictions, truth, **settings)
     notes = table.attrs["notes"]
     if form != "json":
         # A table of numbers alone goes into files.
@@ -267,8 +270,6 @@ def train(sources, model, n_steps, force, **settings):
       snowsim train my_pairs/ -o mine.onnx
       snowsim train results/phy/labels/*.nc -o mine.onnx --from universal --steps 1000
     """  # noqa: D205, D301
-    from tqdm import tqdm
-
     check_outputs([model], force, "ONNX", ".onnx")
     try:
         from snowsim.learning import joined, train_tracker
@@ -276,12 +277,8 @@ def train(sources, model, n_steps, force, **settings):
         msg = f"train needs {error.name}: pip install 'snowsim[learn]'"
         raise click.ClickException(msg) from error
 
-    def progress(steps):
-        # None where nobody looks.
-        return tqdm(steps, total=n_steps, unit="gradient", leave=False, disable=None)
-
     scenes = joined([scene_set(source) for source in sources])
-    card = train_tracker(model, scenes, n_steps=n_steps, **settings, progress=progress)
+    card = train_tracker(model, scenes, n_steps=n_steps, **settings)
     ods = card["calibration_ods"]
     click.echo(f"{model}: fused ODS {ods:.3g} on the scenes held out")
 
@@ -294,14 +291,21 @@ def train(sources, model, n_steps, force, **settings):
 @click.option(
     "--set",
     "changes",
-    type=(str, float),
+    type=(str, str),
     multiple=True,
-    help="A number of the radar, by its name in the API.",
+    help="A number or the window of the radar, by its name in the API.",
 )
 @click.option("--profile", type=EXISTING, help="Table of depth and density, in place of a climate.")
 @click.option("--depth-unit", type=click.Choice(["m", "cm", "mm"]), help="Where no header has it.")
 @click.option(
     "--density-unit", type=click.Choice(["kg m-3", "g cm-3"]), help="Where no header has it."
+)
+@click.option("--depth-column", help="Its name, where the header tells no one column of depth.")
+@click.option("--density-column", help="Its name, where the header tells no one of density.")
+@click.option(
+    "--depth-of",
+    type=click.Choice(["top", "middle", "bottom"]),
+    help="Which end of a sample its depth is of, where no header tells.",
 )
 @click.option("--accumulation-m", type=float, default=0.3, help="Of a year, in metres of water.")
 @click.option("--variability", type=float, default=0.2, help="From year to year, of its logarithm.")
@@ -311,8 +315,7 @@ def train(sources, model, n_steps, force, **settings):
 @seed_option
 @click.pass_context
 def simulate(
-    context, echogram, radar, changes, profile, depth_unit, density_unit, n_range_lines, force,
-    seed, **climate,
+    context, echogram, radar, changes, profile, n_range_lines, force, seed, **settings,
 ):  # fmt: skip
     """Write the ECHOGRAM that a radar sees of annual layers of dry snow, or of a measured
     --profile, an Open Polar Radar dataset (NAME.nc), and its layers beside it, as NAME_layers.nc.
@@ -321,39 +324,40 @@ def simulate(
     Examples:
       snowsim simulate echogram.nc --radar ku-12-18 --accumulation-m 0.5
       snowsim simulate echogram.nc --profile pit.csv --depth-unit cm
-      snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set bin_s 2e-10
+      snowsim simulate mine.nc --set centre_hz 5e9 --set bandwidth_hz 4e9 --set window blackman
     """  # noqa: D205, D301
-    import numpy as np
-
     from snowsim.front import Climate, Radar, simulate
     from snowsim.io.files import write_dataset
 
     path_to_layers = echogram.with_name(f"{echogram.stem}_layers.nc")
     check_outputs([echogram, path_to_layers], force)
-    changes = dict(changes)
-    numbers = vars(Radar.preset(radar)).keys() - {"window"}
-    unknown = changes.keys() - numbers
-    if unknown:
-        msg = f"--set: a radar has no number {min(unknown)}, but {', '.join(sorted(numbers))}"
-        raise click.UsageError(msg)
-    units = {"depth_unit": depth_unit, "density_unit": density_unit}
-    check_snow(context, profile is not None, climate, units)
-    radar = Radar.preset(radar, **changes)
+    of_climate = {name: settings.pop(name) for name in CLIMATE}
+    check_snow(context, profile is not None, CLIMATE, settings)
+    radar = Radar.preset(radar, **changes_of(Radar, changes))
     with echo_warnings():
-        snow = Climate(**climate) if profile is None else measured_snow(profile, units)
-        one_line, _ = simulate(snow, radar, n_range_lines=1, rng=np.random.default_rng(seed))
-        check_room(one_line["Data"].nbytes, n_range_lines)
-        rng = np.random.default_rng(seed)
-        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=rng)
+        snow = Climate(**of_climate) if profile is None else measured_snow(profile, settings)
+        seen, layers = simulate(snow, radar, n_range_lines=n_range_lines, rng=seed)
     for path, dataset in ((echogram, seen), (path_to_layers, layers)):
         write_dataset(path, dataset)
         sizes = ", ".join(f"{size} {name}" for name, size in dataset.sizes.items())
         click.echo(f"{path}: {sizes}")
 
 
-def check_snow(context, is_measured, climate, units):
-    """Refuse numbers of a climate beside a profile, and units without one."""
-    unused = climate if is_measured else units
+def changes_of(radar, changes):
+    """Numbers, and the window, to change of a radar; refused by names that it has."""
+    names = [field.name for field in dataclasses.fields(radar)]
+    found = {}
+    for name, text in changes:
+        if name not in names:
+            msg = f"--set: a radar has no {name}, but {', '.join(sorted(names))}"
+            raise click.UsageError(msg)
+        found[name] = text if name == "window" else click.FLOAT(text)
+    return found
+
+
+def check_snow(context, is_measured, climate, profile):
+    """Refuse options of a climate beside a profile, and of a profile without one."""
+    unused = climate if is_measured else profile
     given = click.core.ParameterSource.COMMANDLINE
     for name in unused:
         if context.get_parameter_source(name) == given:
@@ -363,15 +367,18 @@ def check_snow(context, is_measured, climate, units):
             raise click.UsageError(msg)
 
 
-def measured_snow(path, units):
+def measured_snow(path, columns):
     """`Snowpack` of a profile's file; what was read of it is shown."""
     from snowsim.io.profiles import read_profile
     from snowsim.physical import Snowpack
 
-    profile = read_profile(path, **units)
+    profile = read_profile(path, **columns)
     click.echo(profile.note)
+    depth_m = profile.depth_m
     try:
-        return Snowpack.from_profile(profile.depth_m, profile.density_kg_m3)
+        return Snowpack.from_profile(
+            depth_m, profile.density_kg_m3, thickness_m=profile.thickness_m
+        )
     except ValueError as error:
         msg = f"{path}: {error}"
         raise ValueError(msg) from error
@@ -402,18 +409,6 @@ def check_outputs(paths, force, kind="NetCDF", ending=".nc"):
             raise click.UsageError(msg)
 
 
-def check_room(line_bytes, n_range_lines):
-    """Refuse an echogram too large to be read back; simulating it takes several times its size."""
-    from snowsim.io.guard import MAXIMUM_BYTES
-
-    n_bytes = line_bytes * n_range_lines
-    if n_bytes > MAXIMUM_BYTES:
-        most = MAXIMUM_BYTES // line_bytes
-        msg = f"--range-lines {n_range_lines} make an echogram of some {n_bytes / 2**30:.2g} GiB, "
-        msg += f"readers take {MAXIMUM_BYTES / 2**30:g}: at most some {most} range lines"
-        raise click.UsageError(msg)
-
-
 @commands.command(short_help="Layers of echograms, without any annotation.", context_settings=SHOWN)
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
@@ -440,17 +435,12 @@ def track(files, folder, **options):
       snowsim track Data_20120330_04_*.mat -o picked/
       snowsim track scene.png -o picked/ --bin-s 2.886e-10 --png
     """  # noqa: D205, D301
-    from tqdm import tqdm
-
     from snowsim.tracking import track_files
-
-    def progress(paths):
-        return tqdm(paths, unit="file", leave=False, disable=None)  # none where nobody looks
 
     def say(line):
         click.echo(line, err=line.startswith("error: "))
 
-    if track_files(files, folder, say=say, progress=progress, **options):
+    if track_files(files, folder, say=say, **options):
         sys.exit(1)
 
 

@@ -53,6 +53,11 @@ class Scene:
     zone: int = -1
     notes: dict = field(default_factory=dict)
 
+    def __repr__(self):
+        size = f"{self.n_range_bins} range bins, {self.n_range_lines} range lines"
+        image = "no image" if self.image is None else "image"
+        return f"Scene({self.name!r}, {size}, {len(self.layer_bins)} layers, {image})"
+
     @property
     def n_range_lines(self):
         """Number of range lines."""

@@ -5,25 +5,35 @@ The only module that joins several stages; `import snowsim` loads it when one of
 
 import dataclasses
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from snowsim.constants import BLOCK_LINES, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import SURFACE_ROW, check_choice, scene_height
+from snowsim.echogram import (
+    MINIMUM_ROWS,
+    ROWS_BELOW_LAST_LAYER,
+    SURFACE_ROW,
+    check_choice,
+    scene_height,
+    to_db,
+    to_uint8,
+)
 from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
+from snowsim.io.guard import MAXIMUM_BYTES
 from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
+from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import ALIGN, NORMALISE, checked_height, checked_tolerance
+from snowsim.phy.parameters import ALIGN, EXACT_BOUND_DB, NORMALISE
 from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
+from snowsim.progress import shown
 from snowsim.seeding import generator, random_stream
 
 __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
@@ -42,6 +52,8 @@ RELATIVE_POWER = {
     "long_name": "power relative to a flat mirror in place of the snow",
 }
 CODES = {"quality": 1, "type": 2}  # good; automatic
+PIXEL_BYTES = 4  # float32
+MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
 def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
@@ -62,14 +74,15 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     -------
     echogram, layers : xarray.Dataset
         As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in
-        place of the snow; `twtt` (layer, slow_time) [s] of every interface, and `peak_twtt`, where
-        its echo peaks.
+        place of the snow; `twtt` (layer, slow_time) [s] of every interface, `peak_twtt`, where its
+        echo peaks, and `power_db`, the mean power of that peak. A profile has no layer where
+        nothing was measured.
 
     Raises
     ------
     ValueError
-        If `n_range_lines` is below 1 or differs from that of the snowpack, the surface returns
-        nothing, or rises to the radar.
+        If `n_range_lines` is below 1, differs from that of the snowpack, or makes an echogram
+        larger than readers take, or if the surface rises to the radar.
 
     Notes
     -----
@@ -88,9 +101,12 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     radar = Radar.preset(radar) if isinstance(radar, str) else radar
     rng = generator(rng)
     if n_range_lines is not None:
-        _check_count("n_range_lines", n_range_lines)
+        _check_lines(n_range_lines, snowpack, radar)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(n_range_lines or BLOCK_LINES, radar.line_spacing_m, rng=rng)
+    if not np.any(snowpack.roughness_m):
+        msg = "snowpack: roughness_m is 0, but speckle is full: mirrors are not simulated"
+        warnings.warn(msg, UserWarning, stacklevel=2)
     below_s, parameters = physical_parameters(snowpack, radar)
     n_range_lines = n_range_lines or below_s.shape[1]
     if below_s.shape[1] not in (1, n_range_lines):
@@ -100,9 +116,11 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     surface_row = _surface_row(below_s[0], radar)
     layer_bins = np.broadcast_to(surface_row + below_s / radar.bin_s, shape)
     lag_bins, height = waveform_peak(parameters["variance_bins2"], parameters["decay_rate"])
+    peak_power = np.broadcast_to(parameters["peak_power"], shape)
+    surface_power = parameters["peak_power"][0].mean() * height[0]
     parameters |= {
-        "peak_power": np.broadcast_to(parameters["peak_power"], shape),
-        "noise_power": _noise_power(parameters["peak_power"][0].mean() * height[0], radar),
+        "peak_power": peak_power,
+        "noise_power": surface_power * 10 ** (-radar.surface_to_noise_db / 10),
         "n_looks": radar.n_looks,
         "speckle_correlation": radar.speckle_correlation(),
     }
@@ -128,23 +146,40 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     }
     echogram = echogram_dataset("simulate", content, attributes)
     echogram["Data"].attrs = RELATIVE_POWER
+    twtt_s = first_s + layer_bins * radar.bin_s
+    peak_s = first_s + (layer_bins + lag_bins[:, None]) * radar.bin_s
+    return echogram, _layers(echogram, twtt_s, peak_s, to_db(peak_power * height[:, None]))
+
+
+def _layers(echogram, twtt_s, peak_s, power_db):
+    """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power."""
     on = ("layer", "slow_time")
-    peak_bins = layer_bins + lag_bins[:, None]
-    layers = {
-        "twtt": (on, first_s + layer_bins * radar.bin_s, {"units": "s"}),
-        "peak_twtt": (on, first_s + peak_bins * radar.bin_s, {"units": "s"}),
+    variables = {
+        "twtt": (on, twtt_s, {"units": "s"}),
+        "peak_twtt": (on, peak_s, {"units": "s"}),
+        "power_db": (on, power_db, RELATIVE_POWER | {"units": "dB"}),
     }
     for name, code in CODES.items():
-        layers[name] = (on, np.full(shape, code, np.int8))
-    return echogram, xr.Dataset(layers, {"slow_time": echogram["slow_time"]}, attributes)
+        variables[name] = (on, np.full(twtt_s.shape, code, np.int8))
+    return xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, echogram.attrs)
 
 
-def _noise_power(surface_power, radar):
-    """Noise, by how far it lies below the surface; ValueError where that returns nothing."""
-    if surface_power == 0:
-        msg = "snowpack: the surface returns nothing, its density_kg_m3 is 0"
+def _check_lines(n_range_lines, snowpack, radar):
+    """Refuse what is no number of range lines, and an echogram too large to be read back.
+
+    Simulating takes five times the size of an echogram.
+    """
+    check_count("n_range_lines", n_range_lines)
+    if isinstance(snowpack, Climate):
+        snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))
+    depth_s = 2 * MOST_INDEX * snowpack.depth_m.max() / SPEED_OF_LIGHT_M_S
+    n_range_bins = int(depth_s / radar.bin_s) + SURFACE_ROW + ROWS_BELOW_LAST_LAYER
+    most = MAXIMUM_BYTES // (PIXEL_BYTES * max(n_range_bins, MINIMUM_ROWS))
+    if n_range_lines > most:
+        msg = f"n_range_lines must be at most some {most}, {MAXIMUM_BYTES / 2**30:g} GiB, as "
+        msg += f"readers take, got {n_range_lines}: simulate parts, each by a seed of its own; "
+        msg += "parts of one snow are range lines of a Snowpack's depth_m and density_kg_m3"
         raise ValueError(msg)
-    return surface_power * 10 ** (-radar.surface_to_noise_db / 10)
 
 
 def _surface_row(surface_s, radar):
@@ -154,18 +189,10 @@ def _surface_row(surface_s, radar):
     """
     height_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S
     highest_s = surface_s.min()
-    if highest_s <= -height_s:
-        msg = f"snowpack: the surface rises to the radar, {radar.height_m:g} m above the mean one"
-        raise ValueError(msg)
+    room_s = height_s + highest_s
+    check_values("snowpack: travel time from the radar to the surface", room_s, 0, above=True)
     above = SURFACE_ROW + int(np.ceil(max(0.0, -highest_s / radar.bin_s)))
     return min(above, int(height_s / radar.bin_s))
-
-
-def _check_count(name, value):
-    """Raise ValueError unless a value is a whole number of at least 1."""
-    if not isinstance(value, Integral) or isinstance(value, bool) or value < 1:
-        msg = f"{name} must be a whole number of at least 1, got {value!r}"
-        raise ValueError(msg)
 
 
 def _track(n_range_lines, radar):
@@ -189,11 +216,17 @@ class _Recipe:
     dress: Dress
     seed: int
     n_range_bins: int | None
+    renderer: Callable | None  # None: PHY
     options: dict  # of `snowsim.phy.render_scene`
 
 
 class Scenes(Sequence):
     """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line).
+
+    A mask holds the layers from the surface down to the deepest that shows: layers below it are
+    in the image but in no mask, and scenes of which none shows are labelled at the surface alone.
+    `complete_layer_bins` of `scene` are all layers, and its notes count the pixels without a label,
+    `n_pixels_unlabelled`.
 
     A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
     them, `n_pixels_cut` of all `n_pixels_drawn`, and the first such scene warns.
@@ -219,7 +252,7 @@ class Scenes(Sequence):
         return scene.image, scene.mask().astype(np.uint8)
 
     def scene(self, index):
-        """`snowsim.echogram.Scene` of the same, with its layers and notes."""
+        """`snowsim.echogram.Scene` of the same, with its layers, labelled or not, and notes."""
         recipe = self._recipe
         number = self._indices[index]
         rng = random_stream(recipe.seed, "scenes", number)
@@ -230,7 +263,13 @@ class Scenes(Sequence):
             scene = dataclasses.replace(scene, echoes=echoes)
         if recipe.n_range_bins is not None:
             scene = self._cut(scene)
-        return render_scene(scene, rng=rng, **recipe.options)
+        if recipe.renderer is None:
+            rendered = render_scene(scene, rng=rng, **recipe.options)
+        else:
+            rendered = _rendered(scene, recipe.renderer)
+        complete = scene.complete_layer_bins
+        complete = scene.layer_bins if complete is None else complete
+        return dataclasses.replace(rendered, complete_layer_bins=complete)
 
     def _cut(self, scene):
         """The scene at the height asked for, with what that cuts off its mask in its notes."""
@@ -249,16 +288,38 @@ class Scenes(Sequence):
     def write(self, folder, format="pairs", *, indices=None, force=False):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
 
-        `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
-        another. A folder that is not empty is refused, unless by `force`: then files of the same
-        name are replaced and others stay.
+        Beside them `n_surface_alone`, scenes labelled at the surface alone, and
+        `n_pixels_unlabelled` of layers in no mask. `format` is ``pairs`` (the published layout),
+        ``netcdf`` or ``zarr``; ValueError for another. A folder that is not empty is refused,
+        unless by `force`: then files of the same name are replaced and others stay.
         """
         check_choice("format", format, EXPORTS)
         if not force:
             check_empty(folder)
-        return EXPORTS[format](
-            folder, map(self.scene, range(len(self)) if indices is None else indices)
-        )
+        labels = {"n_surface_alone": 0, "n_pixels_unlabelled": 0}
+
+        def counted():
+            for index in shown(range(len(self)) if indices is None else indices, unit="scene"):
+                scene = self.scene(index)
+                labels["n_surface_alone"] += not np.isfinite(scene.layer_bins[1:]).any()
+                labels["n_pixels_unlabelled"] += scene.notes.get("n_pixels_unlabelled", 0)
+                yield scene
+
+        return EXPORTS[format](folder, counted()) | labels
+
+
+def _rendered(scene, renderer):
+    """The scene with the image, or of the linear power, that someone's own renderer makes of it."""
+    image = np.asarray(renderer(scene))
+    shape = (scene.n_range_bins, scene.n_range_lines)
+    if image.shape != shape:
+        msg = f"renderer: expected an image {shape} of scene {scene.name}, got {image.shape}"
+        raise ValueError(msg)
+    levels = {}
+    if image.dtype != np.uint8:
+        image, *levels_db = to_uint8(image)
+        levels = dict(zip(("noise_floor_db", "maximum_db"), levels_db, strict=True))
+    return dataclasses.replace(scene, image=image, echoes=None, **levels)
 
 
 def scenes(
@@ -280,7 +341,10 @@ def scenes(
     statistics : "reference", path_like or xarray.Dataset, optional
         Of a flight: the synthetic reference flight's, which come with the package, or others of
         `snowsim.statistics`.
-    renderer : {"phy"}, optional
+    renderer : "phy" or callable, optional
+        Or any function of a `snowsim.echogram.Scene` with its layers, labelled or not, and echoes:
+        it gives an image, uint8, or linear power, (range_bin, range_line). What it draws should
+        come from ``snowsim.seeding.random_stream(seed, scene.name)``.
     rng : int or numpy.random.Generator
         Seed of all scenes. Each has its own random stream: scene 7 is the same in any order and for
         any `n`.
@@ -300,8 +364,8 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is unknown, statistics lack what scenes are drawn from, or most scenes with
-        layers would be labelled at the surface alone.
+        If a choice is unknown, statistics lack what scenes are drawn from, most scenes with layers
+        would be labelled at the surface alone, or a renderer gives no image of a scene.
 
     Examples
     --------
@@ -310,21 +374,23 @@ def scenes(
     >>> len(drawn), image.shape, image.dtype, int(mask.max())
     (1500, (400, 256), dtype('uint8'), 1)
     """
-    check_choice("renderer", renderer, ("phy",))
-    _check_count("n", n)
-    _check_count("n_range_lines", n_range_lines)
+    if not callable(renderer):
+        check_choice("renderer", renderer, ("phy",))
+    check_count("n", n)
     if not isinstance(statistics, xr.Dataset):
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     if n_range_bins is not None:
-        n_range_bins = checked_height(n_range_bins)
+        check_count("n_range_bins", n_range_bins)
     choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
     for name in options:
         check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
-    checked_tolerance(options["tolerance_db"])
+    if options["tolerance_db"] is not None:
+        check_values("tolerance_db", options["tolerance_db"], EXACT_BOUND_DB)
     for name, known in RENDERING.items():
         if options.get(name) is not None:
             check_choice(name, options[name], known)
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
     seed = int(generator(rng).integers(2**63))
     check_labels(model, rng=random_stream(seed, "check_labels"))
-    return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, options))
+    own = renderer if callable(renderer) else None
+    return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, own, options))

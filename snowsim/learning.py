@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from snowsim.io.trackers import read_tracker, shipped_trackers, write_tracker
+from snowsim.limits import check_count
+from snowsim.progress import shown
 from snowsim.tracker import Settings, Training, TrainingSet, train_steps, trained_network
 from snowsim.tracker.calibration import calibrate, fused_logits
 from snowsim.tracker.card import make_card
@@ -16,7 +18,7 @@ BIN_S = 2.886e-10
 ONE_IN = 10  # scenes is not trained on but calibrated on
 
 
-def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m, progress=iter):
+def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m):
     """Train the shipped network on scenes and write it to `path`, ONNX, and its card beside it.
 
     Parameters
@@ -36,8 +38,6 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         Range bin of the scenes [s], for the card; by default what they tell, else `BIN_S`.
     line_spacing_m : float
         Distance of their range lines [m], for the card.
-    progress : callable
-        Shows the steps that it is given.
 
     Returns
     -------
@@ -50,9 +50,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         If there are fewer than 2 scenes, one cannot be trained on or tells another range bin, or
         `start` is no tracker.
     """
-    if len(scenes) < 2:
-        msg = f"expected at least 2 scenes, one of them to calibrate on, got {len(scenes)}"
-        raise ValueError(msg)
+    check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
     shape = {"width": WIDTH, "n_averaged": N_AVERAGED}
     if start is not None:
@@ -63,7 +61,8 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
         load_weights(training.network, begun_with.state_dict(), str(start))
     places = range(len(scenes))
     taken = Chosen([(scenes, place) for place in places if place % ONE_IN])
-    for _ in progress(train_steps(training, TrainingSet(taken, seed=seed))):
+    steps = train_steps(training, TrainingSet(taken, seed=seed))
+    for _ in shown(steps, n_steps, unit="gradient"):
         pass
     network = trained_network(training.network.state_dict(), training.settings)
     held = [scenes[place] for place in places if place % ONE_IN == 0]

@@ -15,19 +15,13 @@ from snowsim.seeding import random_stream
 
 def check_trainable(scene, *, empty=False):
     """ValueError unless an image has contrast, fits its layers and shows one, or is `empty`."""
-    image = scene.image
+    image = np.empty(0) if scene.image is None else scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
-    if image is None or image.shape != shape or image.dtype != np.uint8:
-        wanted = f"a uint8 image of shape {shape}, as its layers have"
-        got = "no image" if image is None else f"{image.dtype} of shape {image.shape}"
-        msg = f"scene {scene.name}: expected {wanted}, got {got}"
-        raise ValueError(msg)
-    if image.min() == image.max():
-        msg = f"scene {scene.name}: image without contrast, every pixel is {image.min()}"
-        raise ValueError(msg)
-    if not empty and not scene.mask().any():
-        wanted = "at least one annotated pixel inside the window"
-        msg = f"scene {scene.name}: mask without layers, expected {wanted}"
+    is_image = image.shape == shape and image.dtype == np.uint8 and image.min() < image.max()
+    if not is_image or not (empty or scene.mask().any()):
+        msg = f"scene {scene.name}: expected a uint8 image of shape {shape} with contrast and an "
+        msg += f"annotated pixel, got {image.dtype} of shape {image.shape}, "
+        msg += f"{scene.mask().sum()} annotated pixels"
         raise ValueError(msg)
 
 
@@ -60,7 +54,7 @@ def scaled(image, layer_bins, scale):
     layer_bins : ndarray, (layer, range_line)
         Fractional range bins; NaN where absent.
     scale : float
-        0.5 halves both sides; ValueError outside (0, 1].
+        0.5 halves both sides; at most 1.
 
     Returns
     -------
@@ -68,9 +62,6 @@ def scaled(image, layer_bins, scale):
     layer_bins : ndarray, (layer, range_line)
         NaN where one of the two range lines a value lies between has none.
     """
-    if not 0 < scale <= 1:
-        msg = f"scale must lie in (0, 1], got {scale}"
-        raise ValueError(msg)
     if scale == 1:
         return image, layer_bins
     size = tuple(max(1, round(n * scale)) for n in image.shape)
@@ -137,9 +128,6 @@ def draw_patches(
         check_trainable(scene)
         image, layer_bins = scaled(scene.image, scene.layer_bins, scale)
         mask = layer_mask(layer_bins, image.shape[0])
-        if not mask.any():
-            msg = f"scene {scene.name}: mask without layers once scaled by {scale}"
-            raise ValueError(msg)
         maps = [image, mask]
         if known is not None:
             maps.append(known(scene, layer_bins, image.shape[0]))

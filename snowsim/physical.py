@@ -2,13 +2,13 @@
 
 import warnings
 from dataclasses import dataclass, replace
-from numbers import Real
 
 import numpy as np
 from scipy.signal import get_window
 
 from snowsim.constants import ICE_DENSITY_KG_M3, KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import check_choice
+from snowsim.limits import check_values
 from snowsim.profile import Sweep, combine, interfaces
 from snowsim.reference.climate import draw_along_track
 from snowsim.reference.firn import density_herron_langway80, depth_herron_langway80
@@ -21,7 +21,10 @@ MOST_LAGS = 16  # of correlated speckle, as PHY draws it
 MOST_CELLS = 1.5  # to a range bin: a peak midway between two is then 8 dB low in both
 # Lost to reflections above; from there on multiples, left out, make mean power 1 dB too low.
 MOST_LOST_DB = 4.0
-LEAST_DENSITY_KG_M3 = 5.0  # of the densest snow; below, values are in g cm-3
+# Limits in hertz: numbers in GHz are below.
+RADARS = {"centre_hz": (1e6,), "bandwidth_hz": (1e6,), "beamwidth_deg": (0, 120)}
+# Of snow in kg m-3: numbers in g cm-3 are below.
+DENSITIES_KG_M3 = (1.0, ICE_DENSITY_KG_M3)
 # Of undulations, as the reference flight's.
 DRIFT_SD = 0.1  # of the log of a year's accumulation, from place to place
 DRIFT_LENGTH_M = 3000.0  # along track
@@ -36,13 +39,6 @@ CLIMATES = {
     "surface_density_kg_m3": (50, 549),
     "density_sd_kg_m3": (0, 200),
 }
-
-
-def _check_number(what, name, value):
-    """Raise ValueError unless a value is a number."""
-    if not isinstance(value, Real):
-        msg = f"{what}: {name} must be a number, got {value!r}"
-        raise ValueError(msg)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,25 +66,17 @@ class Radar:
     surface_to_noise_db: float = 27.0
 
     def __post_init__(self):
-        numbers = {name: value for name, value in vars(self).items() if name != "window"}
-        for name, value in numbers.items():
-            _check_number("radar", name, value)
-        most = {"bandwidth_hz": 2 * self.centre_hz, "beamwidth_deg": 120}
-        for name, value in numbers.items():
-            limit = most.get(name, np.inf)
-            if not 0 < value < limit:
-                msg = f"radar: {name} must be positive and below {limit:g}, got {value}"
-                raise ValueError(msg)
+        for name, value in vars(self).items():
+            if name != "window":
+                what = f"radar: {name}" + " in hertz" * name.endswith("_hz")
+                check_values(what, value, *RADARS.get(name, (0,)), above=True)
+        # The sweep begins above 0 Hz.
+        check_values("radar: bandwidth_hz", self.bandwidth_hz, high=2 * self.centre_hz)
         used = self.widening / (self.cell_s * self.bandwidth_hz)
-        if used < LEAST_USED:
-            msg = f"radar: window must use at least {LEAST_USED:.0%} of the sweep, {self.window} "
-            msg += f"uses {used:.2%}; the sweep has {N_FREQUENCIES} samples"
-            raise ValueError(msg)
+        check_values(f"radar: share of the sweep that window {self.window} uses", used, LEAST_USED)
         longest_s = MOST_CELLS * self.cell_s
-        if self.bin_s > longest_s:
-            msg = f"radar: bin_s must be at most {longest_s:.3g} s, {MOST_CELLS:g} range cells, "
-            msg += f"got {self.bin_s:g} s"
-            raise ValueError(msg)
+        what = f"radar: bin_s, up to {MOST_CELLS:g} range cells,"
+        check_values(what, self.bin_s, high=longest_s)
         self.speckle_correlation()
 
     def __repr__(self):
@@ -200,7 +188,9 @@ class Snowpack:
     `attenuation_db_m`: two-way, beside what interfaces reflect. `coherent`: whether interfaces
     within a range cell of each other add in amplitude, as those of one measured profile do, or in
     power, as on average where their distances vary along track; by default in power, with a
-    warning if there are any. Of one range line alone can they add in amplitude.
+    warning if there are any. Of one range line alone can they add in amplitude. `measured`, by
+    layer: whether a profile tells of it; others give no echo. Speckle is full at any roughness,
+    0 too: what a smooth surface returns as a mirror does is not simulated.
     """
 
     depth_m: np.ndarray
@@ -209,60 +199,56 @@ class Snowpack:
     slope: np.ndarray = 0.03
     attenuation_db_m: float = 0.0
     coherent: bool | None = None
+    measured: np.ndarray = True
 
     def __post_init__(self):
-        given = {name: value for name, value in vars(self).items() if name != "coherent"}
-        held = {name: _filled(name, value) for name, value in given.items()}
+        switches = ("coherent", "measured")
+        names = [name for name in vars(self) if name not in switches]
+        held = {name: _filled(name, getattr(self, name)) for name in names}
         for name in ("depth_m", "density_kg_m3"):
-            if held[name].size == 0:
-                msg = f"snowpack: {name} must hold the surface at least, got no value"
-                raise ValueError(msg)
             if held[name].ndim == 1:
                 held[name] = held[name][:, None]
-        densest = held["density_kg_m3"].max()
-        if 0 < densest < LEAST_DENSITY_KG_M3:
-            msg = "snowpack: density_kg_m3 must be in kg m-3, such as 350, "
-            msg += f"got at most {densest:g}, as in g cm-3"
-            raise ValueError(msg)
         shape = np.broadcast_shapes(held["depth_m"].shape, held["density_kg_m3"].shape)
-        above_m = np.full(shape, -np.inf)
-        above_m[1:] = held["depth_m"][:-1]
-        below_zero = np.nextafter(0, -1)
         limits = {
-            "depth_m": (shape, above_m, np.inf),
-            "density_kg_m3": (shape, below_zero, ICE_DENSITY_KG_M3),
-            "roughness_m": (shape[:1], below_zero, np.inf),
-            "slope": (shape[:1], 0, 1),
-            "attenuation_db_m": ((), below_zero, np.inf),
+            "depth_m": (shape, ()),
+            "density_kg_m3": (shape, DENSITIES_KG_M3),
+            "roughness_m": (shape[:1], (0,)),
+            "slope": (shape[:1], (np.finfo(float).tiny, 1)),
+            "attenuation_db_m": ((), (0,)),
         }
-        for name, (to, low, high) in limits.items():
+        for name, (to, within) in limits.items():
             value = np.broadcast_to(held[name], to)
-            bad = ~(np.isfinite(value) & (value > low) & (value <= high))
-            if bad.any():
-                rule = "increase with layer" if name == "depth_m" else f"lie between 0 and {high:g}"
-                msg = f"snowpack: {name} must be finite and {rule}, "
-                msg += f"got {value[bad][0]:g} at {np.argwhere(bad)[0]}"
-                raise ValueError(msg)
+            check_values(f"snowpack: {name}", value, *within)
             object.__setattr__(self, name, value)
+        what = "snowpack: depth_m must increase with layer: its steps"
+        check_values(what, np.diff(self.depth_m, axis=0), 0, above=True)
+        object.__setattr__(self, "measured", np.broadcast_to(self.measured, shape[:1]))
         if self.coherent and shape[1] > 1:
             msg = "snowpack: depth_m must be of one range line where interfaces add in amplitude, "
             msg += f"got {shape[1]}: coherent=False adds them in power"
             raise ValueError(msg)
 
     @classmethod
-    def from_profile(cls, depth_m, density_kg_m3, **others):
+    def from_profile(cls, depth_m, density_kg_m3, *, thickness_m=None, **others):
         """Snow as a pit, a core or a penetrometer measured it: steps of a millimetre to decimetres.
 
-        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below; the
-        interfaces lie half-way between, and the last sample's snow goes on below. NaN in
-        `density_kg_m3` [kg m-3] is missing: straight lines bridge it, which reflect nothing, with a
-        warning. `others` are those of `Snowpack`. Interfaces stay as measured; how they combine, a
-        radar decides: `snowsim.profile.combine`.
+        `depth_m` (sample,): of the middle of every sample, increasing from 0 or below;
+        `thickness_m`, alike: by default samples reach half-way to their neighbours. The last
+        sample's snow goes on below. NaN in `density_kg_m3` [kg m-3] is missing, as is what no
+        sample reaches: density goes on to the surface from the first sample, straight lines bridge
+        gaps, without an echo, and a warning tells. `others` are those of `Snowpack`. Interfaces
+        stay as measured; how they combine, a radar decides: `snowsim.profile.combine`.
         """
-        interface_m, density = interfaces(
-            _filled("depth_m", depth_m), _filled("density_kg_m3", density_kg_m3)
+        given = {"depth_m": depth_m, "density_kg_m3": density_kg_m3, "thickness_m": thickness_m}
+        given = {name: _filled(name, value) for name, value in given.items() if value is not None}
+        found = interfaces(**given)
+        return cls(
+            found.depth_m,
+            found.density_kg_m3,
+            coherent=True,
+            measured=found.measured,
+            **others,
         )
-        return cls(interface_m, density, coherent=True, **others)
 
     def __repr__(self):
         n_layers, n_lines = self.depth_m.shape
@@ -272,10 +258,12 @@ class Snowpack:
 
 
 def _filled(name, value):
-    """A copy of values as float, NaN where masked; ValueError unless they are numbers."""
+    """A copy of values as float, NaN where masked; ValueError unless there are numbers."""
     try:
-        return np.ma.filled(np.ma.array(value, dtype=float, copy=True), np.nan)
-    except (TypeError, ValueError):
+        filled = np.ma.filled(np.ma.array(value, dtype=float, copy=True), np.nan)
+        _ = filled.flat[0]
+        return filled
+    except (TypeError, ValueError, IndexError):
         msg = f"snowpack: {name} must be numbers, got {value!r}"
         raise ValueError(msg) from None
 
@@ -299,11 +287,7 @@ class Climate:
 
     def __post_init__(self):
         for name, (low, high) in CLIMATES.items():
-            value = getattr(self, name)
-            _check_number("climate", name, value)
-            if not low <= value <= high:
-                msg = f"climate: {name} must lie between {low:g} and {high:g}, got {value}"
-                raise ValueError(msg)
+            check_values(f"climate: {name}", getattr(self, name), low, high)
 
     def draw(self, n_range_lines, line_spacing_m, *, rng):
         """`Snowpack` of annual layers below a flat surface.
@@ -397,7 +381,8 @@ def _one_by_one(snowpack, radar):
 def _combined(snowpack, radar):
     """`_Echoes` of a profile whose interfaces within a range cell add in amplitude."""
     index, below_s = _index_and_delay(snowpack)
-    found = combine(below_s[:, 0], _reflection(index)[:, 0], radar.sweep)
+    reflection = np.where(snowpack.measured, _reflection(index)[:, 0], 0)
+    found = combine(below_s[:, 0], reflection, radar.sweep)
     depth_m = np.interp(found.delay_s, below_s[:, 0], snowpack.depth_m[:, 0])
     faint = found.lost_db > MOST_LOST_DB
     if faint.any():

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from snowsim.limits import check_values
+
 REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB there
 SAMPLES = 6  # of power, to a range cell
 CENTRE_SAMPLES = 12  # of a group, where its power is centred
-BRIDGE_STEP_M = 0.001  # across missing stretches: an eighth of a wavelength in ice at 20 GHz
+TOUCHING_M = 0.001  # samples nearer than that to each other leave no gap
 TINY_M = 1e-12
 N_ROUNDS = 30  # of the fit; 200 change no cell of half a metre by 0.1 dB
 
@@ -75,16 +77,12 @@ def combine(delay_s, reflection, sweep):
     ValueError if travel times fall or the surface reflects nothing.
     """
     delay_s, reflection = (np.asarray(values, dtype=float) for values in (delay_s, reflection))
-    if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not delay_s.size:
-        msg = "delay_s and reflection must be of one size (interface,), "
-        msg += f"got {delay_s.shape} and {reflection.shape}"
+    if delay_s.ndim != 1 or delay_s.shape != reflection.shape or not reflection[:1].any():
+        msg = "delay_s and reflection must be of one size (interface,), the surface's not 0, "
+        msg += f"got shapes {delay_s.shape} and {reflection.shape}, {reflection[:1]} of the surface"
         raise ValueError(msg)
-    if not (np.isfinite(delay_s).all() and (np.diff(delay_s) >= 0).all()):
-        msg = f"delay_s must be finite and not fall, got {delay_s}"
-        raise ValueError(msg)
-    if not np.isfinite(reflection).all() or reflection[0] == 0:
-        msg = f"reflection must be finite and the surface's not 0, got {reflection}"
-        raise ValueError(msg)
+    check_values("reflection", reflection)
+    check_values("delay_s must not fall: its steps", np.diff(delay_s), 0)
     interfaces = np.flatnonzero(reflection)
     surface_s = delay_s[0]
     delay_s = delay_s[interfaces] - surface_s
@@ -171,51 +169,92 @@ def _fitted(power, grouped, centre_s, profile, last_s, sweep):
     return power
 
 
-def interfaces(depth_m, density_kg_m3):
-    """Depth of the interfaces of a measured profile [m], and density below each: (interface,).
+@dataclass(frozen=True)
+class Interfaces:
+    """Interfaces of a measured profile, (interface,): depth [m], density of the snow below.
 
-    Samples (sample,) are homogeneous to half-way to their neighbours; where density is NaN it is
-    bridged by steps of `BRIDGE_STEP_M`, of which a warning tells.
+    `measured` where the snow on both sides was.
     """
-    _check_profile(depth_m, density_kg_m3)
+
+    depth_m: np.ndarray
+    density_kg_m3: np.ndarray
+    measured: np.ndarray
+
+
+def interfaces(depth_m, density_kg_m3, thickness_m=None):
+    """`Interfaces` of samples (sample,), each homogeneous.
+
+    They reach over their thickness about `depth_m`, else half-way to their neighbours. A gap has
+    the mean density of its ends, and so the travel time of a straight line between them; above the
+    first sample and below the last one density goes on: a warning tells of all.
+    """
+    _check_samples(depth_m, density_kg_m3, depth_m if thickness_m is None else thickness_m)
+    top_m, base_m = _extents(depth_m, thickness_m)
+    _check_order(depth_m, top_m, base_m)
     known = np.flatnonzero(np.isfinite(density_kg_m3))
-    known_m = depth_m[known]
+    top_m = top_m[known]
+    base_m = base_m[known]
     density = density_kg_m3[known]
-    within = np.diff(known) > 1
-    if within.any() or known[-1] + 1 < depth_m.size:
-        _warn_of_missing(depth_m, known, within)
-    bridges = [
-        np.arange(top_m + BRIDGE_STEP_M, base_m, BRIDGE_STEP_M)
-        for top_m, base_m in zip(known_m[:-1][within], known_m[1:][within], strict=True)
-    ]
-    sample_m = np.sort(np.concatenate([known_m, *bridges]))
-    filled = np.interp(sample_m, known_m, density)
-    return np.append(0.0, (sample_m[:-1] + sample_m[1:]) / 2), filled
+    missing_m = top_m[1:] - base_m[:-1]
+    after = 1 + np.flatnonzero(missing_m > TOUCHING_M)
+    end_m = base_m[-1] if known[-1] + 1 < depth_m.size else np.inf
+    _warn_of_missing(top_m[0], missing_m[after - 1].sum(), end_m)
+    upper_m = np.append(0.0, (top_m[1:] + base_m[:-1]) / 2)
+    upper_m[after] = top_m[after]
+    measured = np.ones(density.size, dtype=bool)
+    measured[after] = False
+    between = (density[after - 1] + density[after]) / 2
+    return Interfaces(
+        np.insert(upper_m, after, base_m[after - 1]),
+        np.insert(density, after, between),
+        np.insert(measured, after, False),
+    )
 
 
-def _check_profile(depth_m, density_kg_m3):
-    """ValueError unless both are (sample,), depths increase from 0 on and some density is known."""
-    shapes = f"{depth_m.shape} and {density_kg_m3.shape}"
-    if depth_m.ndim != 1 or density_kg_m3.shape != depth_m.shape:
-        msg = "profile: depth_m and density_kg_m3 must be one value a sample, got shapes "
-        raise ValueError(msg + shapes)
-    if not np.isfinite(density_kg_m3).any():
-        msg = f"profile: density_kg_m3 must be known somewhere, got {depth_m.size} missing values"
+def _extents(depth_m, thickness_m):
+    """Depth of the top and of the base of every sample [m], two (sample,)."""
+    if thickness_m is not None:
+        return depth_m - thickness_m / 2, depth_m + thickness_m / 2
+    between_m = (depth_m[:-1] + depth_m[1:]) / 2
+    last_m = 2 * depth_m[-1:] - between_m[-1:] if between_m.size else depth_m
+    # Of the first as much above its depth as below, and all of the snow above if that is less
+    # than a sample.
+    first_m = 2 * depth_m[:1] - between_m[:1] if between_m.size else 0 * depth_m
+    first_m[first_m < 2 * (depth_m[:1] - first_m)] = 0
+    return np.append(first_m, between_m), np.append(between_m, last_m)
+
+
+def _check_samples(depth_m, density_kg_m3, thickness_m):
+    """ValueError unless all are (sample,) and some density is known."""
+    shapes = {depth_m.shape, density_kg_m3.shape, thickness_m.shape}
+    known = np.isfinite(density_kg_m3)
+    if depth_m.ndim != 1 or len(shapes) > 1 or not known.any():
+        msg = "profile: depth_m, density_kg_m3 and thickness_m must be one value a sample, some "
+        msg += f"density known, got shapes {', '.join(map(str, sorted(shapes)))} with "
+        msg += f"{known.sum()} densities"
         raise ValueError(msg)
-    rises = np.diff(depth_m, prepend=-TINY_M) > 0
-    if not rises.all():
-        at = np.flatnonzero(~rises)[0]
-        msg = "profile: depth_m must be finite, from 0 on, and increase, "
-        msg += f"got {depth_m[at]:g} at sample {at}"
-        raise ValueError(msg)
 
 
-def _warn_of_missing(depth_m, known, within):
+def _check_order(depth_m, top_m, base_m):
+    """ValueError unless samples follow one another from 0 on."""
+    above_m = top_m - np.append(0, base_m[:-1])
+    check_values("profile: depth_m", depth_m, 0)
+    check_values("profile: depth_m must increase: extents", base_m - top_m, 0, above=True)
+    check_values("profile: samples must not overlap: distances", above_m, -TOUCHING_M)
+
+
+def _warn_of_missing(first_m, missing_m, end_m):
     """Say how much of a profile is missing."""
-    missing_m = np.diff(depth_m[known])[within].sum()
-    end_m = depth_m[known[-1]]
-    msg = f"profile: density is missing over {missing_m:.3g} of {end_m:.4g} m: "
-    msg += "bridged by straight lines, which reflect nothing"
-    if known[-1] + 1 < depth_m.size:
-        msg += f"; below {end_m:.4g} m it is missing to the end: the last density goes on"
-    warnings.warn(msg, UserWarning, stacklevel=4)
+    said = []
+    if first_m > TOUCHING_M:
+        said.append(
+            f"above {first_m:.4g} m the first one is taken, on which surface and depths depend"
+        )
+    if missing_m > 0:
+        said.append(
+            f"over {missing_m:.3g} m it is bridged by straight lines, which reflect nothing"
+        )
+    if np.isfinite(end_m):
+        said.append(f"below {end_m:.4g} m the last one goes on")
+    if said:
+        warnings.warn(f"profile: density is missing: {'; '.join(said)}", UserWarning, stacklevel=4)

@@ -2,21 +2,26 @@
 
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
-from numbers import Integral, Real
 
 import numpy as np
 import pandas as pd
 
 from snowsim.echogram import layer_mask
 from snowsim.io.guard import listed, refusal
-from snowsim.io.predictions import pair_files, read_labels, read_map
+from snowsim.io.predictions import Picks, pair_files, read_labels, read_map, read_picks
+from snowsim.limits import check_count, check_values
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
 from snowsim.metrics.picks import pick_layers
+from snowsim.progress import shown
 
+OPTIONAL = ("tolerance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
+SAME_TIME = np.timedelta64(1, "ms")  # of a range line in two files
+FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
 PICK_SCORES = [
     "mean_absolute_error_bins",
     "bias_bins",
@@ -43,20 +48,24 @@ def score_folders(
     n_bootstrap=1000,
     seed=0,
     processes=1,
-    progress=lambda steps, total: steps,
+    progress=None,
+    bin_s=None,
 ):
     """Edge scores and errors of picks of a tracker, from two folders of files.
 
     Parameters
     ----------
     predictions, truth : path_like
-        Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1] or 8-bit,
-        layers bright; truth is a mask, layer numbers, or layers in range bins; truth without a
-        prediction counts as an empty map. Of the published predictor's folder, as it stands, the
-        maps of `output` are scored, by default `fuse`.
+        Folders of .png, .npy or .nc files, or one file each. Edge maps are in [0, 1], 8-bit or
+        16-bit, layers bright; truth is a mask, layer numbers, or layers in range bins. Truth drawn
+        thicker than a pixel is thinned to the middle of its layers; truth without a prediction
+        counts as an empty map; predictions without a truth are left out. Of the published
+        predictor's folder, as it stands, the maps of `output` are scored, by default `fuse`.
     picks : bool
-        Predictions are layers, not edge maps, in the forms of the truth; they have no edge scores.
-        Else picks are followed through the edge maps, at the threshold of the best F of the set.
+        Predictions are layers, not edge maps, in the forms of the truth, or both are layer files
+        as `snowsim.io.read_layers` takes them and `snowsim track` writes them; they have no edge
+        scores. Else picks are followed through the edge maps, at the threshold of the best F of
+        the set.
     matched_only : bool
         Leave truth without a prediction out.
     suppressed : bool
@@ -71,7 +80,9 @@ def score_folders(
     processes : int
         How many work at once; scores do not depend on it.
     progress : callable
-        Wraps an iterable of known length: ``progress(steps, total)``.
+        Wraps an iterable of known length, ``progress(steps, total)``; by default in a bar.
+    bin_s : float
+        Range bin [s] of the echograms that layer files are of.
 
     Returns
     -------
@@ -80,13 +91,14 @@ def score_folders(
         interval: `ods`, `ois`, `ap`, `threshold` of the best F; `mean_absolute_error_bins`,
         `bias_bins`, `share_within`, `share_found` of the true pixels; `n_layers`,
         `n_missed_layers`, `n_false_layers`. ``table.attrs["notes"]`` lists in sentences what to
-        know of the set: which predictions are missing, which truth has no layer, why AP is 0.
+        know of the set: which predictions or truths are missing, which truth has no layer or was
+        thinned, why AP is low or 0.
 
     Raises
     ------
     ValueError
-        In one line: no pairs, a prediction without truth, sizes that differ, no layer in any truth,
-        maps that leave [0, 1], dark layers on bright ground, files that cannot be read.
+        In one line: no pairs, sizes or times that differ, no layer in any truth, maps that leave
+        [0, 1], dark layers on bright ground, files that cannot be read.
 
     Examples
     --------
@@ -108,9 +120,11 @@ def score_folders(
         n_bootstrap=n_bootstrap,
         seed=seed,
         processes=processes,
+        bin_s=bin_s,
     )
-    truths = pair_files(predictions, truth, output=output, picks=picks)
+    truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
+    progress = progress or partial(shown, unit="image")
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 
@@ -127,6 +141,7 @@ def score_folders(
             _pick,
             suppressed=suppressed,
             threshold=threshold,
+            bin_s=bin_s,
             max_distance_bins=max_distance_bins,
             within_bins=within_bins,
         )
@@ -136,31 +151,37 @@ def score_folders(
     names = [name for name, _, _ in pairs]
     rng = np.random.default_rng(seed)
     table = _tabulated(names, counts, rows, n_bootstrap=n_bootstrap, rng=rng)
-    table.attrs["notes"] = _notes(truths, matched_only, without_layers, table)
+    notes = _notes_of_pairs(truths, left_out, matched_only, without_layers, len(pairs))
+    if not picks:
+        notes += _notes_of_maps(counts, names, table.iloc[-3])
+    table.attrs["notes"] = notes
     return table
 
 
 def _check_numbers(**numbers):
-    """ValueError for what is no number, or below 0."""
+    """ValueError for what is no number, or below the least that it may be."""
     for name, value in numbers.items():
-        if value is None and name == "tolerance_bins":
-            continue
-        kind, wanted = (Integral, "a whole number") if name in WHOLE else (Real, "a number")
-        least = WHOLE.get(name, 0)
-        if not isinstance(value, kind) or isinstance(value, bool) or not value >= least:
-            msg = f"{name} must be {wanted} of at least {least}, got {value!r}"
-            raise ValueError(msg)
+        if name in WHOLE:
+            check_count(name, value, WHOLE[name])
+        elif value is not None or name not in OPTIONAL:
+            check_values(name, value, 0)
 
 
 def _empty(rows):
     return rows["n_layers"].sum() == 0
 
 
-def _notes(truths, matched_only, without_layers, table):
-    """What to know of a set beside its scores, in sentences."""
+def _notes_of_pairs(truths, left_out, matched_only, without_layers, n_scored):
+    """What to know of the files of a set, in sentences."""
     missing = [name for name, prediction, _ in truths if prediction is None]
     n_missing = len(missing)
     notes = []
+    if left_out:
+        n_made = len(truths) - n_missing + len(left_out)
+        notes.append(
+            f"predictions without a truth are left out ({len(left_out)} of {n_made}): "
+            f"{listed(left_out)}"
+        )
     if matched_only:
         notes.append(
             f"scored are {len(truths) - n_missing} of {len(truths)} truths, those with a "
@@ -174,10 +195,28 @@ def _notes(truths, matched_only, without_layers, table):
     if without_layers:
         notes.append(
             f"in truths without a layer every prediction is false ({len(without_layers)} of "
-            f"{len(table) - 3}): {listed(without_layers)}"
+            f"{n_scored}): {listed(without_layers)}"
         )
-    found = table.iloc[-3]
-    if "ap" in table and found["ap"] == 0 < found["ods"]:
+    return notes
+
+
+def _notes_of_maps(counts, names, found):
+    """What to know of edge maps and masks beside the scores found, in sentences."""
+    notes = []
+    thick = [name for name, image in zip(names, counts, strict=True) if image["thickness"] > 1]
+    if thick:
+        most = max(image["thickness"] for image in counts)
+        notes.append(
+            f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick "
+            f"({len(thick)} of {len(names)}): {listed(thick)}"
+        )
+    largest = max(image["largest"] for image in counts)
+    if 0 < largest < FAINT:
+        notes.append(
+            f"maps reach {largest:.2g} at most: {np.mean(largest < THRESHOLDS):.0%} of the "
+            "thresholds lie above, which lowers ap; to compare it, scale maps to reach 1"
+        )
+    if found["ap"] == 0 < found["ods"]:
         notes.append(
             "ap is 0 because recall is the same at every threshold: maps of one level give a "
             "curve of one point, without an area"
@@ -185,8 +224,19 @@ def _notes(truths, matched_only, without_layers, table):
     return notes
 
 
-def _edges_and_truth(prediction, truth, suppressed):
-    """Edge map of an image, suppressed; its mask and its layers.
+@dataclass(frozen=True)
+class _Image:
+    """Edge map of an image, suppressed; its mask, of lines of one pixel, and its layers."""
+
+    edges: np.ndarray
+    mask: np.ndarray
+    layer_bins: np.ndarray
+    thickness: float = 1.0  # of the mask as it was drawn [pixels]
+    largest: float = 0.0  # of the edge map
+
+
+def _read_image(prediction, truth, suppressed):
+    """`_Image` of two files.
 
     Without a prediction the map is empty, and as high as the layers reach where truth is no image.
     """
@@ -195,7 +245,8 @@ def _edges_and_truth(prediction, truth, suppressed):
         if mask is None:
             n_range_bins = int(np.nanmax(layer_bins, initial=0)) + 2
             mask = layer_mask(layer_bins, n_range_bins)
-        return np.zeros(mask.shape), mask, layer_bins
+        mask, thickness = _thinned(mask, layer_bins)
+        return _Image(np.zeros(mask.shape), mask, layer_bins, thickness)
     probability = read_map(prediction)
     mask, layer_bins = read_labels(truth, probability.shape, prediction)
     if mask.any() and not mask.all() and np.median(probability) > 0.5:
@@ -206,37 +257,67 @@ def _edges_and_truth(prediction, truth, suppressed):
             msg = f"{prediction}: expected bright layers on a dark ground, got {found}"
             raise ValueError(msg)
     edges = probability if suppressed else suppress(probability, where=str(prediction))
-    return edges, mask, layer_bins
+    mask, thickness = _thinned(mask, layer_bins)
+    return _Image(edges, mask, layer_bins, thickness, probability.max())
+
+
+def _thinned(mask, layer_bins):
+    """A mask of one pixel a layer and range line, if it has more in the median, and how many."""
+    begins = mask.copy()
+    begins[1:] &= ~mask[:-1]
+    runs = np.cumsum(begins, axis=0) + len(mask) * np.arange(mask.shape[1])
+    _, heights = np.unique(runs[mask], return_counts=True)
+    thickness = np.median(heights) if heights.size else 1.0
+    return (layer_mask(layer_bins, len(mask)) if thickness > 1 else mask), thickness
 
 
 def _count(pair, *, suppressed, **tolerance):
-    """Counts of one image."""
+    """Counts of one image, with the thickness of its mask as drawn and the largest of its map."""
     _, prediction, truth = pair
-    edges, mask, _ = _edges_and_truth(prediction, truth, suppressed)
-    return match_counts(edges, mask, THRESHOLDS, **tolerance, where=str(prediction))
+    image = _read_image(prediction, truth, suppressed)
+    counts = match_counts(image.edges, image.mask, THRESHOLDS, **tolerance, where=str(prediction))
+    return counts | {"thickness": image.thickness, "largest": image.largest}
 
 
-def _pick(pair, *, suppressed, threshold, **limits):
+def _pick(pair, *, suppressed, threshold, bin_s, **limits):
     """What became of the layers of one image.
 
     Without a threshold, in picks that are the tracker's own.
     """
     _, prediction, truth = pair
     if threshold is None:
-        _, layer_bins = read_labels(truth)
-        picks = np.empty((0, layer_bins.shape[1]))
-        if prediction is not None:
-            _, picks = read_labels(prediction)
+        picks, layer_bins = _picks_and_truth(prediction, truth, bin_s)
     else:
-        edges, _, layer_bins = _edges_and_truth(prediction, truth, suppressed)
-        picks = pick_layers(edges, threshold=threshold, where=str(prediction))
+        image = _read_image(prediction, truth, suppressed)
+        layer_bins = image.layer_bins
+        picks = pick_layers(image.edges, threshold=threshold, where=str(prediction))
     layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
-    n_lines = layer_bins.shape[1]
-    if picks.shape[1] != n_lines:
-        raise refusal(prediction, "size", f"{n_lines} range lines as {truth} has", picks.shape[1])
     if len(layer_bins) == 0:
         return _false_layers(picks)
     return layer_rows(picks, layer_bins, **limits)
+
+
+def _picks_and_truth(prediction, truth, bin_s):
+    """Layers of both files, (layer, range_line); without a prediction, none of its own."""
+    true = read_picks(truth, bin_s)
+    n_lines = true.layer_bins.shape[1]
+    made = Picks(np.empty((0, n_lines)), true.slow_time)
+    if prediction is not None:
+        made = read_picks(prediction, bin_s)
+    expected = f"{_lines(true)} as {truth} has"
+    if _lines(made) != _lines(true):
+        raise refusal(prediction, "size", expected, _lines(made))
+    if made.slow_time is not None:
+        away = np.abs(made.slow_time - true.slow_time).max()
+        if away > SAME_TIME:
+            raise refusal(prediction, "slow_time", expected, f"one {away} away")
+    return made.layer_bins, true.layer_bins
+
+
+def _lines(picks):
+    """Range lines of layers, as a message tells them."""
+    n_lines = picks.layer_bins.shape[1]
+    return f"{n_lines} range lines {'of an image' if picks.slow_time is None else 'with times'}"
 
 
 def _false_layers(picks):
@@ -263,7 +344,8 @@ def _tabulated(names, counts, picks, *, n_bootstrap, rng):
     resampled = _errors(pd.DataFrame(times @ sums.to_numpy(), columns=sums.columns))
     if counts is not None:
         stacked = stack_counts(counts)
-        scores = [replica_scores([stacked], draw)[0] for draw in draws]
+        resamples = shown(draws, unit="resample")
+        scores = [replica_scores([stacked], draw)[0] for draw in resamples]
         images = _beside([_of_edges([image]) for image in counts], images)
         whole = _beside([_of_edges(stacked)], whole)
         resampled = _beside([dict(zip(METRICS, row, strict=True)) for row in scores], resampled)

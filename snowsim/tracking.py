@@ -7,13 +7,15 @@ import os
 import re
 import warnings
 from dataclasses import dataclass, replace
+from functools import partial
 from numbers import Integral
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import bin_size_s, from_uint8
+from snowsim.echogram import bin_size_s, check_choice, from_uint8
 from snowsim.io import read_echogram
 from snowsim.io.guard import container_of, existing, is_zarr, refusal
 from snowsim.io.images import read_image
@@ -35,6 +37,7 @@ from snowsim.picking import (
     probability_of,
 )
 from snowsim.picking.network import network
+from snowsim.progress import shown
 
 __all__ = ["Tracker", "list_pretrained", "track_files"]
 
@@ -78,14 +81,15 @@ class Tracker:
         self.card = checked_card(card, Path(where).with_suffix(".json"))
         self._run = network(weights, where)
 
+    def __repr__(self):
+        made_for = f"bins of {1e9 * self.card.bin_s:g} ns, lines {self.card.line_spacing_m:g} m"
+        return f"Tracker({self.card.name} {self.card.version}, made for {made_for} apart)"
+
     @classmethod
     def from_pretrained(cls, name="universal"):
         """A tracker that comes with the package; see `list_pretrained`."""
         shipped = shipped_trackers()
-        if name not in shipped:
-            known = ", ".join(sorted(shipped)) or "none"
-            msg = f"no weights named {name!r} come with the package, but {known}"
-            raise ValueError(msg)
+        check_choice("a tracker that comes with the package", name, shipped)
         return cls.load(shipped[name])
 
     @classmethod
@@ -178,7 +182,7 @@ def track_files(
     bin_s=None,
     force=False,
     say=print,
-    progress=iter,
+    progress=None,
 ):
     """Track echograms and write their layers to a folder.
 
@@ -200,7 +204,8 @@ def track_files(
     force : bool
         Write over files that are there, but for those beside the input that they are named by.
     say, progress : callable
-        Told a line of every file that fails, and of what was written; and wrapping the files.
+        Told a line of every file that fails, and of what was written; and wrapping the files, by
+        default in a bar.
 
     Returns
     -------
@@ -223,6 +228,7 @@ def track_files(
         named.setdefault(segment, set()).add(number)
     n_failed = 0
     seen = []
+    progress = progress or partial(shown, unit="file")
     for path in progress(paths):
         try:
             _check_outputs(path, folder, named, png, force)
@@ -255,17 +261,13 @@ def _check_names(paths):
 
 def _made(folder):
     """The folder, made where there is none; ValueError unless it can be written to."""
-    if not str(folder):
-        msg = "output: expected a folder, got an empty name"
-        raise ValueError(msg)
-    folder = Path(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        os.makedirs(folder, exist_ok=True)  # not of a Path: one of no name is the folder one is in
+        with TemporaryFile(dir=folder):
+            return Path(folder)
     except OSError as error:
-        raise refusal(folder, "output", "a folder", error.strerror) from error
-    if not os.access(folder, os.W_OK):
-        raise refusal(folder, "output", "a folder that can be written to", "one that cannot")
-    return folder
+        wanted = "a folder that can be written to"
+        raise refusal(folder, "output", wanted, error.strerror) from error
 
 
 def _see(tracker, path, bin_s, seen):

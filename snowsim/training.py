@@ -52,19 +52,12 @@ def moments_of(optimiser):
     return optimiser.state_dict()["state"]
 
 
-def load_moments(optimiser, moments, name):
+def load_moments(optimiser, moments):
     """Copy moments (by number of the weight, dicts of arrays) into an optimiser.
 
     None are there before the first step.
-
-    ValueError, with `name`, if they are those of another number of weights.
     """
     parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
-    n = len(parameters)
-    if len(moments) not in (0, n):
-        counts = f"expected moments of {n} weights, got {len(moments)}"
-        msg = f"{name}: {counts}: other settings made it"
-        raise ValueError(msg)
     for index, values in moments.items():
         parameter = parameters[int(index)]
         state = optimiser.state[parameter]

@@ -18,16 +18,11 @@ from snowsim.front import REFERENCE
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.files import read_dataset
 from snowsim.io.png_pairs import PairSet
-from snowsim.phy.waveform import waveform_peak
-from snowsim.physical import PRESETS, physical_parameters
+from snowsim.physical import PRESETS
+from snowsim.seeding import random_stream
 
 ROOT = Path(__file__).resolve().parents[1]
 SNOW = {"depth_m": [0, 1.0, 2.5], "density_kg_m3": [340, 400, 350]}
-
-
-def test_what_people_script_with_is_listed():
-    names = {"Climate", "Radar", "Snowpack", "scenes", "score_folders", "simulate"}
-    assert names <= set(dir(snowsim))
 
 
 def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_them(tmp_path, rng):
@@ -43,13 +38,6 @@ def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_
     assert_allclose(twtt, np.tile(delay_s[:, None], 5), rtol=1e-12)
 
 
-def test_simulated_power_is_labelled_as_what_it_is_relative_to(rng):
-    snow = snowsim.Snowpack(**SNOW)
-    echogram, _ = snowsim.simulate(snow, "snow-2-8", n_range_lines=1, rng=rng)
-    assert echogram["Data"].attrs["units"] == "1"
-    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
-
-
 def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
     snowsim.scenes(3, rng=1, n_range_lines=16).write(tmp_path / "few")
     before = sorted((tmp_path / "few").iterdir())
@@ -60,21 +48,19 @@ def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
     assert others.write(tmp_path / "few", force=True)["n_scenes"] == 2
 
 
-def test_layers_are_as_bright_as_eq_1_and_noise_as_deep_as_the_radar_says(rng):
+def test_layers_are_as_bright_as_their_power_and_noise_as_deep_as_the_radar_says(rng):
     # Slopes so small that no tail hides a layer.
     snow = snowsim.Snowpack(**SNOW, slope=0.001)
     radar = snowsim.Radar.preset("ku-12-18", n_looks=400)
     echogram, layers = snowsim.simulate(snow, radar, n_range_lines=400, rng=rng)
+    assert "relative to a flat mirror" in echogram["Data"].attrs["long_name"]
     profile = echogram["Data"].mean("slow_time").values
-    _, given = physical_parameters(snow, radar)
-    _, height = waveform_peak(given["variance_bins2"], given["decay_rate"])
     below_first_s = layers["peak_twtt"].values[:, 0] - float(echogram["twtt"][0])
     at = np.rint(below_first_s / radar.bin_s).astype(int)
     noise = profile[:20].mean()
-    expected = given["peak_power"][:, 0] * height + noise
     # The nearest bin is off the peak by half a bin at most: below 0.4 dB; 400 lines of 400 looks:
     # 0.01 dB.
-    assert_allclose(10 * np.log10(profile[at] / expected), 0, atol=0.4)
+    assert_allclose(10 * np.log10(profile[at] - noise), layers["power_db"][:, 0], atol=0.4)
     assert_allclose(10 * np.log10(profile[at[0]] / noise), 27, atol=0.4)
 
 
@@ -131,15 +117,11 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             "^renderer must be one of phy, got 'cgan'$",
         ),
         (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
-        (lambda: snowsim.scenes(2, rng=1, n_range_bins=0.5), "n_range_bins must be a whole number"),
-        (lambda: snowsim.scenes(2, rng=1, n_range_lines=20.5), "n_range_lines must be a whole"),
         (lambda: snowsim.scenes(2, rng=1, nlooks=3), "a choice of phy must be .* got 'nlooks'"),
-        (lambda: snowsim.scenes(2, rng=1, speckle="foo"), "speckle must be one of .* got 'foo'"),
-        (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite and at least 1"),
-        (lambda: snowsim.scenes(2, rng=1, tolerance_db=-1), "tolerance_db must be positive"),
+        (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite, at least 1, got"),
         (
-            lambda: snowsim.simulate(snowsim.Snowpack([0, 1], [0, 0]), "snow-2-8", rng=1),
-            "the surface returns nothing",
+            lambda: snowsim.scenes(2, rng=1, renderer=lambda scene: scene.image)[0],
+            r"renderer: expected an image \(\d+, 256\) of scene drawn_000000, got \(\)",
         ),
         (
             lambda: snowsim.simulate(
@@ -147,59 +129,60 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
                 snowsim.Radar.preset("snow-2-8", height_m=20.0),
                 rng=1,
             ),
-            "the surface rises to the radar, 20 m above",
+            "travel time from the radar to the surface must be finite, above 0",
         ),
         (
             lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
             "format must be one of pairs, netcdf, zarr, got 'gif'",
         ),
         (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
+        # All in GHz and nanoseconds.
         (
-            lambda: snowsim.Radar.preset("snow-2-8", bandwidth_hz=11e9),
-            "bandwidth_hz must be positive and below 1e",
+            lambda: snowsim.Radar(centre_hz=5, bandwidth_hz=6, bin_s=0.0867),
+            "centre_hz in hertz must be finite, above 1e.06, got 5",
         ),
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
+        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-8), "1.5 range cells, must be .* 3.75e"),
         # By default it falls to 1 / e within one sample of the sweep.
-        (lambda: snowsim.Radar.preset("snow-2-8", window="exponential"), "uses 0.09%"),
+        (lambda: snowsim.Radar.preset("snow-2-8", window="exponential"), "window exponential uses"),
+        (lambda: snowsim.Radar.preset("snow-2-8", height_m="500"), "height_m must .* got '500'"),
         (
             lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
-            "depth_m must be finite and increase with layer, got 1",
+            "depth_m must increase with layer: its steps must be finite, above 0, got -1",
         ),
-        (
-            lambda: snowsim.Snowpack([0, 1], [300, 950]),
-            "density_kg_m3 must .* between 0 and 917, got 950",
-        ),
-        (
-            lambda: snowsim.Radar.preset("snow-2-8", height_m="500"),
-            "radar: height_m must be a number, got '500'",
-        ),
-        (
-            lambda: snowsim.Climate(accumulation_m="0.3"),
-            "climate: accumulation_m must be a number, got '0.3'",
-        ),
+        (lambda: snowsim.Snowpack([0, 1], [300, 0]), "density_kg_m3 must .* at least 1, .* got 0"),
+        (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
         (
             lambda: snowsim.Snowpack(["top", 1], [300, 300]),
             r"snowpack: depth_m must be numbers, got \['top', 1\]",
         ),
         (
-            lambda: snowsim.Climate(accumulation_m=0.3, n_years=0),
-            "n_years must lie between 1 and 1000, got 0",
+            lambda: snowsim.Snowpack([0, 1], np.ma.array([340, 400], mask=[False, True])),
+            "density_kg_m3 must be finite",
         ),
-        (
-            lambda: snowsim.Climate(accumulation_m=0.3, temperature_k=280),
-            "temperature_k must lie .* 273.15, got 280",
-        ),
+        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0), "n_years must .* 1000, got 0"),
         (
             lambda: snowsim.simulate(
                 snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None
             ),
             "n_range_lines must be the 7 of the snowpack, got 8",
         ),
+        (
+            lambda: snowsim.simulate(
+                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=10**6, rng=1
+            ),
+            "n_range_lines must be at most some 6.*, 1 GiB, .* got 1000000: simulate parts",
+        ),
+        (
+            lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),
+            "rng must be a numpy.random.Generator or a seed",
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line(call, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=message) as refused:
         call()
+    assert "\n" not in str(refused.value)
 
 
 def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
@@ -230,7 +213,7 @@ def test_commands_write_what_the_functions_give(tmp_path):
     xr.testing.assert_equal(read_dataset(tmp_path / "a_layers.nc"), layers)
     done = CliRunner().invoke(cli.simulate, [*asked, "--force", "--set", "colour", "1"])
     assert done.exit_code == 2
-    assert "a radar has no number colour, but bandwidth_hz, " in done.output
+    assert "a radar has no colour, but bandwidth_hz, " in done.output
     assert set(radar_numbers()) <= set(re.findall(r"\w+", done.output))
     done = CliRunner().invoke(cli.simulate, ["--help"])
     assert "\n    snowsim simulate echogram.nc" in done.output
@@ -252,22 +235,8 @@ def test_all_names_people_script_with_come_with_a_star():
         "hamming",
         "blackman",
         "taylor",
-        "nuttall",
-        "flattop",
-        "blackmanharris",
-        "bohman",
-        "cosine",
-        "parzen",
-        "tukey",
-        "triang",
-        "barthann",
-        "boxcar",
-        "bartlett",
-        "lanczos",
         ("chebwin", 60),
         ("kaiser", 8.6),
-        ("gaussian", 600),
-        ("dpss", 3),
         ("kaiser_bessel_derived", 14),
         ("exponential", None, 500),
     ],
@@ -307,34 +276,6 @@ def test_a_seed_is_the_generator_made_of_it():
     xr.testing.assert_identical(by_seed, by_generator)
 
 
-@pytest.mark.parametrize(
-    ("ask", "what"),
-    [
-        (lambda: snowsim.Snowpack([], []), "depth_m must hold the surface at least"),
-        (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be in kg m-3"),
-        (
-            lambda: snowsim.Snowpack([0, 1], np.ma.array([340, 400], mask=[False, True])),
-            "density_kg_m3 must be finite",
-        ),
-        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-8), "bin_s must be at most 3.75e-10 s"),
-        (
-            lambda: snowsim.simulate(
-                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=0, rng=np.random.default_rng(1)
-            ),
-            "n_range_lines must be a whole number of at least 1, got 0",
-        ),
-        (
-            lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),
-            "rng must be a numpy.random.Generator or a seed",
-        ),
-    ],
-)
-def test_snow_and_radars_that_mean_something_else_are_refused_in_a_line(ask, what):
-    with pytest.raises(ValueError, match=what) as refused:
-        ask()
-    assert "\n" not in str(refused.value)
-
-
 def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
     part = drawn[4:1:-2]
     assert len(part) == 2
@@ -344,12 +285,67 @@ def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
 
 
 def test_what_people_print_is_one_readable_line(drawn):
-    said = [repr(drawn), repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
+    said = [repr(drawn), repr(drawn.scene(2)), repr(snowsim.Tracker.from_pretrained())]
+    said += [repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
     assert said == [
         "Scenes(6 of 320 range bins and 64 range lines)",
+        "Scene('drawn_000002', 320 range bins, 64 range lines, 4 layers, image)",
+        "Tracker(universal 1, made for bins of 0.2886 ns, lines 5.2 m apart)",
         "Radar(6 GHz about 5 GHz, hann window, bins of 0.0867 ns, 5 looks, 500 m above the snow)",
         "Snowpack(3 layers down to 2.5 m, 340 to 400 kg m-3, range lines: 1)",
     ]
+
+
+def test_a_scene_has_the_layers_that_its_mask_lacks(tmp_path):
+    drawn = snowsim.scenes(12, rng=1, n_range_lines=64)
+    scenes = [drawn.scene(number) for number in range(12)]
+    n_alone = 0
+    for scene in scenes:
+        labelled = np.isfinite(scene.layer_bins)
+        complete = scene.complete_layer_bins[: len(labelled)]
+        assert np.isfinite(complete).all()
+        assert_allclose(complete[labelled], scene.layer_bins[labelled])
+        assert (~labelled).sum() == scene.notes["n_pixels_unlabelled"]
+        n_alone += not labelled[1:].any()
+    counts = drawn.write(tmp_path / "drawn")
+    assert 0 < counts["n_surface_alone"] == n_alone
+    assert counts["n_pixels_unlabelled"] == sum(s.notes["n_pixels_unlabelled"] for s in scenes)
+    constant = snowsim.scenes(1, rng=1, n_range_lines=64, radiometry="constant").scene(0)
+    assert_array_equal(constant.complete_layer_bins, constant.layer_bins)
+
+
+def test_any_function_of_a_scene_renders():
+    def rendered(scene):
+        noise = random_stream(3, scene.name).exponential(size=(scene.n_range_bins, 64))
+        return noise + 30 * scene.mask()
+
+    mine = snowsim.scenes(6, rng=1, n_range_bins=320, n_range_lines=64, renderer=rendered)
+    image, mask = mine[2]
+    assert image.dtype == np.uint8
+    assert image[mask > 0].min() > np.median(image)
+    assert_array_equal(mine[2][0], image)
+    assert np.isfinite(mine.scene(2).maximum_db)
+    grey = snowsim.scenes(
+        2, rng=1, n_range_lines=64, renderer=lambda scene: 9 * scene.mask().astype(np.uint8)
+    )
+    assert set(np.unique(grey[1][0])) == {0, 9}
+
+
+def test_a_mirror_is_told_that_its_speckle_is_full():
+    with pytest.warns(UserWarning, match="roughness_m is 0, but speckle is full"):
+        snowsim.simulate(snowsim.Snowpack(**SNOW, roughness_m=0), "snow-2-8", rng=1)
+
+
+def test_the_command_takes_a_window_by_its_name(tmp_path):
+    asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "window", "blackman"]
+    assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
+    assert xr.load_dataset(tmp_path / "a.nc").attrs["window"] == "blackman"
+
+
+def test_what_takes_seconds_shows_a_bar_on_a_terminal(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    snowsim.scenes(2, rng=1, n_range_lines=16).write(tmp_path / "few")
+    assert "0/2" in capsys.readouterr().err
 
 
 def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
@@ -363,9 +359,3 @@ def test_a_scene_says_what_its_height_cuts_and_the_first_warns():
         assert scene.notes["n_pixels_drawn"] == n_drawn
         # No two layers share a pixel, so the mask holds what is not cut.
         assert scene.notes["n_pixels_cut"] == n_drawn - scene.mask().sum()
-
-
-def test_scenes_are_refused_where_their_masks_would_hold_no_layer():
-    blind = read_dataset(REFERENCE).assign(end_contrast_db=33.0)
-    with pytest.raises(ValueError, match="labelled at the surface alone"):
-        snowsim.scenes(3, statistics=blind, rng=1)

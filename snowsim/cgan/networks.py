@@ -28,9 +28,6 @@ class UNetGenerator(nn.Module):
 
     def __init__(self, width=64, depth=8, n_inputs=1, *, statistics="pixel", has_grain=False):
         super().__init__()
-        if depth < 2 or width < 1:
-            msg = f"a generator needs depth >= 2 and width >= 1, got depth {depth}, width {width}"
-            raise ValueError(msg)
         self.depth = depth
         self.statistics = statistics
         self.has_grain = has_grain
@@ -154,10 +151,6 @@ class PatchDiscriminator(nn.Module):
 
     def __init__(self, width=64, n_strided=3, n_inputs=1, *, has_biases=False):
         super().__init__()
-        if n_strided < 1 or width < 1:
-            msg = "a discriminator needs n_strided >= 1 and width >= 1, "
-            msg += f"got n_strided {n_strided}, width {width}"
-            raise ValueError(msg)
         channels = stage_channels(width, n_strided + 1)
         outermost = _halving(n_inputs + 1, channels[0], bias=True)
         layers = [outermost, nn.LeakyReLU(SLOPE)]

@@ -14,6 +14,7 @@ from snowsim.cgan.networks import (
     adversarial_loss,
     initialise,
 )
+from snowsim.limits import check_count
 from snowsim.patches import draw_index, draw_patches, to_signed
 from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
@@ -59,7 +60,7 @@ class Training:
         for name, network in self._networks().items():
             load_weights(network, state.get(name, {}), name)
         for name, optimiser in self.optimisers.items():
-            load_moments(optimiser, state.get(name, {}), name)
+            load_moments(optimiser, state.get(name, {}))
         self.step = step
 
 
@@ -95,12 +96,10 @@ def train_steps(training, scenes):
     `published.update`. Losses: ``L_D = (A(D(x,
     y), 1) + A(D(x, G(x, z)), 0)) / 2``, ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the
     adversarial A a cross-entropy (0.69 is undecided): Isola et al. (2017), eq. (7) of Yari et al.
-    (2021); `l1` is a share of half the grey range. ValueError without scenes or for one not
+    (2021); `l1` is a share of half the grey range. ValueError for a scene not
     trainable; FloatingPointError if a loss is not finite.
     """
-    if len(scenes) == 0:
-        msg = "training needs at least one scene, got none"
-        raise ValueError(msg)
+    check_count("scenes to train on", len(scenes))
     held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
     while training.step < training.settings.n_steps:
         losses = _take_step(training, held, len(scenes))

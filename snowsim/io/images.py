@@ -12,7 +12,9 @@ from snowsim.io.guard import existing, library_errors, one_line, refusal
 
 MAXIMUM_PIXELS = 2**26  # 256 columns of 262144 rows; below the size at which Pillow itself warns
 NUMBERS_IN_TEXT = {"noise_floor_db": float, "maximum_db": float, "zone": int}
-MODES = {"8-bit grey": ("L",), "1-bit or 8-bit grey": ("1", "L")}  # as Pillow calls them
+ANY_GREY = "grey of 1, 8 or 16 bits, or of three equal colours"
+# As Pillow calls them.
+MODES = {"8-bit grey": ("L",), ANY_GREY: ("1", "L", "I;16", "RGB", "RGBA")}
 
 
 def read_image(path, expected="8-bit grey"):
@@ -32,14 +34,24 @@ def read_image(path, expected="8-bit grey"):
                     raise refusal(path, "PNG", f"1 to {largest}", f"{rows} rows of {columns}")
                 if file.mode not in MODES[expected]:
                     raise refusal(path, "PNG", expected, f"mode {file.mode}")
-                return np.array(file), _numbers_in_text(path, file.text)
+                return _grey(path, np.array(file)), _numbers_in_text(path, file.text)
         except (Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
             raise refusal(path, "PNG", f"at most {largest}", error) from error
 
 
+def _grey(path, values):
+    """Grey levels (range_bin, range_line) of an image; of colours, all equal, one."""
+    if values.ndim == 3:
+        colours = values[..., :3]
+        if (colours != colours[..., :1]).any():
+            raise refusal(path, "PNG", ANY_GREY, "colours")
+        return colours[..., 0]
+    return values
+
+
 def read_mask(path):
-    """Mask of a PNG image, bool (range_bin, range_line): 1 bit, or 0 and one more grey level."""
-    values, _ = read_image(path, "1-bit or 8-bit grey")
+    """Mask of a PNG image, bool (range_bin, range_line): 0 and one more grey level."""
+    values, _ = read_image(path, ANY_GREY)
     levels = np.unique(values)
     if levels.size > 2 or (levels.size == 2 and levels[0] != 0):
         found = f"{levels.size} levels from {levels[0]} to {levels[-1]}"

@@ -2,91 +2,201 @@
 
 import re
 from dataclasses import dataclass
+from unicodedata import normalize
 
 import numpy as np
 import pandas as pd
 
+from snowsim.echogram import check_choice
 from snowsim.io.guard import existing, library_errors, listed, refusal
 
-# As their letters and digits are in a column's name or an option.
 UNITS = {
     "depth": {"m": 1.0, "cm": 0.01, "mm": 0.001},
-    "density": {"kgm3": 1.0, "gcm3": 1000.0},
+    "density": {"kg m-3": 1.0, "g cm-3": 1000.0},
 }
-NAMES = {"depth": "m, cm or mm", "density": "kg m-3 or g cm-3"}
-MOST_G_CM3 = 5.0  # no snow is as light in kg m-3
+# Largest densities that fit one unit alone.
+MOST_G_CM3 = 1.0
+LEAST_KG_M3 = 60.0
+# Words of columns' names.
+DENSITY = r"\b(density|dens|rho|ρ)\b"
+THICKNESS = r"\bthickness\b"
+TOP = r"\b(top|upper|from)\b"
+BOTTOM = r"\b(bottom|base|lower|to)\b"
+MIDDLE = r"\b(mid|middle|centre|center)\b"
+DEPTH = rf"\bdepth\b|{TOP}|{BOTTOM}|{MIDDLE}"
+NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
+# A first depth up to this share of the first sample is of a middle.
+MOST_OF_MIDDLE = 0.75
 
 
 @dataclass(frozen=True)
 class Profile:
     """Samples of one profile, (sample,); density is NaN where it is missing."""
 
-    depth_m: np.ndarray
+    depth_m: np.ndarray  # of the middle
     density_kg_m3: np.ndarray
     note: str  # what was read, in one line
+    thickness_m: np.ndarray | None = None  # None: samples reach half-way to their neighbours
 
 
-def read_profile(path, *, depth_unit=None, density_unit=None):
+def read_profile(
+    path,
+    *,
+    depth_unit=None,
+    density_unit=None,
+    depth_column=None,
+    density_column=None,
+    depth_of=None,
+):
     """The `Profile` of a table with a header, its fields divided by commas, semicolons or blanks.
 
-    One column's name has `depth` in it, of the middle of each sample, and one has `density`; what
-    follows that is the unit, as in ``depth_cm`` or ``Density (kg/m^3)``, if none is given. Density
-    without a unit takes the one that its values fit. Lines that begin with # are remarks.
+    Columns are told by words of their names, such as ``depth_cm``, ``Density (kg/m³)``, ``rho``,
+    ``top [m]``, ``bottom [m]``, ``thickness``, or named. Units stand there, or in a row below the
+    header, or are given; density without a unit takes the one that its values fit. Depths are of
+    the top, bottom or middle of samples, as the name or `depth_of` says; where neither does, of
+    tops if the first is 0, of middles if it is about half the first sample, else they are refused.
+    Rows may run from the bottom up, numbers have a decimal comma; lines that begin with # are
+    remarks.
     """
     path = existing(path)
-    with library_errors(path, "table", "text with a header and columns"):
-        table = pd.read_csv(path, sep=None, engine="python", comment="#", encoding="utf-8-sig")
-    columns = {quantity: _column(path, quantity, table) for quantity in UNITS}
-    values = {quantity: _numbers(path, table[name]) for quantity, name in columns.items()}
-    if depth_unit is None:
-        depth_unit = _unit(path, "depth", columns["depth"])
-    if density_unit is None:
-        density_unit = _unit(path, "density", columns["density"], values["density"])
-    missing = np.isnan(values["depth"])
-    if missing.any():
-        found = f"none in row {np.flatnonzero(missing)[0] + 1}"
-        raise refusal(path, columns["depth"], "a depth in every row", found)
-    n_missing = np.isnan(values["density"]).sum()
-    depth_m = values["depth"] * UNITS["depth"][_letters(depth_unit)]
+    table = _table(path)
+    density = _column(path, table, "density", DENSITY, density_column)
+    others = table.drop(columns=density)
+    tops = _named(others, TOP)
+    bottoms = _named(others, BOTTOM)
+    of_both_ends = depth_column is None and len(tops) == len(bottoms) == 1
+    if of_both_ends:
+        depth, *beside = tops + bottoms
+    else:
+        beside = _named(others, THICKNESS)[:1]
+        depth = _column(path, others.drop(columns=beside), "depth", DEPTH, depth_column)
+    values, below = _numbers(path, table[[depth, density, *beside]])
+    depth_unit = _unit(path, "depth", depth, below, depth_unit)
+    density_unit = _unit(path, "density", density, below, density_unit, _fitting(values[density]))
+    density_kg_m3 = UNITS["density"][density_unit] * values[density].to_numpy()
+    in_m = UNITS["depth"][depth_unit] * values.drop(columns=density)
+    depth_m = in_m[depth].to_numpy()
+    thickness_m = in_m[beside[0]].to_numpy() if beside else None
+    if of_both_ends:
+        thickness_m = thickness_m - depth_m
+    place = _place(path, depth, depth_of, depth_m, thickness_m)
+    middle_m, thickness_m = _middles(depth_m, thickness_m, place)
+    n_missing = np.isnan(density_kg_m3).sum()
     note = f"{path}: {depth_m.size} samples down to {depth_m[-1]:.4g} m, {n_missing} missing, "
-    note += f"depth in {depth_unit}, density in {density_unit}"
-    factor = UNITS["density"][_letters(density_unit)]
-    return Profile(depth_m, values["density"] * factor, note)
+    note += f"depths of the {place} of each, depth in {depth_unit}, density in {density_unit}"
+    return Profile(middle_m, density_kg_m3, note, thickness_m)
 
 
-def _column(path, quantity, table):
-    """Name of the one column of a quantity."""
-    names = [str(name) for name in table.columns]
-    found = [name for name in names if quantity in name.lower()]
-    if len(found) != 1 or table.empty:
-        has = f"{len(table)} rows of {listed(names)}"
-        raise refusal(path, quantity, f"rows and one column with {quantity} in its name", has)
+def _table(path):
+    """Table of texts."""
+    with library_errors(path, "table", "text with a header and columns"):
+        # Spreadsheets write a raised 3 as no UTF-8.
+        how = {"encoding": "utf-8-sig", "encoding_errors": "replace", "dtype": str}
+        table = pd.read_csv(path, sep=None, engine="python", comment="#", **how)
+    if table.empty or not isinstance(table.index, pd.RangeIndex):
+        found = "no row" if table.empty else "more: decimal commas?"
+        raise refusal(path, "rows", "as many fields as the header has", found)
+    return table
+
+
+def _words(name):
+    """Letters and digits of a name, in lower case, with a blank for anything else."""
+    return re.sub("[^a-zρ0-9]+", " ", normalize("NFKC", str(name)).lower())
+
+
+def _named(table, pattern):
+    """Columns whose names have one of the words, and none that tells another quantity."""
+    told = {name: _words(name) for name in table.columns}
+    found = [name for name, words in told.items() if re.search(pattern, words)]
+    return [name for name in found if not re.search(NOT_MEANT, told[name])]
+
+
+def _column(path, table, quantity, pattern, name):
+    """The column of a name; without one, that of a quantity."""
+    found = _named(table, pattern) if name is None else [name]
+    if len(found) != 1 or found[0] not in table:
+        expected = f"one column with {quantity} in its name, or --{quantity}-column"
+        raise refusal(path, name or quantity, expected, listed(map(str, table.columns)))
     return found[0]
 
 
-def _numbers(path, column):
-    """Values of a column, NaN where there are none."""
-    numbers = pd.to_numeric(column, errors="coerce")
-    bad = numbers.isna() & column.notna()
-    if bad.any():
-        row = np.flatnonzero(bad)[0]
-        raise refusal(path, column.name, "numbers", f"{column.iloc[row]!r} in row {row + 1}")
-    return numbers.to_numpy(dtype=float)
+def _numbers(path, texts):
+    """Columns as numbers from the top down, NaN where there are none; and units by column.
+
+    Those stand where the first row has text alone. The first column has a number in every row.
+    """
+    numbers = texts.apply(lambda column: pd.to_numeric(column.str.replace(",", "."), "coerce"))
+    bad = numbers.isna() & texts.notna()
+    below = texts.iloc[0].to_dict() if bad.iloc[0].all() else {}
+    bad.iloc[:, 0] = numbers.iloc[:, 0].isna()
+    if below:
+        texts, numbers, bad = (table.iloc[1:] for table in (texts, numbers, bad))
+    rows, columns = np.nonzero(bad.to_numpy())
+    if rows.size:
+        found = f"{texts.iloc[rows[0], columns[0]]!r} in row {rows[0] + 1}"
+        raise refusal(path, texts.columns[columns[0]], "numbers", found)
+    falls = (numbers.iloc[:, 0].diff()[1:] < 0).all()
+    return (numbers[::-1] if falls else numbers), below
 
 
-def _unit(path, quantity, name, values=None):
-    """Unit in a column's name; where there is none, told from values if they are given."""
-    _, _, after = name.lower().partition(quantity)
-    letters = _letters(after)
-    for unit in re.split(", | or ", NAMES[quantity]):
-        if _letters(unit) == letters:
-            return unit
-    if letters or values is None:
-        expected = f"the unit in the column's name, {NAMES[quantity]}, or --{quantity}-unit"
-        raise refusal(path, quantity, expected, name)
-    light = not np.nanmax(values, initial=-np.inf) >= MOST_G_CM3
-    return "g cm-3" if light else "kg m-3"
+def _unit(path, quantity, column, below, given, fitting=None):
+    """Unit as the header says, as given, or as it fits values; refused where these differ."""
+    words = _words(f"{column} {below.get(column, '')}").split()
+    letters = "".join(words)
+    told = None
+    if quantity == "depth":
+        told = next((word for word in reversed(words) if word in UNITS["depth"]), None)
+    elif "kgm3" in letters:
+        told = "kg m-3"
+    elif "gcm3" in letters or "gcc" in letters:
+        told = "g cm-3"
+    if given is not None:
+        check_choice(f"{quantity}_unit", given, UNITS[quantity])
+    if None not in (told, given) and told != given:
+        raise refusal(path, column, f"--{quantity}-unit {told}, as the header says", given)
+    unit = given or told or fitting
+    if unit is None:
+        expected = f"its unit in the header, {' or '.join(UNITS[quantity])}, or --{quantity}-unit"
+        raise refusal(path, quantity, expected, column)
+    return unit
 
 
-def _letters(unit):
-    return re.sub("[^a-z0-9]", "", unit.lower())
+def _fitting(density):
+    """The one unit that values of density can have, or None."""
+    most = density.max()
+    if most <= MOST_G_CM3:
+        return "g cm-3"
+    return "kg m-3" if most >= LEAST_KG_M3 else None
+
+
+def _place(path, column, given, depth_m, thickness_m):
+    """Of which end of samples depths are: "top", "bottom" or "middle"."""
+    words = _words(column)
+    places = {"top": TOP, "bottom": BOTTOM, "middle": MIDDLE}
+    told = next((place for place, said in places.items() if re.search(said, words)), None)
+    if None not in (told, given) and told != given:
+        raise refusal(path, column, f"--depth-of {told}, as the header says", given)
+    if told or given:
+        return told or given
+    first_m = depth_m[0]
+    sample_m = np.diff(depth_m, append=np.inf)[0] if thickness_m is None else thickness_m[0]
+    if 0 < first_m <= MOST_OF_MIDDLE * sample_m:
+        return "middle"
+    if first_m != 0:
+        expected = "top, middle or bottom in its name, or --depth-of, as the first depth is "
+        expected += "neither 0 nor of the middle of a sample"
+        raise refusal(path, column, expected, f"{first_m:.4g} m of {sample_m:.4g} m")
+    return "top"
+
+
+def _middles(depth_m, thickness_m, place):
+    """Depth of the middle of every sample and its thickness [m]; None where neighbours tell it."""
+    if place == "middle":
+        return depth_m, thickness_m
+    if thickness_m is None and place == "bottom":
+        thickness_m = np.diff(depth_m, prepend=0)
+    elif thickness_m is None:
+        # The last one's snow goes on below: any thickness will do.
+        thickness_m = np.diff(depth_m, append=depth_m[-1] + 1)
+    half_m = thickness_m / 2
+    return depth_m + (half_m if place == "top" else -half_m), thickness_m

@@ -8,9 +8,13 @@ import numpy as np
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import check_choice
 from snowsim.labels.given import values_by_layer, values_of
+from snowsim.limits import check_values
 
-WIDTHS = ("paper", "fitted")
-MEASURED_OR_NONE = ("measured", "none")
+CHOICES = {
+    "width": ("paper", "fitted"),
+    "speckle_correlation": ("measured", "none"),
+    "background": ("measured", "none"),
+}
 
 
 @dataclass(frozen=True)
@@ -40,14 +44,10 @@ class Dress:
     background: str = "measured"
 
     def __post_init__(self):
-        check_choice("width", self.width, WIDTHS)
-        check_choice("speckle_correlation", self.speckle_correlation, MEASURED_OR_NONE)
-        check_choice("background", self.background, MEASURED_OR_NONE)
-        if self.n_looks is not None and not 1 <= self.n_looks < np.inf:
-            msg = f"n_looks must be finite and at least 1, got {self.n_looks}"
-            raise ValueError(msg)
-        if self.width_bounds is not None:
-            _check_bounds("width_bounds", self.width_bounds)
+        for name, choices in CHOICES.items():
+            check_choice(name, getattr(self, name), choices)
+        if self.n_looks is not None:
+            check_values("n_looks", self.n_looks, 1)
 
     @classmethod
     def split(cls, settings):
@@ -61,12 +61,9 @@ class Dress:
         """Variances of the uppermost layers [bins^2], (layer,); only `paper` uses `rng`."""
         if self.width == "fitted":
             return _uppermost(statistics, "variance_bins2", n_layers)
-        name = "width_bounds"
         bounds = self.width_bounds
         if bounds is None:
-            name = "width_bound_bins"
-            bounds = statistics[name].values
-        _check_bounds(name, bounds)
+            bounds = statistics["width_bound_bins"].values
         return rng.uniform(*bounds, n_layers)
 
     def radar(self, statistics):
@@ -103,18 +100,12 @@ def dress(layer_bins, statistics, choices=None, *, rng=None):
     Raises
     ------
     ValueError
-        If there is no layer, or statistics are missing, not finite or not positive.
+        If statistics are missing, not finite or not positive.
     """
     choices = choices or Dress()
     n_layers = len(layer_bins)
-    if n_layers < 1:
-        msg = f"layer_bins must hold at least one layer, got {n_layers}"
-        raise ValueError(msg)
     variance = choices.variance_bins2(statistics, n_layers, rng=rng)
     noise_power = values_of(statistics, "noise_power", ()).item()
-    if noise_power <= 0:
-        msg = f"flight statistics: noise_power must be positive, got {noise_power}"
-        raise ValueError(msg)
     power = _uppermost(statistics, "peak_power", n_layers)
     layers = Echoes(
         bins=layer_bins,
@@ -177,13 +168,6 @@ def redress(scene, statistics, choices=None, *, rng=None):
         decay_rate=np.where(is_layer, decay, drawn.decay_rate),
         **choices.radar(statistics),
     )
-
-
-def _check_bounds(name, bounds):
-    if np.shape(bounds) != (2,) or not 0 < bounds[0] <= bounds[1] < np.inf:
-        got = ", ".join(f"{bound:g}" for bound in bounds)
-        msg = f"{name} must be two numbers, positive and increasing, got {got}"
-        raise ValueError(msg)
 
 
 def _uppermost(statistics, name, n_layers):

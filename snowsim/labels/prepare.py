@@ -16,6 +16,7 @@ from snowsim.labels.process import (
     plain_variances,
 )
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model
+from snowsim.limits import check_count
 
 # Of the steps that whole-bin levelling makes, above which a product is taken to do so.
 ROUNDED_SHARE = 0.5
@@ -188,21 +189,20 @@ def prepare(
         If statistics are missing or not finite, a scene is narrower than 2 lines, a range is empty,
         a choice unknown.
     """
-    if n_range_lines < 2:
-        msg = f"a scene needs at least 2 range lines, got {n_range_lines}"
-        raise ValueError(msg)
-    if n_layers != "measured" and (
-        isinstance(n_layers, str) or not 1 <= n_layers[0] <= n_layers[1]
-    ):
-        msg = f"n_layers must be measured or two counts in order, from 1, got {n_layers}"
-        raise ValueError(msg)
-    check_choice("correlation", correlation, ("measured", "none"))
-    check_choice("first_slab", first_slab, ("measured", "uniform"))
-    check_choice("surface", surface, ("measured", "flat"))
-    check_choice("radiometry", radiometry, ("measured", "constant"))
-    chosen = {"n_layers": None if n_layers == "measured" else tuple(n_layers)}
+    check_count("n_range_lines", n_range_lines, 2)
+    choices = {
+        "correlation": (correlation, ("measured", "none")),
+        "first_slab": (first_slab, ("measured", "uniform")),
+        "surface": (surface, ("measured", "flat")),
+        "radiometry": (radiometry, ("measured", "constant")),
+    }
+    for name, (value, known) in choices.items():
+        check_choice(name, value, known)
+    chosen = {"n_layers": None}
     if n_layers == "measured":
         chosen |= _counts_of_layers(statistics)
+    else:
+        chosen["n_layers"] = tuple(n_layers)
     if first_slab == "measured":
         quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
         chosen["first_quantile_bins"] = quantiles
@@ -226,11 +226,6 @@ def prepare(
 def _counts_of_layers(statistics):
     """How many layers blocks of the flight have, as arguments of `LabelModel`."""
     by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
-    if not by_layers[:, 1:].any():
-        msg = (
-            "flight statistics: n_blocks_by_layers must hold a block with a layer below the surface"
-        )
-        raise ValueError(msg)
     n_blocks = statistics.attrs.get("n_blocks", 1)
     n_without = statistics.attrs.get("n_blocks_without_layers", 0)
     return {"blocks_by_layers": by_layers, "share_without_layers": n_without / n_blocks}

@@ -5,6 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from snowsim.limits import check_values
+
 ITERATIONS = 20  # of Richardson-Lucy
 LEAST_EIGENVALUE = 1e-9  # of a correlation matrix, of the largest; below, its root is rounding
 # Density that a wave of unit variance and half a cycle per block has in the first two cycles of a
@@ -158,14 +160,8 @@ class Nonstationary:
     zones: tuple | None = None  # whose scenes have them; None: all
 
     def __post_init__(self):
-        for name in ("trend_sd", "fold_sd_bins"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value >= 0):
-                msg = f"{name} must be finite and not negative, got {value}"
-                raise ValueError(msg)
-        if not self.fold_length_lines >= 4:
-            msg = f"fold_length_lines must be at least 4 range lines, got {self.fold_length_lines}"
-            raise ValueError(msg)
+        for name, least in (("trend_sd", 0), ("fold_sd_bins", 0), ("fold_length_lines", 4)):
+            check_values(name, getattr(self, name), least)
 
     def applies(self, zone):
         """Whether scenes of a zone have trends and folds."""

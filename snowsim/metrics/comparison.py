@@ -25,23 +25,13 @@ def compare(counts, pairs, *, n_bootstrap, rng):
     replica r of every name began from the same weights. `n_bootstrap` resamples of the images, the
     same for every name, give the images' error. Columns `name, base, metric, mean, base_mean`,
     those of `paired_difference`, and `bootstrap_low, bootstrap_high`, percentiles of resamples of
-    images and replicas at once, narrow where replicas are few. Names without counts, or with unlike
-    numbers of replicas or images, are refused. `p_holm` follows `p_value`, corrected for all rows.
+    images and replicas at once, narrow where replicas are few. `p_holm` follows `p_value`,
+    corrected for all rows.
     """
     stacked = {
         name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()
     }
-    n_images_of = {
-        name: [replica["n_truth"].shape[0] for replica in replicas]
-        for name, replicas in stacked.items()
-    }
-    for name, base in pairs:
-        sizes = [n_images_of.get(name, "no counts"), n_images_of.get(base, "no counts")]
-        if sizes[0] != sizes[1] or sizes[0] == "no counts":
-            wanted = "counts of the same images by as many replicas"
-            msg = f"{name} and {base}: expected {wanted}, got {sizes}"
-            raise ValueError(msg)
-    n_images = next(iter(n_images_of.values()))[0]
+    n_images = next(iter(stacked.values()))[0]["n_truth"].shape[0]
     draws = rng.integers(n_images, size=(n_bootstrap, n_images))
     places = rng.random((n_bootstrap, max(map(len, stacked.values()))))
     points = {name: replica_scores(replicas) for name, replicas in stacked.items()}

@@ -40,9 +40,6 @@ def layer_rows(picks, layer_bins, *, max_distance_bins=10.0, within_bins=2.0):
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
     error_bins, used = match_picks(picks, layer_bins, max_distance_bins=max_distance_bins)
-    if not np.isfinite(layer_bins[:1]).any():
-        msg = "layer_bins: expected the snow surface in row 0, it is absent"
-        raise ValueError(msg)
     surface_bin = np.nanmean(layer_bins[0])
     thickness_error = np.diff(error_bins, axis=0, prepend=np.nan)
     rows = []
@@ -92,9 +89,6 @@ def pool_picks(rows, by, *, bin_size_m):
     `share_within`, `share_found` of the true pixels, `n_layers`, `n_missed_layers`,
     `n_false_layers`, `n_true`, `n_found`. NaN where nothing was found.
     """
-    if len(rows) == 0 or not bin_size_m > 0:
-        msg = f"expected rows of picks and bin_size_m above 0, got {len(rows)} and {bin_size_m}"
-        raise ValueError(msg)
     sums = rows.groupby(by, sort=False)[list(SUMS)].sum().reset_index()
     return errors_of_sums(sums, bin_size_m)
 

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.polynomial import hermite_e, polynomial
 from scipy.special import factorial, gammainccinv, gammaincinv, ndtr, ndtri
 
+from snowsim.limits import check_values
+
 HALF_TAPS = 16  # range bins to either side that the filter reaches, and the most lags taken
 LARGEST_ERROR = 0.05  # of the correlation at any lag; above, the correlation is refused
 SMALLEST_TAP = 1e-6  # of the one in the middle; smaller ones at the ends are left out
@@ -57,13 +59,8 @@ def _normal_cells():
 def correlating_taps(correlation, n_looks):
     """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes."""
     asked = np.asarray(correlation, dtype=float)
-    is_function = asked.ndim == 1 and 1 <= asked.size <= HALF_TAPS + 1
-    if not (is_function and asked[0] == 1 and (np.abs(asked) <= 1).all()):
-        got = np.array2string(asked.ravel(), precision=3, threshold=8)
-        msg = "speckle correlation must be 1 at lag 0 and in [-1, 1] "
-        msg += f"at {HALF_TAPS} or fewer lags more, got {got}"
-        raise ValueError(msg)
-    return _correlating_taps(tuple(asked), n_looks)
+    check_values("speckle correlation", asked, -1, 1)
+    return _correlating_taps(tuple(asked.ravel()), n_looks)
 
 
 @lru_cache(maxsize=8)

@@ -4,20 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from snowsim.limits import check_values
 from snowsim.phy.correlated import correlating_taps
-from snowsim.phy.parameters import (
-    EXACT_BOUND_DB,
-    Waveforms,
-    checked_power,
-    checked_tolerance,
-    checked_waveforms,
-)
-from snowsim.phy.speckle import check_method, checked_looks
+from snowsim.phy.parameters import EXACT_BOUND_DB, Waveforms, checked_waveforms
+from snowsim.phy.speckle import check_method
 from snowsim.phy.tables import Supports, allowed_error, find_supports
-from snowsim.phy.texture import checked_texture
 
 NEEDED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
 OPTIONAL = ("speckle_correlation", "texture", "textured_layers", "line_gain_spread_db")
+LEAST = {"noise_power": 0, "n_looks": 1, "line_gain_spread_db": 0, "tolerance_db": EXACT_BOUND_DB}
 
 # Nanoseconds measured on one core beside those for one float32 normal, COST_NORMAL: their ratios
 # carry over to other machines.
@@ -128,43 +123,37 @@ def plan(
         normalise,
         align,
     )
-    noise_power = checked_power("noise_power", given["noise_power"])
-    n_looks = checked_looks(given["n_looks"])
+    gain_db = float(given["line_gain_spread_db"] or 0.0)
+    numbers = given | {"line_gain_spread_db": gain_db, "tolerance_db": tolerance_db}
+    for name, least in LEAST.items():
+        if numbers[name] is not None:
+            check_values(name, numbers[name], least)
+    noise_power = float(given["noise_power"])
+    n_looks = float(given["n_looks"])
     correlation = given["speckle_correlation"]
     if speckle is None:
         speckle = "gamma" if tolerance_db is None else "quantile"
     if correlation is not None and speckle == "gamma":
         speckle = "quantile"
     check_method(speckle, n_looks, correlation)
-    gain_db = checked_power("line_gain_spread_db", given["line_gain_spread_db"] or 0.0)
     planned = plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
     planned = replace(planned, line_gain_spread_db=gain_db)
-    texture = checked_texture(given["texture"])
-    textured = _checked_textured(given["textured_layers"], waveforms)
-    if texture is None:
+    if given["texture"] is None or given["texture"][0] == 0:
         return planned
+    texture = tuple(map(float, given["texture"]))
+    n_layers = waveforms.amplitude.size
+    textured = np.arange(n_layers)
+    if given["textured_layers"] is not None:
+        textured = np.flatnonzero(given["textured_layers"])
     cost = planned.cost_normals + COST_TEXTURE / COST_NORMAL
     return replace(planned, texture=texture, textured_layers=textured, cost_normals=cost)
-
-
-def _checked_textured(textured_layers, waveforms):
-    """Indices of layers whose tails have texture, by default all."""
-    n_layers = waveforms.amplitude.size
-    if textured_layers is None:
-        return np.arange(n_layers)
-    textured = np.asarray(textured_layers)
-    if textured.shape != (n_layers,) or textured.dtype != bool:
-        msg = f"textured_layers: expected true or false for each of {n_layers} layers, "
-        msg += f"got {textured.dtype} of shape {textured.shape}"
-        raise ValueError(msg)
-    return np.flatnonzero(textured)
 
 
 def plan_power(
     waveforms, noise_power, tolerance_db, n_looks=np.nan, speckle="gamma", correlation=None
 ):
-    """Plan for waveforms that are checked already. Without noise nothing can be left out."""
-    tolerance_db = checked_tolerance(tolerance_db)
+    """Plan for what is checked already. Without noise nothing can be left out."""
+    tolerance_db = None if tolerance_db is None else float(tolerance_db)
     n_pixels = waveforms.n_range_bins * waveforms.centre_bins.shape[1]
     supports = None
     bound_db = EXACT_BOUND_DB

@@ -3,10 +3,11 @@
 import numba
 import numpy as np
 
-from snowsim.phy.parameters import checked_power, checked_tolerance, checked_waveforms
+from snowsim.limits import check_values
+from snowsim.phy.parameters import EXACT_BOUND_DB, checked_waveforms
 from snowsim.phy.plan import plan_power
 from snowsim.phy.tables import tabulated_power
-from snowsim.phy.waveform import waveform_unchecked
+from snowsim.phy.waveform import waveform_exact
 
 DEFAULT_RELATIVE_NOISE = 1e-4
 
@@ -78,13 +79,15 @@ def mean_power(
     waveforms = checked_waveforms(
         layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align
     )
+    if tolerance_db is not None:
+        check_values("tolerance_db", tolerance_db, EXACT_BOUND_DB)
     if noise_power is not None:
-        noise_power = checked_power("noise_power", noise_power)
-    elif checked_tolerance(tolerance_db) is None:
+        check_values("noise_power", noise_power, 0)
+    elif tolerance_db is None:
         noise_power = 0.0
     else:
         noise_power = DEFAULT_RELATIVE_NOISE * _least_largest_power(waveforms)
-    power = planned_power(plan_power(waveforms, noise_power, tolerance_db))
+    power = planned_power(plan_power(waveforms, float(noise_power), tolerance_db))
     return power.astype(float, copy=False)
 
 
@@ -167,5 +170,5 @@ def _least_largest_power(waveforms):
 def _layer_power(waveforms, layer, line, x_bins):
     """Power of layers on range lines, at `x_bins` below their centres."""
     share = 1.0 if waveforms.line_share is None else waveforms.line_share[layer, line]
-    one = waveform_unchecked(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+    one = waveform_exact(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
     return waveforms.amplitude[layer] * share * one

@@ -119,14 +119,11 @@ def render_scene(
 ):
     """The scene with its image and its plan's notes, without echoes and complete layers.
 
-    Rendered are the scene's own `echoes` unless others are given, ValueError where there are none;
-    mean power `added_power` (range_bin, range_line) of what is no echo is added to theirs. Further
-    options are those of `render`.
+    Rendered are the scene's own `echoes` unless others are given, `snowsim.labels.dress` makes
+    them; mean power `added_power` (range_bin, range_line) of what is no echo is added to theirs.
+    Further options are those of `render`.
     """
     echoes = echoes or scene.echoes
-    if echoes is None:
-        msg = f"scene {scene.name}: expected echoes, got none: snowsim.labels.dress makes them"
-        raise ValueError(msg)
     planned = plan(
         echoes.bins,
         echoes.parameters(),

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import gammainc, gammaincinv
 
 from snowsim.echogram import check_choice
+from snowsim.limits import check_values
 from snowsim.phy.correlated import draw_correlated, look_up
 
 METHODS = ("looks", "gamma", "quantile")
@@ -65,16 +66,10 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     mean_power = np.asarray(mean_power)
     if mean_power.dtype != np.float32:
         mean_power = mean_power.astype(float)
-    bad = ~((mean_power >= 0) & np.isfinite(mean_power))
-    if bad.any():
-        at = tuple(int(i) for i in np.argwhere(bad)[0])
-        msg = f"mean_power must be finite and not negative, got {mean_power[at]} at {at}"
-        raise ValueError(msg)
-    n_looks = checked_looks(n_looks)
+    check_values("mean_power", mean_power, 0)
+    check_values("n_looks", n_looks, 1)
     check_method(method, n_looks, correlation)
-    if mean_power.ndim != 2:
-        msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
-        raise ValueError(msg)
+    n_looks = float(n_looks)
     if method == "looks":
         return _draw_looks(mean_power, int(n_looks), rng)
     if correlation is not None:
@@ -88,25 +83,14 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     return _draw_gamma(mean_power, n_looks, rng)
 
 
-def checked_looks(n_looks):
-    """Number of looks as float; ValueError unless finite and at least 1."""
-    n_looks = float(n_looks)
-    if not (n_looks >= 1 and np.isfinite(n_looks)):
-        msg = f"n_looks must be finite and at least 1, got {n_looks}"
-        raise ValueError(msg)
-    return n_looks
-
-
 def check_method(method, n_looks, correlation=None):
     """ValueError unless `method` exists and can draw this number of looks, correlated if asked."""
     check_choice("speckle method", method, METHODS)
     if method == "looks" and n_looks != np.floor(n_looks):
         msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
         raise ValueError(msg)
-    if method == "quantile" and n_looks > MOST_LOOKS_QUANTILE:
-        msg = f"speckle method quantile needs at most {MOST_LOOKS_QUANTILE:g} looks, "
-        msg += f"got {n_looks:g}"
-        raise ValueError(msg)
+    if method == "quantile":
+        check_values("n_looks of speckle method quantile", n_looks, 1, MOST_LOOKS_QUANTILE)
     if correlation is not None and method != "quantile":
         msg = f"speckle method {method} draws independent range bins, a correlation needs quantile"
         raise ValueError(msg)

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 from scipy.special import erfcinv, erfcx
 
-from snowsim.phy.waveform import waveform_unchecked
+from snowsim.phy.waveform import waveform_exact
 
 DEGREE = 5  # of the Taylor polynomials about the nodes of a sub-bin table
 
@@ -254,7 +254,7 @@ def _taylor(x, variance, decay, amplitude, dtype):
     coefficients = np.empty((DEGREE + 1, x.size), dtype=dtype)
     gaussian = amplitude * np.exp(-x * x / (2 * variance))
     gaussian_before = 0.0
-    waveform = amplitude * waveform_unchecked(x, variance, decay)
+    waveform = amplitude * waveform_exact(x, variance, decay)
     coefficients[0] = waveform
     for n in range(DEGREE):
         waveform = (gaussian - decay * waveform) / (n + 1)

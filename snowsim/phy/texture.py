@@ -9,21 +9,6 @@ NEPERS = np.log(10) / 10  # per dB
 REACH_LINES = 2.5  # of the taps along track, in standard deviations of their Gaussian
 
 
-def checked_texture(texture):
-    """(variance, length down range, length along track), None if there is none.
-
-    ValueError if they are not valid.
-    """
-    if texture is None:
-        return None
-    values = tuple(map(float, texture))
-    if len(values) != 3 or not (np.isfinite(values).all() and min(values) >= 0 < values[1]):
-        msg = "texture must be a variance and lengths in range bins and range lines, not negative, "
-        msg += f"got {texture}"
-        raise ValueError(msg)
-    return values if values[0] > 0 else None
-
-
 def draw_texture(n_range_bins, n_range_lines, texture, *, rng):
     """Factors of power of mean 1, float32 (range_bin, range_line).
 

@@ -18,6 +18,7 @@ from snowsim.echogram import (
     to_db,
 )
 from snowsim.frames import resample_range
+from snowsim.limits import check_count, check_values
 from snowsim.picking.surface import SMOOTH_LINES, chosen_surface, find_surface, without_outliers
 
 BLOCK_LINES = 256  # of the benchmark's scenes, whose scale is that of a block
@@ -144,18 +145,14 @@ def canonical(echogram, card, where="echogram"):
         blocks.append(_survey(echogram, lines, given[lines], card.bin_s, n_averaged))
     found = np.concatenate([block.surface for block in blocks])
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
-    if not np.isfinite(found).any():
-        got = f"{(echogram['Data'].values > 0).sum()} pixels above zero in {n_bins} bins"
-        msg = f"{where}: expected 30 range bins or more of measured power, got {got}"
-        raise ValueError(msg)
+    n_known = np.isfinite(found).sum()
+    check_count(f"{where}: range lines with 30 range bins or more of measured power", n_known)
     share = np.concatenate([block.rise_share for block in blocks])
     surface, reason = chosen_surface(given, found, share, n_bins)
     if reason is not None:
         notes.append(reason)
     noise_floor_db, maximum_db = _scale(blocks)
-    if not maximum_db > noise_floor_db + 1e-3:
-        msg = f"{where}: echogram without contrast: its power is {maximum_db:g} dB throughout"
-        raise ValueError(msg)
+    check_values(f"{where}: contrast [dB]", maximum_db - noise_floor_db, 1e-3)
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     surface_db = np.concatenate([block.largest_db for block in blocks])
@@ -167,26 +164,15 @@ def canonical(echogram, card, where="echogram"):
 
 def _check(echogram, card, where):
     """Refuse what is no echogram, has no samples, or bins of another order of magnitude."""
-    if not isinstance(echogram, xr.Dataset):
+    if not isinstance(echogram, xr.Dataset) or 0 in echogram.sizes.values():
         wanted = "expected an echogram dataset, as snowsim.io.read_echogram reads it from a file"
-        msg = f"{where}: {wanted}, got {type(echogram).__name__}"
+        got = dict(getattr(echogram, "sizes", {})) or type(echogram).__name__
+        msg = f"{where}: {wanted}, got {got}"
         raise ValueError(msg)
-    if 0 in echogram.sizes.values():
-        sizes = ", ".join(f"{size} {name}" for name, size in echogram.sizes.items())
-        msg = f"{where}: expected samples, got {sizes}"
-        raise ValueError(msg)
-    for name in ("twtt", "slow_time"):
-        if name not in echogram.coords:
-            msg = (
-                f"{where}: expected coordinate {name}, found {', '.join(echogram.coords) or 'none'}"
-            )
-            raise ValueError(msg)
     check_echogram(echogram, where)
-    present_s = bin_size_s(echogram)
-    if not 1 / MOST_RESAMPLED < present_s / card.bin_s < MOST_RESAMPLED:
-        limits = f"{card.bin_s / MOST_RESAMPLED:.2g} to {card.bin_s * MOST_RESAMPLED:.2g} s"
-        msg = f"{where}: twtt: expected range bins of {limits}, got {present_s:.3g} s"
-        raise ValueError(msg)
+    shortest_s = card.bin_s / MOST_RESAMPLED
+    longest_s = card.bin_s * MOST_RESAMPLED
+    check_values(f"{where}: twtt: range bins", bin_size_s(echogram), shortest_s, longest_s)
 
 
 def _surface_s(echogram):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from snowsim.echogram import along_track_m, bin_size_s
+from snowsim.limits import check_values
 
 # What a card must hold, from the least to the largest that can be.
 NUMBERS = {
@@ -71,28 +72,14 @@ class Card:
 
 def checked_card(content, where):
     """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
-    for name, (low, high) in NUMBERS.items():
-        value = content.get(name)
-        if not _is_number(value) or not value > 0:
-            msg = f"{where}: {name}: expected a number above 0, got {value!r}"
-            raise ValueError(msg)
-        if not low <= value <= high:
-            wanted = "a probability below 1" if name == "threshold" else "a number"
-            msg = f"{where}: {name}: expected {wanted}, {low:g} to {high:g}, got {value!r}"
-            raise ValueError(msg)
-    coefficients = content.get("confidence", list(CONFIDENCE))
-    if not _are_numbers(coefficients, len(CONFIDENCE)):
-        msg = f"{where}: confidence: expected {len(CONFIDENCE)} numbers, got {coefficients!r}"
-        raise ValueError(msg)
-    ranges = content.get("ranges") or {}
-    if not isinstance(ranges, dict):
-        msg = f"{where}: ranges: expected limits by name, got {ranges!r}"
-        raise ValueError(msg)
-    ranges = {name: ranges[name] for name in RANGED if name in ranges}
-    for name, limits in ranges.items():
-        if not _are_numbers(limits, 2) or limits[0] > limits[1]:
-            msg = f"{where}: ranges: expected {name} from a number to one no less, got {limits!r}"
-            raise ValueError(msg)
+    coefficients = content.get("confidence", CONFIDENCE)
+    held = content.get("ranges") or {}
+    ranges = {name: held[name] for name in RANGED if name in held}
+    numbers = {name: content.get(name) for name in NUMBERS}
+    numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
+    numbers["confidence"] = coefficients
+    for name, values in numbers.items():
+        check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
     return Card(
         str(content.get("name")),
         str(content.get("version")),
@@ -100,12 +87,3 @@ def checked_card(content, where):
         ranges={name: tuple(limits) for name, limits in ranges.items()},
         confidence=tuple(coefficients),
     )
-
-
-def _are_numbers(values, n):
-    return isinstance(values, list | tuple) and len(values) == n and all(map(_is_number, values))
-
-
-def _is_number(value):
-    """Whether it is one, finite; JSON knows booleans and NaN, too."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value)

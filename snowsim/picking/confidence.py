@@ -9,6 +9,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
+from snowsim.limits import check_count
+
 NEAR_LINES = 8
 FAR_LINES = 48
 LARGEST = 3.0  # log-odds that count on a line
@@ -50,9 +52,7 @@ def fit_coefficients(seen, hits):
     `seen` are the `features` (2, pick) of picks on annotated scenes, `hits` (pick,) whether a layer
     lies within 2 rows of each; ValueError without a pick.
     """
-    if hits.size == 0:
-        msg = "expected picks to fit their confidence to, got none"
-        raise ValueError(msg)
+    check_count("picks to fit their confidence to", hits.size)
     terms = np.vstack([np.ones(hits.size), seen])
     sign = np.where(hits, -1.0, 1.0)
 

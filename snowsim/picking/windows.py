@@ -6,6 +6,8 @@ grid of so many pixels and overlap by more than a pixel sees give what the whole
 
 import numpy as np
 
+from snowsim.progress import shown
+
 GRID_ROWS = 16
 GRID_LINES = 2 * GRID_ROWS
 # Farther than a pixel sees: 98 pixels, by the last stage's convolutions, and 16 of its up-sampling.
@@ -24,7 +26,7 @@ def log_odds_by_lines(
     range_line) of range lines; no more than a window of either is in memory. Windows are whole
     multiples of `GRID_LINES` and `GRID_ROWS`.
     """
-    for first in range(0, n_lines, window_lines):
+    for first in shown(range(0, n_lines, window_lines), unit="window"):
         stop = min(first + window_lines, n_lines)
         left = max(0, first - MARGIN_LINES)
         image = image_of(left, min(stop + MARGIN_LINES, n_lines))

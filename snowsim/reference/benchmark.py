@@ -1,6 +1,14 @@
 """Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's."""
 
-from snowsim.echogram import ROWS_BELOW_LAST_LAYER, SURFACE_ROW, Scene, scene_height, to_uint8
+from snowsim.echogram import (
+    ROWS_BELOW_LAST_LAYER,
+    SURFACE_ROW,
+    Scene,
+    check_choice,
+    scene_height,
+    to_uint8,
+)
+from snowsim.limits import check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import line_length_km
 from snowsim.reference.picks import pick_peaks, visible_layers
@@ -20,10 +28,6 @@ def scene_position(index, split, length_km):
     It is disjoint from every other and from the sample flight. Each split (`train`, `validation`,
     `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
     """
-    if split not in SPLITS or index < 0:
-        msg = f"expected a split of {', '.join(SPLITS)} and an index of at least 0, "
-        msg += f"got {split!r} and {index}"
-        raise ValueError(msg)
     track, place = divmod(index, SLOTS)
     slot = (place * STRIDE + SLOTS // 4) % SLOTS
     n_dry = round(SLOTS * (1 - PERCOLATION_SHARE))
@@ -44,15 +48,13 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     50, cropped 100 rows below the deepest layer, at least 300 rows. ValueError if the split is
     unknown or a scene would not fit its place.
     """
+    check_choice("split", split, SPLITS)
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
     track, start_km = scene_position(index, split, line_length_km())
     percolation_km = (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM)
     room_km = percolation_km / round(SLOTS * PERCOLATION_SHARE)
-    if length_km > room_km:
-        msg = f"a scene must be shorter than {room_km:.2f} km, "
-        msg += f"got {n_range_lines} lines of {radar.line_spacing_m} m"
-        raise ValueError(msg)
+    check_values(f"kilometres of {n_range_lines} range lines", length_km, 0, room_km)
     n_rows = SURFACE_ROW + radar.n_range_bins - radar.surface_bin
     stretch = draw_stretch(
         climate, settings, track, start_km, n_range_lines, SURFACE_ROW, n_rows, rng=rng

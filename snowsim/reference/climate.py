@@ -74,9 +74,6 @@ class Climate:
         tracks, years do not. `position_km` (range_line,) is evenly spaced along the line; the first
         of `n_years` slabs is the open year.
         """
-        if n_years > N_YEARS:
-            msg = f"n_years must be at most {N_YEARS}, got {n_years}"
-            raise ValueError(msg)
         settings = self.settings.climate
         wavelengths_km = (settings.undulation_min_km, settings.undulation_max_km)
         waves = track_waves(self.track_seed, track, "undulation", *wavelengths_km)

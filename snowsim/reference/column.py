@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from snowsim.constants import WATER_DENSITY_KG_M3
+from snowsim.limits import check_count
 from snowsim.reference.climate import N_YEARS, draw_along_track
 from snowsim.reference.firn import (
     KOVACS_M3_KG,
@@ -104,9 +105,8 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
     )
     horizon_power = _draw_horizons(climate, years, percolation, rng=rng)
     seen = years.bins.min(axis=1) < n_bins_below
-    if seen.all():
-        msg = f"{n_years} years do not reach range bin {n_bins_below} at {place.position_km:.1f} km"
-        raise ValueError(msg)
+    what = f"years below range bin {n_bins_below} at {place.position_km:.1f} km, which fill it,"
+    check_count(what, (~seen).sum())
     node_water_m = np.linspace(0, water_m.max(), 400)
     node_depth_m = depth_herron_langway80(node_water_m, *profile)
     return Column(

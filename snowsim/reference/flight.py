@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import check_echogram, check_layers
+from snowsim.limits import check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import SECONDS_PER_KM, line_coordinates, line_length_km, place_at
 from snowsim.reference.picks import pick_peaks, pick_visible, rise_db, visible_layers
@@ -33,13 +33,9 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
-    if not 0 <= frame < n_frames:
-        msg = f"frame must lie in [0, {n_frames - 1}], got {frame}"
-        raise ValueError(msg)
-    if n_range_lines < 2 or n_frames * length_km > line_length_km():
-        msg = f"{n_frames} frames of {n_range_lines} range lines must fit on the line of "
-        msg += f"{line_length_km():.0f} km, they have {n_frames * length_km:.1f} km"
-        raise ValueError(msg)
+    check_values("frame", frame, 0, n_frames - 1)
+    kilometres = f"kilometres of {n_frames} frames of {n_range_lines} range lines"
+    check_values(kilometres, n_frames * length_km, 0, line_length_km())
     start_km = (frame + 0.5) / n_frames * line_length_km() - length_km / 2
     where = (FLIGHT_TRACK, start_km, n_range_lines, radar.surface_bin, radar.n_range_bins)
     stretch = draw_stretch(climate, settings, *where, rng=rng)
@@ -55,8 +51,6 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
     data = (("twtt", "slow_time"), power, {"units": "1", "long_name": "power"})
     echogram = xr.Dataset({"Data": data}, window.coords, attributes).merge(window)
     layers = _layers_dataset(picked, window, radar, attributes)
-    check_echogram(echogram, f"frame {frame}")
-    check_layers(layers, f"frame {frame}")
     return echogram, layers
 
 

@@ -39,9 +39,6 @@ def place_at(position_km, accumulation_factor=1.0):
     `accumulation_factor` as in `ClimateSettings`.
     """
     length_km = line_length_km()
-    if not 0 <= position_km <= length_km:
-        msg = f"position_km must lie in [0, {length_km:.1f}], got {position_km:g}"
-        raise ValueError(msg)
     latitude, longitude = map(float, line_coordinates(position_km))
     elevation_m = float(_profile(ELEVATION_M, position_km / length_km))
     return Place(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from snowsim.constants import ICE_DENSITY_KG_M3, PROCESSED_BANDWIDTH_HZ
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
+from snowsim.limits import check_values
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
 from snowsim.reference.line import line_length_km, place_at
 from snowsim.settings import check_settings, limited, replaced, setting
@@ -44,10 +45,8 @@ class ClimateSettings:
 
     def __post_init__(self):
         check_settings(self, "climate.")
-        if self.undulation_max_km <= self.undulation_min_km:
-            msg = "climate.undulation_max_km must exceed undulation_min_km, "
-            msg += f"got {self.undulation_max_km:g}"
-            raise ValueError(msg)
+        least_km = self.undulation_min_km
+        check_values("climate.undulation_max_km", self.undulation_max_km, least_km, above=True)
 
 
 @dataclass(frozen=True)
@@ -101,17 +100,11 @@ class FirnSettings:
 
     def __post_init__(self):
         check_settings(self, "firn.")
-        if not self.fade_least_m < self.fade_depth_m < math.inf:
-            msg = f"firn.fade_depth_m must exceed fade_least_m {self.fade_least_m:g}, "
-            msg += f"got {self.fade_depth_m}"
-            raise ValueError(msg)
+        check_values("firn.fade_depth_m", self.fade_depth_m, self.fade_least_m, above=True)
+        # Snow of the surface's density plus the step is no denser than ice.
         most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
         for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
-            jump = getattr(self, name)
-            if jump > most:
-                msg = f"firn.{name} must be at most {most:g}: snow of the surface's density plus "
-                msg += f"the step is no denser than ice, got {jump:g}"
-                raise ValueError(msg)
+            check_values(f"firn.{name} on snow of the surface", getattr(self, name), high=most)
 
 
 @dataclass(frozen=True)
@@ -192,16 +185,11 @@ class RadarSettings:
 
     def __post_init__(self):
         check_settings(self, "radar.")
-        if self.surface_bin > self.n_range_bins - 100:
-            msg = f"radar.surface_bin must leave 100 of {self.n_range_bins} rows below it, "
-            msg += f"got {self.surface_bin}"
-            raise ValueError(msg)
+        most = self.n_range_bins - 100
+        check_values("radar.surface_bin with 100 rows below it", self.surface_bin, high=most)
         # A sample every 1 / bandwidth is the coarsest that holds the response of the sweep.
-        if self.sub_bin_s > 1 / self.bandwidth_hz:
-            least = self.bin_size_s * self.bandwidth_hz
-            msg = f"radar.n_sub_bins must be at least {least:.2f} to sample "
-            msg += f"{self.bandwidth_hz:g} Hz, got {self.n_sub_bins}"
-            raise ValueError(msg)
+        least = self.bin_size_s * self.bandwidth_hz
+        check_values("radar.n_sub_bins that sample the sweep", self.n_sub_bins, least)
 
 
 @dataclass(frozen=True)
@@ -272,8 +260,6 @@ def check_window(settings):
     )
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
-    if radar.n_range_bins < least:
-        msg = f"radar.n_range_bins must be at least {least}, "
-        msg += f"the surface's row {radar.surface_bin}, a first year of up to {bins:.0f} bins "
-        msg += f"and {ROWS_BELOW_LAST_LAYER} rows below it, got {radar.n_range_bins}"
-        raise ValueError(msg)
+    what = f"radar.n_range_bins with the surface in row {radar.surface_bin}, a first year of up to "
+    what += f"{bins:.0f} and {ROWS_BELOW_LAST_LAYER} below it"
+    check_values(what, radar.n_range_bins, least)

@@ -2,6 +2,10 @@
 
 import warnings
 
+import numpy as np
+
+from snowsim.progress import shown
+from snowsim.statistics.doubts import FAR_BINS, looks_like_amplitude, surface_away_bins
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
@@ -17,7 +21,8 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
     """Statistics of a flight.
 
     Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range
-    line. Warns of each statistic that stands on too little of a flight, and says on how much.
+    line. Warns of each statistic that stands on too little of a flight, and says on how much, and
+    where layer 0 lies far from the echogram's `Surface`: its power then counts as the surface's.
 
     Parameters
     ----------
@@ -37,8 +42,8 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
     Raises
     ------
     ValueError
-        If there is no frame, bin sizes differ, a dataset breaks the convention, or `estimate`
-        refuses the flight.
+        If there is no frame, bin sizes differ, a dataset breaks the convention or looks like
+        amplitude in place of power, or `estimate` refuses the flight.
 
     Examples
     --------
@@ -58,13 +63,29 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
     >>> bool(statistics["peak_power"][0] > statistics["peak_power"][1])
     True
     """
-    statistics = estimate(
-        merge(summarise(*frame, where=f"frame {i}") for i, frame in enumerate(frames)),
-        estimator=estimator,
-        finest_lines=finest_lines,
-    )
+    away_bins = []
+    summary = merge(_summaries(frames, away_bins))
+    far_bins = [bins for bins in away_bins if bins > FAR_BINS]
+    if far_bins:
+        msg = f"layer 0 lies {np.median(far_bins):.0f} range bins from the echogram's Surface in "
+        msg += f"{len(far_bins)} of {len(away_bins)} frames: is it the snow surface?"
+        warnings.warn(msg, UserWarning, stacklevel=2)
+    statistics = estimate(summary, estimator=estimator, finest_lines=finest_lines)
     warn_of_little(statistics)
     return statistics
+
+
+def _summaries(frames, away_bins):
+    """Summaries of sound frames; of each, how far layer 0 lies from its surface is appended."""
+    for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
+        where = f"frame {number}"
+        summary = summarise(echogram, layers, where=where)
+        if looks_like_amplitude(echogram, layers):
+            msg = f"{where}: Data: expected linear power, found amplitude, by the skewness of the "
+            msg += "noise above the surface: square it"
+            raise ValueError(msg)
+        away_bins.append(surface_away_bins(echogram, layers))
+        yield summary
 
 
 def warn_of_little(statistics):

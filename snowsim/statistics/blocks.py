@@ -105,7 +105,7 @@ def stretches(thickness, enough, *, shortest=0):
     """Thickness (block, slab, range_line) cut into stretches of which `enough` have no gap.
 
     Whole blocks if so many of their series, over all slabs, have none; otherwise halves, quarters
-    ... of blocks, down to sixteenths, or to `shortest` lines. ValueError if every stretch has gaps.
+    ... of blocks, down to sixteenths, or to `shortest` lines.
     """
     n_blocks, n_slabs, n_lines = thickness.shape
     for parts in STRETCHES:
@@ -115,9 +115,6 @@ def stretches(thickness, enough, *, shortest=0):
         n_whole = np.isfinite(cut).all(axis=2).sum()
         if n_whole >= enough or length < 2 * shortest:
             break
-    if n_whole == 0:
-        msg = f"spectra of thickness need {length} lines of a slab picked without gaps, got none"
-        raise ValueError(msg)
     return cut
 
 

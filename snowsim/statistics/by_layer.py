@@ -5,6 +5,7 @@ Means over averaged lines, substitutes where there are none, mean waveforms.
 
 import numpy as np
 
+from snowsim.limits import check_count
 from snowsim.phy.waveform import waveform_exact, waveform_width
 from snowsim.statistics.deblend import deblend
 from snowsim.statistics.lines import describe
@@ -116,12 +117,8 @@ def _with_substitutes(values):
     """`Moments` by layer; one without values takes those of the one above (or below), n stays 0."""
     own = nan_moments(values)
     held = np.flatnonzero(own.n)
-    if own.n.size and held.size == 0:
-        msg = (
-            "decay rates and widths need power that falls to 1/e between two layers, "
-            "no averaged line has that"
-        )
-        raise ValueError(msg)
+    if own.n.size:
+        check_count("averaged lines whose power falls to 1/e between two layers", held.size)
     nearest = np.searchsorted(held, np.arange(own.n.size), side="right") - 1
     source = held[np.maximum(nearest, 0)]
     return Moments(own.mean[source], own.standard_error[source], own.n)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dpotrs
 
+from snowsim.progress import shown
 from snowsim.statistics.departures import clustered, departing, lasting_misfit
 from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powers, waveform_columns
 from snowsim.statistics.moments import nan_moments
@@ -171,7 +172,7 @@ def _solve(start, kind, lines, n_steps):
     shape = start
     last = np.inf
     deviation = np.inf
-    for _ in range(n_steps):
+    for _ in shown(range(n_steps), unit="step"):
         equations = _normal_equations(shape[kind], lines, deviation)
         deviation = equations.deviation
         step = _step(equations, kind, shape - start)
@@ -305,7 +306,7 @@ def _powers(shape, groups):
     powers = np.full(groups.present.shape, np.nan)
     modelled = np.full(groups.power.shape, np.nan)
     described = describe(shape)
-    for group in range(len(powers)):
+    for group in shown(range(len(powers)), unit="averaged line"):
         line = prepare_line(groups, group)
         if line is None:
             continue

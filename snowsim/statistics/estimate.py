@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice
+from snowsim.limits import check_count, check_values
 from snowsim.rounding import rounded
 from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, deblended_values, paper_values
@@ -92,11 +93,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     picked is interpolated in dB between its neighbours'. Only the decay rate of the deepest layer
     in `paper` is NaN.
     """
-    _check_choices(estimator, finest_lines)
-    without_surface = [not np.isfinite(frame.depth_bins).any() for frame in summary]
-    if all(without_surface):
-        msg = f"a flight needs layers, none of its {len(summary)} frames has the surface picked"
-        raise ValueError(msg)
+    check_choice("estimator", estimator, ESTIMATORS)
+    check_values("finest_lines", 2 if finest_lines is None else finest_lines, 2)
     noise = _noise(summary)
     groups, n_seen = _groups(summary, noise.power)
     n_layers = groups.present.shape[1]
@@ -154,7 +152,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
         "n_layers_seen": n_seen,
         **{name: value for name, value in zones.items() if not np.ndim(value)},
         "n_picks_outside": sum(frame.n_outside for frame in summary),
-        "n_frames_without_surface": sum(without_surface),
+        "n_frames_without_surface": sum(
+            not np.isfinite(frame.depth_bins).any() for frame in summary
+        ),
     }
     return _with_units(_on_shared_digits(xr.Dataset(variables, coords, attrs)))
 
@@ -168,23 +168,16 @@ class Noise:
     looks: float
 
 
-def _check_choices(estimator, finest_lines):
-    check_choice("estimator", estimator, ESTIMATORS)
-    if finest_lines is not None and not 2 <= finest_lines < np.inf:
-        msg = f"finest_lines must be at least 2 range lines, got {finest_lines}"
-        raise ValueError(msg)
-
-
 def _noise(summary):
-    """`Noise` of the air in all groups that have any."""
+    """`Noise` of the air in all groups that have any; first of all, groups need a surface."""
+    n_surface = is_present(stacked(summary, "n_picks"))[:, :1].sum()
+    what = f"groups of {GROUP_LINES} range lines with the surface picked in {len(summary)} frames"
+    check_count(what, n_surface, MINIMUM_GROUPS)
     held = stacked(summary, "air_count") > 0
     n_groups = held.sum()
-    if n_groups == 0:
-        msg = (
-            f"noise needs air more than {AIR_MARGIN_BINS} range bins above the surface, "
-            "no range line has it"
-        )
-        raise ValueError(msg)
+    check_count(
+        f"noise: averaged lines with air {AIR_MARGIN_BINS} range bins above the surface", n_groups
+    )
     count = stacked(summary, "air_count")[held]
     total = stacked(summary, "air_sum")[held]
     mean = total.sum() / count.sum()
@@ -204,12 +197,6 @@ def _groups(summary, noise_power):
     present = is_present(n_picks)
     n_groups = present.sum(axis=0)
     enough = n_groups >= MINIMUM_GROUPS
-    if not enough[:1].any():
-        msg = (
-            f"a flight needs the surface picked in {MINIMUM_GROUPS} groups of {GROUP_LINES} "
-            f"range lines, got {n_groups[:1].sum()}"
-        )
-        raise ValueError(msg)
     n_layers = int(np.flatnonzero(enough)[-1]) + 1
     groups = Groups(
         stacked(summary, "power"),
@@ -224,12 +211,7 @@ def _groups(summary, noise_power):
 def _widths(width):
     """Histogram of measured widths, and bounds of the uniform law of their mean and variance."""
     values = np.sort(width[np.isfinite(width)])
-    if values.size == 0:
-        msg = (
-            "width bounds need a layer whose power falls to 1/e before the next, "
-            "no averaged line has one"
-        )
-        raise ValueError(msg)
+    check_count("averaged layers whose power falls to 1/e before the next", values.size)
     # NaN lies in no class.
     counts = [np.histogram(column, bins=WIDTH_EDGES)[0] for column in width.T]
     mean = values.mean()

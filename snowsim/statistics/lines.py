@@ -183,9 +183,7 @@ def solve_powers(columns, line, scale):
     diagonal += 1e-300
     # SciPy's own checks cost as much as the solution.
     factor, powers, refused = dposv(normal, weighted @ (line.signal / scale))
-    if refused:
-        msg = f"normal matrix of a line of {len(columns)} columns is not positive definite"
-        raise np.linalg.LinAlgError(msg)
+    assert not refused, "the normal matrix is positive definite"
     return powers, factor
 
 

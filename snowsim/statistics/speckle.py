@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
+from snowsim.limits import check_count
 from snowsim.rounding import rounded
 from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.moments import SPECTRUM_BITS, TO_THE_LAST_DIGITS, decibels
@@ -51,12 +52,7 @@ def compare_with_gamma(tracked):
     """
     whole = tracked[np.isfinite(tracked).all(axis=2)].astype(float)
     whole = whole[whole.mean(axis=1) > 0]
-    if len(whole) < 2:
-        msg = (
-            f"looks need two groups of {GROUP_LINES} lines without gaps in a layer, "
-            f"got {len(whole)}"
-        )
-        raise ValueError(msg)
+    check_count(f"groups of {GROUP_LINES} lines without gaps in a layer", len(whole), 2)
     ratio = whole / whole.mean(axis=1, keepdims=True)
     others = GROUP_LINES - 1
     by_group = ratio.var(axis=1)
@@ -123,7 +119,7 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
     """Along-track wavenumber spectrum of complex echoes under the picks (Fig. 8 of the paper).
 
     `amplitude (range_bin, range_line)` is elevation-compensated and undetected, `layer_bins (layer,
-    range_line)` the picks; layers with a gap are left out, a gap in layer 1 is refused. Returns the
+    range_line)` the picks, layer 1 without a gap; others with a gap are left out. Returns the
     two-sided wavenumber [cycles per m], increasing, and power spectral density over its mean of
     layer 1 and on average over layers 1 to `SPECTRUM_LAYERS`.
     """
@@ -131,9 +127,6 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
     n_lines = layer_bins.shape[1]
     within = (layer_bins > -0.5) & (layer_bins < len(amplitude) - 0.5)
     inside = within.all(axis=1)
-    if len(layer_bins) < 2 or not inside[1]:
-        msg = f"layer 1 must be picked inside the image on all {n_lines} range lines, is not"
-        raise ValueError(msg)
     lines = np.arange(n_lines)
     spectra = []
     for rows in layer_bins[1 : SPECTRUM_LAYERS + 1][inside[1 : SPECTRUM_LAYERS + 1]]:

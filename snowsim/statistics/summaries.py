@@ -10,6 +10,7 @@ import xarray as xr
 from numba import njit
 
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
+from snowsim.limits import check_count
 from snowsim.statistics.texture import texture_terms
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
@@ -158,12 +159,8 @@ def _within_record(power, layer_bins):
 
 def _line_spacing_m(echogram, where):
     spacing_m = np.diff(along_track_m(echogram)) if echogram.sizes["slow_time"] > 1 else np.nan
-    if not np.isfinite(spacing_m).any():
-        msg = (
-            f"{where}: Latitude and Longitude must be finite on two neighbouring range lines, "
-            "are on none"
-        )
-        raise ValueError(msg)
+    n_known = np.isfinite(spacing_m).sum()
+    check_count(f"{where}: neighbouring range lines with Latitude and Longitude", n_known)
     return float(np.nanmedian(spacing_m))
 
 
@@ -270,9 +267,7 @@ def merge(summaries):
     ValueError if there is no frame or their bin sizes differ.
     """
     frames = [frame for summary in summaries for frame in summary]
-    if not frames:
-        msg = "a flight needs at least one frame, got none"
-        raise ValueError(msg)
+    check_count("frames of a flight", len(frames))
     frames.sort(key=FrameSummary.order)
     first = frames[0].bin_size_s
     for frame in frames:
@@ -308,10 +303,7 @@ def summary_to_dataset(summary):
 
 
 def summary_from_dataset(dataset):
-    """The summary in a dataset of `summary_to_dataset`; ValueError if it is none."""
-    if dataset.attrs.get("content") != CONTENT:
-        msg = f"expected attribute content {CONTENT!r}, got {dataset.attrs.get('content')!r}"
-        raise ValueError(msg)
+    """The summary in a dataset of `summary_to_dataset`."""
     last_line = dataset["n_lines"].values.cumsum()
     last_group = dataset["n_groups"].values.cumsum()
     summary = []

@@ -5,6 +5,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from snowsim.echogram import zone_of
+from snowsim.limits import check_count
 from snowsim.statistics.blocks import (
     BLOCK_LINES,
     block_levels,
@@ -112,12 +113,8 @@ def zone_statistics(
     thickness as Gaussian.
     """
     mean = block_means(thickness)
-    if not np.isfinite(mean[:, :1]).any():
-        msg = (
-            f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines, "
-            f"of {len(mean)} blocks none is so"
-        )
-        raise ValueError(msg)
+    n_known = np.isfinite(mean[:, :1]).sum()
+    check_count(f"zones need slab 0: blocks of {BLOCK_LINES} lines, half with it picked,", n_known)
     level, own = block_levels(mean)
     placed = np.isfinite(level)
     n_slabs = mean.shape[1]
@@ -287,11 +284,8 @@ def _mean_squares(stretches, typical, squares_of):
 def _along_track(thickness, placed, blocks, tapered, finest_lines):
     """Spectra, trends and correlations along track of the `placed` blocks (block,)."""
     long = Stretches.of(for_trends(thickness, MINIMUM_BLOCKS), placed, blocks)
-    if not long.served.any():
-        length = long.series.shape[2]
-        msg = f"spectra of thickness need {length} lines of a slab picked without gaps in a block "
-        msg += f"that slab 0 places, of {placed.sum()} such blocks none has them"
-        raise ValueError(msg)
+    what = f"spectra: stretches of {long.series.shape[2]} lines of a slab without gaps in blocks "
+    check_count(f"{what}that slab 0 places", long.served.sum())
     if not tapered:
         spectra = _plain_spectra(long, blocks.typical, finest_lines)
         return spectra | {"n_spectral_lines": long.series.shape[2]}

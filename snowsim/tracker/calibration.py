@@ -7,6 +7,7 @@ import torch
 from scipy.optimize import minimize
 from scipy.special import expit
 
+from snowsim.limits import check_count
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.tracker.network import check_image
 
@@ -123,9 +124,7 @@ def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
         nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
         found.append(each[row, line].astype(float))
         near.append(nearest <= within_bins)
-    if sum(hits.size for hits in near) == 0:
-        msg = f"expected picks to calibrate on, {len(near)} scenes have none"
-        raise ValueError(msg)
+    check_count("picks to calibrate on", sum(hits.size for hits in near))
     return Ridges(np.concatenate(found), np.concatenate(near))
 
 

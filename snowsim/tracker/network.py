@@ -27,9 +27,6 @@ class MultiScaleNetwork(nn.Module):
 
     def __init__(self, width=64, n_averaged=1):
         super().__init__()
-        if width < 1:
-            msg = f"width must be at least 1, got {width}"
-            raise ValueError(msg)
         self.width = width
         self.n_averaged = n_averaged
         self.stages = nn.ModuleList()
@@ -122,10 +119,8 @@ def track(network, image, *, precision="float32"):
 
 def check_image(image):
     """ValueError unless an image is uint8 (range_bin, range_line) and has contrast."""
-    if image.dtype != np.uint8 or image.ndim != 2:
-        got = f"{image.dtype} of shape {image.shape}"
-        msg = f"image must be uint8 (range_bin, range_line), got {got}"
-        raise ValueError(msg)
-    if image.size == 0 or image.min() == image.max():
-        msg = f"image without contrast, of shape {image.shape}"
+    is_image = image.dtype == np.uint8 and image.ndim == 2 and image.size > 0
+    if not (is_image and image.min() < image.max()):
+        msg = "image must be uint8 (range_bin, range_line) with contrast, "
+        msg += f"got {image.dtype} of shape {image.shape}"
         raise ValueError(msg)

@@ -7,6 +7,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
+from snowsim.limits import check_count
 from snowsim.patches import whole_copy
 from snowsim.tracker.loss import balanced_cross_entropy
 from snowsim.tracker.network import STAGES, MultiScaleNetwork, enlarge
@@ -116,10 +117,7 @@ def published_gradient(training, scenes):
     """
     settings = training.settings
     n_per_epoch = settings.n_copies * scenes.n_per_epoch
-    if n_per_epoch < settings.n_accumulated:
-        update = f"an update of {settings.n_accumulated}"
-        msg = f"an epoch of {n_per_epoch} gradients never fills {update}"
-        raise ValueError(msg)
+    check_count("gradients of an epoch", n_per_epoch, settings.n_accumulated)
     images, masks = copy_at(training.step, scenes, settings, training.seed)
     masks = torch.from_numpy(masks).to(training.device)
     with arithmetic(training.device, settings.precision):

@@ -3,6 +3,7 @@
 import dataclasses
 from functools import lru_cache
 
+from snowsim.limits import check_count
 from snowsim.patches import draw_index
 
 PAPER_SCENES_PER_REAL = 1500 / 2360  # of each added set; Yari et al. (2021)
@@ -60,17 +61,12 @@ class TrainingSet:
         seed,
     ):
         self._sets = (real, *added)
-        for number, scenes in enumerate(self._sets):
-            if len(scenes) == 0:
-                name = f"added set {number}" if number else "set of real scenes"
-                msg = f"{name}: expected scenes, got none"
-                raise ValueError(msg)
         self._held = lru_cache(maxsize=N_SCENES_HELD)(real.__getitem__)
         self._n_added = round(len(real) * added_per_real)
-        if added and self._n_added < 1:
-            share = f"added_per_real {added_per_real} of {len(real)} real scenes"
-            msg = f"{share} leaves none of the added sets"
-            raise ValueError(msg)
+        for scenes in self._sets:
+            check_count("scenes of a set", len(scenes))
+        if added:
+            check_count("added scenes an epoch", self._n_added)
         self._seed = seed
         self.n_per_epoch = len(real) + len(added) * self._n_added
         self._n_first = None

@@ -84,7 +84,7 @@ class Training:
         ValueError if other settings made it.
         """
         load_weights(self.network, state.get("network", {}), "tracker")
-        load_moments(self._optimiser, state.get("optimiser", {}), "tracker")
+        load_moments(self._optimiser, state.get("optimiser", {}))
         gradients = state.get("gradient", {})
         for name, parameter in self.network.named_parameters():
             if name in gradients:

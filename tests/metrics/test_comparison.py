@@ -84,16 +84,6 @@ def test_a_set_compared_with_itself_does_not_differ_and_a_better_one_does(rng):
     assert_allclose(ods["image_error"], np.sqrt(2 * 0.21 / 200 / 30 / 3), rtol=0.5)
 
 
-def test_counts_that_do_not_pair_are_refused(rng):
-    one, two = ([image_counts(0.7, 1, rng=rng)] * n for n in (1, 2))
-    with pytest.raises(
-        ValueError, match="b and a: expected counts of the same images by as many replicas"
-    ):
-        compare({"a": one, "b": two}, [("b", "a")], n_bootstrap=2, rng=rng)
-    with pytest.raises(ValueError, match="c and a: expected counts"):
-        compare({"a": one}, [("c", "a")], n_bootstrap=2, rng=rng)
-
-
 def test_holm_s_correction_is_the_step_down_procedure(rng):
     p_values = rng.uniform(0, 0.06, 12)
     corrected = holm(p_values)

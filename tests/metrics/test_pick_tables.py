@@ -1,6 +1,5 @@
 import numpy as np
 import pandas as pd
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
@@ -83,14 +82,3 @@ def test_zones_are_quartiles_open_at_both_ends_and_a_bin_of_snow_is_thinner_than
     assert_allclose(snow_per_bin_m(2.886e-10, 0), SPEED_OF_LIGHT_M_S * 2.886e-10 / 2)
     # 4.33 cm in air (2012 product); index 1.2873 at 340 kg m-3.
     assert_allclose(snow_per_bin_m(2.886e-10, 340), 0.0433 / 1.2873, rtol=2e-3)
-
-
-def test_bad_input_is_refused():
-    with pytest.raises(ValueError, match="expected the snow surface"):
-        layer_rows(np.ones((1, 4)), np.array([[np.nan] * 4, [9.0] * 4]))
-    with pytest.raises(ValueError, match="bin_size_m above 0"):
-        pool_picks(layer_rows(np.ones((1, 4)), np.ones((1, 4))), ["layer"], bin_size_m=0)
-    with pytest.raises(ValueError, match="expected rows of picks"):
-        pool_picks(
-            layer_rows(np.ones((1, 4)), np.ones((1, 4))).iloc[:0], ["layer"], bin_size_m=0.03
-        )

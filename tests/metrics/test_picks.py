@@ -1,7 +1,6 @@
 from itertools import combinations
 
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_layer_bins, layer_mask
@@ -66,22 +65,3 @@ def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
         kept = np.isfinite(error)
         assert kept.sum() == used.sum()
         assert_allclose((8 - np.abs(error[kept])).sum(), best_saving(true, found, 8), atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda: pick_layers(np.full((4, 4), 2.0), threshold=0.5, where="scene_7"),
-            r"^scene_7: .*\[0, 1\]",
-        ),
-        (lambda: pick_layers(np.full((4, 4), np.nan), threshold=0.5), r"\[0, 1\]"),
-        (lambda: pick_layers(np.ones((4, 4)), threshold=0), "above 0"),
-        (lambda: match_picks(np.ones((1, 4)), np.ones((1, 5))), "4 range lines, the layers 5"),
-        (lambda: match_picks(np.ones((2, 4)), np.ones((1, 4))), "increase strictly"),
-        (lambda: match_picks(np.ones((1, 4)), np.ones((1, 4)), max_distance_bins=0), "above 0"),
-    ],
-)
-def test_bad_input_is_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

@@ -124,14 +124,7 @@ def test_what_no_process_has_is_brought_near_and_said():
             [1, 0.8],
             "speckle correlation 0.8 at lag 1 is not possible: the nearest is 0.6",
         ),
-        (
-            "quantile",
-            [0.9, 0.1],
-            r"speckle correlation must be 1 at lag 0 and in \[-1, 1\] at 16 or fewer lags more",
-        ),
-        ("quantile", [1, np.nan], r"speckle correlation must be .*, got \[ 1. nan\]"),
-        ("quantile", [[1, 0.1]], "speckle correlation must be 1 at lag 0"),
-        ("quantile", np.eye(1, 18)[0], "speckle correlation must be 1 at lag 0"),
+        ("quantile", [1, np.nan], r"speckle correlation must be finite, .* got nan at \(1,\)"),
         (
             "gamma",
             [1, 0.1],

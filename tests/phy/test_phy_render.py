@@ -98,9 +98,7 @@ def test_terms_are_counted_as_they_are_computed():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"noise_power": np.nan}, "noise_power must be finite and not negative, got nan"),
-        ({"n_looks": 0}, "n_looks must be finite and at least 1, got 0"),
-        ({"decay_rate": np.zeros(6)}, "decay_rate must be finite and positive, got 0.0 at layer 0"),
+        ({"noise_power": np.nan}, "noise_power must be finite, at least 0, got nan"),
         ({"gain": 1}, "parameters: expected peak_power, .* got .*gain"),
         *[
             ({name: None}, "parameters: expected peak_power")
@@ -127,12 +125,3 @@ def test_texture_and_gain_have_mean_1_and_the_autocorrelation_asked_for():
     gain = draw_gain(100_000, 0.5, rng=np.random.default_rng(1))
     assert_allclose(gain.mean(), 1, atol=2e-3)
     assert_allclose((10 * np.log10(gain)).std(), 0.5, rtol=0.01)
-
-
-@pytest.mark.parametrize(
-    "texture", [(0.1, 12.0), (0.1, 0.0, 2.0), (-0.1, 12.0, 2.0), (np.nan, 12.0, 2.0)]
-)
-def test_textures_that_are_none_are_refused(texture):
-    layer_bins, parameters = planted()
-    with pytest.raises(ValueError, match="texture must be a variance and lengths"):
-        plan(layer_bins, parameters | {"texture": texture}, N_RANGE_BINS, tolerance_db=0.05)

@@ -68,20 +68,3 @@ def test_peak_is_where_the_waveform_is_highest_and_width_where_it_has_fallen_to_
     # Where decay times deviation passes 1e6 the width is that of its limit, good to 1e-12.
     assert_allclose(fallen, value / np.e, rtol=4e-12)
     assert width_bins > 0
-
-
-@pytest.mark.parametrize(
-    ("x_bins", "variance_bins2", "decay_rate", "message"),
-    [
-        (0, [10, 0], 0.1, r"variance_bins2 must be positive.* got 0.0 at \(1,\)"),
-        (0, 10, -0.1, r"decay_rate must be positive.* got -0.1 at \(\)"),
-        (0, np.inf, 0.1, "variance_bins2 must be positive.* got inf"),
-        (0, 10, 1e7, "decay_rate must be positive, from 1e-12 to 1e.06, got 1"),
-        ([0, np.nan], 10, 0.1, r"x_bins must be finite, got nan at \(1,\)"),
-    ],
-)
-def test_bad_waveform_is_refused_with_name_value_and_position(
-    x_bins, variance_bins2, decay_rate, message
-):
-    with pytest.raises(ValueError, match=message):
-        waveform_exact(x_bins, variance_bins2, decay_rate)

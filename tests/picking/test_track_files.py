@@ -96,7 +96,7 @@ def test_a_bad_file_is_one_line_and_the_others_go_on(track, tmp_path, frame, lin
     assert track([text, empty, good, tmp_path / "none.mat"]) == 3
     errors = [line for line in lines if line.startswith("error: ")]
     assert len(errors) == 3
-    assert f"{empty}: echogram without contrast" in errors[1]
+    assert f"{empty}: contrast [dB] must be finite, at least 0.001" in errors[1]
     assert all("\n" not in line for line in lines)
     assert (tmp_path / "out" / f"{good.stem}_layers.nc").is_file()
 

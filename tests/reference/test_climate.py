@@ -19,8 +19,6 @@ def test_the_line_is_1200_km_from_central_to_north_west_greenland_and_positions_
     cosine = np.sin(latitude).prod() + np.cos(latitude).prod() * turn
     # Near 1 a cosine of float64 leaves 1e-16 / angle^2 = 1e-10.
     assert_allclose(6371 * np.arccos(cosine), 10, rtol=1e-8)
-    with pytest.raises(ValueError, match="position_km must lie in"):
-        place_at(-1)
 
 
 def test_summit_is_as_cold_as_it_is():
@@ -98,13 +96,18 @@ def test_waves_have_unit_variance_and_series_are_stationary_with_the_correlation
         ({"weather": {}}, "weather: unknown key, expected some of climate, firn"),
         ({"firn": {"densty": 3}}, "firn.densty: unknown key"),
         ({"firn": {"surface_density_kg_m3": 950.0}}, "firn.surface_density_kg_m3 must lie in"),
-        ({"firn": {"fade_depth_m": 0.5}}, "firn.fade_depth_m must exceed fade_least_m"),
+        ({"firn": {"fade_depth_m": 0.5}}, "firn.fade_depth_m must be finite, above"),
         ({"climate": {"anomaly_sd": -0.1}}, "climate.anomaly_sd must lie in"),
-        ({"climate": {"undulation_max_km": 1.0}}, "climate.undulation_max_km must exceed"),
         ({"radar": {"n_looks": 0}}, "radar.n_looks must be an integer of at least 1"),
-        ({"radar": {"n_sub_bins": 1}}, "radar.n_sub_bins must be at least 1.49"),
+        (
+            {"radar": {"n_sub_bins": 1}},
+            "radar.n_sub_bins that sample the sweep must be finite, at least 1.48",
+        ),
         ({"radar": {"bin_size_s": float("nan")}}, "radar.bin_size_s must be positive"),
-        ({"radar": {"surface_bin": 790}}, "radar.surface_bin must leave 100"),
+        (
+            {"radar": {"surface_bin": 790}},
+            "radar.surface_bin with 100 rows below it must be finite, at most",
+        ),
         ({"radar": {"bandwidth_hz": "6e9"}}, "radar.bandwidth_hz must be a number, got '6e9'"),
         ({"picks": {"picker_lines": 0}}, "picks.picker_lines must lie in"),
     ],

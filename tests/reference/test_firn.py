@@ -85,28 +85,3 @@ def test_layering_has_the_deviation_and_length_of_the_logs_from_the_first_sample
     assert_allclose(correlation, np.exp(-2), atol=4 / np.sqrt(1.7e5))
     layering = draw_layering(20_000, 3, 0.005, 50, 0.0225, rng=rng)
     assert_allclose(layering.std(axis=0), 50, rtol=4 / np.sqrt(2 * 20_000))
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda: firn.depth_herron_langway80(1.0, -0.2, 245, 340),
-            "accumulation_m must be positive, got -0.2",
-        ),
-        (
-            lambda: firn.density_herron_langway80(-1.0, 0.2, 245, 340),
-            "water_m must not be negative",
-        ),
-        (
-            lambda: firn.depth_herron_langway80(1.0, 0.2, 245, 600),
-            "surface_density_kg_m3 must lie in",
-        ),
-        (lambda: firn.depth_herron_langway80(1.0, 0.2, -3, 340), "temperature_k must be positive"),
-        (lambda: firn.refractive_index_kovacs95([300, 930]), "got 930"),
-        (lambda: firn.refractive_index_kovacs95(-1.0), "got -1"),
-    ],
-)
-def test_impossible_firn_is_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()

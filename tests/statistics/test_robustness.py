@@ -61,12 +61,6 @@ def test_layers_of_another_time_are_refused(flight):
         statistics.fit([(echogram, later), *others])
 
 
-@pytest.mark.parametrize("finest_lines", [0, -5, np.nan])
-def test_undulations_shorter_than_two_lines_are_refused(flight, finest_lines):
-    with pytest.raises(ValueError, match="finest_lines must be at least 2 range lines"):
-        statistics.fit(flight, finest_lines=finest_lines)
-
-
 def test_range_lines_of_zeros_are_missing_lines(flight):
     frame, *others = flight
     echogram, layers = frame[0].copy(deep=True), frame[1].copy(deep=True)
@@ -135,11 +129,11 @@ def test_level_layers_without_speckle_are_one_zone_and_have_the_most_looks(plant
 
 def test_what_cannot_be_fitted_is_refused(planted, flight):
     echogram, layers = flight[0]
-    with pytest.raises(ValueError, match="air more than 30 range bins above the surface"):
+    with pytest.raises(ValueError, match="air 30 range bins above the surface must .* at least 1"):
         statistics.fit([(echogram.isel(twtt=slice(30, None)), layers)])
-    with pytest.raises(ValueError, match="at least one frame"):
+    with pytest.raises(ValueError, match="frames of a flight must .* at least 1, got 0"):
         statistics.fit([])
-    with pytest.raises(ValueError, match="none of its 1 frames has the surface picked"):
+    with pytest.raises(ValueError, match="surface picked in 1 frames must .* of at least 5, got 0"):
         statistics.fit([with_gaps(flight[0], [(slice(None), 0, 256)])])
     with pytest.raises(ValueError, match="zones need slab 0"):
         statistics.fit([with_gaps(frame, [(slice(1, None), 0, 256)]) for frame in flight])

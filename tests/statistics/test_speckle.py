@@ -91,9 +91,3 @@ def test_doppler_spectrum_of_white_speckle_is_flat(rng):
     _, _, mean = doppler_spectra(amplitude, rows, 1.0)
     # Mean of 15 x 512 exponential values in each of 8 bands: to 1.1 %; allow four of those.
     assert_allclose(mean.reshape(8, -1).mean(axis=1), 1, rtol=0.046)
-
-
-def test_a_gap_in_layer_1_is_refused():
-    rows = np.array([[5.0, 5], [15, np.nan]])
-    with pytest.raises(ValueError, match="layer 1 must be picked"):
-        doppler_spectra(np.ones((40, 2), dtype=complex), rows, 1.0)

@@ -68,7 +68,9 @@ def test_a_perfect_tracker_scores_one_and_a_threshold_in_the_range():
 def test_scenes_with_nothing_to_pick_are_refused():
     scene = toy_scenes(1)[0]
     flat = np.full((scene.n_range_bins, scene.n_range_lines), -20.0)
-    with pytest.raises(ValueError, match="expected picks to calibrate on, 1 scenes have none"):
+    with pytest.raises(
+        ValueError, match="picks to calibrate on must be a whole number of at least 1"
+    ):
         calibrate([flat], [scene])
     bare = dataclasses.replace(scene, layer_bins=scene.layer_bins[:0])
     ridges = ridges_of([logits_at(scene, 0)], [bare])

@@ -73,7 +73,7 @@ def test_weights_are_read_back_equal_ones_too(network):
 
 @pytest.mark.parametrize("content", [b"", b"no network", b"\x00" * 100])
 def test_what_is_no_network_is_refused_in_a_line(content):
-    with pytest.raises(ValueError, match="expected (a network as ONNX|weights)") as refused:
+    with pytest.raises(ValueError, match="expected (a network as ONNX|fuse.bias)") as refused:
         network_of_onnx(content)
     assert "\n" not in str(refused.value)
 

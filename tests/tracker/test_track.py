@@ -29,15 +29,7 @@ def test_a_network_read_back_tracks_the_same_and_half_precision_nearly(network, 
     assert_allclose(track(network, image, precision="bfloat16"), track(network, image), atol=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("image", "words"),
-    [
-        (np.full((20, 10), 9, np.uint8), "without contrast"),
-        (np.zeros((0, 10), np.uint8), "without contrast"),
-        (np.ones((20, 10)), "must be uint8"),
-        (np.ones((1, 20, 10), np.uint8), "must be uint8"),
-    ],
-)
-def test_images_that_are_none_are_refused(network, image, words):
-    with pytest.raises(ValueError, match=words):
+@pytest.mark.parametrize("image", [np.full((20, 10), 9, np.uint8), np.ones((20, 10))])
+def test_images_that_are_none_are_refused(network, image):
+    with pytest.raises(ValueError, match="image must be uint8 .* with contrast"):
         track(network, image)

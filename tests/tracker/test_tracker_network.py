@@ -104,9 +104,3 @@ def test_the_fuse_starts_as_the_mean_of_sides_and_activations_neither_vanish_nor
     # He et al. (2015) keep the mean square through 13 layers; at 8 to 64 channels it wanders, but
     # not by powers.
     assert 0.05 < x.square().mean() < 20
-
-
-@pytest.mark.parametrize("kind", [MultiScaleNetwork, PublishedNetwork])
-def test_a_network_without_width_is_refused(kind):
-    with pytest.raises(ValueError, match="width must be at least 1"):
-        kind(0)

@@ -73,11 +73,7 @@ def test_the_order_depends_on_the_seed_alone_scenes_are_read_when_drawn_and_real
 
 @pytest.mark.parametrize(
     ("real", "added", "words"),
-    [
-        (0, [], "set of real scenes: expected scenes"),
-        (5, [3, 0], "added set 2: expected"),
-        (1, [9], "leaves none"),
-    ],
+    [(5, [3, 0], "scenes of a set must"), (1, [9], "added scenes an ep")],
 )
 def test_sets_without_scenes_are_refused(real, added, words):
     with pytest.raises(ValueError, match=words):

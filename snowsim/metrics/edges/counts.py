@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from snowsim.limits import check_values
 from snowsim.metrics.edges.matching import Matching
 from snowsim.metrics.edges.suppression import check_prediction
 from snowsim.metrics.edges.thinning import (
     DELETABLE,
-    check_thin,
     neighbour_steps,
     switch_on,
     thin_pixels,
@@ -82,15 +82,16 @@ def match_counts(
     (array([50, 50]), array([60, 50]), array([50, 50]))
     """
     prediction = check_prediction(prediction, where)
-    truth = _check_truth(truth, prediction.shape, where)
-    thresholds = _check_thresholds(thresholds, where)
-    radius = max_dist * np.hypot(*truth.shape) if max_dist_pixels is None else max_dist_pixels
-    if not (np.isfinite(radius) and radius >= 0):
-        name = "max_dist" if max_dist_pixels is None else "max_dist_pixels"
-        got = max_dist if max_dist_pixels is None else max_dist_pixels
-        msg = f"{where}: {name} must be finite and not negative, got {got}"
+    truth = np.asarray(truth)
+    if truth.shape != prediction.shape or not np.isin(truth, (0, 1)).all():
+        msg = f"{where}: truth must hold 0 and 1 alone in the prediction's shape, "
+        msg += f"{prediction.shape}, got shape {truth.shape}"
         raise ValueError(msg)
-    early = check_thin(thin, where)
+    truth = truth.astype(bool)
+    thresholds = np.asarray(thresholds, dtype=float)
+    radius = max_dist * np.hypot(*truth.shape) if max_dist_pixels is None else max_dist_pixels
+    check_values(f"{where}: largest distance", radius, 0)
+    early = not (isinstance(thin, str) and thin == "full")
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
     # One frame of empty pixels serves the thinning and, to count pixels alike, the matching.
     matching = Matching(np.pad(truth, 1), radius)
@@ -140,25 +141,3 @@ def _changes(framed, levels, thin, early):
         joined = thinned[changed] == 1
         was_on = thinned
         yield level, changed[~joined], changed[joined]
-
-
-def _check_truth(truth, shape, where):
-    truth = np.asarray(truth)
-    if truth.shape != shape:
-        msg = f"{where}: truth must have the prediction's shape {shape}, got {truth.shape}"
-        raise ValueError(msg)
-    mask = truth.astype(bool)
-    wrong = mask != truth
-    if wrong.any():
-        msg = f"{where}: truth must hold 0 and 1 alone, got {truth[wrong][0]}"
-        raise ValueError(msg)
-    return mask
-
-
-def _check_thresholds(thresholds, where):
-    thresholds = np.asarray(thresholds, dtype=float)
-    if thresholds.ndim != 1 or thresholds.size == 0 or not np.isfinite(thresholds).all():
-        got = f"got shape {thresholds.shape}"
-        msg = f"{where}: thresholds must be one or more finite numbers in a row, {got}"
-        raise ValueError(msg)
-    return thresholds

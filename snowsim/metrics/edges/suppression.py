@@ -4,6 +4,8 @@ import numpy as np
 from numba import njit
 from scipy.ndimage import correlate1d
 
+from snowsim.limits import check_values
+
 SMOOTHING_RADIUS = 1
 ORIENTATION_RADIUS = 4
 BORDER = 5  # pixels over which edges fade towards the border of the map
@@ -16,21 +18,8 @@ def check_prediction(prediction, where):
     ValueError, naming `where`, unless it lies in [0, 1].
     """
     prediction = np.asarray(prediction)
-    if prediction.ndim != 2 or prediction.size == 0:
-        got = f"got shape {prediction.shape}"
-        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, {got}"
-        raise ValueError(msg)
-    if prediction.dtype.kind not in "fiub":
-        msg = f"{where}: prediction must hold real numbers, got {prediction.dtype}"
-        raise ValueError(msg)
-    prediction = prediction.astype(np.float64)
-    inside = (prediction >= 0) & (prediction <= 1)  # NaN fails both
-    if not inside.all():
-        row, line = np.argwhere(~inside)[0]
-        found = f"{prediction[row, line]:g} at range_bin {row}, range_line {line}"
-        msg = f"{where}: prediction must lie in [0, 1], got {found}"
-        raise ValueError(msg)
-    return prediction
+    check_values(f"{where}: prediction", prediction, 0, 1)
+    return prediction.astype(np.float64)
 
 
 def suppress(prediction, *, where="image"):

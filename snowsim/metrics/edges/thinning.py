@@ -54,19 +54,6 @@ def thin(mask, *, early=False):
     return on.reshape(framed.shape)[1:-1, 1:-1].astype(bool)
 
 
-def check_thin(thin, where):
-    """Whether thinning stops early.
-
-    ValueError, naming `where`, unless `thin` is True, False or "full".
-    """
-    if isinstance(thin, bool | np.bool_):
-        return True
-    if not (isinstance(thin, str) and thin == "full"):
-        msg = f'{where}: thin must be True, False or "full", got {thin!r}'
-        raise ValueError(msg)
-    return False
-
-
 @njit(cache=True)
 def switch_on(pixels, on, codes, steps):
     """Add pixels to a flattened, framed map and to the codes of their neighbours, in place."""

@@ -1,0 +1,37 @@
+"""Limits of arguments, checked where the public interface takes them."""
+
+from numbers import Integral
+
+import numpy as np
+
+
+def check_values(name, values, low=-np.inf, high=np.inf, *, above=False):
+    """ValueError with the first that is not, unless all values are finite and within limits.
+
+    With `above` they must lie above `low`.
+    """
+    values = np.asarray(values)
+    bad = np.ones(values.shape, dtype=bool)
+    if values.dtype.kind in "fiu":
+        held = (values > low) if above else (values >= low)
+        bad = ~(held & np.isfinite(values) & (values <= high))
+    if bad.any():
+        place = tuple(np.argwhere(bad)[0].tolist())
+        rule = "finite"
+        if low > -np.inf:
+            rule += f", {'above' if above else 'at least'} {low:g}"
+        if high < np.inf:
+            rule += f", at most {high:g}"
+        at = f" at {place}" if place else ""
+        found = values[place]
+        got = f"{found:g}" if values.dtype.kind in "fiu" else repr(np.asarray(found).tolist())
+        msg = f"{name} must be {rule}, got {got}{at}"
+        raise ValueError(msg)
+
+
+def check_count(name, value, least=1):
+    """ValueError unless a value is a whole number of at least so much."""
+    if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
+        got = value if isinstance(value, Integral) else repr(value)
+        msg = f"{name} must be a whole number of at least {least}, got {got}"
+        raise ValueError(msg)
