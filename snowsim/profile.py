@@ -12,7 +12,6 @@ REACH = 10  # 1 / bandwidth, from an echo on; Hann's sidelobes are below -70 dB 
 SAMPLES = 6  # of power, to a range cell
 CENTRE_SAMPLES = 12  # of a group, where its power is centred
 TOUCHING_M = 0.001  # samples nearer than that to each other leave no gap
-TINY_M = 1e-12
 N_ROUNDS = 30  # of the fit; 200 change no cell of half a metre by 0.1 dB
 
 

@@ -260,6 +260,6 @@ def check_window(settings):
     )
     bins = float(travel_time_s(depth_m, water_m)) / radar.bin_size_s
     least = radar.surface_bin + math.ceil(bins) + ROWS_BELOW_LAST_LAYER
-    what = f"radar.n_range_bins with the surface in row {radar.surface_bin}, a first year of up to "
-    what += f"{bins:.0f} and {ROWS_BELOW_LAST_LAYER} below it"
+    what = f"radar.n_range_bins (surface in row {radar.surface_bin}, first year of up to "
+    what += f"{bins:.0f} bins, {ROWS_BELOW_LAST_LAYER} rows below)"
     check_values(what, radar.n_range_bins, least)

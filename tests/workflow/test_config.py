@@ -180,11 +180,11 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
         ),
         (
             "reference: {firn: {horizon_jump_kg_m3: 600.0}}",
-            r"reference: firn\.horizon_jump_kg_m3 must be at most 577",
+            r"reference: firn\.horizon_jump_kg_m3 .* at most 577",
         ),
         (
             "reference: {radar: {n_range_bins: 210}}",
-            r"reference: radar\.n_range_bins must be at least 2[23]\d",
+            r"reference: radar\.n_range_bins .* at least 2[23]\d",
         ),
     ],
 )
