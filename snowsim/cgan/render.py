@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from snowsim.cgan import published
+from snowsim.cgan import pix2pix
 from snowsim.cgan.inputs import conditions, place_map, slabs_of
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
@@ -20,7 +20,7 @@ def render(generator, scene, settings, *, levels=None, rng):
 
     Parameters
     ----------
-    generator : UNetGenerator or PublishedGenerator
+    generator : UNetGenerator or Pix2PixGenerator
     scene : Scene
         ValueError if its mask holds no layer.
     settings : Settings
@@ -38,7 +38,7 @@ def render(generator, scene, settings, *, levels=None, rng):
         raise ValueError(msg)
     generator.eval()
     if settings.method == "pix2pix":
-        image = published.render_image(generator, scene, settings, rng=rng)
+        image = pix2pix.render_image(generator, scene, settings, rng=rng)
     else:
         image = _render_image(generator, scene, settings, levels, rng)
     if not torch.isfinite(image).all():
@@ -55,9 +55,7 @@ def _render_image(generator, scene, settings, levels, rng):
     device = next(generator.parameters()).device
     noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
-        image = generator(inputs.to(device), noise)
-        if generator.has_grain:
-            image = image + contrast * generator.grain(noise)
+        image = generator(inputs.to(device), noise) + contrast * generator.grain(noise)
     image = image[0, 0]
     if levels is None:
         return image
