@@ -1,9 +1,10 @@
-"""Layer masks to 8-bit echograms with a trained generator, and how near these are to observed."""
+"""Layer masks to 8-bit echograms with a trained generator."""
 
 import numpy as np
 import torch
 
 from snowsim.cgan import pix2pix
+from snowsim.cgan.brightness import expected_levels
 from snowsim.cgan.inputs import conditions, place_map, slabs_of
 from snowsim.cgan.train import networks_of
 from snowsim.metrics.image import similarity
@@ -45,6 +46,17 @@ def render(generator, scene, settings, *, levels=None, rng):
         msg = "generator renders values that are not finite: its training diverged"
         raise FloatingPointError(msg)
     return from_signed(image.clamp(-1, 1)[None, None])[0]
+
+
+def render_as_expected(generator, scene, settings, flight, *, fade_spread, rng):
+    """`render` of a scene as bright as its powers, or the statistics of a flight, tell.
+
+    `fade_spread` is that of the scenes trained on. `pix2pix` knows no brightness.
+    """
+    levels = None
+    if settings.method == "depth":
+        levels = expected_levels(scene, flight, fade_spread=fade_spread, rng=rng)
+    return render(generator, scene, settings, levels=levels, rng=rng)
 
 
 def _render_image(generator, scene, settings, levels, rng):

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from toy_scenes import toy_scene, toy_scenes
 
 from lib.patch_distance import describe_patches, kernel_distance
-from lib.scope import outside, scope_of
 from snowsim.cgan import Settings, Training, render, trained_generator
 from snowsim.cgan.inputs import Levels
+from snowsim.cgan.scope import outside, scope_of
 from snowsim.echogram import Scene
 from snowsim.seeding import random_stream
 

@@ -7,11 +7,11 @@ import numpy as np
 from torch.utils.data import Subset
 
 from lib.cgan_health import WINDOW_STEPS, faults, is_early, measure_losses, measure_renders
-from lib.fades import fade_spread
 from lib.patch_distance import scenes_distance
-from lib.scope import scope_of
 from lib.training import TrainingRun, check_memory, enough_memory
 from snowsim.cgan import Settings, Training, least_bytes, train_steps, validate
+from snowsim.cgan.fades import fade_spread
+from snowsim.cgan.scope import scope_of
 from snowsim.io.files import write_table
 from snowsim.io.models import fingerprint, write_model
 from snowsim.io.scenes import SceneSet, write_scenes
