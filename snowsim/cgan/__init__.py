@@ -1,7 +1,7 @@
 """The conditional GAN, pix2pix: layer masks to echograms."""
 
 from snowsim.cgan.inputs import Levels
-from snowsim.cgan.render import render, render_as_expected, trained_generator, validate
+from snowsim.cgan.render import render, render_as_expected, trained_generator
 from snowsim.cgan.train import Training, least_bytes, networks_of, train_steps
 from snowsim.settings.cgan import Settings
 
@@ -15,5 +15,4 @@ __all__ = [
     "render_as_expected",
     "train_steps",
     "trained_generator",
-    "validate",
 ]

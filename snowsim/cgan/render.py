@@ -1,15 +1,12 @@
 """Layer masks to 8-bit echograms with a trained generator."""
 
-import numpy as np
 import torch
 
 from snowsim.cgan import pix2pix
 from snowsim.cgan.brightness import expected_levels
 from snowsim.cgan.inputs import conditions, place_map, slabs_of
 from snowsim.cgan.train import networks_of
-from snowsim.metrics.image import similarity
 from snowsim.patches import from_signed
-from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
 
@@ -81,16 +78,3 @@ def trained_generator(weights, settings, *, device="cpu"):
     generator, _ = networks_of(settings)
     load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()
-
-
-def validate(generator, scenes, settings, *, seed):
-    """Render observed scenes and compare: means of `similarity` by name, and the renders."""
-    images = []
-    scores = []
-    for scene in scenes:
-        rng = random_stream(seed, "cgan", "validation", scene.name)
-        image = render(generator, scene, settings, rng=rng)
-        images.append(image)
-        scores.append(similarity(image, scene.image))
-    means = {name: float(np.mean([score[name] for score in scores])) for name in scores[0]}
-    return means, images
