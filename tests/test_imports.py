@@ -29,6 +29,8 @@ ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
     ("cgan", "metrics"),
+    # Label sets' powers tell how bright a scene is.
+    ("cgan", "labels.dress"),
     ("tracker", "metrics"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),

@@ -19,18 +19,15 @@ class UNetGenerator(nn.Module):
     After pix2pix, Isola, Zhu, Zhou & Efros (2017), CVPR; encoder channels ``width * (1, 2, 4, 8, 8,
     ...)``, `depth` halvings; an image has one channel. Any image size: inputs, the mask first, are
     continued to a multiple of ``2**depth``, downwards without layers and sideways with the last
-    range line, and the output cut back. With `statistics` ``scene`` features are normalised by the
-    images at hand, with ``pixel`` over the channels of each pixel: then an image depends on what is
-    within ``3 * 2**depth`` pixels alone. Its inputs have a random level for each slab, and it
-    doubles images before it convolves them (Odena, Dumoulin & Olah 2016, Distill): equal inputs
-    leave no lattice. With `has_grain` it learns a `grain` to be added to its images.
+    range line, and the output cut back. Features are normalised over the channels of each pixel: an
+    image depends on what is within ``3 * 2**depth`` pixels alone. Its inputs have a random level
+    for each slab, and it doubles images before it convolves them (Odena, Dumoulin & Olah 2016,
+    Distill): equal inputs leave no lattice. It learns a `grain` to be added to its images.
     """
 
-    def __init__(self, width=64, depth=8, n_inputs=1, *, statistics="pixel", has_grain=False):
+    def __init__(self, width=64, depth=8, n_inputs=1):
         super().__init__()
         self.depth = depth
-        self.statistics = statistics
-        self.has_grain = has_grain
         self.channels = stage_channels(width, depth)
         n_inputs += 1  # the level of its slab
         # First weights are drawn in the order in which layers are named here.
@@ -40,14 +37,13 @@ class UNetGenerator(nn.Module):
         n_last = max(width // 2, 1)
         self.out = ResizeConvolution(outermost, n_last, 3, padding=1)
         self.last = nn.Conv2d(n_last + n_inputs, 1, 3, padding=1)
-        if has_grain:
-            self.grain = Grain()
+        self.grain = Grain()
         self._add_norms()
 
     def _add_encoder(self, n_inputs):
         self.down = nn.ModuleList()
         for stage, n_out in enumerate(self.channels):
-            self.down.append(_halving(n_inputs, n_out, bias=stage == 0))
+            self.down.append(halving(n_inputs, n_out, bias=stage == 0))
             n_inputs = n_out
 
     def _add_decoder(self):
@@ -76,8 +72,8 @@ class UNetGenerator(nn.Module):
         """Noise of one pass for inputs of the shape of `slabs`, the slab of each pixel.
 
         `slabs` is (patch, range_bin, range_line). A dict of tensors (patch, channel, row, column):
-        by stage dropout, 0 or 1 / (1 - dropout); with grain that of `Grain.draw`; ``slab``, the
-        same throughout a slab.
+        by stage dropout, 0 or 1 / (1 - dropout); that of `Grain.draw`; ``slab``, the same
+        throughout a slab.
         """
         n_patches, n_range_bins, n_range_lines = slabs.shape
         rows = n_range_bins + self._lacking(n_range_bins)
@@ -88,8 +84,7 @@ class UNetGenerator(nn.Module):
             kept = rng.random(shape, dtype=np.float32) >= dropout
             gain = np.float32(1 / (1 - dropout))
             noise[stage] = torch.from_numpy(kept * gain)
-        if self.has_grain:
-            noise |= self.grain.draw(slabs > 0, rng=rng)
+        noise |= self.grain.draw(slabs > 0, rng=rng)
         n_slabs = int(slabs.max()) + 1
         levels = rng.standard_normal((n_patches, n_slabs), dtype=np.float32)
         level = np.take_along_axis(levels, slabs.reshape(n_patches, -1), axis=1)
@@ -113,7 +108,7 @@ class UNetGenerator(nn.Module):
                 x = functional.leaky_relu(x, SLOPE)
             x = halve(x)
             if str(stage) in self.norm_down:
-                x = self.norm_down[str(stage)](x, self.statistics)
+                x = self.norm_down[str(stage)](x)
             kept.append(x)
         return kept
 
@@ -122,7 +117,7 @@ class UNetGenerator(nn.Module):
         x = kept[-1]
         for stage in range(self.depth - 1, 0, -1):
             x = self.up[stage - 1](functional.relu(x))
-            x = self.norm_up[stage - 1](x, self.statistics)
+            x = self.norm_up[stage - 1](x)
             if stage in noise:
                 x = x * noise[stage].to(x)
             x = torch.cat([kept[stage - 1], x], dim=1)
@@ -145,19 +140,18 @@ class PatchDiscriminator(nn.Module):
     """PatchGAN of pix2pix: logits, one per patch, for real (mask, image) pairs against rendered.
 
     Patches are 16, 34, 70 (as published) and 142 pixels wide for `n_strided`, the stages that
-    halve, of 1 to 4. Convolutions before a normalisation have biases as published with
-    `has_biases`: the normalisation takes them out.
+    halve, of 1 to 4.
     """
 
-    def __init__(self, width=64, n_strided=3, n_inputs=1, *, has_biases=False):
+    def __init__(self, width=64, n_strided=3, n_inputs=1):
         super().__init__()
         channels = stage_channels(width, n_strided + 1)
-        outermost = _halving(n_inputs + 1, channels[0], bias=True)
+        outermost = halving(n_inputs + 1, channels[0], bias=True)
         layers = [outermost, nn.LeakyReLU(SLOPE)]
         for stage in range(1, n_strided + 1):
             n_out = channels[stage]
             stride = 2 if stage < n_strided else 1
-            options = {"stride": stride, "padding": 1, "bias": has_biases}
+            options = {"stride": stride, "padding": 1, "bias": False}
             layers += [
                 nn.Conv2d(channels[stage - 1], n_out, 4, **options),
                 nn.BatchNorm2d(n_out, track_running_stats=False),
@@ -172,21 +166,18 @@ class PatchDiscriminator(nn.Module):
 
 
 class Norm(nn.Module):
-    """Normalisation of features (patch, channel, row, column); each channel has gain and offset."""
+    """Normalisation of features (patch, channel, row, column) over the channels of each pixel.
+
+    Each channel has gain and offset.
+    """
 
     def __init__(self, n_channels):
         super().__init__()
         self.weight = nn.Parameter(torch.ones(n_channels))
         self.bias = nn.Parameter(torch.zeros(n_channels))
 
-    def forward(self, x, statistics):
-        """By mean and variance of channels over images (`scene`), or of each pixel (`pixel`)."""
-        if statistics == "scene" and x[:, 0].numel() == 1:
-            # Its own mean: the offset is left.
-            gain = self.weight[:, None, None]
-            return (x - x) * gain + self.bias[:, None, None]
-        if statistics == "scene":
-            return functional.batch_norm(x, None, None, self.weight, self.bias, training=True)
+    def forward(self, x):
+        """Features of mean 0 and variance 1 at each pixel, before gain and offset."""
         channels_last = x.permute(0, 2, 3, 1)
         size = x.shape[1:2]
         normed = functional.layer_norm(channels_last, size, self.weight, self.bias, EPSILON)
@@ -242,5 +233,6 @@ def stage_channels(width, n_stages):
     return [width * min(2**stage, 8) for stage in range(n_stages)]
 
 
-def _halving(n_in, n_out, *, bias=False):
+def halving(n_in, n_out, *, bias=False):
+    """Convolution that halves both sides of its images."""
     return nn.Conv2d(n_in, n_out, 4, stride=2, padding=1, bias=bias)

@@ -1,14 +1,12 @@
-"""Layer masks to 8-bit echograms with a trained generator, and how near these are to observed."""
+"""Layer masks to 8-bit echograms with a trained generator."""
 
-import numpy as np
 import torch
 
-from snowsim.cgan import published
+from snowsim.cgan import pix2pix
+from snowsim.cgan.brightness import expected_levels
 from snowsim.cgan.inputs import conditions, place_map, slabs_of
 from snowsim.cgan.train import networks_of
-from snowsim.metrics.image import similarity
 from snowsim.patches import from_signed
-from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_weights
 
 
@@ -20,7 +18,7 @@ def render(generator, scene, settings, *, levels=None, rng):
 
     Parameters
     ----------
-    generator : UNetGenerator or PublishedGenerator
+    generator : UNetGenerator or Pix2PixGenerator
     scene : Scene
         ValueError if its mask holds no layer.
     settings : Settings
@@ -38,13 +36,24 @@ def render(generator, scene, settings, *, levels=None, rng):
         raise ValueError(msg)
     generator.eval()
     if settings.method == "pix2pix":
-        image = published.render_image(generator, scene, settings, rng=rng)
+        image = pix2pix.render_image(generator, scene, settings, rng=rng)
     else:
         image = _render_image(generator, scene, settings, levels, rng)
     if not torch.isfinite(image).all():
         msg = "generator renders values that are not finite: its training diverged"
         raise FloatingPointError(msg)
     return from_signed(image.clamp(-1, 1)[None, None])[0]
+
+
+def render_as_expected(generator, scene, settings, flight, *, fade_spread, rng):
+    """`render` of a scene as bright as its powers, or the statistics of a flight, tell.
+
+    `fade_spread` is that of the scenes trained on. `pix2pix` knows no brightness.
+    """
+    levels = None
+    if settings.method == "depth":
+        levels = expected_levels(scene, flight, fade_spread=fade_spread, rng=rng)
+    return render(generator, scene, settings, levels=levels, rng=rng)
 
 
 def _render_image(generator, scene, settings, levels, rng):
@@ -55,9 +64,7 @@ def _render_image(generator, scene, settings, levels, rng):
     device = next(generator.parameters()).device
     noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     with torch.inference_mode(), arithmetic(device, settings.precision):
-        image = generator(inputs.to(device), noise)
-        if generator.has_grain:
-            image = image + contrast * generator.grain(noise)
+        image = generator(inputs.to(device), noise) + contrast * generator.grain(noise)
     image = image[0, 0]
     if levels is None:
         return image
@@ -71,16 +78,3 @@ def trained_generator(weights, settings, *, device="cpu"):
     generator, _ = networks_of(settings)
     load_weights(generator, weights, "generator")
     return generator.to(device=device, memory_format=torch.channels_last).eval()
-
-
-def validate(generator, scenes, settings, *, seed):
-    """Render observed scenes and compare: means of `similarity` by name, and the renders."""
-    images = []
-    scores = []
-    for scene in scenes:
-        rng = random_stream(seed, "cgan", "validation", scene.name)
-        image = render(generator, scene, settings, rng=rng)
-        images.append(image)
-        scores.append(similarity(image, scene.image))
-    means = {name: float(np.mean([score[name] for score in scores])) for name in scores[0]}
-    return means, images

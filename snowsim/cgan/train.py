@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from snowsim.cgan import published
+from snowsim.cgan import pix2pix
 from snowsim.cgan.inputs import N_CHANNELS, Batch, conditions, is_snow, place_map, slabs_of
 from snowsim.cgan.networks import (
     PatchDiscriminator,
@@ -20,6 +20,7 @@ from snowsim.seeding import random_stream
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
 N_SCENES_HELD = 256  # scenes kept in memory, about 50 MB
+BETAS = (0.5, 0.999)  # of Adam, pix2pix
 ADAM_BYTES = 16  # of a weight: itself, its gradient and two moments, float32
 
 
@@ -67,16 +68,9 @@ class Training:
 def networks_of(settings):
     """Generator and discriminator of some `Settings`, not initialised."""
     if settings.method == "pix2pix":
-        generator = published.PublishedGenerator(settings.width, settings.depth)
-        return generator, PatchDiscriminator(settings.width, settings.n_strided, has_biases=True)
-    generator = UNetGenerator(
-        settings.width,
-        settings.depth,
-        N_CHANNELS,
-        statistics=settings.statistics,
-        # Nothing but a discriminator teaches grain.
-        has_grain=settings.adversarial != "none",
-    )
+        generator = pix2pix.Pix2PixGenerator(settings.width, settings.depth)
+        return generator, PatchDiscriminator(settings.width, settings.n_strided)
+    generator = UNetGenerator(settings.width, settings.depth, N_CHANNELS)
     return generator, PatchDiscriminator(settings.width, settings.n_strided, N_CHANNELS)
 
 
@@ -92,12 +86,11 @@ def train_steps(training, scenes):
     """Train from where `training` is to its last step; yields steps taken and losses of each.
 
     A step updates the discriminator, then the generator, on random crops of scenes, drawn without
-    replacement until all were seen, flipped left to right half of the time; that of `pix2pix` is
-    `published.update`. Losses: ``L_D = (A(D(x,
-    y), 1) + A(D(x, G(x, z)), 0)) / 2``, ``L_G = A(D(x, G(x, z)), 1) + w mean |y - G(x, z)|``, the
-    adversarial A a cross-entropy (0.69 is undecided): Isola et al. (2017), eq. (7) of Yari et al.
-    (2021); `l1` is a share of half the grey range. ValueError for a scene not
-    trainable; FloatingPointError if a loss is not finite.
+    replacement until all were seen, flipped left to right half of the time; `pix2pix` resizes them
+    before. Losses: ``L_D = (A(D(x, y), 1) + A(D(x, G(x, z)), 0)) / 2``, ``L_G = A(D(x, G(x, z)), 1)
+    + w mean |y - G(x, z)|``, the adversarial A a cross-entropy (0.69 is undecided): Isola et al.
+    (2017), eq. (7) of Yari et al. (2021); `l1` is a share of half the grey range. ValueError
+    without scenes or for one not trainable; FloatingPointError if a loss is not finite.
     """
     check_count("scenes to train on", len(scenes))
     held = lru_cache(maxsize=N_SCENES_HELD)(scenes.__getitem__)
@@ -114,38 +107,32 @@ def _take_step(training, scene_at, n_scenes):
     """Take the next step; its losses, numbers."""
     settings = training.settings
     rng = random_stream(training.seed, "cgan", "step", training.step)
+    first = training.step * settings.batch_size
+    scenes = []
+    for position in range(first, first + settings.batch_size):
+        number = draw_index(n_scenes, position, training.seed, "cgan", "scenes")
+        scenes.append(scene_at(number))
     _begin_step(training)
     if settings.method == "pix2pix":
-        batch = published.draw_batch(training.generator, scene_at, n_scenes, settings, rng=rng)
-        losses = published.update(training, batch.on(training.device))
+        batch = pix2pix.draw_batch(training.generator, scenes, settings, rng=rng)
+        losses = pix2pix.update(training, batch.on(training.device))
     else:
-        batch = _draw_batch(training, scene_at, n_scenes, rng)
+        batch = _draw_batch(training.generator, scenes, settings, rng)
         losses = _update(training, batch.on(training.device))
     values = torch.stack(list(losses.values())).tolist()
     return dict(zip(losses, values, strict=True))
 
 
-def _draw_batch(training, scene_at, n_scenes, rng):
-    """`Batch` of the next step."""
-    settings = training.settings
-    first = training.step * settings.batch_size
-    numbers = [
-        draw_index(n_scenes, position, training.seed, "cgan", "scenes")
-        for position in range(first, first + settings.batch_size)
-    ]
-    images, _, places = draw_patches(
-        [scene_at(number) for number in numbers],
-        settings.n_range_bins,
-        settings.n_range_lines,
-        known=place_map,
-        rng=rng,
-    )
+def _draw_batch(generator, scenes, settings, rng):
+    """`Batch` of crops of some scenes."""
+    size = (settings.n_range_bins, settings.n_range_lines)
+    images, _, places = draw_patches(scenes, *size, known=place_map, rng=rng)
     # Half a grey level of dither: that observed images are whole numbers must not tell them from
     # rendered ones.
     dither = rng.random(images.shape, dtype=np.float32) - np.float32(0.5)
     image = to_signed(images) + torch.from_numpy(dither[:, None] / 127.5)
     inputs = conditions(places)
-    noise = training.generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
+    noise = generator.draw_noise(slabs_of(places), dropout=settings.dropout, rng=rng)
     return Batch(inputs, image, noise)
 
 
@@ -159,13 +146,12 @@ def _update(training, batch):
     l1 = functional.l1_loss(rendered, batch.image)
     loss = settings.l1_weight * l1
     losses = {}
-    if generator.has_grain:
-        # Of what the image lacks grain has the texture, not the pixels: the least error is an image
-        # without any.
-        lacking = (batch.image - rendered).detach()
-        generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
-        rendered = rendered + generator.grain(batch.noise).detach()
+    # Of what the image lacks grain has the texture, not the pixels: the least error is an image
+    # without any.
+    lacking = (batch.image - rendered).detach()
+    generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
     if settings.adversarial != "none":
+        rendered = rendered + generator.grain(batch.noise).detach()
         losses = _step_discriminator(training, batch, rendered.detach())
         training.discriminator.requires_grad_(False)
         _, decision = _decide(training, batch, rendered)
@@ -220,6 +206,5 @@ def learning_rate(settings, step):
 
 
 def _adam(network, settings):
-    betas = (settings.beta1, settings.beta2)
     rate = settings.learning_rate
-    return torch.optim.Adam(network.parameters(), lr=rate, betas=betas, fused=True)
+    return torch.optim.Adam(network.parameters(), lr=rate, betas=BETAS, fused=True)

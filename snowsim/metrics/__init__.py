@@ -1,1 +1,1 @@
-"""Arrays in, numbers out: similarity and texture of images, edge scores and picks of trackers."""
+"""Arrays in, numbers out: similarity of images, edge scores and picks of trackers."""

@@ -1,4 +1,4 @@
-"""Settings of the conditional GAN, and the recipe of pix2pix: Isola et al. (2017)."""
+"""Settings of the conditional GAN, and its recipes: `paper` is pix2pix, Isola et al. (2017)."""
 
 from dataclasses import dataclass
 
@@ -7,12 +7,11 @@ from snowsim.settings import check_settings, setting
 
 @dataclass(frozen=True)
 class Settings:
-    """Networks and training of the conditional GAN; `method: pix2pix` is as published."""
+    """Networks and training of the conditional GAN."""
 
     method: str = setting(
         "depth",
-        "both networks know depths and how bright layers are; pix2pix: the mask alone, as "
-        "published",
+        "both networks know depths and how bright layers are; pix2pix: the mask alone, paper",
         enum=("pix2pix", "depth"),
     )
     width: int = setting(16, "[channels] of the outermost stage; paper scale 64", minimum=1)
@@ -30,23 +29,16 @@ class Settings:
     n_range_lines: int | None = setting(
         192, "[range lines] of a random crop; null: whole scenes; pix2pix: 256 of 286", minimum=32
     )
-    statistics: str = setting(
-        "pixel",
-        "features are normalised over the channels of each pixel; scene: as in pix2pix, by "
-        "those of the whole scene, which change with its height; not of method: pix2pix, always "
-        "by scene",
-        enum=("scene", "pixel"),
-    )
     learning_rate: float = setting(
         0.0005,
         "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4, constant",
         exclusiveMinimum=0,
     )
-    beta1: float = setting(0.5, "Adam", minimum=0, exclusiveMaximum=1)
-    beta2: float = setting(0.999, "Adam", minimum=0, exclusiveMaximum=1)
     l1_weight: float = setting(100, "paper, eq. (7)", minimum=0)
     adversarial: str = setting(
-        "bce", "loss: binary cross-entropy; none: the L1 term alone", enum=("bce", "none")
+        "bce",
+        "loss: binary cross-entropy; none: the L1 term alone, to learn what the discriminator adds",
+        enum=("bce", "none"),
     )
     dropout: float = setting(
         0.0, "[1] share of values; pix2pix: 0.5, its only noise", minimum=0, exclusiveMaximum=1
@@ -65,6 +57,9 @@ class Settings:
             msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
             msg += f"got {sizes[0]} and {sizes[1]}"
             raise ValueError(msg)
+        if self.method == "pix2pix" and self.adversarial == "none":
+            msg = "pix2pix: adversarial must be bce, got none"
+            raise ValueError(msg)
 
 
 PAPER = Settings(
@@ -72,7 +67,6 @@ PAPER = Settings(
     depth=8,
     n_range_bins=256,
     n_range_lines=256,
-    statistics="scene",
     learning_rate=2e-4,
     dropout=0.5,
     precision="float32",

@@ -47,7 +47,7 @@ def no_slabs(n_patches, *size):
 
 @pytest.fixture
 def generator(rng):
-    """Small generator with random weights, normalised pixel by pixel, without grain."""
+    """Small generator with random weights."""
     network = UNetGenerator(4, depth=4)
     initialise(network, rng=rng)
     return network.eval()
@@ -65,7 +65,7 @@ def test_any_image_size_keeps_its_size(generator, size, rng):
 
 def test_noise_is_dropout_outside_the_innermost_stage_and_changes_the_image(generator, rng):
     noise = generator.draw_noise(no_slabs(1, 64, 64), dropout=0.3, rng=rng)
-    assert list(noise) == [2, 1, "slab"]
+    assert list(noise) == [2, 1, "grain", "gains", "slab"]
     values = torch.cat([noise[stage].flatten() for stage in (2, 1)]).numpy()
     assert set(np.unique(values)) == {0, np.float32(1 / 0.7)}
     assert_allclose((values == 0).mean(), 0.3, atol=4 * np.sqrt(0.21 / values.size))

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import torch
 from numpy.testing import assert_allclose, assert_array_equal
-from toy_scenes import toy_scene, toy_scenes
+from toy_scenes import toy_scenes
 
-from lib.patch_distance import describe_patches, kernel_distance
-from lib.scope import outside, scope_of
 from snowsim.cgan import Settings, Training, render, trained_generator
 from snowsim.cgan.inputs import Levels
+from snowsim.cgan.scope import outside, scope_of
 from snowsim.echogram import Scene
 from snowsim.seeding import random_stream
 
@@ -109,6 +109,14 @@ def test_scenes_without_layers_in_their_window_are_refused(generator, rng):
         render(generator, level(20, row=30.0), SETTINGS, rng=rng)
 
 
+def test_weights_that_are_not_finite_are_refused(rng):
+    diverged = untrained(SETTINGS)
+    with torch.no_grad():
+        diverged.last.bias.fill_(torch.nan)
+    with pytest.raises(FloatingPointError, match="not finite: its training diverged"):
+        render(diverged, level(64), SETTINGS, rng=rng)
+
+
 def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():
     scope = scope_of(toy_scenes(4))
     assert scope["height"] == [96, 96]
@@ -123,21 +131,3 @@ def test_scenes_outside_what_was_trained_on_are_named_with_the_quantity():
         "slope",
         "spacing",
     ]
-
-
-def test_the_distance_is_zero_within_one_law_and_rewards_no_blur(rng):
-    def numbers(first, change=lambda image: image):
-        scenes = [toy_scene(first + number, 256, 192, n_layers=10) for number in range(6)]
-        return np.concatenate(
-            [describe_patches(change(s.image.astype(float)), s.mask()) for s in scenes]
-        )
-
-    observed, others = numbers(0), numbers(100)
-    blurred = numbers(100, lambda image: (image + np.roll(image, 1, axis=1)) / 2)
-    moved = numbers(100, lambda image: np.roll(image, 3, axis=0))
-    # Unbiased: of one law it scatters about zero.
-    scatter = abs(kernel_distance(others, observed))
-    assert kernel_distance(blurred, observed) > 10 * scatter
-    assert kernel_distance(moved, observed) > 10 * scatter
-    with pytest.raises(ValueError, match="two patches of either kind, got 1 and"):
-        kernel_distance(others[:1], observed)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from lib.fades import FALL_BINS, LENGTH_LINES, SLAB_BINS, draw_fades, fade_spread
+from snowsim.cgan.fades import FALL_BINS, LENGTH_LINES, SLAB_BINS, draw_fades, fade_spread
 from snowsim.cgan.grain import correlated
 from snowsim.echogram import Scene
 

@@ -56,8 +56,6 @@ rule train_cgan:
     output:
         generator="results/cgan/generator.safetensors",
         losses="results/cgan/losses.csv",
-        scores="results/cgan/validation.csv",
-        samples="results/cgan/samples.nc",
     log:
         "logs/train_cgan.log",
     benchmark:
@@ -70,9 +68,7 @@ rule train_cgan:
         seed=config["seed"],
         device=CGAN["device"],
         settings=CGAN["training"],
-        validation=CGAN["validation"],
-        on_collapse=CGAN["on_collapse"],
-        source=SYNTHETIC,
+        n_held=CGAN["n_held"],
         checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_cgan",

@@ -9,7 +9,5 @@ with job(snakemake):
         snakemake.input.scenes,
         snakemake.output.generator,
         snakemake.output.losses,
-        snakemake.output.scores,
-        snakemake.output.samples,
         **snakemake.params,
     )

@@ -66,6 +66,4 @@ def flight_config(config, flight):
     # Each run keeps what is unfinished in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"
     own["checkpoints"]["events"] = "logs/tensorboard"
-    # A flight left out because its cGAN collapsed would be one chosen by its result.
-    own["cgan"]["on_collapse"] = "go_on"
     return own

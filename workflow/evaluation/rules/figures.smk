@@ -51,7 +51,6 @@ rule plot_renders:
     input:
         statistics="results/statistics.nc",
         losses="results/cgan/losses.csv",
-        validation="results/cgan/validation.csv",
         observed=benchmark_files("test"),
         cgan_test=rendered_files("cgan", "test"),
         phy_test=rendered_files("phy", "test"),

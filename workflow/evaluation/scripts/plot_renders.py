@@ -12,7 +12,7 @@ from snowsim.io.scenes import SceneSet
 with job(snakemake):
     files = snakemake.input
     params = snakemake.params
-    losses = renders.cgan_losses(read_table(files.losses), read_table(files.validation))
+    losses = renders.cgan_losses(read_table(files.losses))
     save_figure(snakemake.output.cgan_losses_svg, losses, params.source)
     test = {"observed": SceneSet(files.observed)}
     drawn = {}

@@ -3,10 +3,10 @@
 from evaluation.lib.figures.style import (
     BLACK,
     METHODS,
-    RED,
     evenly_spaced,
     name_of,
     new_figure,
+    new_panel,
 )
 from snowsim.echogram import MINIMUM_ROWS
 
@@ -14,19 +14,12 @@ RUNNING_STEPS = 50  # of means of losses
 N_SCENES_SHOWN = 3  # observed ones, and as many synthetic ones
 
 
-def cgan_losses(losses, validation):
-    """Running means of losses, and how near held-out scenes are, the chosen weights marked."""
-    figure, axes = new_figure(1, 3, width=9)
-    of_losses, *of_scores = axes[0]
+def cgan_losses(losses):
+    """Running means of losses."""
+    figure, ax = new_panel()
     smooth = losses.set_index("step").rolling(RUNNING_STEPS, min_periods=1).mean()
-    smooth.plot(ax=of_losses, logy=True, style=["-", "--", "-.", ":"])
-    of_losses.set(ylabel="loss", title=f"running means of {RUNNING_STEPS} steps")
-    scores = validation.set_index("step")
-    best = scores["fitness"].idxmax()
-    for ax, score in zip(of_scores, ("distance", "ssim"), strict=True):
-        scores[score].plot(ax=ax, style="o-", color=RED)
-        ax.plot(best, scores.loc[best, score], "o", color=BLACK, markersize=8, fillstyle="none")
-        ax.set(ylabel=name_of(score), title="renders of held-out scenes")
+    smooth.plot(ax=ax, logy=True, style=["-", "--", "-.", ":"])
+    ax.set(ylabel="loss", title=f"running means of {RUNNING_STEPS} steps")
     return figure
 
 

@@ -1,6 +1,7 @@
 """What a generator was trained on, as ranges of a scene's geometry, and scenes outside them."""
 
 import numpy as np
+import pandas as pd
 
 STEEP = 98  # [%] of slopes: single pixels decide nothing
 CLOSE = 2  # [%] of spacings
@@ -35,12 +36,8 @@ def scope_of(scenes):
 
     It is kept with the generator.
     """
-    found = [geometry(scene) for scene in scenes]
-    scope = {}
-    for name in sorted(set().union(*found)):
-        values = [of_scene[name] for of_scene in found if name in of_scene]
-        scope[name] = [min(values), max(values)]
-    return scope
+    table = pd.DataFrame([geometry(scene) for scene in scenes])
+    return table.agg(["min", "max"]).to_dict("list")
 
 
 def outside(scene, scope):

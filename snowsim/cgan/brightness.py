@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from lib.fades import draw_fades
+from snowsim.cgan.fades import draw_fades
 from snowsim.cgan.inputs import LEVEL_BINS, LEVEL_LINES, Levels
 from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
-from snowsim.labels import dress
+from snowsim.labels.dress import dress
 
 # Pixels between which the level of snow, a mean over many more, is interpolated.
 STEP_BINS, STEP_LINES = 4, 8
@@ -20,7 +20,7 @@ def expected_levels(scene, statistics, *, fade_spread=0.0, rng=None):
     d_j))``, a_j and d_j of eq. (1). Powers are the scene's own where it has echoes, else the
     flight's. An image spans the decibels from noise to its maximum: where the uppermost layer
     stands higher above the noise than the flight's, a decibel has fewer grey levels. Fades are
-    those of `lib.fades`, drawn from `rng`.
+    those of `draw_fades`, drawn from `rng`.
     """
     of_flight = dress(scene.layer_bins, statistics)
     echoes = scene.echoes or of_flight

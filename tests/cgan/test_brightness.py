@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from lib.brightness import expected_levels
-from lib.fades import draw_fades
+from snowsim.cgan.brightness import expected_levels
+from snowsim.cgan.fades import draw_fades
 from snowsim.cgan.inputs import observed_levels
 from snowsim.echogram import to_db
 from snowsim.front import REFERENCE

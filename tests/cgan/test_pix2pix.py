@@ -1,0 +1,109 @@
+"""The recipe `paper`: pix2pix has the published sizes, loss, jitter and noise."""
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from numpy.testing import assert_allclose, assert_array_equal
+from toy_scenes import toy_scene, toy_scenes
+from trainings import trained
+
+from snowsim.cgan import Settings, Training, networks_of, render
+from snowsim.cgan.inputs import Batch
+from snowsim.cgan.pix2pix import Pix2PixGenerator, draw_batch, jittered, update
+from snowsim.settings.cgan import PAPER
+
+FULL = replace(PAPER, width=64)
+SMALL = replace(PAPER, width=3, depth=4, n_strided=2, n_range_bins=32, n_range_lines=32)
+
+
+def test_networks_have_the_published_numbers_of_weights():
+    n_weights = [sum(p.numel() for p in network.parameters()) for network in networks_of(FULL)]
+    # As the authors' second code, in PyTorch, has them for one channel in and out.
+    assert n_weights == [54_407_809, 2_764_609]
+
+
+def test_an_update_follows_the_equation_of_the_paper(rng):
+    training = Training(SMALL, seed=1)
+    for network in (training.generator, training.discriminator):
+        network.double()
+    batch = draw_batch(training.generator, toy_scenes(2), SMALL, rng=rng)
+    batch = Batch(batch.inputs.double(), batch.image.double(), batch.noise)
+    generator, discriminator = map(copy.deepcopy, (training.generator, training.discriminator))
+    found = update(training, batch)
+
+    def step(network, loss):
+        weights = list(network.parameters())
+        gradients = torch.autograd.grad(loss, weights)
+        for weight, gradient in zip(weights, gradients, strict=True):
+            # Adam's first step, whatever its betas.
+            weight.data -= SMALL.learning_rate * gradient / (gradient.abs() + 1e-8)
+
+    def said(image):
+        return torch.sigmoid(discriminator(batch.inputs, image))
+
+    rendered = generator(batch.inputs, batch.noise)
+    on_real = -torch.log(said(batch.image)).mean()
+    on_fake = -torch.log(1 - said(rendered)).mean()
+    step(discriminator, (on_real + on_fake) / 2)
+    # By the discriminator's new weights.
+    adversarial = -torch.log(said(rendered)).mean()
+    l1 = (batch.image - rendered).abs().mean()
+    step(generator, adversarial + 100 * l1)
+    expected = [loss.item() for loss in (on_real, on_fake, adversarial, l1)]
+    # Rounding of float64.
+    assert_allclose([loss.item() for loss in found.values()], expected, rtol=1e-12)
+    pairs = ((training.generator, generator), (training.discriminator, discriminator))
+    for ours, theirs in pairs:
+        for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
+            torch.testing.assert_close(one, other, rtol=0, atol=1e-6 * SMALL.learning_rate)
+
+
+def test_jitter_cuts_every_window_of_the_enlarged_scene_and_mirrors_half_of_them(rng):
+    # 32 x 286 / 256 is 36: a scene of this size is not resized, and has 5 x 5 windows.
+    scene = toy_scene(1, 36, 36)
+    whole = np.stack([2.0 * scene.mask() - 1, scene.image / 127.5 - 1])
+    windows = []
+    for row in range(5):
+        for line in range(5):
+            window = whole[:, row : row + 32, line : line + 32]
+            windows += [window, window[:, :, ::-1]]
+    drawn = [jittered(scene, SMALL, rng=rng)[:, 0].numpy() for _ in range(600)]
+    apart = np.array([[np.abs(crop - window).max() for window in windows] for crop in drawn])
+    # In float32; of 50 windows in 600 draws one is missed with a probability of 3e-4.
+    assert_array_equal((apart < 1e-6).sum(axis=1), 1)
+    assert_array_equal((apart < 1e-6).any(axis=0), True)
+
+
+def test_three_stages_drop_out_from_the_innermost_on(rng):
+    noise = Pix2PixGenerator(width=1, depth=8).draw_noise((1, 1, 256, 256), rng=rng)
+    shapes = {stage: tuple(factor.shape) for stage, factor in noise.items()}
+    assert shapes == {7: (1, 8, 2, 2), 6: (1, 8, 4, 4), 5: (1, 8, 8, 8)}
+    values = torch.cat([factor.flatten() for factor in noise.values()])
+    assert set(values.tolist()) == {0.0, 2.0}
+
+
+def test_it_learns_at_a_constant_rate_and_renders_scenes_of_any_size_with_noise(rng):
+    settings = replace(SMALL, width=8, n_steps=150)
+    training, losses = trained(settings, n_scenes=8)
+    rates = {group["lr"] for group in training.optimisers["generator_adam"].param_groups}
+    assert rates == {settings.learning_rate}
+    l1 = [step["l1"] for step in losses]
+    assert np.mean(l1[-20:]) < 0.6 * np.mean(l1[:5])
+    scene = toy_scene(4, 150, 70)
+    first, second = (render(training.generator, scene, settings, rng=rng) for _ in range(2))
+    assert (first.shape, first.dtype) == ((150, 70), np.uint8)
+    assert (first != second).any()
+
+
+@pytest.mark.parametrize("sizes", [(None, 32), (32, 40)])
+def test_sizes_that_the_networks_cannot_halve_are_refused(sizes):
+    with pytest.raises(ValueError, match=r"pix2pix: .* multiples of 2\*\*4, got"):
+        replace(SMALL, n_range_bins=sizes[0], n_range_lines=sizes[1])
+
+
+def test_it_has_a_discriminator():
+    with pytest.raises(ValueError, match="pix2pix: adversarial must be bce, got none"):
+        Settings(method="pix2pix", adversarial="none")
