@@ -75,6 +75,6 @@ def note_saturation(losses):
         return
     mean = late[["discriminator_real", "discriminator_fake"]].mean(axis=None)
     share = mean / UNDECIDED
-    logger.info("discriminator: %.3f of an undecided one's loss over the last steps", share)
+    logger.info("discriminator: late loss %.3f of an undecided one's", share)
     if share < SATURATED:
         logger.warning("discriminator saturated: below %g, the generator learns little", SATURATED)
