@@ -55,8 +55,9 @@ class Scene:
 
     def __repr__(self):
         size = f"{self.n_range_bins} range bins, {self.n_range_lines} range lines"
+        n_labelled = int(np.isfinite(self.layer_bins).any(axis=1).sum())
         image = "no image" if self.image is None else "image"
-        return f"Scene({self.name!r}, {size}, {len(self.layer_bins)} layers, {image})"
+        return f"Scene({self.name!r}, {size}, {n_labelled} layers labelled, {image})"
 
     @property
     def n_range_lines(self):

@@ -289,7 +289,7 @@ def test_what_people_print_is_one_readable_line(drawn):
     said += [repr(snowsim.Radar.preset("snow-2-8")), repr(snowsim.Snowpack(**SNOW))]
     assert said == [
         "Scenes(6 of 320 range bins and 64 range lines)",
-        "Scene('drawn_000002', 320 range bins, 64 range lines, 4 layers, image)",
+        "Scene('drawn_000002', 320 range bins, 64 range lines, 4 layers labelled, image)",
         "Tracker(universal 1, made for bins of 0.2886 ns, lines 5.2 m apart)",
         "Radar(6 GHz about 5 GHz, hann window, bins of 0.0867 ns, 5 looks, 500 m above the snow)",
         "Snowpack(3 layers down to 2.5 m, 340 to 400 kg m-3, range lines: 1)",
