@@ -141,7 +141,9 @@ def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
 
 def test_confidence_without_a_pick_is_refused_in_one_line():
     scenes = toy_scenes(1)
-    with pytest.raises(ValueError, match="expected picks to fit their confidence to, got none"):
+    with pytest.raises(
+        ValueError, match="picks to fit their confidence to must be .* at least 1, got 0"
+    ):
         fit_confidence([true_logits(scenes[0]) - 99], scenes, SURE)
 
 
