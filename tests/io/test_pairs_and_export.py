@@ -207,7 +207,6 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
         "short",
         "inverted",
         "grey",
-        "colour",
         "black",
         "differ",
         "apart",
