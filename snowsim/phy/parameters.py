@@ -77,7 +77,10 @@ def checked_waveforms(
         line_share = peak_power / np.where(largest > 0, largest, 1)[:, None]
         peak_power = largest
     offset_bins, unit_peak = waveform_peak(given["variance_bins2"], given["decay_rate"])
-    amplitude = peak_power / unit_peak if normalise == "peak" else peak_power
+    with np.errstate(over="ignore"):
+        amplitude = peak_power / unit_peak if normalise == "peak" else peak_power
+        total = amplitude.sum() + (amplitude * unit_peak).sum()
+    check_values("peak_power: the sum over layers", total)
     centre_bins = layer_bins - offset_bins[:, None] if align == "peak" else layer_bins
     return Waveforms(
         centre_bins=centre_bins,

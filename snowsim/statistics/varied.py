@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from snowsim.echogram import check_choice
 from snowsim.seeding import generator
 
 # By which power of the factor of thickness, and of pulse length, a statistic grows.
@@ -189,9 +190,7 @@ def changed(statistics, variation):
 
 def _scaled(statistics, name, factor):
     """A statistic times a factor, and its standard error where that has its unit, by name."""
-    if name not in statistics:
-        msg = f"flight statistics need {name}, hold {', '.join(map(str, statistics.variables))}"
-        raise ValueError(msg)
+    check_choice("a flight statistic", name, list(map(str, statistics.variables)))
     values = statistics[name]
     scaled = {name: values.copy(data=values.values * factor)}
     error = f"{name}_standard_error"

@@ -114,7 +114,9 @@ def zone_statistics(
     """
     mean = block_means(thickness)
     n_known = np.isfinite(mean[:, :1]).sum()
-    check_count(f"zones need slab 0: blocks of {BLOCK_LINES} lines, half with it picked,", n_known)
+    check_count(
+        f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines: blocks", n_known
+    )
     level, own = block_levels(mean)
     placed = np.isfinite(level)
     n_slabs = mean.shape[1]
