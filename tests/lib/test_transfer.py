@@ -1,4 +1,4 @@
-"""The study of flights never seen: which flights, and how trackers are scored on them."""
+"""Flights that the shipped tracker never saw: which they are, and how it is scored on them."""
 
 import dataclasses
 
@@ -11,9 +11,9 @@ from scipy.special import expit
 from toy_scenes import toy_scenes
 
 from lib.resizing import resized
-from lib.transfer import check_flights, parts_of, reference_of, scale_of, variants_of
+from lib.transfer import check_flights, reference_of, scale_of, variants_of
 from lib.transfer_scores import (
-    Compared,
+    Calibrated,
     fit_confidence,
     followed,
     on_pixels,
@@ -42,7 +42,7 @@ def test_at_least_eight_flights_are_named_and_none_is_tuned_on():
         ([{"name": "a", "seed": 1}, {"name": "a", "seed": 2}], "every name once, got a 2 times"),
         (
             [{"name": "a", "seed": 1, "reference": {"radar": {"band": 1}}}],
-            "flight a: reference.radar: unknown key band",
+            r"flight a: .*radar.*: unknown key",
         ),
     ],
 )
@@ -67,11 +67,7 @@ def test_another_flight_differs_in_what_it_names_alone():
     assert_allclose(scale_of(farther, radar), (1, 1))
 
 
-def test_parts_of_a_flight_share_no_scene_and_shards_hold_every_variant_once():
-    parts = parts_of({"test": 40, "own": 60})
-    assert parts["own"].span == (0, 48)
-    assert parts["held"].span == (48, 60)
-    assert {parts["own"].split, parts["held"].split} == {"train"} != {parts["test"].split}
+def test_shards_hold_every_variant_once():
     spans = [variants_of(shard, 12, 30) for shard in range(3)]
     assert spans == [(0, 12), (12, 24), (24, 30)]
 
@@ -87,7 +83,7 @@ def picks_of(scene, moved_bins=0.0):
     return followed(true_logits(scene, moved_bins), PERFECT, scene.image.shape)
 
 
-PERFECT = Compared("perfect", None, SURE)
+PERFECT = Calibrated(None, SURE)
 
 
 def test_picks_of_a_perfect_map_find_every_layer_and_nothing_else():
@@ -127,7 +123,7 @@ def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
         wrong = number % 3 == 0
         logits.append(true_logits(scene, 5.0 * wrong) * (0.75 if wrong else 1))
     found = fit_confidence(logits, scenes, SURE)
-    tracker = Compared("fitted", None, SURE, found)
+    tracker = Calibrated(None, SURE, found)
     picks = [
         followed(each, tracker, scene.image.shape)
         for each, scene in zip(logits, scenes, strict=True)
@@ -173,15 +169,13 @@ def test_an_image_tracked_at_another_size_comes_back_on_its_own_pixels():
     assert np.abs(resampled - at_its_own)[4:-4].max() < 0.15
 
 
-def test_a_row_of_scores_has_every_score_and_its_reliability():
+def test_a_tracker_that_sees_the_layers_scores_well_in_every_way():
     scenes = [
         dataclasses.replace(scene, image=np.uint8(255 * expit(true_logits(scene))))
         for scene in toy_scenes(2)
     ]
-    tracker = Compared("bright", Brightness(), SURE)
-    row, curve = score_tracker(tracker, scenes, (1, 1))
-    assert row["tracker"] == "bright"
-    assert row["ods"] > 0.95
-    assert row["f"] > 0.9
-    assert curve["n_pixels"].sum() > 0
-    assert {"recall", "precision", "missed_share", "false_share", "deviation"} <= row.keys()
+    scores = score_tracker(Calibrated(Brightness(), SURE), scenes, (1, 1))
+    assert scores["ods"] > 0.95
+    assert scores["f"] > 0.9
+    assert scores["missed_share"] == scores["false_share"] == 0
+    assert 0 <= scores["deviation"] < 0.5
