@@ -13,6 +13,7 @@ MINIMUM_ROWS = 300
 DB_BELOW_NOISE_FLOOR = 10.0
 
 ECHOGRAM_ALONG_TRACK = ("Latitude", "Longitude", "Elevation", "Surface")
+DEGREES = {"Latitude": 90, "Longitude": 360}
 
 
 @dataclass
@@ -120,13 +121,9 @@ def crossing_layers(layer_bins):
 def check_layer_bins(layer_bins, where="layer_bins"):
     """Raise ValueError, naming `where`, unless layers (layer, range_line) never cross."""
     layer_bins = np.asarray(layer_bins, dtype=float)
-    if layer_bins.ndim != 2:
-        msg = f"{where}: expected dimensions (layer, range_line), got shape {layer_bins.shape}"
-        raise ValueError(msg)
-    if np.isinf(layer_bins).any():
-        layer, line = np.argwhere(np.isinf(layer_bins))[0]
-        msg = f"{where}: layers must be finite or NaN, "
-        msg += f"got {layer_bins[layer, line]} at layer {layer}, line {line}"
+    if layer_bins.ndim != 2 or np.isinf(layer_bins).any():
+        msg = f"{where}: layers (layer, range_line) must be finite or NaN, "
+        msg += f"got {np.isinf(layer_bins).sum()} infinite ones of shape {layer_bins.shape}"
         raise ValueError(msg)
     crossing = crossing_layers(layer_bins)
     if crossing.any():
@@ -191,36 +188,40 @@ def check_echogram(echogram, where="echogram"):
     """Raise ValueError, naming `where`, unless the dataset follows the Open Polar Radar convention.
 
     Dims and coordinates `slow_time` [UTC, datetime64] and `twtt` [s], both increasing, `twtt`
-    evenly spaced; `Data` (linear power, not negative, NaN where missing); `Latitude`, `Longitude`,
-    `Elevation`, `Surface` along `slow_time`.
+    evenly spaced; `Data` (linear power, not negative, NaN where missing, no grey levels);
+    `Latitude`, `Longitude`, `Elevation`, `Surface` along `slow_time`, degrees of this Earth.
     """
-    _require(
-        echogram,
-        {"Data": {"twtt", "slow_time"}, **{name: {"slow_time"} for name in ECHOGRAM_ALONG_TRACK}},
-        where,
-    )
-    _check_slow_time(echogram, where)
+    along_track = dict.fromkeys(ECHOGRAM_ALONG_TRACK, ("slow_time",))
+    axes = {"Data": ("twtt", "slow_time"), "twtt": ("twtt",)}
+    _check_variables(echogram, axes | along_track, where)
     twtt = echogram["twtt"].values
-    if twtt.size < 2 or not np.isfinite(twtt).all():
-        msg = f"{where}: twtt: expected two or more finite values, got {twtt.size} of them"
-        raise ValueError(msg)
-    steps = np.diff(twtt)
-    if (steps <= 0).any():
-        msg = f"{where}: twtt must increase, falls at range_bin {int(np.argmax(steps <= 0)) + 1}"
-        raise ValueError(msg)
+    even = np.linspace(twtt[:1], twtt[-1:], twtt.size)[:, 0]
     # Files store travel time to about 1e-13 s; a thousandth of a bin is far above that and below
-    # any use.
-    uneven = np.abs(twtt - np.linspace(twtt[0], twtt[-1], twtt.size)) > 1e-3 * steps.mean()
-    if uneven.any():
-        msg = f"{where}: twtt must be evenly spaced, is not at range_bin {int(np.argmax(uneven))}"
+    # any use. NaN is not even, either.
+    uneven = ~(np.abs(twtt - even) < 1e-3 * np.diff(even[:2]))
+    if twtt.size < 2 or uneven.any():
+        msg = f"{where}: twtt must increase in even steps, {uneven.sum()} of {twtt.size} do not"
         raise ValueError(msg)
     data = echogram["Data"].values
-    bad = np.isinf(data) | (data < 0)
+    bad = np.isinf(data) | (data < 0) if data.dtype.kind in "fiu" else np.ones((1, 1), dtype=bool)
     if bad.any():
         at = tuple(int(i) for i in np.argwhere(bad)[0])
-        msg = f"{where}: Data: expected linear power, finite or NaN and not negative, "
+        msg = (
+            f"{where}: Data: expected linear power, finite or NaN and not negative (not decibels), "
+        )
         msg += f"got {data[at]} at {at}"
         raise ValueError(msg)
+    # A mask has two levels; the first rows tell power without a look at the rest.
+    is_whole = all((part == np.rint(part)).all() for part in (data[:2], data))
+    if is_whole and 2 <= data.max() <= 255 and data.min() < data.max():
+        msg = f"{where}: Data: expected linear power, found whole numbers of 8 bits: grey levels?"
+        raise ValueError(msg)
+    for name, largest in DEGREES.items():
+        outside = np.abs(echogram[name].values) > largest  # NaN, where it is unknown, is not
+        if outside.any():
+            msg = f"{where}: {name}: expected degrees within +-{largest}, "
+            msg += f"found {echogram[name].values[outside][0]:g}"
+            raise ValueError(msg)
 
 
 def check_layers(layers, where="layers"):
@@ -228,35 +229,29 @@ def check_layers(layers, where="layers"):
 
     `twtt`, `quality` and `type` on (layer, slow_time), layers that do not cross.
     """
-    _require(layers, {name: {"layer", "slow_time"} for name in ("twtt", "quality", "type")}, where)
-    _check_slow_time(layers, where)
-    check_layer_bins(layers["twtt"].transpose("layer", "slow_time").values, f"{where}: twtt")
+    axes = ("layer", "slow_time")
+    _check_variables(layers, dict.fromkeys(("twtt", "quality", "type"), axes), where)
+    check_layer_bins(layers["twtt"].transpose(*axes).values, f"{where}: twtt")
 
 
 def layer_bins_of(layers, echogram):
     """Layers of a dataset in range bins of an echogram, (layer, range_line), NaN where absent.
 
-    ValueError unless both have the same range lines.
+    ValueError unless both have the same range lines: nearer to their own than to others.
     """
     twtt = layers["twtt"].transpose("layer", "slow_time").values
-    if twtt.shape[1] != echogram.sizes["slow_time"]:
-        msg = (
-            f"layers cover {twtt.shape[1]} range lines, the echogram {echogram.sizes['slow_time']}"
-        )
+    theirs, ours = (dataset["slow_time"].values for dataset in (layers, echogram))
+    if theirs.size != ours.size:
+        msg = f"layers cover {theirs.size} range lines, the echogram {ours.size}"
         raise ValueError(msg)
-    _check_same_lines(layers["slow_time"].values, echogram["slow_time"].values)
-    return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
-
-
-def _check_same_lines(layers, echogram):
-    """Raise ValueError unless range lines of layers lie nearer to their own than to others."""
-    away = np.abs(layers - echogram)
-    if layers.size > 1 and (2 * away > np.median(np.diff(echogram))).any():
+    away = np.abs(theirs - ours)
+    if ours.size > 1 and (2 * away > np.median(np.diff(ours))).any():
         line = int(away.argmax())
         msg = f"layers: slow_time is not that of the echogram: range line {line} is at "
-        msg += f"{layers[line]}, the echogram's at {echogram[line]}; "
+        msg += f"{theirs[line]}, the echogram's at {ours[line]}; "
         msg += "snowsim.frames.align_layers puts layers on its lines"
         raise ValueError(msg)
+    return (twtt - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
 
 
 def along_track_m(echogram):
@@ -281,29 +276,23 @@ def along_track_m(echogram):
     return distance_m
 
 
-def _require(dataset, variables, where):
-    for name, dims in variables.items():
-        if name not in dataset:
-            found = ", ".join(map(str, dataset.variables)) or "none"
-            msg = f"{where}: expected variable {name}, found {found}"
-            raise ValueError(msg)
-        if set(dataset[name].dims) != dims:
-            msg = f"{where}: {name}: expected dimensions {sorted(dims)}, "
-            msg += f"got {list(dataset[name].dims)}"
-            raise ValueError(msg)
-
-
-def _check_slow_time(dataset, where):
-    slow_time = dataset["slow_time"].values
-    if not np.issubdtype(slow_time.dtype, np.datetime64):
-        msg = f"{where}: slow_time: expected datetime64, got {slow_time.dtype}"
+def _check_variables(dataset, axes, where):
+    """Refuse a dataset that lacks variables on these axes, or times that increase; all are told."""
+    held = {name: variable.dims for name, variable in dataset.variables.items()}
+    wrong = [name for name, dims in axes.items() if set(held.get(name, ())) != set(dims)]
+    if wrong or "slow_time" not in held:
+        expected = "; ".join(f"{name} ({', '.join(axes[name])})" for name in wrong) or "slow_time"
+        found = "; ".join(f"{name} ({', '.join(map(str, dims))})" for name, dims in held.items())
+        msg = f"{where}: expected variables {expected}, found {found or 'none'}"
         raise ValueError(msg)
-    if np.isnat(slow_time).any():
-        msg = f"{where}: slow_time must hold no gaps, range line {np.isnat(slow_time).argmax()} "
-        raise ValueError(msg + "has no time")
-    stays = np.diff(slow_time) <= np.timedelta64(0)
-    if stays.any():
-        line = int(stays.argmax())
-        msg = f"{where}: slow_time must increase: range line {line + 1} is not later than line "
-        msg += f"{line} ({stays.sum()} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
+    slow_time = dataset["slow_time"].values
+    later = np.zeros(1, dtype=bool)
+    if np.issubdtype(slow_time.dtype, np.datetime64) and slow_time.size:
+        later = np.append(~np.isnat(slow_time[0]), np.diff(slow_time) > np.timedelta64(0))
+    if not later.all():
+        line = int(later.argmin())
+        n_late = later.size - later.sum()
+        msg = f"{where}: slow_time must increase, as datetime64 (is {slow_time.dtype}): range line "
+        msg += f"{line} is not later than line "
+        msg += f"{line - 1} ({n_late} such lines of {slow_time.size}; in CReSIS files, GPS_time)"
         raise ValueError(msg)

@@ -84,25 +84,25 @@ def test_a_good_echogram_passes_in_any_order_of_dimensions():
 @pytest.mark.parametrize(
     ("break_it", "message"),
     [
-        (lambda e: e.drop_vars("Surface"), "f.nc: expected variable Surface"),
+        (lambda e: e.drop_vars("Surface"), "f.nc: expected variables Surface"),
         (lambda e: e.assign_coords(twtt=e["twtt"].values[::-1].copy()), "f.nc: twtt must increase"),
-        (lambda e: e.assign_coords(twtt=e["twtt"].values ** 2), "f.nc: twtt must be evenly spaced"),
+        (lambda e: e.assign_coords(twtt=e["twtt"].values ** 2), "f.nc: twtt must increase in even"),
         (
             lambda e: e.assign_coords(slow_time=np.arange(6.0)),
-            "f.nc: slow_time: expected datetime64",
+            "f.nc: slow_time must increase, as datetime64",
         ),
         (
             lambda e: e.isel(slow_time=[0, 2, 1, 3, 4, 5]),
-            "f.nc: slow_time must increase: range line 2 is not later than line 1 .1 such lines",
+            "range line 2 is not later than line 1 .1 such lines",
         ),
         (
             lambda e: e.assign_coords(
                 slow_time=e["slow_time"].where(e["slow_time"] != e["slow_time"][3])
             ),
-            "f.nc: slow_time must hold no gaps, range line 3 has no time",
+            "f.nc: slow_time must increase.* range line 3",
         ),
         (lambda e: e.assign(Data=-e["Data"]), "f.nc: Data: expected linear power"),
-        (lambda e: e.assign(Surface=e["Data"]), "f.nc: Surface: expected dimensions"),
+        (lambda e: e.assign(Surface=e["Data"]), "f.nc: expected variables Surface"),
     ],
 )
 def test_a_broken_echogram_is_refused_with_the_variable_named(break_it, message):

@@ -8,8 +8,6 @@ from snowsim.echogram import (
     SURFACE_ROW,
     Scene,
     bin_size_s,
-    check_echogram,
-    check_layers,
     from_uint8,
     layer_bins_of,
     scene_height,
@@ -33,13 +31,11 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower
     than a block, or the overlap not smaller than it.
     """
-    if not 0 <= overlap < n_range_lines:
-        msg = f"overlap must lie in [0, {n_range_lines}), got {overlap}"
-        raise ValueError(msg)
     layer_bins = layer_bins_of(layers, echogram)
     power = echogram["Data"].transpose("twtt", "slow_time").values
-    if power.shape[1] < n_range_lines:
-        msg = f"{name}: a block has {n_range_lines} range lines, the frame only {power.shape[1]}"
+    if not 0 <= overlap < n_range_lines <= power.shape[1]:
+        msg = f"{name}: a block has {n_range_lines} range lines, the overlap must lie below, "
+        msg += f"got {overlap}, the frame only {power.shape[1]}"
         raise ValueError(msg)
     flagged = np.zeros(power.shape[1], dtype=bool)
     if "flagged" in echogram:
@@ -105,17 +101,14 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     the noise floor to the maximum (8-bit 255). Positions and times are placeholders. Power comes
     back in steps of a 255th of the contrast.
     """
-    if scene.image is None:
-        msg = f"{scene.name}: a frame needs an image, the scene has none"
-        raise ValueError(msg)
     noise_floor_db = scene.noise_floor_db
     maximum_db = scene.maximum_db
-    if not np.isfinite([noise_floor_db, maximum_db]).all():
-        if contrast_db is None:
-            msg = (
-                f"{scene.name}: contrast_db must be set where the image holds no decibels, got None"
-            )
-            raise ValueError(msg)
+    tells_db = np.isfinite([noise_floor_db, maximum_db]).all()
+    if scene.image is None or not (tells_db or contrast_db):
+        msg = f"{scene.name}: a frame needs an image, and where it holds no decibels contrast_db "
+        msg += f"must be set, got {contrast_db}"
+        raise ValueError(msg)
+    if not tells_db:
         noise_floor_db = 0.0
         maximum_db = float(contrast_db)
     power_db = from_uint8(scene.image, noise_floor_db, maximum_db)
@@ -123,8 +116,6 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     north_m = np.arange(scene.n_range_lines) * line_spacing_m
     latitude = 70 + north_m / METRES_PER_DEGREE
     echogram, layers = placeholder_frame(power, scene.layer_bins, latitude, bin_s=bin_s)
-    check_echogram(echogram, scene.name)
-    check_layers(layers, scene.name)
     return echogram.assign_attrs(source_format="8-bit image", name=scene.name), layers
 
 

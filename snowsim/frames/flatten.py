@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import bin_size_s, check_layers, layer_bins_of
+from snowsim.echogram import bin_size_s, check_choice, check_layers, layer_bins_of
 
 HOLE = 3.0  # in the lines of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
@@ -51,7 +51,13 @@ def align_layers(layers, echogram, where="layers"):
     if "Elevation" in layers:
         rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
-    _check_window(twtt, echogram, where)
+    half_bin = bin_size_s(echogram) / 2
+    first, last = echogram["twtt"].values[[0, -1]]
+    outside = (twtt < first - half_bin) | (twtt > last + half_bin)  # NaN is not outside
+    if outside.any():
+        msg = f"{where}: twtt: expected layers within the echogram's window, {first:.6g} to "
+        msg += f"{last:.6g} s, found {twtt[outside][0]:.6g} s"
+        raise ValueError(msg)
     variables = {"twtt": (("layer", "slow_time"), twtt, {"units": "s"})}
     for name in ("quality", "type"):
         flags = layers[name].transpose("layer", "slow_time")
@@ -70,20 +76,15 @@ def _between(theirs, ours, where):
     """
     theirs_s = (theirs - theirs[0]) / np.timedelta64(1, "s")
     ours_s = (ours - theirs[0]) / np.timedelta64(1, "s")
-    reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else 0.0
+    reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else -np.inf
     if ours_s[0] < -reach_s or ours_s[-1] > theirs_s[-1] + reach_s:
-        needed = f"{ours[0]} to {ours[-1]}"
-        found = f"{theirs[0]} to {theirs[-1]}"
-        msg = f"{where}: slow_time: expected to cover {needed}, found {found}"
+        msg = f"{where}: slow_time: expected to cover {ours[0]} to {ours[-1]}, found {theirs.size} "
+        msg += f"lines, {theirs[0]} to {theirs[-1]}"
         raise ValueError(msg)
     # Beyond the ends, by less than a line: the outermost picks hold.
     ours_s = np.clip(ours_s, 0, theirs_s[-1])
-    if theirs_s.size == 1:
-        left = np.zeros(ours_s.size, dtype=int)
-        return left, left, np.zeros(ours_s.size)
-    before = np.searchsorted(theirs_s, ours_s, side="right") - 1
-    left = np.clip(before, 0, theirs_s.size - 2)
-    right = left + 1
+    right = np.clip(np.searchsorted(theirs_s, ours_s, side="right"), 1, theirs_s.size - 1)
+    left = right - 1
     step_s = theirs_s[right] - theirs_s[left]
     weight = (ours_s - theirs_s[left]) / step_s
     hole = step_s > HOLE * reach_s
@@ -91,22 +92,6 @@ def _between(theirs, ours, where):
     to_end_s = np.minimum(ours_s - theirs_s[left], theirs_s[right] - ours_s)
     weight[hole & (to_end_s > reach_s)] = np.nan
     return left, right, weight
-
-
-def _check_window(twtt, echogram, where):
-    window = echogram["twtt"].values
-    half_bin = bin_size_s(echogram) / 2
-    first = window[0] - half_bin
-    last = window[-1] + half_bin
-    outside = (twtt < first) | (twtt > last)  # NaN is not outside
-    if outside.any():
-        layer, line = np.argwhere(outside)[0]
-        limits = f"{window[0]:.6g} to {window[-1]:.6g} s"
-        found = f"{twtt[layer, line]:.6g} s at layer {layer}, range_line {line}"
-        msg = (
-            f"{where}: twtt: expected layers within the echogram's window, {limits}, found {found}"
-        )
-        raise ValueError(msg)
 
 
 def flatten(echogram, layers, *, method="surface"):
@@ -120,21 +105,18 @@ def flatten(echogram, layers, *, method="surface"):
     comes back as it is, so files compensated before need no setting. ValueError if the method is
     unknown, or the surface is not picked at all.
     """
-    if method not in METHODS:
-        msg = f"method must be one of {', '.join(METHODS)}, got {method}"
-        raise ValueError(msg)
+    check_choice("method", method, METHODS)
     if method == "none":
         return echogram, layers
     bin_s = bin_size_s(echogram)
     if method == "surface":
-        surface_bin = layer_bins_of(layers, echogram)[0]
-        shift = _level(surface_bin, "layer 0 (the snow surface)")
+        shift = _level(layer_bins_of(layers, echogram)[0], "layer 0 (the snow surface)")
     else:
         bin_in_air_m = SPEED_OF_LIGHT_M_S / 2 * bin_s
         shift = _level(echogram["Elevation"].values / bin_in_air_m, "Elevation")
     if not shift.any():
         return echogram, layers
-    return _shifted(echogram, layers, shift, bin_s)
+    return shifted(echogram, shift), _delayed(layers, ("twtt",), shift * bin_s)
 
 
 def _level(bins, what):
@@ -150,7 +132,9 @@ def _level(bins, what):
     return int(np.floor(np.median(rows))) - rows
 
 
-def _shifted(echogram, layers, shift, bin_s):
+def shifted(echogram, shift):
+    """Echogram with lines moved down by whole bins, (range_line,) of int; NaN where none was."""
+    bin_s = bin_size_s(echogram)
     power = echogram["Data"].transpose("twtt", "slow_time").values
     n_bins, n_lines = power.shape
     lowest = int(min(shift.min(), 0))
@@ -162,17 +146,19 @@ def _shifted(echogram, layers, shift, bin_s):
     twtt = echogram["twtt"].values[0] + bin_s * (np.arange(n_rows) + lowest)
     level = echogram.drop_vars(["Data", "twtt"]).assign_coords(twtt=("twtt", twtt, {"units": "s"}))
     level["Data"] = (("twtt", "slow_time"), moved, echogram["Data"].attrs)
-    delay = xr.DataArray(shift * bin_s, dims="slow_time")
-    twtt = (layers["twtt"] + delay).transpose(*layers["twtt"].dims)
-    moved_layers = layers.assign(twtt=twtt.assign_attrs(units="s"))
-    for name in ("Surface", "Bottom"):
-        if name in level:
-            level[name] = (level[name] + delay).assign_attrs(units="s")
-    for dataset in (level, moved_layers):
-        if "Elevation" in dataset:
-            height_m = dataset["Elevation"] + delay * SPEED_OF_LIGHT_M_S / 2
-            dataset["Elevation"] = height_m.assign_attrs(units="m")
-    return level, moved_layers
+    return _delayed(level, ("Surface", "Bottom"), shift * bin_s)
+
+
+def _delayed(dataset, times, delay_s):
+    """Dataset with some times later and its antenna as much higher, (range_line,) [s]."""
+    delay = xr.DataArray(delay_s, dims="slow_time")
+    rise_m = delay * SPEED_OF_LIGHT_M_S / 2
+    changes = [(name, delay, "s") for name in times] + [("Elevation", rise_m, "m")]
+    for name, change, units in changes:
+        if name in dataset:
+            moved = (dataset[name] + change).transpose(*dataset[name].dims)
+            dataset = dataset.assign({name: moved.assign_attrs(units=units)})
+    return dataset
 
 
 def resample_range(echogram, bin_s):
@@ -183,17 +169,15 @@ def resample_range(echogram, bin_s):
     millionth, it comes back as it is.
     """
     present_s = bin_size_s(echogram)
-    if not bin_s > 0:
-        msg = f"bin_s must be positive, got {bin_s}"
-        raise ValueError(msg)
-    if abs(bin_s / present_s - 1) < 1e-6:
-        return echogram
     power = echogram["Data"].transpose("twtt", "slow_time").values
-    ratio = bin_s / present_s
-    n_rows = int((power.shape[0] - 1) / ratio) + 1
-    if n_rows < 2:
-        msg = f"bin_s {bin_s:g} s leaves fewer than two bins of {power.shape[0]} at {present_s:g} s"
+    longest_s = present_s * (power.shape[0] - 1)
+    if not 0 < bin_s <= longest_s * (1 + 1e-6):
+        msg = f"bin_s must be positive, and two bins fit into the {longest_s:.3g} s, got {bin_s}"
         raise ValueError(msg)
+    ratio = bin_s / present_s
+    if abs(ratio - 1) < 1e-6:
+        return echogram
+    n_rows = int((power.shape[0] - 1) / ratio) + 1
     # To a millionth of a bin: a centre that falls on another must not lean on its neighbour, which
     # may be missing.
     centres = np.round(ratio * np.arange(n_rows), 6)

@@ -4,7 +4,7 @@ Readers are imported where they are called: every job imports this package, and 
 xarray take a second.
 """
 
-from snowsim.io.guard import refusal
+from snowsim.io.guard import library_errors, listed, refusal
 
 
 def read_echogram(path, *, compensated=False):
@@ -49,15 +49,66 @@ def read_echogram(path, *, compensated=False):
     """
     from snowsim.io import cresis, datasets, nsidc, sniff
 
-    kind = sniff.sniff(path)
-    if kind == "nsidc":
-        return nsidc.read_nsidc(path, compensated=compensated)
-    if kind == "cresis":
-        return cresis.read_cresis(path, compensated=compensated)
-    if kind == "opr":
-        return datasets.read_opr(path)
+    with library_errors(path, "echogram", "a whole file"):
+        kind = sniff.sniff(path)
+        if kind == "nsidc":
+            return nsidc.read_nsidc(path, compensated=compensated)
+        if kind == "cresis":
+            return cresis.read_cresis(path, compensated=compensated)
+        if kind == "opr":
+            return datasets.read_opr(path)
     expected = "an echogram (IRSNO1B, CReSIS L1B or Open Polar Radar)"
     raise refusal(path, "format", expected, sniff.in_words(kind))
+
+
+def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
+    """Echogram dataset of arrays in memory, as `read_echogram` gives them of a file.
+
+    Parameters
+    ----------
+    data : array_like, (range_bin, range_line)
+        Linear power, NaN where nothing was recorded.
+    twtt : array_like, (range_bin,)
+        Two-way travel time of the range bins, evenly spaced [s].
+    slow_time : array_like of datetime64, (range_line,), optional
+        UTC; by default range lines follow one another by a millisecond, from 2000 on.
+    attrs : dict, optional
+        Attributes of the dataset.
+    **along_track : array_like, (range_line,)
+        `Latitude`, `Longitude` [deg], `Elevation` [m], `Surface` and `Bottom` (travel times) [s],
+        `Roll`, `Pitch`, `Heading` [radian]; the first four are NaN by default.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `read_echogram`.
+
+    Raises
+    ------
+    ValueError
+        In one line: names that are not known, lengths that do not agree, power that is negative or
+        looks like grey levels.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> power = np.random.default_rng(1).gamma(4, 0.25, size=(300, 64))
+    >>> frame = echogram(power, twtt=3e-6 + 2.886e-10 * np.arange(300))
+    >>> dict(frame.sizes), int(frame["Surface"].isnull().sum())
+    ({'twtt': 300, 'slow_time': 64}, 64)
+    """
+    import numpy as np
+
+    from snowsim.io.datasets import UNITS, echogram_dataset
+
+    where = "echogram"
+    with library_errors(where, "data", "an array (range_bin, range_line)"):
+        if along_track.keys() - UNITS.keys():
+            raise refusal(where, "names", listed(UNITS), listed(along_track))
+        content = {"Data": np.asarray(data), "twtt": twtt} | along_track
+        if slow_time is not None:
+            content["slow_time"] = np.asarray(slow_time)
+        return echogram_dataset(where, content, attrs or {})
 
 
 def read_layers(path, *, names=None, missing="refuse"):
@@ -105,8 +156,9 @@ def read_layers(path, *, names=None, missing="refuse"):
         "cresis_layer_data": layers.read_cresis_layer_data,
         "opr_layers": layers.read_opr_layers,
     }
-    kind = sniff.sniff(path)
-    if kind not in readers:
-        raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))
     names = [names] if isinstance(names, str) else names
-    return readers[kind](path, names=names, missing=missing)
+    with library_errors(path, "layers", "a whole file"):
+        kind = sniff.sniff(path)
+        if kind in readers:
+            return layers.chosen(readers[kind](path), names, missing, path)
+    raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))

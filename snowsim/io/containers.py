@@ -1,215 +1,146 @@
-"""HDF5 and NetCDF files opened with care: no link out of the file, no trap, nothing oversized.
+"""Variables of NetCDF, HDF5 and MAT files as their libraries read them, and nothing oversized."""
 
-NetCDF is read by h5py and scipy, which survive damaged files, but for heaps that HDF5 walks for
-ever: of 1200 damaged NetCDF-4 files 9 took a reader without `check_heaps` to any limit of time. To
-find that out each costs the whole limit; looking at the heaps costs a search through the file.
-"""
-
+import math
 import mmap
+import re
 import struct
-from contextlib import contextmanager
+from pathlib import Path
 
 import h5py
 import numpy as np
 import scipy.io
 import xarray as xr
 
-from snowsim.io.guard import check_size, container_of, library_errors, numeric, refusal
+from snowsim.io.guard import (
+    MAXIMUM_BYTES,
+    PNG_SIGNATURE,
+    Refused,
+    first_bytes,
+    library_errors,
+    listed,
+)
+from snowsim.io.mat5 import read_mat5
 
-HEAP = b"GCOL\x01"  # a global heap collection, version 1: HDF5 File Format Specification, III.E
-# Where a text of any length lies: its length, its heap, and its place in it.
-TEXT_LINK = np.dtype([("length", "<u4"), ("heap", "<u8"), ("place", "<u4")])
-HEAP_HEADER, HEAP_OBJECT = 16, 16  # bytes in front of a collection and of each of its objects
-# What NetCDF-4 keeps for itself in an HDF5 file.
-PRIVATE = {
-    "CLASS",
-    "NAME",
-    "REFERENCE_LIST",
-    "DIMENSION_LIST",
-    "DIMENSION_LABELS",
-    "_nc3_strict",
-    "_NCProperties",
-}
-PRIVATE_START = "_Netcdf4"
-NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
+# A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
+# Specification, III.E.
+HEAP = re.compile(b"GCOL\x01")
+HEADER_BYTES = 16
+VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
+WIDTHS = {"single": 4, "uint8": 1, "uint16": 2, "int16": 2}  # bytes of a number; else 8
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable"
+PIXELS = "pixels"  # the one variable of a PNG image
 
 
-@contextmanager
-def open_hdf5(path):
-    """The file, opened; library errors within the block become the one-line ValueError.
+def names_in(path, needed=()):
+    """Names of the variables a file holds; refused without those `needed`, all of which are told.
 
-    Links at its top that lead elsewhere are refused.
+    Arrays that would fill the memory are refused, too.
     """
-    check_heaps(path)
-    with library_errors(path, "HDF5", "a readable file"), h5py.File(path, "r") as file:
-        for name in file:
-            link = file.get(name, getlink=True)
-            if isinstance(link, h5py.ExternalLink | h5py.SoftLink):
-                raise refusal(path, name, "a variable of this file", f"a link to {link.path}")
-        yield file
-
-
-def names_in_hdf5(path):
-    """Names at the top of an HDF5 file."""
-    with open_hdf5(path) as file:
-        return set(file)
-
-
-def check_dataset(path, name, node):
-    """Refuse what is no dataset of this file, or says it is larger than the limit."""
-    if not isinstance(node, h5py.Dataset):
-        raise refusal(path, name, "a variable", type(node).__name__)
-    if node.external or node.is_virtual:
-        raise refusal(path, name, "a variable of this file", "one kept in other files")
-    check_size(path, name, node.shape or (), node.dtype.itemsize)
-
-
-def check_texts(path, name, node):
-    """Refuse texts that say they are longer than the file: the library would make room first."""
-    check_size(path, name, node.shape, TEXT_LINK.itemsize)
-    offset = node.id.get_offset()
-    if offset is None:  # kept in chunks
-        return
-    with path.open("rb") as file:
-        file.seek(offset)
-        stored = file.read(node.size * TEXT_LINK.itemsize)
-    n_links = len(stored) // TEXT_LINK.itemsize
-    links = np.frombuffer(stored, TEXT_LINK, count=n_links)
-    declared = int(links["length"].sum(dtype=np.int64))
-    size = path.stat().st_size
-    if declared > size:
-        raise refusal(path, name, f"texts within {size} bytes", f"{declared} bytes of them")
+    path = Path(path)
+    with library_errors(path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"):
+        sizes = {}
+        if path.is_dir():
+            sizes = {item.name: 0 for item in path.iterdir() if item.is_dir()}
+        elif h5py.is_hdf5(path):
+            check_heaps(path)
+            with h5py.File(path) as file:
+                for name, node in file.items():
+                    if NO_VARIABLE not in str(node.attrs.get("NAME")):
+                        sizes[name] = getattr(node, "nbytes", 0)
+        elif first_bytes(path) == PNG_SIGNATURE:
+            sizes = {PIXELS: 0}
+        elif first_bytes(path).startswith(b"CDF"):
+            with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
+                sizes = {name: variable.nbytes for name, variable in dataset.variables.items()}
+        else:
+            for name, shape, kind in scipy.io.whosmat(path, appendmat=False):
+                sizes[name] = math.prod(shape) * WIDTHS.get(kind, 8)
+        missing = [name for name in needed if name not in sizes]
+        if missing:
+            msg = f"{', '.join(missing)}: expected variables {', '.join(needed)}, "
+            msg += f"found {listed(sizes)}"
+            raise Refused(msg)
+        largest = max(sizes, key=sizes.get, default=None)
+        if largest and sizes[largest] > MAXIMUM_BYTES:
+            msg = f"{largest}: expected at most {MAXIMUM_BYTES} bytes, found {sizes[largest]}"
+            raise Refused(msg)
+    return set(sizes)
 
 
 def check_heaps(path):
-    """Refuse a file with a heap whose objects overrun it: the library would walk it for ever.
+    """Refuse a heap whose objects overrun it: HDF5 would walk it for ever.
 
-    Heaps hold text and lists of references. They are found by their signature, wherever they stand.
+    Heaps hold text and lists of references. Of 1600 damaged NetCDF files 5 had such a heap.
     """
-    size = path.stat().st_size
-    if size == 0:
-        raise refusal(path, "HDF5", "a readable file", "an empty one")
-    with (
-        library_errors(path, "HDF5", "a readable file"),
-        path.open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
-        at = content.find(HEAP)
-        while at >= 0:
-            _check_heap(path, content, at)
-            at = content.find(HEAP, at + len(HEAP))
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        for heap in HEAP.finditer(content):
+            (length,) = struct.unpack_from("<Q", content, heap.start() + 8)
+            end = heap.start() + length
+            offset = heap.start() + HEADER_BYTES
+            while offset + HEADER_BYTES <= end:
+                index, _, _, size = struct.unpack_from("<HHIQ", content, offset)
+                # The free space, object 0, counts its own header.
+                step = size if index == 0 else HEADER_BYTES + -(-size // 8) * 8
+                offset += step
+                if step < HEADER_BYTES or offset > end:
+                    msg = (
+                        f"HDF5: expected heaps that hold their objects, found one of {length} bytes"
+                    )
+                    raise Refused(msg)
 
 
-def _check_heap(path, content, at):
-    length = struct.unpack_from("<Q", content, at + 8)[0] if at + HEAP_HEADER <= len(content) else 0
-    end = at + length
-    if length < HEAP_HEADER or end > len(content):
-        found = f"one of {length} bytes"
-        raise refusal(path, f"HDF5 heap at byte {at}", "one within the file", found)
-    offset = at + HEAP_HEADER
-    while offset + HEAP_OBJECT <= end:
-        index, _, _, object_length = struct.unpack_from("<HHIQ", content, offset)
-        padded_length = -(-object_length // 8) * 8
-        # The free space, object 0, counts its own header.
-        step = object_length if index == 0 else HEAP_OBJECT + padded_length
-        if step < HEAP_OBJECT or offset + step > end:
-            found = f"object {index} of {object_length} bytes at {offset}"
-            raise refusal(path, f"HDF5 heap at byte {at}", f"objects that end by byte {end}", found)
-        offset += step
+def read_netcdf(path, needed=()):
+    """Dataset of a NetCDF file or Zarr store, which must have what is `needed`.
 
-
-@contextmanager
-def open_netcdf3(path):
-    """The NetCDF file of version 3, opened; library errors within the block become the one line."""
-    with (
-        library_errors(path, "NetCDF", "a readable file"),
-        scipy.io.netcdf_file(path, mmap=False) as file,
-    ):
-        yield file
-
-
-def names_in_netcdf3(path):
-    """Names of the variables in a NetCDF file of version 3."""
-    with open_netcdf3(path) as file:
-        return set(file.variables)
-
-
-def read_netcdf(path, names=None):
-    """Dataset of a NetCDF file with all attributes; of `names`, where given, those that are there.
-
-    Values come as they are stored: no fill value, scale or time is applied. A variable beyond the
-    size limit is refused.
+    Values come as they are stored: no fill value, scale or time is applied.
     """
-    read = _read3 if container_of(path) == "netcdf3" else _read4
-    variables, attributes = read(path, names)
-    with library_errors(path, "NetCDF", "variables that agree on their dimensions"):
-        return xr.Dataset(variables, attrs=attributes)
+    path = Path(path)
+    with library_errors(path, "dataset", "a whole NetCDF file or Zarr store"):
+        names_in(path, needed)
+        engine = "netcdf4" if h5py.is_hdf5(path) else "zarr" if path.is_dir() else "scipy"
+        with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
+            if dataset.nbytes > MAXIMUM_BYTES:
+                msg = f"expected at most {MAXIMUM_BYTES} bytes, found {dataset.nbytes}"
+                raise Refused(msg)
+            return dataset.load()
 
 
-def _read3(path, names):
-    variables = {}
-    with open_netcdf3(path) as file:
-        for name, variable in file.variables.items():
-            if names is None or name in names:
-                # Big-endian on disk; and a copy, that outlives the file.
-                values = np.array(variable.data, dtype=variable.data.dtype.newbyteorder("="))
-                variables[name] = (variable.dimensions, values, _attributes(variable._attributes))
-        return variables, _attributes(file._attributes)
+def read_matlab(path, needed, others=()):
+    """Variables of a MAT file, which must have what is `needed`, and of `others` those it has.
+
+    Numbers are arrays, squeezed; text is text, a struct a dict, a cell a list. Empty variables are
+    left out.
+    """
+    path = Path(path)
+    with library_errors(path, "MAT file", "a whole file"):
+        wanted = sorted(names_in(path, needed).intersection((*needed, *others)))
+        if h5py.is_hdf5(path):
+            with h5py.File(path) as file:
+                room = [MAXIMUM_BYTES]
+                values = {name: _plain(file[name], room) for name in wanted}
+        else:
+            values = read_mat5(path, wanted)
+    return {name: value for name, value in values.items() if np.size(value)}
 
 
-def _read4(path, names):
-    variables = {}
-    with open_hdf5(path) as file:
-        wanted = set(file) if names is None else set(file) & set(names)
-        for name in sorted(wanted):
-            node = file[name]
-            if isinstance(node, h5py.Group):
-                continue
-            check_dataset(path, name, node)
-            scale_name = np.asarray(node.attrs.get("NAME", b"")).tobytes()
-            if scale_name.startswith(NO_VARIABLE):
-                continue
-            values = _values(path, name, node)
-            variables[name] = (_dimensions(node, name), values, _attributes(node.attrs))
-        return variables, _attributes(file.attrs)
+def _plain(node, room):
+    """A variable of a MAT v7.3 file; `room` is what may still be read, in bytes.
 
-
-def _values(path, name, node):
-    text = h5py.check_string_dtype(node.dtype)
-    if text is not None and text.length is None:
-        check_texts(path, name, node)
-        return np.asarray(node.asstr()[()], dtype=object)
-    if node.dtype.kind not in "fiubS":
-        raise refusal(path, name, "numbers or text", node.dtype)
-    values = np.asarray(node[()])
-    return values if values.dtype.kind == "S" else numeric(path, name, values)
-
-
-def _dimensions(node, name):
-    """Names of a variable's dimensions; names of its own where it has none."""
-    if node.ndim == 1 and node.is_scale:
-        return (name,)
-    scales = [scales[0].name.rpartition("/")[2] if len(scales) else None for scales in node.dims]
-    return tuple(scale or f"{name}_{axis}" for axis, scale in enumerate(scales))
-
-
-def _attributes(stored):
-    """Attributes that are the file's own, as text, numbers, or arrays of them."""
-    return {
-        name: _plain(stored[name])
-        for name in stored
-        if name not in PRIVATE and not name.startswith(PRIVATE_START)
-    }
-
-
-def _plain(value):
-    if isinstance(value, h5py.Empty):
-        return ""
-    if isinstance(value, np.ndarray) and value.dtype.kind == "S":
-        value = b"".join(value.ravel().tolist())
-    if isinstance(value, bytes):
-        return value.decode("utf-8").replace("\0", "")
-    if isinstance(value, np.ndarray):
-        is_number = value.size == 1 and value.dtype.kind in "fiu"
-        return value.item() if is_number else value
-    return value.item() if isinstance(value, np.generic) else value
+    A file may refer to the same value any number of times.
+    """
+    room[0] -= VALUE_BYTES + getattr(node, "nbytes", 0)
+    if room[0] < 0:
+        msg = f"{node.name}: expected at most {MAXIMUM_BYTES} bytes in all, found more"
+        raise Refused(msg)
+    matlab_class = node.attrs.get("MATLAB_class", b"")
+    if isinstance(node, h5py.Group):
+        return {name: _plain(field, room) for name, field in node.items()}
+    if node.attrs.get("MATLAB_empty", 0):
+        # In place of its values an empty variable stores its dimensions.
+        return "" if matlab_class == b"char" else np.empty(0)
+    values = node[()]
+    if node.dtype == h5py.ref_dtype:
+        return [_plain(node.file[reference], room) for reference in values.ravel()]
+    if matlab_class == b"char":
+        return "".join(map(chr, values.ravel()))
+    return np.squeeze(values.T)

@@ -1,17 +1,16 @@
 """Open Polar Radar datasets: read as they stand, or made of the archives' arrays; checked."""
 
-import importlib.util
-
 import numpy as np
 import xarray as xr
 
-from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import ECHOGRAM_ALONG_TRACK, check_echogram
+from snowsim.frames.flatten import shifted
 from snowsim.io.containers import read_netcdf
-from snowsim.io.guard import check_present, check_size, existing, library_errors, refusal
+from snowsim.io.guard import MAXIMUM_BYTES, Refused, library_errors, refusal
 
 UNITS = {
     "Data": "W (uncalibrated)",
+    "twtt": "s",
     "Latitude": "degrees_north",
     "Longitude": "degrees_east",
     "Elevation": "m",
@@ -22,14 +21,26 @@ UNITS = {
     "Heading": "radian",
     "Elevation_Correction": "range bins",
 }
-UNITS_OF_TWTT = ("", "s", "sec", "second", "seconds")
+SECONDS = {
+    "s": 1.0,
+    "sec": 1.0,
+    "second": 1.0,
+    "seconds": 1.0,
+    "microseconds": 1e-6,
+    "us": 1e-6,
+    "nanoseconds": 1e-9,
+    "ns": 1e-9,
+}
+AXES = {"Data": ("twtt", "slow_time"), "twtt": "twtt"}
+# Of an echogram in decibels: from the weakest pixel to the strongest; and the median as a share of
+# the strongest, where no pixel is negative.
+LEAST_SPAN_DB, LARGEST_SPAN_DB = 3, 400
+LEAST_MEDIAN = 0.1
 UNITS_OF_DB = ("db", "decibel", "decibels")
-RANGES = {"Latitude": 90, "Longitude": 360}
 # Of all that a file tells, this much goes with the dataset.
 PARAMETERS = ("season_name", "radar_name", "day_seg")
-FIRST_DAY = "1980-01-06"
-LAST_YEAR = 2100
-SECONDS_OF_DAY = 86400
+THIS_AGE = ("1980-01-06", "2100-01-01")
+INVENTED_TIME = np.datetime64("2000-01-01", "ns")
 # GPS - UTC grows by one second on each: Bulletin C of the International Earth Rotation and
 # Reference Systems Service.
 LEAP_DAYS = sorted(
@@ -38,32 +49,42 @@ LEAP_DAYS = sorted(
 )
 
 
-def echogram_dataset(path, content, attributes):
-    """Echogram dataset, checked.
+def echogram_dataset(where, content, attributes, *, decibels=False):
+    """Echogram dataset, checked; messages begin with `where`.
 
-    `content` holds `Data` (range_bin, range_line), `twtt`, `slow_time`, and what there is along
-    slow_time.
+    `content` holds `Data` (range_bin, range_line), `twtt`, and what there is along slow_time:
+    positions and surface are NaN where they are not known, times a millisecond apart. Data are
+    turned where only that fits. Of `decibels`, -inf (no power) becomes NaN.
     """
-    along_track = dict(content)
-    power = along_track.pop("Data")
-    twtt = along_track.pop("twtt")
-    slow_time = along_track.pop("slow_time")
-    variables = {"Data": (("twtt", "slow_time"), power, {"units": UNITS["Data"]})}
-    for name, values in along_track.items():
-        variables[name] = ("slow_time", values, {"units": UNITS[name]})
-    coordinates = {"twtt": ("twtt", twtt, {"units": "s"}), "slow_time": slow_time}
-    return checked_echogram(path, xr.Dataset(variables, coordinates, attributes))
-
-
-def checked_echogram(path, dataset):
-    """The dataset, if it passes the validator and stays on Earth."""
-    check_echogram(dataset, str(path))
-    for name, largest in RANGES.items():
-        degrees = dataset[name].values
-        outside = np.abs(degrees) > largest  # NaN, where the position is unknown, is not
-        if outside.any():
-            found = f"{degrees[outside][0]:g} at range_line {int(np.argmax(outside))}"
-            raise refusal(path, name, f"degrees within +-{largest}", found)
+    data = content["Data"]
+    n_bins = np.size(content["twtt"])
+    n_lines = np.size(content["slow_time"]) if "slow_time" in content else data.size // n_bins
+    if n_bins != n_lines and data.shape == (n_lines, n_bins):
+        data = data.T
+    if n_lines == 1:
+        data = data.reshape(n_bins, 1)
+    kept = np.float32 if data.dtype.kind in "iub" else data.dtype.newbyteorder("=")
+    data = data.astype(kept, copy=False)
+    if decibels:
+        finite_db = data[np.isfinite(data)]
+        low_db, middle_db, high_db = np.quantile(finite_db if finite_db.size else 0, (0, 0.5, 1))
+        is_linear = low_db >= 0 and middle_db < LEAST_MEDIAN * high_db
+        if is_linear or not LEAST_SPAN_DB < high_db - low_db < LARGEST_SPAN_DB:
+            found = f"{low_db:.3g} to {high_db:.3g}, {middle_db:.3g} in the median: linear power?"
+            raise refusal(where, "Data", "decibels", found)
+        with np.errstate(over="ignore"):  # infinite power is refused by the check
+            data = np.where(np.isneginf(data), np.nan, 10 ** (data / 10))
+    invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
+    unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
+    dataset = xr.Dataset(attrs=attributes)
+    for name, values in (invented | unknown | content | {"Data": data}).items():
+        with library_errors(where, name, "real numbers, as many as others have"):
+            if name not in ("Data", "slow_time"):
+                values = np.ravel(values).astype(float)
+            dataset[name] = (AXES.get(name, "slow_time"), values)
+            if name in UNITS:
+                dataset[name].attrs["units"] = UNITS[name]
+    check_echogram(dataset, str(where))
     return dataset
 
 
@@ -72,152 +93,69 @@ def read_opr(path):
 
     Decibels, if the units of `Data` say so, become linear power.
     """
-    dataset = load_opr(path, ("Data", "twtt", "slow_time", *ECHOGRAM_ALONG_TRACK))
-    check_dimensions(path, dataset, "Data", ("twtt", "slow_time"))
+    dataset = load_opr(path, ("Data", "twtt", "slow_time", "Latitude", "Longitude", "Elevation"))
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
-        power = from_db(dataset["Data"].astype(float))
-        dataset["Data"] = power.assign_attrs(dataset["Data"].attrs, units=UNITS["Data"])
-    return checked_echogram(path, dataset.transpose("twtt", "slow_time", ...))
-
-
-def check_dimensions(path, dataset, name, expected):
-    """Refuse a variable on other dimensions than these two, in whichever order."""
-    dimensions = dataset[name].dims
-    if set(dimensions) != set(expected):
-        found = ", ".join(map(str, dimensions))
-        raise refusal(path, name, f"dimensions {' and '.join(expected)}", found)
+        with np.errstate(over="ignore"):  # infinite power is refused by the check
+            power = 10 ** (dataset["Data"].values.astype(float) / 10)
+        dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
+    if "Surface" not in dataset:
+        unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
+        dataset["Surface"] = unknown.assign_attrs(units="s")
+    check_echogram(dataset, str(path))
+    return dataset.transpose("twtt", "slow_time", ...)
 
 
 def load_opr(path, needed):
-    """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds.
-
-    The variables needed must be there and, but for `slow_time`, real numbers.
-    """
-    path = existing(path, directory=True)
-    if path.is_dir():
-        dataset = _loaded_store(path)
-    else:
-        with library_errors(path, "dataset", "times and fill values that can be decoded"):
-            dataset = xr.decode_cf(read_netcdf(path), decode_timedelta=False).load()
-    check_present(path, needed, dataset.variables)
-    unit = str(dataset["twtt"].attrs.get("units", ""))
-    if unit not in UNITS_OF_TWTT:
-        raise refusal(path, "twtt", "seconds", unit)
-    for name in needed:
-        if name != "slow_time" and dataset[name].dtype.kind not in "fiu":
-            raise refusal(path, name, "real numbers", dataset[name].dtype)
+    """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds."""
+    dataset = xr.decode_cf(read_netcdf(path, needed), decode_timedelta=False).load()
+    unit = str(dataset["twtt"].attrs.get("units", "") or "s").lower()
+    if unit not in SECONDS:
+        msg = f"twtt: expected seconds, found {unit}"
+        raise Refused(msg)
+    if SECONDS[unit] != 1:
+        dataset["twtt"] = (dataset["twtt"] * SECONDS[unit]).assign_attrs(units="s")
     return dataset
 
 
-def _loaded_store(path):
-    if importlib.util.find_spec("zarr") is None:
-        raise refusal(path, "Zarr store", "package zarr to read it", "it is not installed")
-    with (
-        library_errors(path, "dataset", "a readable store"),
-        xr.open_dataset(path, engine="zarr", decode_timedelta=False) as dataset,
-    ):
-        for name, variable in dataset.variables.items():
-            check_size(path, name, variable.shape, variable.dtype.itemsize)
-        return dataset.load()
+def utc_times(seconds, epoch="1970-01-01", *, gps=False):
+    """Seconds since a time as UTC, datetime64[ns] (range_line,); refused if not of this age.
 
-
-def from_db(power_db):
-    """Linear power of decibels; where it overflows, the infinite power is refused further on."""
-    with np.errstate(over="ignore"):
-        return 10 ** (power_db / 10)
-
-
-def leap_seconds(gps_seconds):
-    """GPS minus UTC [s] at a time in GPS seconds since 1970-01-01, leap seconds not removed."""
-    days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
-    since = days + 1 + np.arange(days.size)
-    return int(np.searchsorted(since, gps_seconds, side="right"))
-
-
-def from_utc_seconds(path, what, seconds, epoch="1970-01-01"):
-    """UTC seconds since a date as datetime64[ns], (range_line,).
-
-    Refused where they are not finite or out of this age.
+    GPS seconds lose their leap seconds. One offset holds for a whole file, that of its first line,
+    as in the archive's own conversion to NetCDF: a frame flown over a leap second stays in order.
     """
-    since = np.datetime64(epoch, "s").astype(np.int64)
-    first = np.datetime64(FIRST_DAY, "s").astype(np.int64)
-    last = np.datetime64(f"{LAST_YEAR}-01-01", "s").astype(np.int64)
-    since_1970 = seconds + since
-    # Written so that NaN fails too.
-    bad = ~((since_1970 >= first) & (since_1970 < last))
-    expected = f"seconds since {epoch} that fall in 1980 to {LAST_YEAR}"
-    if seconds.size == 0:
-        raise refusal(path, what, expected, "none")
-    if bad.any():
-        found = f"{seconds[bad][0]:g} at range_line {int(np.argmax(bad))}"
-        raise refusal(path, what, expected, found)
+    seconds = np.ravel(seconds).astype(float)
+    if gps:
+        days = np.array(LEAP_DAYS, dtype="datetime64[s]").astype(np.int64)
+        seconds = seconds - np.searchsorted(days + 1 + np.arange(days.size), seconds[0], "right")
+    start = np.datetime64(epoch, "s")
+    first, last = (np.array(THIS_AGE, dtype="datetime64[s]") - start).astype(float)
+    inside = (seconds >= first) & (seconds < last)
+    if not inside.all():
+        expected = f"seconds since {epoch} that fall in {' to '.join(THIS_AGE)}"
+        msg = f"slow_time: expected {expected}, found {seconds[~inside][0]:g}"
+        raise Refused(msg)
     whole = np.floor(seconds)
-    nanoseconds = np.rint((seconds - whole) * 1e9).astype(np.int64)
-    whole_since_1970 = whole.astype(np.int64) + since
-    return (whole_since_1970 * 1_000_000_000 + nanoseconds).view("datetime64[ns]")
+    nanoseconds = np.rint((seconds - whole) * 1e9)
+    return start + whole.astype("timedelta64[s]") + nanoseconds.astype("timedelta64[ns]")
 
 
-def from_gps_seconds(path, what, seconds):
-    """GPS seconds since 1970 as UTC datetime64[ns], (range_line,).
+def undo_compensation(echogram, first_row=-np.inf, end_row=np.inf):
+    """Echogram with traces shifted back by `Elevation_Correction` [bins], made for level flight.
 
-    One offset holds for a whole file, that of its first line, as in the archive's own conversion to
-    NetCDF: a frame flown over a leap second stays in order.
-    """
-    seconds = np.asarray(seconds, dtype=float)
-    finite = seconds[np.isfinite(seconds)]
-    if finite.size == 0:
-        raise refusal(path, what, "GPS seconds since 1970", f"no finite value among {seconds.size}")
-    return from_utc_seconds(path, what, seconds - leap_seconds(finite[0]))
-
-
-def unwrap_midnight(seconds_of_day):
-    """Seconds of day that go on past midnight, and how often it passed.
-
-    Midnight passes where they fall back by over half a day.
-    """
-    seconds_of_day = np.asarray(seconds_of_day, dtype=float)
-    falls_back = np.diff(seconds_of_day) < -SECONDS_OF_DAY / 2
-    midnights = np.cumsum(np.append(False, falls_back))
-    return seconds_of_day + SECONDS_OF_DAY * midnights, int(falls_back.sum())
-
-
-def undo_compensation(path, content, correction_bins, *, first_row=-np.inf, end_row=np.inf):
-    """Content with traces shifted back by `correction_bins` (range_line,), made for level flight.
-
-    `content` holds `Data` (range_bin, range_line), `twtt` (range_bin,) [s], `Elevation` [m],
-    `Surface` and perhaps `Bottom` (range_line,) [s]. A trace that was not shifted was recorded from
-    `first_row` to before `end_row`; what lies outside is padding and counts as missing.
+    A trace that was not shifted was recorded from `first_row` to before `end_row`; what lies
+    outside is padding and counts as missing.
 
     ``twtt -= EC dt``, ``Surface -= EC dt``, ``Elevation -= EC dt c / 2``: the inverse of the CReSIS
     toolbox's compression, in which inserted bins hold zero power. They are NaN here, so that no
     zero passes for a measurement.
     """
-    data = content["Data"]
-    twtt = content["twtt"]
-    counted = np.isfinite(correction_bins) & (correction_bins >= 0)
-    whole = counted & (correction_bins == np.floor(correction_bins))
-    if not whole.all():
-        found = f"{correction_bins[~whole][0]:g} at range_line {int(np.argmin(whole))}"
-        raise refusal(path, "Elevation_Correction", "whole numbers of bins, not negative", found)
-    n_rows, n_lines = data.shape
-    n_extra = int(correction_bins.max(initial=0))
-    shape = (n_rows + n_extra, n_lines)
-    check_size(path, "Elevation_Correction", shape, data.dtype.itemsize)
-
-    starts = np.clip(correction_bins + first_row, 0, n_rows).astype(int)
-    stops = np.clip(correction_bins + end_row, starts, n_rows).astype(int)
-    shifted = np.full(shape, np.nan, dtype=data.dtype)
-    for line, bins in enumerate(correction_bins.astype(int)):
-        top = n_extra - bins
-        start = starts[line]
-        stop = stops[line]
-        shifted[top + start : top + stop, line] = data[start:stop, line]
-    bin_size = (twtt[-1] - twtt[0]) / (twtt.size - 1)
-    undone = dict(content)
-    undone["Data"] = shifted
-    undone["twtt"] = twtt[0] + bin_size * (np.arange(len(shifted)) - n_extra)
-    undone["Elevation"] = content["Elevation"] - correction_bins * bin_size * SPEED_OF_LIGHT_M_S / 2
-    for name in ("Surface", "Bottom"):
-        if name in content:
-            undone[name] = content[name] - correction_bins * bin_size
-    return undone
+    bins = echogram["Elevation_Correction"]
+    most = MAXIMUM_BYTES / echogram["Data"][0].nbytes - echogram.sizes["twtt"]
+    if not ((bins >= 0) & (bins == np.floor(bins)) & (bins <= most)).all():
+        msg = f"Elevation_Correction: expected whole numbers of bins from 0 to {most:.0f}, "
+        msg += f"found {bins.min():g} to {bins.max():g}"
+        raise Refused(msg)
+    row = xr.DataArray(np.arange(echogram.sizes["twtt"]), dims="twtt")
+    recorded = (row >= bins + first_row) & (row < bins + end_row)
+    echogram["Data"] = echogram["Data"].where(recorded)
+    return shifted(echogram.drop_vars("Elevation_Correction"), -bins.values.astype(int))

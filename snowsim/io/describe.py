@@ -1,28 +1,27 @@
 """What a file is, in words: its format, axes, layers, and the traps found in it."""
 
-import json
+from pathlib import Path
 
 import numpy as np
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import Scene, along_track_m, bin_size_s
+from snowsim.echogram import along_track_m, bin_size_s
 from snowsim.io import read_echogram, read_layers
-from snowsim.io.containers import read_netcdf
-from snowsim.io.files import read_dataset
-from snowsim.io.guard import (
-    check_present,
-    container_of,
-    existing,
-    is_zarr,
-    library_errors,
-    refusal,
-)
-from snowsim.io.images import read_image
+from snowsim.io.containers import names_in, read_netcdf
+from snowsim.io.guard import is_zarr, refusal
 from snowsim.io.layers import surface_among
-from snowsim.io.png_pairs import LABEL_PREFIXES, PairSet, read_pair, tells_db
+from snowsim.io.png_pairs import PairSet, tells_db
 from snowsim.io.predictions import read_labels, read_map
 from snowsim.io.scenes import SceneSet
-from snowsim.io.sniff import ECHOGRAMS, in_words, names_in, sniff
+from snowsim.io.sniff import ECHOGRAMS, in_words, sniff
+
+MOST_ROWS = 8  # layers told one by one
+# What scenes' notes count.
+COUNTED = {
+    "outside_training": "scenes lie outside what their generator was trained on",
+    "n_pixels_cut": "labelled pixels lie below the images",
+    "n_pixels_unlabelled": "pixels of drawn layers are too faint for a label",
+}
 
 
 def describe(path):
@@ -30,25 +29,21 @@ def describe(path):
 
     The file is read as a whole: what its reader refuses is refused here, in the reader's own line.
     """
-    path = existing(path, directory=True)
+    path = Path(path)
     if path.is_dir() and not is_zarr(path):
         exported = sorted(path.glob("scene_*.nc"))
         if exported:
-            return _scenes("a folder of exported scenes", map(_exported_scene, exported))
+            what = f"a folder of {len(exported)} exported scenes, of which this is one"
+            return _dataset(what, read_netcdf(exported[0]))
         pairs = PairSet(path)
         pairs.check()
         return _scenes("a folder of benchmark pairs", pairs)
-    if path.name.startswith("data_") and container_of(path) == "png":
-        return _pair(path)
     if path.suffix == ".npy":
         return _image("an array", path)
     kind = sniff(path)
     what = in_words(kind)
-    if kind in ("png", "scene"):
+    if kind == "png":
         return _image(what, path)
-    if kind == "statistics":
-        with library_errors(path, "statistics", "those of a flight, as a run writes them"):
-            return _statistics(what, read_dataset(path))
     if kind in ECHOGRAMS:
         return _echogram(what, read_echogram(path), names_in(path))
     if kind in ("cresis_layer", "cresis_layer_data", "opr_layers"):
@@ -56,6 +51,8 @@ def describe(path):
     if kind == "scenes":
         with SceneSet(path) as scenes:
             return _scenes(what, scenes)
+    if kind in ("statistics", "scene"):
+        return _dataset(what, read_netcdf(path))
     raise refusal(path, "format", "an echogram, layers, scenes, an image or an array", what)
 
 
@@ -68,19 +65,22 @@ def _said(what, axes, layers, traps):
 def _echogram(what, echogram, stored):
     twtt = echogram["twtt"].values
     lines = echogram["slow_time"].values
-    power = echogram["Data"].values
     bin_s = bin_size_s(echogram)
     bin_cm = 50 * bin_s * SPEED_OF_LIGHT_M_S
-    length_m = along_track_m(echogram)[-1]
     down = f"{twtt.size} range bins of {1e9 * bin_s:.4g} ns ({bin_cm:.3g} cm of air), "
     down += f"twtt {1e6 * twtt[0]:.6g} to {1e6 * twtt[-1]:.6g} us"
-    along = f"{lines.size} range lines over {length_m:.4g} m, {lines[0]:.19} to {lines[-1]:.19} UTC"
+    along = f"{lines.size} range lines over {along_track_m(echogram)[-1]:.4g} m, "
+    along += f"{lines[0]:.19} to {lines[-1]:.19} UTC"
 
+    power = echogram["Data"].values
     missing = ~(power > 0)
     n_empty = missing.all(axis=0).sum()
-    strongest = np.where(missing, 0, power).argmax(axis=0)
-    n_last = (strongest == twtt.size - 1).sum()
-    n_unknown = (~(echogram["Surface"].values > 0)).sum()
+    n_last = (np.where(missing, 0, power).argmax(axis=0) == twtt.size - 1).sum()
+    known_s = echogram["Surface"].where(echogram["Surface"] > 0).dropna("slow_time").values
+    n_unknown = lines.size - known_s.size
+    surface = []
+    if known_s.size:
+        surface = [f"surface: {1e6 * known_s.min():.6g} to {1e6 * known_s.max():.6g} us"]
     compensated = "Elevation_Correction" in stored
     no_flags = "amplitude" in stored and "quality_mask" not in echogram
     traps = {
@@ -93,13 +93,13 @@ def _echogram(what, echogram, stored):
         f"Surface is unknown on {n_unknown} range lines": n_unknown,
         "no supplement beside it flags range lines": no_flags,
     }
-    return _said(what, [down, along], [], traps)
+    return _said(what, [down, along], surface, traps)
 
 
 def _layers(what, layers):
     index = layers.get_index("layer")
     labels = [str(label) for label in index]
-    picked = np.isfinite(layers["twtt"].values)
+    picked = np.isfinite(layers["twtt"].values).mean(axis=1)
     empty = layers.attrs.get("empty_layers", "")
     no_surface = index.dtype.kind in "OUS" and surface_among(labels) != 0
     nameless = any(label.startswith("id ") for label in labels)
@@ -108,76 +108,37 @@ def _layers(what, layers):
         "none is named surface: frames need one": no_surface,
         "names are not known: no organizer file beside it": nameless,
     }
-    rows = [f"{label}: {row.mean():.1%} picked" for label, row in zip(labels, picked, strict=True)]
-    return _said(what, [f"{picked.shape[1]} range lines"], rows, traps)
+    rows = [f"{label}: {share:.1%} picked" for label, share in zip(labels, picked, strict=True)]
+    rest = picked[MOST_ROWS:]
+    if rest.size:
+        more = f"{rest.size} more to {labels[-1]}: {rest.min():.1%} to {rest.max():.1%} picked"
+        rows = [*rows[:MOST_ROWS], more]
+    return _said(what, [f"{layers.sizes['slow_time']} range lines"], rows, traps)
 
 
 def _scenes(what, scenes):
     sizes = []
-    n_mute = 0
-    n_outside = 0
-    n_cut = 0
-    n_unlabelled = 0
+    counts = dict.fromkeys(("mute", *COUNTED), 0)
     for scene in scenes:
         sizes.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
-        n_mute += scene.image is not None and not tells_db(scene)
-        n_outside += bool(scene.notes.get("outside_training"))
-        n_cut += scene.notes.get("n_pixels_cut", 0)
-        n_unlabelled += scene.notes.get("n_pixels_unlabelled", 0)
+        counts["mute"] += scene.image is not None and not tells_db(scene)
+        for name in COUNTED:
+            counts[name] += int(scene.notes.get(name, 0))
     bins, lines, layers = (f"{min(size)} to {max(size)}" for size in zip(*sizes, strict=True))
     axes = f"{len(sizes)} scenes of {bins} range bins, {lines} range lines"
-    traps = {
-        f"{n_mute} images do not hold their decibels": n_mute,
-        f"{n_outside} scenes lie outside what their generator was trained on": n_outside,
-        f"{n_cut} labelled pixels lie below the images": n_cut,
-        f"{n_unlabelled} pixels of drawn layers are too faint for a label": n_unlabelled,
-    }
+    told = {"mute": "images do not hold their decibels"} | COUNTED
+    traps = {f"{counts[name]} {words}": counts[name] for name, words in told.items()}
     return _said(what, [axes], [f"{layers} a scene"], traps)
 
 
-def _exported_scene(path):
-    """Scene of a file that `snowsim.io.export.export_netcdf` wrote."""
-    stored = read_netcdf(path)
-    check_present(path, ("layer_bins",), stored.variables)
-    with library_errors(path, "scene", "one that was exported"):
-        attributes = stored.attrs
-        return Scene(
-            attributes["name"],
-            int(attributes["n_range_bins"]),
-            stored["layer_bins"].values,
-            image=stored["image"].values if "image" in stored else None,
-            noise_floor_db=float(attributes["noise_floor_db"]),
-            maximum_db=float(attributes["maximum_db"]),
-            notes=json.loads(attributes["notes"]),
-        )
-
-
-def _pair(path):
-    """Image of a scene, with what its labels beside it tell."""
-    image, numbers = read_image(path)
-    scene = Scene(path.stem, len(image), np.empty((0, image.shape[1])), image=image, **numbers)
-    beside = [path.with_name(path.name.replace("data_", prefix, 1)) for prefix in LABEL_PREFIXES]
-    is_labelled = any(label.is_file() for label in beside)
-    if is_labelled:
-        scene = read_pair(path)
-    traps = {
-        "no labels layer_* or layer_binary_* beside it": not is_labelled,
-        "does not hold its decibels": not tells_db(scene),
-    }
-    layers = [f"{len(scene.layer_bins)}, in labels beside it"] if is_labelled else []
-    return _said("a PNG image: an echogram of the benchmark", [_axes(image)], layers, traps)
-
-
-def _statistics(what, statistics):
-    """Of a flight: what they were estimated from."""
-    about = statistics.attrs
-    bins = f"range bins of {1e9 * about['bin_size_s']:.4g} ns"
-    lines = f"{about['n_range_lines']} range lines, {about['line_spacing_m']:.4g} m apart"
-    frames = f"{about['n_frames']} frames, {about['n_looks']:.3g} looks"
-    synthetic = about.get("synthetic")
-    missing = about.get("radiometry_missing")
-    traps = {synthetic: synthetic, f"radiometry is missing: {missing}": missing}
-    return _said(what, [bins, lines, frames], [f"{statistics.sizes['layer']}"], traps)
+def _dataset(what, dataset):
+    """Of scenes and statistics: lengths of their axes, and what their attributes say."""
+    axes = ", ".join(f"{length} {name}" for name, length in dataset.sizes.items())
+    texts = [name for name, value in dataset.attrs.items() if isinstance(value, str)]
+    numbers = [f"{name} {dataset.attrs[name]:.6g}" for name in dataset.attrs.keys() - texts]
+    traps = {f"{name}: {dataset.attrs[name]}": dataset.attrs[name] for name in texts}
+    layers = [f"{dataset.sizes['layer']}"] if "layer" in dataset.sizes else []
+    return _said(what, [axes, *sorted(numbers)], layers, traps)
 
 
 def _image(what, path):

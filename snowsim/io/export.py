@@ -46,15 +46,12 @@ def export_pairs(folder, scenes, *, list_name="all.lst", layers="annotated"):
     """
     folder = Path(folder)
     check_choice("layers", layers, LAYERS)
-    if "data_" in folder.name:
-        msg = f"{folder}: the folder's name must not contain data_, which loaders replace in paths"
-        raise ValueError(msg)
     n_scenes = 0
     n_merged = 0
     for scene in _listed(folder, scenes, list_name, "data_{}.png"):
-        if scene.image is None:
-            msg = f"{folder}: scene {scene.name}: expected an image to export, got none"
-            raise ValueError(msg)
+        if scene.image is None or "data_" in folder.name:
+            expected = "an image; the folder's name must not contain data_, which loaders replace"
+            raise refusal(folder, scene.name, expected, "none, or such a name")
         layer_bins = scene.layer_bins
         if layers == "complete" and scene.complete_layer_bins is not None:
             layer_bins = scene.complete_layer_bins
@@ -101,9 +98,7 @@ def export_netcdf(folder, scenes, *, list_name="all.lst"):
 def export_zarr(folder, scenes, *, list_name="all.lst"):
     """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
     if importlib.util.find_spec("zarr") is None:
-        msg = f"{folder}: expected package zarr to write Zarr stores, it is not installed: "
-        msg += "pip install 'zarr>=3'"
-        raise ValueError(msg)
+        raise refusal(folder, "Zarr", "package zarr (pip install 'zarr>=3')", "none")
     return _export_datasets(folder, scenes, list_name, "zarr", write_store)
 
 
@@ -140,13 +135,9 @@ def _listed(folder, scenes, list_name, file_name):
     """Scenes whose names a loader will not trip over, one by one; then their files are listed."""
     names = []
     for scene in scenes:
-        if not NAME.fullmatch(scene.name):
-            expected = "a plain file name without data_ and binary_"
-            msg = f"{folder}: scene {scene.name!r}: expected {expected}"
-            raise ValueError(msg)
-        if scene.name in names:
-            msg = f"{folder}: scene {scene.name!r}: expected names that differ, got it twice"
-            raise ValueError(msg)
+        if not NAME.fullmatch(scene.name) or scene.name in names:
+            expected = "a plain file name, unlike all others, without data_ and binary_"
+            raise refusal(folder, "scene", expected, repr(scene.name))
         yield scene
         names.append(scene.name)
     lines = [f"{file_name.format(name)}\n" for name in names]

@@ -3,13 +3,12 @@
 import io
 import os
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from snowsim import frames
-from snowsim.echogram import bin_size_s
+from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import existing, library_errors, one_line, refusal
@@ -37,26 +36,45 @@ def read_frames(path):
         text = "\n".join(line for line in lines if not line.startswith("#"))
         table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
         table = table.rename(columns=str.strip)
-    if not isinstance(table.index, pd.RangeIndex):
-        raise refusal(
-            path, "rows", "as many fields as the header has", "more, or tabs at their end"
-        )
-    if sorted(table.columns) != sorted(COLUMNS):
-        found = one_line(", ".join(map(str, table.columns)), 200)
-        raise refusal(path, "columns", ", ".join(COLUMNS), found)
-    if table.empty:
-        raise refusal(path, "frames", "at least one row", "none")
+    is_ragged = not isinstance(table.index, pd.RangeIndex)
+    if is_ragged or sorted(table.columns) != sorted(COLUMNS) or table.empty:
+        expected = f"{', '.join(COLUMNS)}, and rows of as many fields"
+        found = f"{', '.join(map(str, table.columns))}, and {len(table)} rows"
+        raise refusal(path, "columns", expected, f"{found}, longer ones" if is_ragged else found)
     table = table[list(COLUMNS)].apply(lambda column: column.str.strip())
     for name in ("echogram", "layers"):
         files = [path.parent / file if file else "" for file in table[name]]
         table[name] = [os.path.abspath(file) if file else "" for file in files]
-    failed = []
-    for number, row in enumerate(table.itertuples(), start=1):
-        trouble = _trouble(row, table)
-        if trouble:
-            failed.append((row.frame or f"row {number}", trouble))
-    _report(path, failed, len(table))
+    _report(path, _troubles(table), len(table))
     return table
+
+
+def _troubles(table):
+    """Frames that fail, and the first reason of each."""
+    real = table["echogram"].map(os.path.realpath)
+    # Frames to track are no use of the data.
+    role = table["role"].mask(table["role"] == TRACK)
+    n_roles = role.groupby(real).transform("nunique")
+    is_held_out = role.isin(HELD_OUT).groupby(real).transform("any")
+    twice = pd.DataFrame({"file": real, "role": role}).duplicated(keep=False)
+    once = f"expected once for a role, and for {' or '.join(HELD_OUT)} alone, found"
+    # A Zarr store is a directory.
+    absent = ~table[["echogram", "layers"]].map(os.path.exists)
+    checks = [
+        ("frame", "expected names that differ, found", table["frame"].duplicated(keep=False)),
+        ("frame", "expected a name without folders, found", table["frame"].str.contains("/|^$")),
+        ("role", f"expected {', '.join(ROLES)}, found", ~table["role"].isin(ROLES)),
+        ("echogram", "expected a file, found nothing at", absent["echogram"]),
+        ("layers", "expected a file, found nothing at", absent["layers"] & role.notna()),
+        ("echogram", once, (twice | (is_held_out & (n_roles > 1))) & role.notna()),
+    ]
+    failed = {}
+    for column, words, fails in checks:
+        for number in np.flatnonzero(fails):
+            row = table.iloc[number]
+            reason = f"{column}: {words} {row[column] or 'none'}"
+            failed.setdefault(number, (row["frame"] or f"row {number + 1}", reason))
+    return [failed[number] for number in sorted(failed)]
 
 
 def check_frames(table, *, bin_s=None, blocks=False, **options):
@@ -74,7 +92,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     table = table[table["role"] != TRACK]
     rows = []
     failed = []
-    missing = set(options.get("layer_names") or ())
+    missing = dict.fromkeys(options.get("layer_names") or ())
     for row in table.itertuples():
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
@@ -82,24 +100,24 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
         except ValueError as error:
             failed.append((row.frame, str(error)))
         else:
-            picked = np.isfinite(layers["twtt"]).any("slow_time").values
-            missing -= set(layers["layer"].values[picked])
-    if rows:
-        found = pd.DataFrame(rows)
-        failed += _of_unusual_bin_size(found)
+            for name in layers["layer"].values[np.isfinite(layers["twtt"]).any("slow_time")]:
+                missing.pop(name, None)
+    found = pd.DataFrame(rows or {"frame": [], "bin_size_s": []})
+    usual_s = found["bin_size_s"].median()
+    for row in found[(found["bin_size_s"] / usual_s - 1).abs() > 1e-6].itertuples():
+        sizes = f"expected {usual_s:.6g} s as in most, found {row.bin_size_s:.6g} s"
+        failed.append((row.frame, f"bin size: {sizes}"))
     if not failed:
         reason = "layer_names: expected layers that some frame has, found it in none"
-        failed = [(name, reason) for name in options.get("layer_names") or () if name in missing]
+        failed = [(name, reason) for name in missing]
     _report("frames", failed, len(table))
     return table.merge(found, on="frame", validate="one_to_one")
 
 
 def _summary(row, echogram, layers, *, blocks):
     """What `check_frames` tells of a frame."""
-    scenes = []
-    skipped = {}
-    if blocks and row.role != "statistics":
-        scenes, skipped = scenes_of_frame(row, echogram, layers)
+    cuts_blocks = blocks and row.role != "statistics"
+    scenes, skipped = scenes_of_frame(row, echogram, layers) if cuts_blocks else ([], {})
     n_flagged_lines, flags = frames.count_flagged(echogram)
     return {
         "frame": row.frame,
@@ -113,19 +131,6 @@ def _summary(row, echogram, layers, *, blocks):
         "n_flagged_lines": n_flagged_lines,
         "flags": flags,
     }
-
-
-def _of_unusual_bin_size(found):
-    """Frames that have another bin size than most, and the sizes."""
-    sizes_s = found["bin_size_s"]
-    # Those equal to a millionth count as one.
-    rounded = sizes_s.map("{:.6e}".format)
-    usual_s = sizes_s[rounded == rounded.mode().iloc[-1]].iloc[0]
-    failed = []
-    for row in found[(sizes_s / usual_s - 1).abs() > 1e-6].itertuples():
-        sizes = f"expected {usual_s:.6g} s as in most, found {row.bin_size_s:.6g} s"
-        failed.append((row.frame, f"bin size: {sizes}"))
-    return failed
 
 
 def scenes_of_frame(row, echogram, layers):
@@ -161,14 +166,11 @@ def read_frame(
     echogram, leave its window, cross or have none named surface, frames whose range lines are all
     flagged, and unknown flags.
     """
-    unknown = [flag for flag in flagged_by if flag not in sniff.SUPPLEMENT_FLAGS]
-    if unknown:
-        msg = f"flagged_by must be of {', '.join(sniff.SUPPLEMENT_FLAGS)}, got {', '.join(unknown)}"
-        raise ValueError(msg)
-    if source is not None:
-        kind = sniff.sniff(row.echogram)
-        if kind != source:
-            raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
+    for flag in flagged_by:
+        check_choice("flagged_by", flag, sniff.SUPPLEMENT_FLAGS)
+    kind = source and sniff.sniff(row.echogram)
+    if kind != source:
+        raise refusal(row.echogram, "format", sniff.in_words(source), sniff.in_words(kind))
     echogram = read_echogram(row.echogram)
     layers = _layers_from_surface(row.layers, layer_names)
     layers = frames.align_layers(layers, echogram, where=str(row.layers))
@@ -193,9 +195,6 @@ def _layers_from_surface(path, layer_names):
         expected = "one named surface (from the organizer file beside it)"
         raise refusal(path, "layer", expected, one_line(", ".join(labels), 200))
     if layer_names is not None:
-        if index.dtype.kind not in "OUS":
-            found = f"layers numbered {one_line(', '.join(labels), 200)}"
-            raise refusal(path, "layer_names", "a file whose layers have names", found)
         absent = {"twtt": np.nan, "quality": 1, "type": 2}
         layers = layers.reindex(layer=list(layer_names), fill_value=absent)
     return layers
@@ -203,12 +202,10 @@ def _layers_from_surface(path, layer_names):
 
 def _warn_of_surface(path, layers, echogram):
     """Say where layer 0 lies far from the echogram's own surface in the median."""
-    picked_s = layers["twtt"].transpose("layer", "slow_time").values[0]
-    surface_s = echogram["Surface"].values
-    away = np.abs(picked_s - surface_s) / bin_size_s(echogram)
-    known = np.isfinite(away) & (surface_s >= echogram["twtt"].values[0])
-    if known.any() and np.median(away[known]) > FAR_BINS:
-        msg = f"{path}: layer 0 lies {np.median(away[known]):.0f} range bins from the echogram's "
+    inside = echogram["Surface"].where(echogram["Surface"] >= echogram["twtt"][0])
+    away = np.abs(layers["twtt"].isel(layer=0).values - inside) / bin_size_s(echogram)
+    if away.median() > FAR_BINS:
+        msg = f"{path}: layer 0 lies {away.median():.0f} range bins from the echogram's "
         msg += "Surface in the median: is it the snow surface?"
         warnings.warn(msg, UserWarning, stacklevel=3)
 
@@ -221,36 +218,6 @@ def each_frame(table, role=None, **options):
     for row in table.itertuples():
         if role is None or row.role == role:
             yield read_frame(row, **options)
-
-
-def _trouble(row, table):
-    """What is wrong with a row, or nothing."""
-    needed = [name for name in COLUMNS if name != "layers" or row.role != TRACK]
-    empty = [name for name in needed if not getattr(row, name)]
-    if empty:
-        return f"{', '.join(empty)}: expected a value, found none"
-    if (table["frame"] == row.frame).sum() > 1:
-        return f"frame: expected names that differ, found {row.frame} more than once"
-    if Path(row.frame).name != row.frame:
-        return f"frame: expected a name without folders, found {row.frame}"
-    if row.role not in ROLES:
-        return f"role: expected {', '.join(ROLES)}, found {row.role}"
-    for name in ("echogram", "layers"):
-        file = getattr(row, name)
-        # A Zarr store is a directory.
-        if file and not Path(file).exists():
-            return f"{name}: expected a file, found nothing at {file}"
-    real = os.path.realpath(row.echogram)
-    same = table[(table["echogram"].map(os.path.realpath) == real) & (table["role"] != TRACK)]
-    roles = sorted(set(same["role"]))
-    for held_out in HELD_OUT:
-        if held_out in roles and len(roles) > 1:
-            found = " and ".join(roles)
-            return f"echogram: expected a {held_out} frame to have no other role, found {found}"
-    if (same["role"] == row.role).sum() > 1:
-        names = ", ".join(same.loc[same["role"] == row.role, "frame"])
-        return f"echogram: expected one frame of it for {row.role}, found {names}"
-    return None
 
 
 def _report(path, failed, n_frames):

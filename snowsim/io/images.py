@@ -28,6 +28,7 @@ def read_image(path, expected="8-bit grey"):
     with library_errors(path, "PNG", "a whole grey image"), warnings.catch_warnings():
         warnings.simplefilter("error", Image.DecompressionBombWarning)
         try:
+            Image.open(path, formats=["PNG"]).verify()  # checksums: reading does not look at them
             with Image.open(path, formats=["PNG"]) as file:
                 columns, rows = file.size
                 if not 0 < columns * rows <= MAXIMUM_PIXELS:

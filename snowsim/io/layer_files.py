@@ -10,7 +10,7 @@ import scipy.io
 from snowsim.echogram import check_layers
 from snowsim.io.datasets import LEAP_DAYS, PARAMETERS
 from snowsim.io.files import write_dataset, written_whole
-from snowsim.io.guard import refusal
+from snowsim.io.guard import library_errors, refusal
 from snowsim.io.layers import AUTOMATIC, GOOD, SURFACE
 
 # MAT v5 begins with a text of this length. The date that scipy writes there would make the bytes
@@ -64,22 +64,24 @@ def write_layer_files(folder, segment, frames, *, force=False):
         whose layers the organizer would name anew; if layers cross, or a variable is missing.
     """
     refuse_other_frames(folder, segment, frames)
-    organizer = _parent(folder, segment) / f"layer_{segment}.mat"
-    paths = {number: _frame_path(folder, segment, number) for number in frames}
-    for number, path in paths.items():
-        check_layers(frames[number], str(path))
-        for name in POSITIONS.values():
-            if name not in frames[number]:
-                raise refusal(path, name, "along slow_time", "none")
-    if not force:
-        for path in (*paths.values(), organizer):
-            refuse_existing(path)
     n_layers = 1 + max(int(layer_numbers(layers).max()) for layers in frames.values())
-    for number, path in paths.items():
-        _write_mat(path, _frame_content(segment, frames[number], n_layers))
-    first = next(iter(frames.values()))
-    _write_mat(organizer, _organizer_content(segment, first.attrs, n_layers))
-    return [*paths.values(), organizer]
+    contents = {}
+    for number, layers in frames.items():
+        path = _frame_path(folder, segment, number)
+        check_layers(layers, str(path))
+        with library_errors(path, "layers", "with positions along slow_time"):
+            contents[path] = _frame_content(segment, layers, n_layers)
+    attributes = next(iter(frames.values())).attrs
+    organizer = _parent(folder, segment) / f"layer_{segment}.mat"
+    contents[organizer] = _organizer_content(segment, attributes, n_layers)
+    for path in contents if not force else ():
+        refuse_existing(path)
+    for path, content in contents.items():
+        buffer = io.BytesIO()
+        scipy.io.savemat(buffer, content, do_compression=True)
+        with written_whole(path) as aside:
+            aside.write_bytes(HEADER + buffer.getvalue()[HEADER_BYTES:])
+    return list(contents)
 
 
 def layer_numbers(layers):
@@ -135,7 +137,7 @@ def refuse_existing(path):
 
 
 def gps_seconds(slow_time):
-    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `from_gps_seconds`.
+    """GPS seconds since 1970 of UTC times, (range_line,): the inverse of `utc_times`.
 
     Equal to the seconds that the times were read from to the last bit: doubles of this age lie
     2.4e-7 s apart, and nanoseconds round by less. One offset holds for a file, that of its first
@@ -202,11 +204,3 @@ def _cell(values):
     for column, value in enumerate(values):
         row[0, column] = value
     return row
-
-
-def _write_mat(path, content):
-    """Write a MAT v5 file, whole or not at all; the same content gives the same bytes."""
-    buffer = io.BytesIO()
-    scipy.io.savemat(buffer, content, do_compression=True)
-    with written_whole(path) as aside:
-        aside.write_bytes(HEADER + buffer.getvalue()[HEADER_BYTES:])

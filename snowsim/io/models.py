@@ -5,11 +5,12 @@ import json
 from pathlib import Path
 
 import numpy as np
-from safetensors import SafetensorError, safe_open
+from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from snowsim import __version__
 from snowsim.io.files import written_whole
+from snowsim.io.guard import library_errors, refusal
 
 FORMAT = "snowsim model 1"
 # One header entry: safetensors keeps no order among several, and files must repeat to the byte.
@@ -35,19 +36,21 @@ def read_model(path, expected=None):
     Nothing in it is executed. A file that is truncated, no model, or made with other metadata than
     `expected` is refused: settings, seed and fingerprint of the training it is to continue.
     """
-    try:
-        with safe_open(path, framework="numpy") as file:
-            metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))
-            flat = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118, not a dict
-    except (SafetensorError, OSError, json.JSONDecodeError) as error:
-        reason = str(error).splitlines()[0]
-        msg = f"{path}: expected a whole safetensors file, cannot be read: {reason}"
-        raise ValueError(msg) from error
+    with (
+        library_errors(path, "model", "a whole safetensors file"),
+        safe_open(path, framework="numpy") as file,
+    ):
+        metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))
+        flat = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118, not a dict
     if metadata.get("format") != FORMAT:
-        msg = f"{path}: expected a model of format '{FORMAT}', got {metadata.get('format')!r}"
-        raise ValueError(msg)
-    for key, value in (expected or {}).items():
-        _check_same(metadata.get(key), value, f"{path}: {key}")
+        raise refusal(path, "model", f"one of format '{FORMAT}'", repr(metadata.get("format")))
+    wanted = json.loads(json.dumps(expected or {}))
+    made = dict(_flat({name: metadata.get(name) for name in wanted}))
+    wanted = dict(_flat(wanted))
+    for name in sorted(made.keys() | wanted.keys()):
+        if made.get(name) != wanted.get(name):
+            found = f"{made.get(name)!r}: another configuration made this file"
+            raise refusal(path, name.replace("/", ": "), repr(wanted.get(name)), found)
     return _nested(flat), metadata
 
 
@@ -58,16 +61,6 @@ def fingerprint(paths):
         with Path(path).open("rb") as file:
             digest.update(hashlib.file_digest(file, "sha256").digest())
     return digest.hexdigest()
-
-
-def _check_same(got, wanted, where):
-    """Raise ValueError at the first difference between two JSON values."""
-    if isinstance(got, dict) and isinstance(wanted, dict):
-        for key in sorted(got.keys() | wanted.keys()):
-            _check_same(got.get(key), wanted.get(key), f"{where}: {key}")
-    elif got != json.loads(json.dumps(wanted)):
-        msg = f"{where}: expected {wanted!r}, got {got!r}: another configuration made this file"
-        raise ValueError(msg)
 
 
 def _flat(nested, prefix=""):

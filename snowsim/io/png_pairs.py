@@ -1,6 +1,5 @@
 """The published benchmark's pairs of image and labels, as PNG or MAT v7.3, read scene by scene."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,17 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from snowsim.echogram import Scene, check_choice, check_layer_bins, to_uint8
-from snowsim.io.guard import (
-    check_present,
-    container_of,
-    existing,
-    library_errors,
-    numeric,
-    one_line,
-    refusal,
-)
+from snowsim.io.containers import read_matlab
+from snowsim.io.guard import existing, is_png, library_errors, listed, refusal
 from snowsim.io.images import read_image, read_mask
-from snowsim.io.matlab import read_matlab
 
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
@@ -46,19 +37,23 @@ class PairSet(Sequence):
 
     def __init__(self, path, *, data_scale=None):
         path = existing(path, directory=True)
-        if data_scale is not None:
-            check_choice("data_scale", data_scale, DATA_SCALES)
+        check_choice("data_scale", data_scale, (None, *DATA_SCALES))
         self._data_scale = data_scale
         if path.is_dir():
             self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
         else:
-            self._paths = _listed(path)
-        if not self._paths:
-            raise refusal(path, "scenes", "files data_*.png or data_*.mat", "none")
+            with library_errors(path, "list", "text with one file name a line"):
+                lines = path.read_text(encoding="utf-8-sig").splitlines()
+            self._paths = [path.parent / line.split()[0] for line in lines if line.strip()]
         self.names = [scene_name(file) for file in self._paths]
-        twice = [name for name, count in Counter(self.names).items() if count > 1]
-        if twice:
-            raise refusal(path, "scenes", "names that differ", one_line(", ".join(twice), 200))
+        missing = [file.name for file in self._paths if not file.is_file()]
+        twice = {name for name in self.names if self.names.count(name) > 1}
+        if not self.names or missing or twice:
+            expected = "files data_*.png or data_*.mat that are there, of names that differ"
+            found = (
+                f"{len(self)}, {len(missing)} missing: {listed(missing)}; twice: {listed(twice)}"
+            )
+            raise refusal(path, "scenes", expected, found)
 
     def __len__(self):
         return len(self._paths)
@@ -86,21 +81,15 @@ class PairSet(Sequence):
             except ValueError as error:
                 failed.append(str(error))
                 continue
-            row = {
-                "name": scene.name,
-                "n_range_bins": scene.n_range_bins,
-                "n_range_lines": scene.n_range_lines,
-                "n_layers": len(scene.layer_bins),
-                "tells_db": tells_db(scene),
-            }
-            rows.append(row)
+            row = {"name": scene.name, "n_range_bins": scene.n_range_bins}
+            row |= {"n_range_lines": scene.n_range_lines, "n_layers": len(scene.layer_bins)}
+            rows.append(row | {"tells_db": tells_db(scene)})
         widths = [row["n_range_lines"] for row in rows]
         usual = max(widths, key=widths.count, default=None)
+        expected = f"width: expected {usual} range lines as in most"
         for row in rows:
-            width = row["n_range_lines"]
-            if width != usual:
-                expected = f"{usual} range lines as in most"
-                failed.append(str(refusal(row["name"], "width", expected, width)))
+            if row["n_range_lines"] != usual:
+                failed.append(f"{row['name']}: {expected}, found {row['n_range_lines']}")
         if failed:
             msg = "\n".join([f"{len(failed)} of {len(self)} scenes fail:", *failed])
             raise ValueError(msg)
@@ -124,12 +113,14 @@ def read_pair(path, *, data_scale=None):
     masks; bad images.
     """
     path = existing(path)
-    if container_of(path) == "png":
+    if is_png(path):
         image, numbers = read_image(path)
         labels = png_labels(path, image.shape)
     else:
         image, numbers = _mat_image(path, data_scale)
-        labels = _mat_labels(path, image.shape)
+        labels = _mat_labels(path)
+    if labels.values.shape != image.shape:
+        raise refusal(labels.path, "size", f"that of the image, {image.shape}", labels.values.shape)
     layer_bins = labels.layer_bins()
     if not np.isfinite(layer_bins).any():
         raise refusal(labels.path, "labels", "at least one layer", "none")
@@ -169,24 +160,15 @@ def layers_of_numbers(numbers, where="labels"):
     np.fmin.at(first, (layers, lines), rows)
     np.fmax.at(last, (layers, lines), rows)
     apart = last - first > count - 1  # NaN, where the layer is absent, is not
-    if apart.any():
-        layer, line = np.argwhere(apart)[0]
-        found = f"{int(count[layer, line])} apart for number {layer + 1} at range_line {line}"
-        raise refusal(where, "layer numbers", "one run of pixels per layer and column", found)
-    _check_lines(where, count)
+    absent = int((count == 0).all(axis=1).sum())
+    thickness = np.median(count[count > 0]) if count.any() else 0
+    if apart.any() or 2 * absent > len(count) or thickness > THICKEST_PIXELS:
+        expected = "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
+        expected += f"of at most {THICKEST_PIXELS}"
+        found = f"{len(count) - absent} of numbers up to {len(count)}, {thickness:.0f} pixels a "
+        found += f"column in the median, {apart.sum()} times apart: regions, or scaled to be seen?"
+        raise refusal(where, "layer numbers", expected, found)
     return (first + last) / 2
-
-
-def _check_lines(where, count):
-    """Refuse numbers that name regions, or levels of grey: pixels by layer and column."""
-    there = count > 0
-    absent = int((~there.any(axis=1)).sum())
-    if 2 * absent > len(count):
-        found = f"{len(count) - absent} of numbers up to {len(count)}: scaled to be seen?"
-        raise refusal(where, "layer numbers", "1, 2, 3 and so on from the surface down", found)
-    if there.any() and np.median(count[there]) > THICKEST_PIXELS:
-        found = f"{np.median(count[there]):.0f} pixels a column in the median: regions?"
-        raise refusal(where, "layer numbers", f"lines of at most {THICKEST_PIXELS} pixels", found)
 
 
 def layers_of_mask(mask, where="mask"):
@@ -205,17 +187,6 @@ def layers_of_mask(mask, where="mask"):
     return layers_of_numbers(np.where(mask, runs, 0), where)
 
 
-def _listed(path):
-    with library_errors(path, "list", "text with one file name a line"):
-        lines = [line.split() for line in path.read_text(encoding="utf-8-sig").splitlines()]
-    files = [path.parent / words[0] for words in lines if words]
-    missing = [file.name for file in files if not file.is_file()]
-    if missing:
-        found = f"{len(missing)} missing: {', '.join(missing)}"
-        raise refusal(path, "list", "files that are there", one_line(found, 200))
-    return files
-
-
 def _beside(path, prefix):
     """The label file named after an image, or None."""
     label = path.with_name(prefix + path.name.removeprefix("data_"))
@@ -223,74 +194,43 @@ def _beside(path, prefix):
 
 
 def png_labels(path, shape):
-    """PNG labels beside an image of this shape, or of any (None); numbers and mask must agree."""
+    """PNG labels beside an image; where numbers and a mask are there, they must agree."""
     numbered, binary = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
-    if binary is not None:
-        mask = Labels(binary, _as_large(binary, read_mask(binary), shape))
-        if numbered is None:
-            return mask
-        shape = mask.values.shape
-    if numbered is None:
+    if numbered is None and binary is None:
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
-    numbers, _ = read_image(numbered)
-    labels = Labels(numbered, _as_large(numbered, numbers, shape))
-    if binary is not None:
-        differ = np.argwhere(labels.mask() != mask.values)
-        if differ.size:
-            row, line = differ[0]
-            found = f"a difference at range_bin {row}, range_line {line}"
-            raise refusal(binary, "mask", f"what {numbered.name} has", found)
+    mask = None if binary is None else read_mask(binary)
+    if numbered is None:
+        return Labels(binary, mask)
+    labels = Labels(numbered, read_image(numbered)[0])
+    if mask is not None and not np.array_equal(mask, labels.mask()):
+        raise refusal(binary, "mask", f"what {numbered.name} has", "a difference")
     return labels
 
 
 def _mat_image(path, data_scale):
     """8-bit image of `data`, and the numbers that tell what it stands for."""
-    data = numeric(path, "data", _mat_variable(path, "data"))
-    if data.ndim != 2 or data.size == 0:
-        raise refusal(path, "data", "a 2-D image", f"shape {data.shape}")
-    n_bad = int((~np.isfinite(data)).sum())
-    if n_bad:
-        raise refusal(path, "data", "finite values", f"{n_bad} that are not")
-    if data_scale is None and _is_8_bit(data):
-        return data.astype(np.uint8), {}
-    scale = "db" if data.min() < 0 else data_scale
-    if scale is None:
-        found = f"{data.dtype} from {data.min():g} to {data.max():g}"
-        expected = "whole numbers from 0 to 255, or data_scale set to power or db"
-        raise refusal(path, "data", expected, found)
-    power = data.astype(float)
-    if scale == "db":
-        power = 10 ** (power / 10)
-    with library_errors(path, "data", "an echogram"):
+    data = np.atleast_2d(read_matlab(path, ("data",))["data"])
+    with library_errors(path, "data", "an image of numbers"):
+        if data_scale is None and _is_8_bit(data):
+            return data.astype(np.uint8), {}
+        scale = "db" if data.min() < 0 else data_scale
+        check_choice("data_scale, of data that are not whole numbers to 255,", scale, DATA_SCALES)
+        power = 10 ** (data / 10) if scale == "db" else data.astype(float)
         image, noise_floor_db, maximum_db = to_uint8(power)
     return image, {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
 
 
-def _mat_labels(path, shape):
+def _mat_labels(path):
     """Labels of a MAT file beside an image, or of its own."""
     beside = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
     label = next((file for file in beside if file is not None), path)
-    values = numeric(label, "layer", _mat_variable(label, "layer"))
-    values = _as_large(label, values, shape)
-    if not _is_8_bit(values):
-        raise refusal(label, "layer", "whole numbers from 0 to 255", values.dtype)
+    values = np.atleast_2d(read_matlab(label, ("layer",))["layer"])
+    with library_errors(label, "layer", "whole numbers from 0 to 255"):
+        values = values if _is_8_bit(values) else values.astype("u1", casting="safe")
     is_mask = values.dtype == bool or label.name.startswith("layer_binary_")
     return Labels(label, values > 0 if is_mask else values.astype(np.uint8))
-
-
-def _mat_variable(path, name):
-    values = read_matlab(path, (name,))
-    check_present(path, (name,), values)
-    return values[name]
 
 
 def _is_8_bit(values):
     """Whether all are whole numbers from 0 to 255."""
     return bool(((values >= 0) & (values <= 255) & (values == np.floor(values))).all())
-
-
-def _as_large(path, labels, shape):
-    """The labels, if their image is as large as that of the echogram."""
-    if shape is not None and labels.shape != tuple(shape):
-        raise refusal(path, "size", f"that of the image, {shape}", labels.shape)
-    return labels

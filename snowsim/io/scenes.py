@@ -1,7 +1,6 @@
 """Scene sets on disk: ragged NetCDF files, written whole or not at all, read scene by scene."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 import netCDF4
@@ -10,33 +9,52 @@ import numpy as np
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene
 from snowsim.io.files import written_whole
-from snowsim.io.guard import library_errors
+from snowsim.io.guard import Refused, library_errors
 
 FORMAT = "snowsim scenes 1"
-# Optional arrays of a scene: attribute, the ragged dimension it stacks along, type on disk.
-ARRAYS = {
-    "image": ("pixel_row", "u1"),
-    "layer_bins": ("layer_row", "f4"),
-    "complete_layer_bins": ("complete_row", "f4"),
+# Of every variable its type, its first dimension, `scene` or one along which scenes stand below
+# each other, and its unit.
+SCENE = {
+    "image": ("u1", "pixel_row", None),
+    "layer_bins": ("f4", "layer_row", None),
+    "complete_layer_bins": ("f4", "complete_row", None),
+    "name": (str, "scene", None),
+    "notes": (str, "scene", None),
+    "n_range_bins": ("i4", "scene", None),
+    "n_layers": ("i4", "scene", None),
+    "n_complete_layers": ("i4", "scene", None),
+    "noise_floor_db": ("f8", "scene", None),
+    "maximum_db": ("f8", "scene", None),
+    "zone": ("i4", "scene", None),
 }
+# What is written after the other numbers of a scene: files repeat to the byte.
+LAST = ("n_complete_layers", "image", "layer_bins", "complete_layer_bins")
+# The group of a scene's echoes, and what it holds of `snowsim.echoes.Echoes`.
+GROUP = "echoes"
+ECHOES = {
+    "n_rows": ("i4", "scene", None),
+    "bins": ("f8", "row", "bin"),
+    "power": ("f8", "row", "W"),
+    "variance_bins2": ("f8", "row", "bin2"),
+    "decay_rate": ("f8", "row", "bin-1"),
+    "kind": ("i1", "row", None),
+    "noise_power": ("f8", "scene", "W"),
+    "n_looks": ("f8", "scene", "1"),
+    "line_gain_spread_db": ("f8", "scene", "dB"),
+    "decay_factor": ("f8", "scene", "1"),
+    "texture_variance": ("f8", "scene", "1"),
+    "texture_length_bins": ("f8", "scene", "bin"),
+    "texture_length_lines": ("f8", "scene", "1"),
+    "speckle_correlation": ("f8", "scene", "1"),
+}
+TEXTURE = [name for name in ECHOES if name.startswith("texture_")]
+# How many rows a scene has along a dimension.
 COUNTS = {
     "pixel_row": "n_range_bins",
     "layer_row": "n_layers",
     "complete_row": "n_complete_layers",
+    "row": "n_rows",
 }
-NUMBERS = {"noise_floor_db": "f8", "maximum_db": "f8", "zone": "i4"}
-
-# The group of a scene's echoes, and what it holds of `snowsim.echoes.Echoes` by units.
-GROUP = "echoes"
-ALONG_TRACK = {"bins": "bin", "power": "W"}  # (row, range_line)
-BY_ROW = {"variance_bins2": "bin2", "decay_rate": "bin-1"}
-BY_SCENE = {
-    "noise_power": "W",
-    "n_looks": "1",
-    "line_gain_spread_db": "dB",
-    "decay_factor": "1",
-}
-TEXTURE = {"texture_variance": "1", "texture_length_bins": "bin", "texture_length_lines": "1"}
 
 
 def write_scenes(path, scenes, attributes=None):
@@ -52,108 +70,81 @@ def write_scenes(path, scenes, attributes=None):
         file.format = FORMAT
         file.setncatts(attributes or {})
         for scene in scenes:
+            values = _values(scene)
+            echoes = {} if scene.echoes is None else _echo_values(scene.echoes)
             if not file.dimensions:
-                _define(file, scene)
-            _check_alike(file, scene, path)
+                file.createDimension("scene", None)
+                file.createDimension("range_line", scene.n_range_lines)
+                _define(file, SCENE, values)
+                if echoes:
+                    _define(file.createGroup(GROUP), ECHOES, echoes)
+            held = [*file.variables, *(file[GROUP].variables if file.groups else ())]
+            n_range_lines = len(file.dimensions["range_line"])
+            if set(held) != {*values, *echoes} or scene.n_range_lines != n_range_lines:
+                msg = f"{path}: scene {scene.name}: expected {', '.join(held)} of {n_range_lines} "
+                msg += f"range lines as in the first scene, got {', '.join([*values, *echoes])}"
+                raise ValueError(msg)
             # Before anything is written: that makes the dimensions longer.
             index = len(file.dimensions["scene"])
-            if scene.echoes is not None:
-                _append_echoes(file[GROUP], index, scene.echoes)
-            _append(file, index, scene)
+            if echoes:
+                _append(file[GROUP], index, echoes)
+            last = {name: values.pop(name) for name in LAST if name in values}
+            _append(file, index, values | last)
         if not file.dimensions:
             msg = f"{path}: expected at least one scene to write, got none"
             raise ValueError(msg)
 
 
-def _present(scene):
-    """Names of the optional parts that a scene has."""
-    return [name for name in (*ARRAYS, GROUP) if getattr(scene, name) is not None]
-
-
-def _held(file):
-    """Names of the optional parts that scenes of a file have."""
-    return [name for name in ARRAYS if name in file.variables] + list(file.groups)
-
-
-def _define(file, scene):
-    file.createDimension("scene", None)
-    file.createDimension("range_line", scene.n_range_lines)
-    for name, (row, dtype) in ARRAYS.items():
-        if getattr(scene, name) is not None:
-            file.createDimension(row, None)
-            chunks = (64, scene.n_range_lines)
-            compressed = {"zlib": dtype != "u1", "complevel": 1}
-            file.createVariable(name, dtype, (row, "range_line"), chunksizes=chunks, **compressed)
-    numbers = {"name": str, "notes": str, "n_range_bins": "i4", "n_layers": "i4"}
+def _values(scene):
+    """What the file holds of a scene, by name."""
+    values = {name: getattr(scene, name, None) for name in SCENE}
+    values["notes"] = json.dumps(scene.notes, sort_keys=True)
+    values["n_layers"] = len(scene.layer_bins)
     if scene.complete_layer_bins is not None:
-        numbers["n_complete_layers"] = "i4"
-    for name, dtype in (numbers | NUMBERS).items():
-        file.createVariable(name, dtype, ("scene",))
-    if scene.echoes is not None:
-        _define_echoes(file.createGroup(GROUP), scene.n_range_lines, scene.echoes)
+        values["n_complete_layers"] = len(scene.complete_layer_bins)
+    return {name: value for name, value in values.items() if value is not None}
 
 
-def _define_echoes(group, n_range_lines, echoes):
-    group.createDimension("row", None)
-    group.createVariable("n_rows", "i4", ("scene",)).sample_dimension = "row"
-    for name, units in ALONG_TRACK.items():
-        chunks = (64, n_range_lines)
-        dimensions = ("row", "range_line")
-        variable = group.createVariable(
-            name, "f8", dimensions, chunksizes=chunks, zlib=True, complevel=1
-        )
-        variable.units = units
-    for name, units in BY_ROW.items():
-        group.createVariable(name, "f8", ("row",)).units = units
-    kind = group.createVariable("kind", "i1", ("row",))
-    kind.flag_values = np.array(Kind, dtype=np.int8)
-    kind.flag_meanings = " ".join(one.name.lower() for one in Kind)
-    numbers = BY_SCENE if echoes.texture is None else BY_SCENE | TEXTURE
-    for name, units in numbers.items():
-        group.createVariable(name, "f8", ("scene",)).units = units
-    if echoes.speckle_correlation is not None:
-        group.createDimension("lag", len(echoes.speckle_correlation))
-        group.createVariable("speckle_correlation", "f8", ("scene", "lag")).units = "1"
+def _echo_values(echoes):
+    """What the file holds of a scene's echoes, by name."""
+    values = {name: getattr(echoes, name, None) for name in ECHOES}
+    values["n_rows"] = len(echoes.kind)
+    values |= dict(zip(TEXTURE, echoes.texture or (), strict=False))
+    return {name: value for name, value in values.items() if value is not None}
 
 
-def _check_alike(file, scene, path):
-    held = _held(file)
-    n_range_lines = len(file.dimensions["range_line"])
-    if _present(scene) != held or scene.n_range_lines != n_range_lines:
-        msg = f"{path}: scene {scene.name}: expected {held} of {n_range_lines} range lines as in "
-        msg += f"the first scene, got {_present(scene)} of {scene.n_range_lines}"
-        raise ValueError(msg)
+def _define(group, table, values):
+    """Make variables of a group for the values of its first scene."""
+    for name, value in values.items():
+        dtype, first, units = table[name]
+        dimensions = [first]
+        options = {}
+        if first != "scene" and first not in group.dimensions:
+            group.createDimension(first, None)
+        if name == "speckle_correlation":
+            group.createDimension("lag", len(value))
+            dimensions.append("lag")
+        elif np.ndim(value) == 2:
+            dimensions.append("range_line")
+            chunks = (64, value.shape[1])
+            options = {"chunksizes": chunks, "zlib": dtype != "u1", "complevel": 1}
+        variable = group.createVariable(name, dtype, dimensions, **options)
+        if units:
+            variable.units = units
+        if name == "n_rows":
+            variable.sample_dimension = "row"
+        if name == "kind":
+            variable.flag_values = np.array(Kind, dtype=np.int8)
+            variable.flag_meanings = " ".join(one.name.lower() for one in Kind)
 
 
-def _append(file, index, scene):
-    starts = {row: len(file.dimensions[row]) for row in COUNTS if row in file.dimensions}
-    file["name"][index] = scene.name
-    file["notes"][index] = json.dumps(scene.notes, sort_keys=True)
-    file["n_range_bins"][index] = scene.n_range_bins
-    file["n_layers"][index] = scene.layer_bins.shape[0]
-    for name in NUMBERS:
-        file[name][index] = getattr(scene, name)
-    if scene.complete_layer_bins is not None:
-        file["n_complete_layers"][index] = scene.complete_layer_bins.shape[0]
-    for name, (row, _) in ARRAYS.items():
-        if name in file.variables:
-            values = getattr(scene, name)
-            file[name][starts[row] : starts[row] + len(values)] = values
-
-
-def _append_echoes(group, index, echoes):
-    start = len(group.dimensions["row"])
-    n_rows = len(echoes.kind)
-    group["n_rows"][index] = n_rows
-    for name in (*ALONG_TRACK, *BY_ROW, "kind"):
-        group[name][start : start + n_rows] = getattr(echoes, name)
-    for name in BY_SCENE:
-        group[name][index] = getattr(echoes, name)
-    if echoes.texture is not None:
-        for name, value in zip(TEXTURE, echoes.texture, strict=True):
-            group[name][index] = value
-    if echoes.speckle_correlation is not None:
-        group["speckle_correlation"][index] = echoes.speckle_correlation
+def _append(group, index, values):
+    """Write the values of one scene."""
+    starts = {name: len(dimension) for name, dimension in group.dimensions.items()}
+    for name, value in values.items():
+        first = group[name].dimensions[0]
+        rows = index if first == "scene" else slice(starts[first], starts[first] + len(value))
+        group[name][rows] = value
 
 
 class SceneSet:
@@ -171,60 +162,40 @@ class SceneSet:
     """
 
     def __init__(self, paths):
-        paths = [paths] if isinstance(paths, str | Path) else list(paths)
         self._files = []
         self._where = []
-        for path in paths:
-            self._index(path)
+        for path in [paths] if isinstance(paths, str | Path) else paths:
+            with library_errors(path, "scenes", "a scene file (NetCDF-4)"):
+                # Without cycles of references a file closes with its last user, not whenever Python
+                # collects garbage.
+                file = netCDF4.Dataset(path, keepweakref=True)
+                self._files.append(file)
+                if getattr(file, "format", None) != FORMAT:
+                    msg = f"scenes: expected a scene file, of attribute format '{FORMAT}'"
+                    raise Refused(msg)
+                file.set_auto_maskandscale(False)
+                groups = [_Group(group) for group in (file, *file.groups.values())]
+                for index in range(len(file.dimensions["scene"])):
+                    self._where.append((file, groups, index))
         self.attributes = self._files[0].__dict__ if self._files else {}
-
-    def _index(self, path):
-        try:
-            # Without cycles of references a file closes with its last user, not whenever Python
-            # collects garbage.
-            file = netCDF4.Dataset(path, keepweakref=True)
-        except (OSError, RuntimeError) as error:
-            msg = f"{path}: expected a scene file (NetCDF-4), cannot be read: {error}"
-            raise ValueError(msg) from error
-        found = getattr(file, "format", None)
-        if found != FORMAT:
-            msg = f"{path}: expected attribute format '{FORMAT}', got {found!r}"
-            raise ValueError(msg)
-        file.set_auto_maskandscale(False)
-        self._files.append(file)
-        with library_errors(path, "scenes", "ones that can be read"):
-            rows = {
-                row: _slices(file[count][:])
-                for row, count in COUNTS.items()
-                if count in file.variables
-            }
-            if GROUP in file.groups:
-                rows[GROUP] = _slices(file[GROUP]["n_rows"][:])
-            numbers = {name: file[name][:].tolist() for name in ("name", "notes", *NUMBERS)}
-            for index in range(len(numbers["name"])):
-                own_rows = {name: slices[index] for name, slices in rows.items()}
-                own_numbers = {name: values[index] for name, values in numbers.items()}
-                self._where.append(_Place(file, index, own_rows, own_numbers))
 
     def __len__(self):
         return len(self._where)
 
     def __getitem__(self, item):
-        place = self._where[item]
-        file = place.file
-        with library_errors(file.filepath(), f"scene {place.index}", "one that can be read"):
-            arrays = {}
-            for name, (row, dtype) in ARRAYS.items():
-                if name in file.variables:
-                    values = np.asarray(file[name][place.rows[row]])
-                    arrays[name] = values if dtype == "u1" else values.astype(float)
-            pixels = place.rows["pixel_row"]
-            return Scene(
-                **place.numbers | {"notes": json.loads(place.numbers["notes"])},
-                **arrays,
-                n_range_bins=int(pixels.stop - pixels.start),
-                echoes=_read_echoes(place) if GROUP in file.groups else None,
-            )
+        file, groups, index = self._where[item]
+        with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
+            values, *held = (group.read(index) for group in groups)
+            for echoes in held:
+                texture = tuple(echoes.pop(name) for name in TEXTURE if name in echoes)
+                del echoes["n_rows"]
+                values["echoes"] = Echoes(**echoes, texture=texture or None)
+            for name in ("layer_bins", "complete_layer_bins"):
+                if name in values:
+                    values[name] = values[name].astype(float)
+            for count in ("n_layers", "n_complete_layers"):
+                values.pop(count, None)
+            return Scene(**values | {"notes": json.loads(values["notes"])})
 
     def close(self):
         """Close the files."""
@@ -238,31 +209,23 @@ class SceneSet:
         self.close()
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Where a scene lies, by file, index and rows in ragged arrays; its name, notes and numbers."""
+class _Group:
+    """Variables of a file's group: rows of one scene are read, numbers of all are held."""
 
-    file: netCDF4.Dataset
-    index: int
-    rows: dict
-    numbers: dict
+    def __init__(self, group):
+        self._columns = {}
+        self._arrays = {}
+        for name, variable in group.variables.items():
+            row = variable.dimensions[0]
+            if row != "scene":
+                ends = np.cumsum(group[COUNTS[row]][:])
+                self._arrays[name] = (variable, np.append(0, ends))
+            else:
+                self._columns[name] = variable[:] if variable.ndim > 1 else variable[:].tolist()
 
-
-def _slices(counts):
-    """Where each scene's rows lie in a ragged array, from how many it has."""
-    ends = np.cumsum(counts)
-    return [slice(end - count, end) for end, count in zip(ends, counts, strict=True)]
-
-
-def _read_echoes(place):
-    group = place.file[GROUP]
-    rows = place.rows[GROUP]
-    arrays = {name: np.asarray(group[name][rows]) for name in (*ALONG_TRACK, *BY_ROW, "kind")}
-    numbers = {name: float(group[name][place.index]) for name in BY_SCENE}
-    texture = None
-    if "texture_variance" in group.variables:
-        texture = tuple(float(group[name][place.index]) for name in TEXTURE)
-    correlation = None
-    if "speckle_correlation" in group.variables:
-        correlation = np.asarray(group["speckle_correlation"][place.index])
-    return Echoes(**arrays, **numbers, texture=texture, speckle_correlation=correlation)
+    def read(self, index):
+        """What is held of one scene, by name."""
+        values = {name: column[index] for name, column in self._columns.items()}
+        for name, (variable, ends) in self._arrays.items():
+            values[name] = np.asarray(variable[ends[index] : ends[index + 1]])
+        return values

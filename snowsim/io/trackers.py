@@ -7,7 +7,7 @@ from pathlib import Path
 
 from snowsim import __version__
 from snowsim.io.files import written_whole
-from snowsim.io.guard import existing, library_errors, refusal
+from snowsim.io.guard import Refused, existing, library_errors, refusal
 
 FORMAT = "snowsim tracker 1"
 
@@ -38,16 +38,14 @@ def read_tracker(path):
 
     ValueError, in a line, unless the card is whole, of this format and of this very network.
     """
-    path = existing(path)
-    if path.suffix != ".onnx":
-        raise refusal(path, "tracker", "a file that ends in .onnx", path.suffix or "no ending")
+    path = Path(path)
     path_to_card = existing(path.with_suffix(".json"))
     with library_errors(path_to_card, "card", "JSON"):
         card = json.loads(path_to_card.read_text(encoding="utf-8"))
-    if not isinstance(card, dict) or card.get("format") != FORMAT:
-        got = card.get("format") if isinstance(card, dict) else card
-        msg = f"{path_to_card}: expected a card of format '{FORMAT}', got {got!r}"
-        raise ValueError(msg)
+        made = card.get("format") if isinstance(card, dict) else card
+        if made != FORMAT:
+            msg = f"expected a card of format '{FORMAT}', got {made!r}"
+            raise Refused(msg)
     content = path.read_bytes()
     digest = hashlib.sha256(content).hexdigest()
     if card.get("sha256") != digest:

@@ -62,12 +62,12 @@ def test_blocks_that_the_window_cuts_short_are_skipped(rng):
         assert set(skipped.values()) == {wanted}
 
 
-def test_narrow_frames_and_wide_overlaps_are_refused(rng):
-    echogram, layers = make_level_frame(rng, n_lines=200)
-    with pytest.raises(ValueError, match="f: a block has 256 range lines, the frame only 200"):
-        cut_blocks(echogram, layers, name="f")
-    with pytest.raises(ValueError, match="overlap must lie in"):
-        cut_blocks(echogram, layers, name="f", overlap=256)
+@pytest.mark.parametrize(("n_lines", "overlap"), [(200, 6), (1024, 256)])
+def test_narrow_frames_and_wide_overlaps_are_refused(rng, n_lines, overlap):
+    echogram, layers = make_level_frame(rng, n_lines=n_lines)
+    message = f"f: a block has 256 range lines, .* got {overlap}, the frame only {n_lines}"
+    with pytest.raises(ValueError, match=message):
+        cut_blocks(echogram, layers, name="f", overlap=overlap)
 
 
 def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels_needs_a_contrast(

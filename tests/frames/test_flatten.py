@@ -74,7 +74,8 @@ def test_layers_follow_the_height_of_the_echogram_antenna(rng):
 def test_layers_must_cover_the_echogram(rng, lines):
     echogram, layers = make_frame(rng)
     with pytest.raises(
-        ValueError, match="a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 2012"
+        ValueError,
+        match="a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 50 lines",
     ):
         align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
 
@@ -83,7 +84,7 @@ def test_layers_must_cover_the_echogram(rng, lines):
 def test_layers_outside_the_window_are_refused(rng, shift_bins):
     echogram, layers = make_frame(rng, surface_bins=60.0)
     layers["twtt"] = layers["twtt"] + shift_bins * BIN_S
-    message = r"expected layers within the echogram's window.* found .* at layer \d, range_line 0"
+    message = r"expected layers within the echogram's window.* found "
     with pytest.raises(ValueError, match=message):
         align_layers(layers, echogram)
 
@@ -146,7 +147,7 @@ def test_gaps_of_the_surface_are_bridged(rng):
 def test_flattening_needs_a_surface_and_a_known_method(rng):
     echogram, layers = make_frame(rng)
     with pytest.raises(
-        ValueError, match="method must be one of surface, elevation, none, got flat"
+        ValueError, match="method must be one of surface, elevation, none, got 'flat'"
     ):
         flatten(echogram, layers, method="flat")
     assert flatten(echogram, layers, method="none")[0] is echogram

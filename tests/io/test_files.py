@@ -115,7 +115,7 @@ def test_a_truncated_scene_file_and_another_netcdf_file_are_refused_by_name(path
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     refused(SceneSet, path, "expected a scene file")
     xr.Dataset({"x": 1.0}).to_netcdf(path)
-    refused(SceneSet, path, "expected attribute format")
+    refused(SceneSet, path, "expected a scene file, of attribute format")
 
 
 ARRAYS = {
@@ -155,11 +155,14 @@ def test_the_same_model_gives_the_same_bytes_and_arrays_come_back_in_any_order(m
 @pytest.mark.parametrize(
     ("expected", "words"),
     [
-        ({"seed": 4}, "seed: expected 4, got 3"),
-        ({"settings": {"width": 16, "scales": [1.0, 0.5]}}, "settings: width: expected 16, got 8"),
+        ({"seed": 4}, "seed: expected 4, found 3"),
+        (
+            {"settings": {"width": 16, "scales": [1.0, 0.5]}},
+            "settings: width: expected 16, found 8",
+        ),
         ({"settings": {"width": 8}}, "settings: scales: expected None"),
-        ({"kind": "cgan"}, "kind: expected 'cgan', got 'tracker'"),
-        ({"data": "ab12"}, "data: expected 'ab12', got None"),
+        ({"kind": "cgan"}, "kind: expected 'cgan', found 'tracker'"),
+        ({"data": "ab12"}, "data: expected 'ab12', found None"),
     ],
 )
 def test_a_model_of_another_configuration_is_refused(model, expected, words):
@@ -175,7 +178,7 @@ def test_a_truncated_model_one_that_is_gone_and_another_safetensors_file_are_ref
     model.unlink()
     refused(read_model, model, "expected a whole safetensors file")
     save_file({"a": np.zeros(2)}, model)
-    refused(read_model, model, "expected a model of format")
+    refused(read_model, model, "expected one of format")
 
 
 def test_the_fingerprint_depends_on_content_and_order_and_not_on_names(tmp_path):

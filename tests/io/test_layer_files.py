@@ -9,7 +9,7 @@ from formats import refused
 from numpy.testing import assert_array_equal
 
 from snowsim.io import layer_files, read_layers
-from snowsim.io.datasets import from_gps_seconds
+from snowsim.io.datasets import utc_times
 from snowsim.io.layer_files import gps_seconds, write_layer_files, write_layers
 
 SEGMENT = "20120330_04"
@@ -34,7 +34,7 @@ def layers():
             "twtt_low": (ALONG, twtt - 1e-9, {"units": "s"}),
             "twtt_high": (ALONG, twtt + 1e-9, {"units": "s"}),
         },
-        {"slow_time": from_gps_seconds("a file", "GPS_time", GPS_TIME)},
+        {"slow_time": utc_times(GPS_TIME, gps=True)},
         {"season_name": "2012_Greenland_P3", "radar_name": "snow"},
     )
     for name, start in (("Latitude", 70), ("Longitude", -40), ("Elevation", 2500)):
@@ -65,7 +65,7 @@ def test_layer_files_read_back_to_the_same_travel_times(tmp_path, layers):
 )
 def test_gps_time_is_the_echograms_to_the_bit(start, rng):
     theirs = np.sort(start + rng.uniform(0, 100, 2000))
-    slow_time = from_gps_seconds("a file", "GPS_time", theirs)
+    slow_time = utc_times(theirs, gps=True)
     assert_array_equal(gps_seconds(slow_time), theirs)
 
 
@@ -145,7 +145,10 @@ def test_a_frame_without_position_or_with_crossing_layers_is_refused(tmp_path, l
     frame = tmp_path / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
     crossing = layers.isel(layer=[1, 0])
     for bad, message in (
-        (layers.drop_vars("Elevation"), "Elevation: expected along slow_time"),
+        (
+            layers.drop_vars("Elevation"),
+            "layers: expected with positions along slow_time, found .*Elevation",
+        ),
         (crossing, "twtt"),
     ):
         refused(lambda _, bad=bad: write_layer_files(tmp_path, SEGMENT, {1: bad}), frame, message)

@@ -70,7 +70,7 @@ def test_a_list_chooses_and_orders_the_scenes_and_a_mask_alone_is_enough(exporte
     refused(
         PairSet,
         exported / "bad.lst",
-        "expected files that are there, found 2 missing: data_9.png, data_8.png",
+        "that are there, .* found 3, 2 missing: data_8.png, data_9.png",
     )
     (exported / f"layer_{scenes[0].name}.png").unlink()
     assert_array_equal(PairSet(exported)[0].mask(), scenes[0].mask())
@@ -146,7 +146,7 @@ def test_mat_pairs_hold_data_and_layer_and_nothing_is_guessed_of_what_could_be_p
     assert found.maximum_db == scene.image.max() - 200.5
     data = scenes[0].image + 0.5
     path = write_mat_pair(tmp_path, data, scenes[0])
-    refused(read_pair, path, "data: expected whole numbers from 0 to 255, or data_scale")
+    refused(read_pair, path, "data: expected an image of numbers, found .*data_scale")
     assert PairSet(tmp_path, data_scale="power")[0].maximum_db == pytest.approx(
         10 * np.log10(data.max())
     )
@@ -187,15 +187,15 @@ MASK = layer_mask(np.full((1, 256), 50.0), 300)
         ),
         (
             {"layer": (MASK | np.roll(MASK, 5, 0)).astype(np.uint8)},
-            "layer numbers: expected one run of pixels",
+            "layer numbers: .* 256 times apart",
         ),
         (
             {"layer": np.repeat(np.arange(1, 11, dtype=np.uint8), 30)[:, None].repeat(256, 1)},
-            "layer numbers: expected lines of at most 15 pixels, found 30 pixels a column",
+            "layer numbers: .* of at most 15, found .* 30 pixels a column",
         ),
         (
             {"layer": 60 * MASK.astype(np.uint8)},
-            "layer numbers: expected 1, 2, 3 and so on from the surface down, found 1 of",
+            "layer numbers: expected 1, 2, 3 and so on from the surface down, .* found 1 of",
         ),
         (
             {"layer": MASK + 2 * np.roll(MASK, -5, 0).astype(np.uint8)},
@@ -286,10 +286,10 @@ def test_names_that_loaders_would_trip_over_are_refused(tmp_path, scenes, name):
 
 
 def test_double_names_and_missing_images_are_refused(tmp_path, scenes):
-    with pytest.raises(ValueError, match="got it twice"):
+    with pytest.raises(ValueError, match="a plain file name, unlike all others"):
         export_pairs(tmp_path / "set", [scenes[0], scenes[0]])
     scenes[0].image = None
-    with pytest.raises(ValueError, match="expected an image to export, got none"):
+    with pytest.raises(ValueError, match="expected an image; the folder"):
         export_pairs(tmp_path / "other", scenes)
     with pytest.raises(ValueError, match="must not contain data_"):
         export_pairs(tmp_path / "my_data_set", scenes)

@@ -97,7 +97,7 @@ def test_a_frame_left_without_a_scene_is_named_with_the_reason(flight, table):
 
 
 def test_flags_that_no_supplement_has_are_refused(rows):
-    with pytest.raises(ValueError, match="flagged_by must be of .*land_ice, got zero_padding"):
+    with pytest.raises(ValueError, match="flagged_by must be one of .*, got 'zero_padding'"):
         read_frame(rows[0], flagged_by=["zero_padding"])
 
 
