@@ -8,8 +8,15 @@ from snowsim.io.guard import Refused
 
 NEEDED = ("Data", "Time", "Latitude", "Longitude", "Elevation")
 ALONG_TRACK = (
-    *("Latitude", "Longitude", "Elevation", "Surface", "Bottom"),
-    *("Roll", "Pitch", "Heading", "Elevation_Correction"),
+    "Latitude",
+    "Longitude",
+    "Elevation",
+    "Surface",
+    "Bottom",
+    "Roll",
+    "Pitch",
+    "Heading",
+    "Elevation_Correction",
 )
 IF_ANY = ("GPS_time", "UTC_time", "Truncate_Bins", "minData", "maxData")
 # Parameter structs by age; the newest that has a name is believed.
