@@ -108,7 +108,7 @@ def read_netcdf(path, needed=()):
 def read_matlab(path, needed, others=()):
     """Variables of a MAT file, which must have what is `needed`, and of `others` those it has.
 
-    Numbers are arrays, squeezed; text is text, a struct a dict, a cell a list. Empty variables are
+    Numbers are arrays, squeezed; text is text, a struct a dict, a cell a list. Empty arrays are
     left out.
     """
     path = Path(path)
@@ -120,7 +120,11 @@ def read_matlab(path, needed, others=()):
                 values = {name: _plain(file[name], room) for name in wanted}
         else:
             values = read_mat5(path, wanted)
-    return {name: value for name, value in values.items() if np.size(value)}
+    return {
+        name: value
+        for name, value in values.items()
+        if not isinstance(value, np.ndarray) or value.size
+    }
 
 
 def _plain(node, room):

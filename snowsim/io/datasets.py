@@ -66,8 +66,9 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     kept = np.float32 if data.dtype.kind in "iub" else data.dtype.newbyteorder("=")
     data = data.astype(kept, copy=False)
     if decibels:
-        finite_db = data[np.isfinite(data)]
-        low_db, middle_db, high_db = np.quantile(finite_db if finite_db.size else 0, (0, 0.5, 1))
+        some_db = data.flat[:: 1 + data.size // 100_000]
+        some_db = some_db[np.isfinite(some_db)]
+        low_db, middle_db, high_db = np.quantile(some_db if some_db.size else 0, (0, 0.5, 1))
         is_linear = low_db >= 0 and middle_db < LEAST_MEDIAN * high_db
         if is_linear or not LEAST_SPAN_DB < high_db - low_db < LARGEST_SPAN_DB:
             found = f"{low_db:.3g} to {high_db:.3g}, {middle_db:.3g} in the median: linear power?"
@@ -77,9 +78,12 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
     unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
     dataset = xr.Dataset(attrs=attributes)
-    for name, values in (invented | unknown | content | {"Data": data}).items():
+    # Data first, and so their axes.
+    for name, values in ({"Data": data} | invented | unknown | content).items():
         with library_errors(where, name, "real numbers, as many as others have"):
-            if name not in ("Data", "slow_time"):
+            if name == "Data":
+                values = data
+            elif name != "slow_time":
                 values = np.ravel(values).astype(float)
             dataset[name] = (AXES.get(name, "slow_time"), values)
             if name in UNITS:

@@ -27,6 +27,7 @@ PUBLIC = (
     "snowsim.metrics.edges.suppress",
     "snowsim.io.read_echogram",
     "snowsim.io.read_layers",
+    "snowsim.io.echogram",
 )
 
 

@@ -70,9 +70,7 @@ def test_narrow_frames_and_wide_overlaps_are_refused(rng, n_lines, overlap):
         cut_blocks(echogram, layers, name="f", overlap=overlap)
 
 
-def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels_needs_a_contrast(
-    rng,
-):
+def test_a_scene_becomes_the_frame_it_was_cut_from(rng):
     echogram, layers = make_level_frame(rng)
     scene = cut_blocks(echogram, layers, name="f")[0][0]
     back, back_layers = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
@@ -85,15 +83,17 @@ def test_a_scene_becomes_the_frame_it_was_cut_from_and_an_image_without_decibels
     # Half a grey level, and float32 power.
     back_db = 10 * np.log10(back["Data"].values[visible])
     assert_allclose(back_db, power_db[visible], atol=step_db / 2 + 1e-4)
-    scene = Scene(
-        "f", 300, np.full((1, 256), 50.0), image=rng.integers(0, 256, (300, 256), dtype=np.uint8)
-    )
+
+
+def test_an_image_without_decibels_needs_a_contrast(rng):
+    image = rng.integers(0, 256, (300, 256), dtype=np.uint8)
+    scene = Scene("f", 300, np.full((1, 256), 50.0), image=image)
+    options = {"bin_s": BIN_S, "line_spacing_m": 5.47}
     with pytest.raises(ValueError, match="contrast_db must be set"):
-        frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
-    echogram, _ = frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47, contrast_db=30)
+        frame_of_scene(scene, **options)
+    power = frame_of_scene(scene, **options, contrast_db=30)[0]["Data"].values
     # 255 stands for 30 dB above the floor, 0 for 10 dB below it.
-    power = echogram["Data"].values
     assert_allclose(10 * np.log10(power.max() / power.min()), 40, rtol=1e-5)
     scene.image = None
     with pytest.raises(ValueError, match="a frame needs an image"):
-        frame_of_scene(scene, bin_s=BIN_S, line_spacing_m=5.47)
+        frame_of_scene(scene, **options, contrast_db=30)

@@ -28,23 +28,17 @@ def make_frame(rng, n_bins=200, n_lines=60, surface_bins=None, elevation_m=2500.
     return echogram, layers
 
 
-def test_gaps_stay_gaps_and_on_its_own_lines_nothing_changes(rng):
+def test_gaps_and_holes_stay_and_on_its_own_lines_nothing_changes(rng):
     echogram, layers = make_frame(rng)
-    layers["twtt"][1, 20:30] = np.nan
+    layers["twtt"][1, 20] = np.nan
     aligned = align_layers(layers, echogram)
     assert_array_equal(aligned["twtt"], layers["twtt"])
     check_layers(aligned)
-    echogram, layers = make_frame(rng)
-    coarse = layers.isel(slow_time=slice(None, None, 4)).copy(deep=True)
-    coarse["twtt"][1, 5] = np.nan
+    coarse = layers.isel(slow_time=slice(None, None, 4))
     missing = np.isnan(align_layers(coarse, echogram.isel(slow_time=slice(0, 57)))["twtt"].values)
     # Line 20 is missing, and what would lean on it; the surface is untouched.
     assert_array_equal(np.flatnonzero(missing[1]), np.arange(17, 24))
     assert not missing[0].any()
-
-
-def test_holes_in_the_lines_of_a_layer_file_stay_holes(rng):
-    echogram, layers = make_frame(rng)
     holed = layers.isel(slow_time=np.r_[0:20, 30:60])
     missing = np.isnan(align_layers(holed, echogram)["twtt"].values)
     # The outermost picks hold for a line; the surface has no picks there, either.
@@ -73,10 +67,8 @@ def test_layers_follow_the_height_of_the_echogram_antenna(rng):
 @pytest.mark.parametrize("lines", [slice(0, 50), slice(10, 60)])
 def test_layers_must_cover_the_echogram(rng, lines):
     echogram, layers = make_frame(rng)
-    with pytest.raises(
-        ValueError,
-        match="a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 50 lines",
-    ):
+    message = "a.mat: slow_time: expected to cover 2012-01-01T00:00:00.*, found 50 lines"
+    with pytest.raises(ValueError, match=message):
         align_layers(layers.isel(slow_time=lines), echogram, where="a.mat")
 
 
@@ -84,8 +76,7 @@ def test_layers_must_cover_the_echogram(rng, lines):
 def test_layers_outside_the_window_are_refused(rng, shift_bins):
     echogram, layers = make_frame(rng, surface_bins=60.0)
     layers["twtt"] = layers["twtt"] + shift_bins * BIN_S
-    message = r"expected layers within the echogram's window.* found "
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match="expected layers within the echogram's window"):
         align_layers(layers, echogram)
 
 
@@ -134,21 +125,14 @@ def test_elevation_compensation_levels_the_aircraft_and_not_the_terrain(rng):
     assert np.ptp(level["Elevation"].values) < SPEED_OF_LIGHT_M_S / 2 * BIN_S * (1 + 1e-6)
 
 
-def test_gaps_of_the_surface_are_bridged(rng):
+def test_gaps_of_the_surface_are_bridged_and_one_that_is_nowhere_picked_is_refused(rng):
     # A straight slope without halves, so that the bridge is exact and rounds as the picks do.
     echogram, layers = make_frame(rng, surface_bins=60 + 0.4 * np.arange(60))
     layers["twtt"][0, 20:30] = np.nan
     level, moved = flatten(echogram, layers)
-    rows = np.nanargmax(level["Data"].values[:130], axis=0)
-    assert np.ptp(rows) == 0
+    assert np.ptp(np.nanargmax(level["Data"].values[:130], axis=0)) == 0
     assert np.isnan(moved["twtt"].values[0, 20:30]).all()
-
-
-def test_flattening_needs_a_surface_and_a_known_method(rng):
-    echogram, layers = make_frame(rng)
-    with pytest.raises(
-        ValueError, match="method must be one of surface, elevation, none, got 'flat'"
-    ):
+    with pytest.raises(ValueError, match="method must be one of surface, elevation, none"):
         flatten(echogram, layers, method="flat")
     assert flatten(echogram, layers, method="none")[0] is echogram
     layers["twtt"][0] = np.nan
@@ -156,7 +140,7 @@ def test_flattening_needs_a_surface_and_a_known_method(rng):
         flatten(echogram, layers)
 
 
-@pytest.mark.parametrize("ratio", [0.3, 0.5, 1, 1.7, 2, 3.25])
+@pytest.mark.parametrize("ratio", [0.3, 1, 1.7, 3.25])
 def test_resampling_keeps_a_constant_and_has_the_bin_size_asked_for(rng, ratio):
     echogram, _ = make_frame(rng)
     echogram["Data"][:] = 0.25

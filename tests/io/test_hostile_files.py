@@ -16,10 +16,6 @@ from snowsim.io.containers import read_matlab
 from snowsim.io.guard import MAXIMUM_BYTES
 
 
-def without_data(content):
-    return {name: value for name, value in content.items() if name != "Data"}
-
-
 def test_function_handles_among_parameters_do_no_harm_and_are_no_data(path, content, shared_data):
     formats.write_mat73(path, content)
     with h5py.File(path, "r+") as file:
@@ -48,30 +44,33 @@ def test_big_endian_files_are_read(path):
     assert read_matlab(path, ("x",))["x"].tolist() == [[1, 3], [2, 4]]
 
 
-@pytest.mark.parametrize("kind", ["mat5", "mat73", "netcdf"])
-def test_declared_sizes_are_checked_before_anything_is_read(path, content, kind):
-    n_rows = MAXIMUM_BYTES // 1000
-    if kind == "mat5":
-        # 3 GB of zeros in 3 MB.
-        n_bytes = 3 * 2**30
-        shape = struct.pack("<II2i", 5, 8, n_bytes // 8 // 1024, 1024)
-        head = struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<HH4s", 1, 4, b"Data")
-        head = struct.pack("<II", 14, len(head) + 8 + n_bytes) + head
-        squeeze = zlib.compressobj(9)
-        packed = squeeze.compress(head + struct.pack("<II", 9, n_bytes))
-        packed += squeeze.compress(bytes(2**24)) + squeeze.flush()
-        formats.write_mat5(path, without_data(content))
-        path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(packed)) + packed)
-    elif kind == "mat73":
-        formats.write_mat73(path, without_data(content))
-        with h5py.File(path, "r+") as file:
-            chunks = {"chunks": (1000, 1000), "compression": "gzip"}
-            file.create_dataset("Data", shape=(n_rows, 1000), dtype="f4", **chunks)
-    else:
-        formats.write_nsidc(path, content)
-        with netCDF4.Dataset(path, "r+") as file:
-            file.createDimension("huge", n_rows * 1000)
-            file.createVariable("huge", "f8", ("huge",), zlib=True)
+def write_bomb(path, content):
+    """Data of a MAT v5 file that say they inflate to 3 GB."""
+    n_bytes = 3 * 2**30
+    shape = struct.pack("<II2i", 5, 8, n_bytes // 8 // 1024, 1024)
+    head = struct.pack("<IIII", 6, 8, 6, 0) + shape + struct.pack("<HH4s", 1, 4, b"Data")
+    packed = zlib.compress(struct.pack("<II", 14, n_bytes) + head + bytes(2**24))
+    formats.write_mat5(path, content)
+    path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(packed)) + packed)
+
+
+def write_huge_mat73(path, content):
+    formats.write_mat73(path, content)
+    with h5py.File(path, "r+") as file:
+        file.create_dataset("Data", shape=(10**6, 10**6), dtype="f4", chunks=(1000, 1000))
+
+
+def write_huge_netcdf(path, content):
+    formats.write_nsidc(path, content | {"Data": np.ones((120, 40))})
+    with netCDF4.Dataset(path, "r+") as file:
+        file.createDimension("huge", 10**9)
+        file.createVariable("huge", "f8", ("huge",), zlib=True)
+
+
+@pytest.mark.parametrize("write", [write_bomb, write_huge_mat73, write_huge_netcdf])
+def test_declared_sizes_are_checked_before_anything_is_read(path, content, write):
+    del content["Data"]
+    write(path, content)
     refused(read_echogram, path, f"expected at most {MAXIMUM_BYTES} bytes, found")
 
 

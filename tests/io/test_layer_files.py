@@ -69,27 +69,17 @@ def test_gps_time_is_the_echograms_to_the_bit(start, rng):
     assert_array_equal(gps_seconds(slow_time), theirs)
 
 
-def test_a_layer_keeps_its_number_in_every_frame_of_a_segment(tmp_path, layers):
-    second = layers.isel(layer=[0, 1, 2, 3]).copy(deep=True)
-    second["twtt"][1] = np.nan
-    second["twtt"][2] = second["twtt"][0] + 3e-8
-    one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: second})
-    assert_array_equal(read_layers(one)["layer"], ["surface", "snow_1", "snow_3"])
-    assert_array_equal(read_layers(two)["layer"], ["surface", "snow_2", "snow_3"])
-
-
 def test_layer_files_are_laid_out_as_real_ones(tmp_path, layers, shared_data):
-    ours, our_organizer = write_layer_files(tmp_path, SEGMENT, {1: layers})
-    real = shared_data / "cresis_layers" / "20181030_01" / "Data_20181030_01_001.mat"
-    real_organizer = real.with_name("layer_20181030_01.mat")
-    for path, theirs in ((ours, real), (our_organizer, real_organizer)):
-        # Name and class of every variable; the first length, of rows of vectors, is 1 in both.
-        classes = {name: kind for name, _, kind in scipy.io.whosmat(path)}
-        assert classes == {name: kind for name, _, kind in scipy.io.whosmat(theirs)}
-        sizes = {name: size for name, size, _ in scipy.io.whosmat(theirs)}
-        for name, size, _ in scipy.io.whosmat(path):
-            assert len(size) == len(sizes[name]), name
-            assert (size[0] == 1) == (sizes[name][0] == 1), name
+    ours = write_layer_files(tmp_path, SEGMENT, {1: layers})
+    folder = shared_data / "cresis_layers" / "20181030_01"
+    real = (folder / "Data_20181030_01_001.mat", folder / "layer_20181030_01.mat")
+    for pair in zip(ours, real, strict=True):
+        # Name and class of every variable, how many axes, and whether it is a row.
+        laid_out = [
+            {name: (kind, len(size), size[0] == 1) for name, size, kind in scipy.io.whosmat(path)}
+            for path in pair
+        ]
+        assert laid_out[0] == laid_out[1]
 
 
 def test_the_same_layers_give_the_same_bytes(tmp_path, layers, monkeypatch):
@@ -126,40 +116,33 @@ def test_an_organizer_does_not_rename_layers_of_other_frames(tmp_path, layers):
     )
 
 
-def test_frames_of_a_segment_have_the_same_layers(tmp_path, layers):
-    without_second = layers.copy(deep=True)
-    without_second["twtt"][1] = np.nan
-    one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: without_second})
+def test_a_layer_keeps_its_number_in_every_frame_of_a_segment(tmp_path, layers):
+    second = layers.copy(deep=True)
+    second["twtt"][1] = np.nan
+    second["twtt"][2] = second["twtt"][0] + 3e-8
+    one, two, _ = write_layer_files(tmp_path, SEGMENT, {1: layers, 2: second})
+    assert_array_equal(read_layers(one)["layer"], ["surface", "snow_1", "snow_3"])
+    assert_array_equal(read_layers(two)["layer"], ["surface", "snow_2", "snow_3"])
     # xopr refuses to join frames whose ids differ.
     for path in (one, two):
         assert_array_equal(scipy.io.loadmat(path)["id"], [[1, 2, 3, 4]])
     names = ["surface", "snow_1", "snow_2", "snow_3"]
-    named = {1: layers.assign_coords(layer=names), 2: without_second.assign_coords(layer=names)}
+    named = {1: layers.assign_coords(layer=names), 2: second.assign_coords(layer=names)}
+    named[2] = named[2].isel(layer=[0, 2, 3])
     before = two.read_bytes()
-    named[2] = named[2].isel(layer=[0, 3])
     write_layer_files(tmp_path, SEGMENT, named, force=True)
     assert two.read_bytes() == before
 
 
-def test_a_frame_without_position_or_with_crossing_layers_is_refused(tmp_path, layers):
-    frame = tmp_path / "CSARP_layer" / SEGMENT / f"Data_{SEGMENT}_001.mat"
-    crossing = layers.isel(layer=[1, 0])
-    for bad, message in (
-        (
-            layers.drop_vars("Elevation"),
-            "layers: expected with positions along slow_time, found .*Elevation",
-        ),
-        (crossing, "twtt"),
-    ):
-        refused(lambda _, bad=bad: write_layer_files(tmp_path, SEGMENT, {1: bad}), frame, message)
-    assert not frame.parent.exists()
-
-
-def test_names_that_a_layer_file_would_not_keep_are_refused(tmp_path, layers):
+def test_layers_that_a_layer_file_would_not_keep_are_refused(tmp_path, layers):
     names = ["surface", *(f"Koenig_{number}" for number in range(1, layers.sizes["layer"]))]
-    named = layers.assign_coords(layer=names)
-    with pytest.raises(ValueError, match="layer: expected surface, snow_1, .* found 'Koenig_1'"):
-        write_layer_files(tmp_path, "20120330_04", {1: named})
+    for bad, message in (
+        (layers.drop_vars("Elevation"), "layers: expected with positions .* found .*Elevation"),
+        (layers.isel(layer=[1, 0]), "twtt: layers must increase strictly"),
+        (layers.assign_coords(layer=names), "expected surface, snow_1, .* found 'Koenig_1'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            write_layer_files(tmp_path, SEGMENT, {1: bad})
     assert not list(tmp_path.rglob("*.mat"))
 
 

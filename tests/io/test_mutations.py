@@ -30,7 +30,7 @@ READERS = {
     "echogram": lambda path: read_echogram(path)["Data"].values,
     "layers": lambda path: read_layers(path)["twtt"].values,
     "image": lambda path: read_image(path)[0],
-    "pair": lambda path: read_pair(path).layer_bins,
+    "pair": lambda path: read_pair(path).mask(),
 }
 
 

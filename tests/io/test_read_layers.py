@@ -50,9 +50,11 @@ def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, wr
     refused(lambda path: read_layers(path, names=["Koenig_9"]), path, message)
 
 
-def test_names_that_come_twice_carry_their_group(path):
-    names, groups = ["surface", "deep", "deep"], ["standard", "a", "b"]
-    write_with_organizer(path, [SURFACE, KOENIG_2, KOENIG_3], names, groups=groups)
+@of_mat
+def test_names_that_come_twice_carry_their_group(path, write):
+    names = ["surface", "deep", "deep"]
+    groups = [np.empty((0, 0)), "a", "b"]
+    write_with_organizer(path, [SURFACE, KOENIG_2, KOENIG_3], names, groups=groups, write=write)
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
 
 
