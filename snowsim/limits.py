@@ -5,19 +5,19 @@ from numbers import Integral
 import numpy as np
 
 
-def check_values(name, values, low=-np.inf, high=np.inf, *, above=False):
+def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
     """ValueError with the first that is not, unless all values are finite and within limits.
 
-    With `above` they must lie above `low`.
+    With `above` they must lie above `low`, with `number` be one number alone.
     """
     values = np.asarray(values)
     bad = np.ones(values.shape, dtype=bool)
-    if values.dtype.kind in "fiu":
+    if values.dtype.kind in "fiu" and not (number and values.ndim):
         held = (values > low) if above else (values >= low)
         bad = ~(held & np.isfinite(values) & (values <= high))
     if bad.any():
         place = tuple(np.argwhere(bad)[0].tolist())
-        rule = "finite"
+        rule = "one number, finite" if number and values.ndim else "finite"
         if low > -np.inf:
             rule += f", {'above' if above else 'at least'} {low:g}"
         if high < np.inf:

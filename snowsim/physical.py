@@ -69,9 +69,10 @@ class Radar:
         for name, value in vars(self).items():
             if name != "window":
                 what = f"radar: {name}" + " in hertz" * name.endswith("_hz")
-                check_values(what, value, *RADARS.get(name, (0,)), above=True)
+                check_values(what, value, *RADARS.get(name, (0,)), above=True, number=True)
         # The sweep begins above 0 Hz.
-        check_values("radar: bandwidth_hz", self.bandwidth_hz, high=2 * self.centre_hz)
+        most_hz = np.nextafter(2 * self.centre_hz, 0)
+        check_values("radar: bandwidth_hz", self.bandwidth_hz, high=most_hz)
         used = self.widening / (self.cell_s * self.bandwidth_hz)
         check_values(f"radar: share of the sweep that window {self.window} uses", used, LEAST_USED)
         longest_s = MOST_CELLS * self.cell_s
@@ -287,7 +288,7 @@ class Climate:
 
     def __post_init__(self):
         for name, (low, high) in CLIMATES.items():
-            check_values(f"climate: {name}", getattr(self, name), low, high)
+            check_values(f"climate: {name}", getattr(self, name), low, high, number=True)
 
     def draw(self, n_range_lines, line_spacing_m, *, rng):
         """`Snowpack` of annual layers below a flat surface.

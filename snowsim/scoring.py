@@ -19,6 +19,7 @@ from snowsim.metrics.picks import pick_layers
 from snowsim.progress import shown
 
 OPTIONAL = ("tolerance_bins", "bin_s")
+ABOVE_0 = ("max_distance_bins", "bin_s")
 WHOLE = {"n_bootstrap": 1, "seed": 0, "processes": 1}  # from which number on
 SAME_TIME = np.timedelta64(1, "ms")  # of a range line in two files
 FAINT = 0.5  # the largest value of maps from which on few of the thresholds tell anything
@@ -164,7 +165,7 @@ def _check_numbers(**numbers):
         if name in WHOLE:
             check_count(name, value, WHOLE[name])
         elif value is not None or name not in OPTIONAL:
-            check_values(name, value, 0)
+            check_values(name, value, 0, above=name in ABOVE_0, number=True)
 
 
 def _empty(rows):

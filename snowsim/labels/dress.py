@@ -48,6 +48,8 @@ class Dress:
             check_choice(name, getattr(self, name), choices)
         if self.n_looks is not None:
             check_values("n_looks", self.n_looks, 1)
+        if self.width_bounds is not None:
+            _check_bounds("width_bounds", self.width_bounds)
 
     @classmethod
     def split(cls, settings):
@@ -63,7 +65,8 @@ class Dress:
             return _uppermost(statistics, "variance_bins2", n_layers)
         bounds = self.width_bounds
         if bounds is None:
-            bounds = statistics["width_bound_bins"].values
+            bounds = values_of(statistics, "width_bound_bins", ("bound",))
+            _check_bounds("flight statistics: width_bound_bins", bounds)
         return rng.uniform(*bounds, n_layers)
 
     def radar(self, statistics):
@@ -106,6 +109,7 @@ def dress(layer_bins, statistics, choices=None, *, rng=None):
     n_layers = len(layer_bins)
     variance = choices.variance_bins2(statistics, n_layers, rng=rng)
     noise_power = values_of(statistics, "noise_power", ()).item()
+    check_values("flight statistics: noise_power", noise_power, 0, above=True)
     power = _uppermost(statistics, "peak_power", n_layers)
     layers = Echoes(
         bins=layer_bins,
@@ -168,6 +172,13 @@ def redress(scene, statistics, choices=None, *, rng=None):
         decay_rate=np.where(is_layer, decay, drawn.decay_rate),
         **choices.radar(statistics),
     )
+
+
+def _check_bounds(name, bounds):
+    check_values(name, bounds, 0, above=True)
+    if np.shape(bounds) != (2,) or bounds[0] > bounds[1]:
+        msg = f"{name} must be two numbers in order, got {bounds}"
+        raise ValueError(msg)
 
 
 def _uppermost(statistics, name, n_layers):

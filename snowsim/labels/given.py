@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from snowsim.echogram import check_choice
 from snowsim.limits import check_values
 
 
@@ -19,6 +20,7 @@ def values_of(statistics, name, dims):
 
 def values_by_layer(statistics, name):
     """Positive values (layer,); a layer without one takes that of the nearest layer above."""
+    check_choice("a flight statistic", name, list(map(str, statistics.variables)))
     values = statistics[name].values.astype(float)
     check_values(f"flight statistics: {name} at layer 0", values[0], 0, above=True)
     usable = np.isfinite(values) & (values > 0)

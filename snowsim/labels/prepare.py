@@ -16,7 +16,7 @@ from snowsim.labels.process import (
     plain_variances,
 )
 from snowsim.labels.radiometry import RadiometryModel, radiometry_model
-from snowsim.limits import check_count
+from snowsim.limits import check_count, check_values
 
 # Of the steps that whole-bin levelling makes, above which a product is taken to do so.
 ROUNDED_SHARE = 0.5
@@ -202,6 +202,10 @@ def prepare(
     if n_layers == "measured":
         chosen |= _counts_of_layers(statistics)
     else:
+        check_values("n_layers, measured or two counts,", n_layers, 1)
+        if np.shape(n_layers) != (2,) or n_layers[0] > n_layers[1]:
+            msg = f"n_layers must be measured or two counts in order, got {n_layers}"
+            raise ValueError(msg)
         chosen["n_layers"] = tuple(n_layers)
     if first_slab == "measured":
         quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
@@ -226,6 +230,9 @@ def prepare(
 def _counts_of_layers(statistics):
     """How many layers blocks of the flight have, as arguments of `LabelModel`."""
     by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
+    n_layered = by_layers[:, 1:].sum()
+    what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"
+    check_values(what, n_layered, 0, above=True)
     n_blocks = statistics.attrs.get("n_blocks", 1)
     n_without = statistics.attrs.get("n_blocks_without_layers", 0)
     return {"blocks_by_layers": by_layers, "share_without_layers": n_without / n_blocks}

@@ -8,6 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from snowsim.echogram import check_layer_bins
+from snowsim.limits import check_values
+from snowsim.metrics.edges.suppression import check_prediction
+
 
 @dataclass(eq=False)
 class _Followed:
@@ -33,6 +37,8 @@ def pick_layers(
     layer index where present. Maps that leave [0, 1], named `where`, and thresholds not above 0 are
     refused.
     """
+    edges = check_prediction(edges, where)
+    check_values(f"{where}: threshold", threshold, 0, above=True)
     n_lines = edges.shape[1]
     layers = []  # downwards, those that ended among them
     for line in range(n_lines):
@@ -74,6 +80,12 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
+    check_layer_bins(picks, "picks")
+    check_layer_bins(layer_bins)
+    check_values("max_distance_bins", max_distance_bins, 0, above=True)
+    if picks.shape[1] != layer_bins.shape[1]:
+        msg = f"picks cover {picks.shape[1]} range lines, the layers {layer_bins.shape[1]}"
+        raise ValueError(msg)
     error_bins = np.full(layer_bins.shape, np.nan)
     used = np.zeros(picks.shape, dtype=bool)
     for line in range(layer_bins.shape[1]):

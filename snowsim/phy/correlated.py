@@ -60,7 +60,11 @@ def correlating_taps(correlation, n_looks):
     """Filter for a correlation (lag,), see `_correlating_taps`: made once for all scenes."""
     asked = np.asarray(correlation, dtype=float)
     check_values("speckle correlation", asked, -1, 1)
-    return _correlating_taps(tuple(asked.ravel()), n_looks)
+    if asked.ndim != 1 or not 1 <= asked.size <= HALF_TAPS + 1 or asked[0] != 1:
+        msg = f"speckle correlation must be 1 at lag 0 and known at {HALF_TAPS} or fewer lags "
+        msg += f"more, got {asked.ravel()[:1]} and shape {asked.shape}"
+        raise ValueError(msg)
+    return _correlating_taps(tuple(asked), n_looks)
 
 
 @lru_cache(maxsize=8)

@@ -59,7 +59,7 @@ def checked_waveforms(
         "variance_bins2": np.asarray(variance_bins2, dtype=float),
         "decay_rate": np.asarray(decay_rate, dtype=float),
     }
-    varies = given["peak_power"].ndim == 2
+    varies = given["peak_power"].shape == layer_bins.shape
     if varies:
         # Where a layer is absent, its power may be NaN.
         given["peak_power"] = np.where(np.isfinite(layer_bins), given["peak_power"], 0)

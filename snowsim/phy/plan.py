@@ -127,7 +127,7 @@ def plan(
     numbers = given | {"line_gain_spread_db": gain_db, "tolerance_db": tolerance_db}
     for name, least in LEAST.items():
         if numbers[name] is not None:
-            check_values(name, numbers[name], least)
+            check_values(name, numbers[name], least, number=True)
     noise_power = float(given["noise_power"])
     n_looks = float(given["n_looks"])
     correlation = given["speckle_correlation"]
@@ -138,15 +138,27 @@ def plan(
     check_method(speckle, n_looks, correlation)
     planned = plan_power(waveforms, noise_power, tolerance_db, n_looks, speckle, correlation)
     planned = replace(planned, line_gain_spread_db=gain_db)
-    if given["texture"] is None or given["texture"][0] == 0:
+    texture, textured = _checked_texture(given, waveforms.amplitude.size)
+    if texture is None or texture[0] == 0:
         return planned
-    texture = tuple(map(float, given["texture"]))
-    n_layers = waveforms.amplitude.size
-    textured = np.arange(n_layers)
-    if given["textured_layers"] is not None:
-        textured = np.flatnonzero(given["textured_layers"])
     cost = planned.cost_normals + COST_TEXTURE / COST_NORMAL
     return replace(planned, texture=texture, textured_layers=textured, cost_normals=cost)
+
+
+def _checked_texture(given, n_layers):
+    """Texture as floats, or None, and indices of the layers whose tails have it."""
+    textured = given["textured_layers"]
+    textured = np.ones(n_layers, dtype=bool) if textured is None else np.asarray(textured)
+    lengths = (0, 1, 0) if given["texture"] is None else given["texture"]
+    check_values("texture: variance, length in range bins and in range lines", lengths, 0)
+    are_layers = textured.shape == (n_layers,) and textured.dtype == bool
+    if np.shape(lengths) != (3,) or lengths[1] == 0 or not are_layers:
+        msg = "texture must be a variance and lengths in range bins, above 0, and in range lines, "
+        msg += f"textured_layers true or false for each of {n_layers} layers, "
+        msg += f"got {lengths} and {textured.dtype} of shape {textured.shape}"
+        raise ValueError(msg)
+    texture = None if given["texture"] is None else tuple(map(float, lengths))
+    return texture, np.flatnonzero(textured)
 
 
 def plan_power(

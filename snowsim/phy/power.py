@@ -82,7 +82,7 @@ def mean_power(
     if tolerance_db is not None:
         check_values("tolerance_db", tolerance_db, EXACT_BOUND_DB)
     if noise_power is not None:
-        check_values("noise_power", noise_power, 0)
+        check_values("noise_power", noise_power, 0, number=True)
     elif tolerance_db is None:
         noise_power = 0.0
     else:

@@ -67,8 +67,11 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
     if mean_power.dtype != np.float32:
         mean_power = mean_power.astype(float)
     check_values("mean_power", mean_power, 0)
-    check_values("n_looks", n_looks, 1)
+    check_values("n_looks", n_looks, 1, number=True)
     check_method(method, n_looks, correlation)
+    if mean_power.ndim != 2:
+        msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
+        raise ValueError(msg)
     n_looks = float(n_looks)
     if method == "looks":
         return _draw_looks(mean_power, int(n_looks), rng)

@@ -74,12 +74,20 @@ def checked_card(content, where):
     """`Card` of what a JSON file holds; ValueError unless its numbers are there and sound."""
     coefficients = content.get("confidence", CONFIDENCE)
     held = content.get("ranges") or {}
+    if not isinstance(held, dict):
+        msg = f"{where}: ranges: expected limits by name, got {held!r}"
+        raise ValueError(msg)
     ranges = {name: held[name] for name in RANGED if name in held}
     numbers = {name: content.get(name) for name in NUMBERS}
     numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
     numbers["confidence"] = coefficients
     for name, values in numbers.items():
         check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
+        shape = () if name in NUMBERS else (3 if name == "confidence" else 2,)
+        if np.shape(values) != shape or (shape == (2,) and values[0] > values[1]):
+            msg = f"{where}: {name}: expected numbers of shape {shape}, limits in order, "
+            msg += f"got {values}"
+            raise ValueError(msg)
     return Card(
         str(content.get("name")),
         str(content.get("version")),

@@ -8,7 +8,7 @@ from snowsim.echogram import (
     scene_height,
     to_uint8,
 )
-from snowsim.limits import check_values
+from snowsim.limits import check_count, check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import line_length_km
 from snowsim.reference.picks import pick_peaks, visible_layers
@@ -49,6 +49,8 @@ def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, r
     unknown or a scene would not fit its place.
     """
     check_choice("split", split, SPLITS)
+    check_count("index", index, 0)
+    check_count("n_range_lines", n_range_lines)
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
     track, start_km = scene_position(index, split, line_length_km())

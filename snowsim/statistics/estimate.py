@@ -95,6 +95,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     """
     check_choice("estimator", estimator, ESTIMATORS)
     check_values("finest_lines", 2 if finest_lines is None else finest_lines, 2)
+    check_count("frames of a flight", len(summary))
     noise = _noise(summary)
     groups, n_seen = _groups(summary, noise.power)
     n_layers = groups.present.shape[1]

@@ -1,6 +1,7 @@
 from itertools import combinations
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echogram import check_layer_bins, layer_mask
@@ -65,3 +66,23 @@ def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
         kept = np.isfinite(error)
         assert kept.sum() == used.sum()
         assert_allclose((8 - np.abs(error[kept])).sum(), best_saving(true, found, 8), atol=1e-9)
+
+
+def test_picks_of_single_precision_are_those_of_its_values_in_double():
+    edges = np.random.default_rng(0).random((60, 40), dtype=np.float32)
+    picks = pick_layers(edges, threshold=0.3, min_lines=1)
+    expected = pick_layers(edges.astype(float), threshold=0.3, min_lines=1)
+    assert_array_equal(picks, expected)
+
+
+@pytest.mark.parametrize(
+    ("picks", "max_distance_bins", "message"),
+    [
+        ([[5.0, 5.0], [4.0, 6.0]], 10, "picks: layers must increase strictly"),
+        ([[5.0]], 10, "picks cover 1 range lines, the layers 2"),
+        ([[5.0, 5.0]], 0, "max_distance_bins must be finite, above 0, got 0"),
+    ],
+)
+def test_picks_that_cannot_be_matched_are_refused(picks, max_distance_bins, message):
+    with pytest.raises(ValueError, match=message):
+        match_picks(picks, [[5.0, 5.0]], max_distance_bins=max_distance_bins)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from snowsim.limits import check_values
+
 COUNTS = ("matched_truth", "n_truth", "matched_prediction", "n_prediction")
 EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 
@@ -13,10 +15,14 @@ def stack_counts(counts):
 
     `counts` is of every image what `match_counts` gives.
     """
+    images = [counts] if isinstance(counts, dict) else list(counts)
+    lacking = [name for image in images for name in COUNTS if name not in image]
+    if lacking:
+        msg = f"counts of every image must hold {', '.join(COUNTS)}, {lacking[0]} is missing"
+        raise ValueError(msg)
     if isinstance(counts, dict):
         return {name: np.asarray(counts[name]) for name in COUNTS}
-    counts = list(counts)
-    return {name: np.array([image[name] for image in counts]) for name in COUNTS}
+    return {name: np.array([image[name] for image in images]) for name in COUNTS}
 
 
 def score(counts, thresholds=None):
@@ -40,7 +46,8 @@ def score(counts, thresholds=None):
     Raises
     ------
     ValueError
-        If there is no image, or thresholds differ in number.
+        If there is no image, counts do not fit each other, or thresholds differ in number or do not
+        increase.
 
     Notes
     -----
@@ -67,11 +74,20 @@ def score(counts, thresholds=None):
     (0.909, 0.3)
     """
     stacked = stack_counts(counts)
+    shapes = {values.shape for values in stacked.values()}
     shape = stacked["n_truth"].shape
-    if 0 in shape or (thresholds is not None and np.shape(thresholds) != shape[1:]):
+    fits = len(shapes) == 1 and len(shape) == 2 and 0 not in shape
+    if not fits or (thresholds is not None and np.shape(thresholds) != shape[1:]):
         msg = "expected counts of at least one image and as many thresholds as they have, "
         msg += f"got counts (image, threshold) {shape}, thresholds {np.shape(thresholds)}"
         raise ValueError(msg)
+    for of in ("truth", "prediction"):
+        matched = stacked[f"matched_{of}"]
+        unmatched = np.subtract(stacked[f"n_{of}"], matched, dtype=float)
+        check_values(f"matched_{of}", matched, 0)
+        check_values(f"n_{of} less matched_{of}", unmatched, 0)
+    if thresholds is not None:
+        check_values("thresholds must increase: steps", np.diff(thresholds), 0, above=True)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}
     f = f_measure(*_precision_and_recall(pooled))
     best = np.argmax(f_measure(*_precision_and_recall(stacked)), axis=1)

@@ -18,6 +18,11 @@ def check_prediction(prediction, where):
     ValueError, naming `where`, unless it lies in [0, 1].
     """
     prediction = np.asarray(prediction)
+    prediction = prediction.astype(np.float64) if prediction.dtype == bool else prediction
+    if prediction.ndim != 2 or prediction.size == 0:
+        msg = f"{where}: prediction must be (range_bin, range_line) and not empty, "
+        msg += f"got shape {prediction.shape}"
+        raise ValueError(msg)
     check_values(f"{where}: prediction", prediction, 0, 1)
     return prediction.astype(np.float64)
 

@@ -141,3 +141,11 @@ GOOD = np.full((4, 5), 0.5)
 def test_bad_input_is_refused_by_the_name_of_its_image(prediction, truth, options, message):
     with pytest.raises(ValueError, match=f"^scene_7: .*{message}"):
         match_counts(prediction, truth, [0.5], where="scene_7", **options)
+
+
+@pytest.mark.parametrize(
+    ("thresholds", "thin"), [([0.5], "fulll"), ([0.5], 1), ([[0.5]], True), ([], True)]
+)
+def test_unknown_thinning_and_shapeless_thresholds_are_refused(thresholds, thin):
+    with pytest.raises(ValueError, match='numbers in a row and thin True, False or "full"'):
+        match_counts(np.zeros((9, 9)), np.zeros((9, 9)), thresholds, thin=thin)

@@ -84,3 +84,23 @@ def test_shards_pool_to_the_same_scores_in_any_order(rng):
 def test_sets_without_an_image_or_with_other_thresholds_are_refused(counts):
     with pytest.raises(ValueError, match="at least one image and as many thresholds as they have"):
         score(counts, thresholds=[0.5])
+
+
+@pytest.mark.parametrize(
+    ("change", "thresholds", "message"),
+    [
+        ({"matched_truth": [60, 40]}, None, r"n_truth less matched_truth must be .*, got -10"),
+        ({"matched_prediction": [-1, 40]}, None, "matched_prediction must be .*, got -1"),
+        ({}, [0.8, 0.3], "thresholds must increase"),
+    ],
+)
+def test_counts_that_do_not_fit_are_refused(change, thresholds, message):
+    counts = {"matched_truth": [50, 40], "n_truth": [50, 50]}
+    counts |= {"matched_prediction": [50, 40], "n_prediction": [60, 40]}
+    with pytest.raises(ValueError, match=message):
+        score([counts | change], thresholds)
+
+
+def test_counts_without_a_part_are_refused():
+    with pytest.raises(ValueError, match="matched_truth is missing"):
+        score([{"n_truth": [1]}])
