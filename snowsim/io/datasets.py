@@ -66,15 +66,7 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     kept = np.float32 if data.dtype.kind in "iub" else data.dtype.newbyteorder("=")
     data = data.astype(kept, copy=False)
     if decibels:
-        some_db = data.flat[:: 1 + data.size // 100_000]
-        some_db = some_db[np.isfinite(some_db)]
-        low_db, middle_db, high_db = np.quantile(some_db if some_db.size else 0, (0, 0.5, 1))
-        is_linear = low_db >= 0 and middle_db < LEAST_MEDIAN * high_db
-        if is_linear or not LEAST_SPAN_DB < high_db - low_db < LARGEST_SPAN_DB:
-            found = f"{low_db:.3g} to {high_db:.3g}, {middle_db:.3g} in the median: linear power?"
-            raise refusal(where, "Data", "decibels", found)
-        with np.errstate(over="ignore"):  # infinite power is refused by the check
-            data = np.where(np.isneginf(data), np.nan, 10 ** (data / 10))
+        data = power_of(data, where)
     invented = {"slow_time": INVENTED_TIME + np.arange(n_lines) * np.timedelta64(1, "ms")}
     unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
     dataset = xr.Dataset(attrs=attributes)
@@ -90,6 +82,19 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
                 dataset[name].attrs["units"] = UNITS[name]
     check_echogram(dataset, str(where))
     return dataset
+
+
+def power_of(data_db, where):
+    """Linear power of decibels; -inf, no power, becomes NaN. What looks like power is refused."""
+    some_db = data_db.flat[:: 1 + data_db.size // 100_000]
+    some_db = some_db[np.isfinite(some_db)]
+    low_db, middle_db, high_db = np.quantile(some_db if some_db.size else 0, (0, 0.5, 1))
+    is_linear = low_db >= 0 and middle_db < LEAST_MEDIAN * high_db
+    if is_linear or not LEAST_SPAN_DB < high_db - low_db < LARGEST_SPAN_DB:
+        found = f"{low_db:.3g} to {high_db:.3g}, {middle_db:.3g} in the median: linear power?"
+        raise refusal(where, "Data", "decibels", found)
+    with np.errstate(over="ignore"):  # infinite power is refused by the check
+        return np.where(np.isneginf(data_db), np.nan, 10 ** (data_db / 10))
 
 
 def read_opr(path):
