@@ -26,7 +26,7 @@ def test_closure_follows_imports_of_imports_inside_functions_too_and_spares_what
         "snowsim/statistics/summaries.py",
         "snowsim/phy/waveform.py",
     } <= files
-    assert not {"snowsim/io/matlab.py", "snowsim/phy/render.py", "snowsim/cgan/train.py"} & files
+    assert not {"snowsim/io/containers.py", "snowsim/phy/render.py", "snowsim/cgan/train.py"} & files
     # The names of the reference flight are imported when first asked for.
     assert "snowsim/reference/echo.py" in names("reference_frames.py")
     assert "workflow/scripts/job.py" not in names("reference_frames.py")
