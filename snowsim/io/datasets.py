@@ -71,11 +71,9 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     unknown = dict.fromkeys(ECHOGRAM_ALONG_TRACK, np.full(n_lines, np.nan))
     dataset = xr.Dataset(attrs=attributes)
     # Data first, and so their axes.
-    for name, values in ({"Data": data} | invented | unknown | content).items():
+    for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
         with library_errors(where, name, "real numbers, as many as others have"):
-            if name == "Data":
-                values = data
-            elif name != "slow_time":
+            if name not in ("Data", "slow_time"):
                 values = np.ravel(values).astype(float)
             dataset[name] = (AXES.get(name, "slow_time"), values)
             if name in UNITS:

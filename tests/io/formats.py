@@ -6,7 +6,6 @@ v7.3 files are HDF5 with transposed arrays, text as numbers and cells as referen
 """
 
 import h5py
-import netCDF4
 import numpy as np
 import pytest
 import scipy.io
@@ -82,37 +81,24 @@ def write_nsidc(
 ):
     """An IRSNO1B file: dB, seconds of day, microseconds, degrees; dimensions as of MATLAB."""
     seconds = np.asarray(content["GPS_time"]) - GPS_START if seconds is None else seconds
-    with netCDF4.Dataset(path, "w", format=format) as file:
-        file.createDimension("time", content["Data"].shape[1])
-        file.createDimension("fasttime", content["Data"].shape[0])
-        file.setncattr("min_time_bound", "20120330T00:00:15 GPS")
-
-        def put(name, dims, values, **attributes):
-            if name not in drop:
-                variable = file.createVariable(name, np.asarray(values).dtype, dims)
-                variable[:] = values
-                variable.setncatts(attributes)
-
-        amplitude = to_db(content["Data"])
-        attributes = {"units": "counts in dB", "matlab_class": "single"}
-        if transposed:
-            put("amplitude", ("fasttime", "time"), amplitude, **attributes)
-        else:
-            put("amplitude", ("time", "fasttime"), amplitude.T, **attributes)
-        put("time", ("time",), seconds, units="seconds since 2012-03-30 00:00:00")
-        put("fasttime", ("fasttime",), content["Time"] * 1e6, units="microseconds")
-        positions = {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}
-        for theirs, ours in positions.items():
-            put(theirs, ("time",), content[ours])
-        put("Surface", ("time",), content["Surface"], units="seconds")
-        for ours in ("Roll", "Pitch", "Heading"):
-            put(ours.lower(), ("time",), np.degrees(content[ours]), units="degrees")
-        for name, values in (extra or {}).items():
-            put(name, ("time",), values)
-        file.createDimension("text", 24)
-        season = np.frombuffer(b"2012_Greenland_P3".ljust(24, b"\0"), dtype="S1")
-        put("param_records.season_name", ("text",), season)
-        put("param_records.radar.wfs(1).f0", ("text",), np.zeros(24))
+    amplitude = (("fasttime", "time"), to_db(content["Data"]), {"units": "counts in dB"})
+    variables = {
+        "amplitude": amplitude,
+        "time": ("time", seconds, {"units": "seconds since 2012-03-30 00:00:00"}),
+        "fasttime": ("fasttime", content["Time"] * 1e6, {"units": "microseconds"}),
+        "Surface": ("time", content["Surface"], {"units": "seconds"}),
+        "param_records.season_name": np.array(b"2012_Greenland_P3".ljust(24, b"\0")),
+        "param_records.radar.wfs(1).f0": ("text", np.zeros(24)),
+    }
+    for theirs, ours in {"lat": "Latitude", "lon": "Longitude", "altitude": "Elevation"}.items():
+        variables[theirs] = ("time", content[ours])
+    for name in ("Roll", "Pitch", "Heading"):
+        variables[name.lower()] = ("time", np.degrees(content[name]), {"units": "degrees"})
+    variables |= {name: ("time", values) for name, values in (extra or {}).items()}
+    file = xr.Dataset(variables, attrs={"min_time_bound": "20120330T00:00:15 GPS"})
+    file = file.drop_vars(drop) if transposed else file.drop_vars(drop).transpose("time", ...)
+    no_fill = {name: {"_FillValue": None} for name in file.variables}
+    file.to_netcdf(path, format=format, encoding=no_fill)
 
 
 def write_supplement(path, **flags):
@@ -167,33 +153,30 @@ def write_mat73(path, content):
 
 
 def _put73(file, group, name, value):
-    if isinstance(value, str):
-        matlab_class = "char"
-        characters = np.frombuffer(value.encode("utf-16-le"), dtype="u2")
-        node = group.create_dataset(name, data=characters[:, None])
-    elif isinstance(value, dict):
-        matlab_class = "struct"
+    if isinstance(value, dict):
         node = group.create_group(name)
         for key, item in value.items():
             _put73(file, node, key, item)
-    elif np.asarray(value).dtype.kind in "OU":
+        return
+    array = np.asarray(value)
+    matlab_class = {"float64": "double", "float32": "single"}.get(str(array.dtype), "uint8")
+    if isinstance(value, str):
+        matlab_class = "char"
+        stored = np.frombuffer(value.encode("utf-16-le"), dtype="u2")[:, None]
+    elif array.dtype.kind in "OU":
         matlab_class = "cell"
-        refs = file.require_group("#refs#")
-        links = []
-        for item in np.ravel(value):
-            key = f"r{len(refs)}"
-            _put73(file, refs, key, item)
-            links.append(refs[key].ref)
-        node = group.create_dataset(name, (len(links), 1), dtype=h5py.ref_dtype)
-        node[:, 0] = links
+        cells = file.require_group("#refs#")
+        stored = np.empty((array.size, 1), dtype=h5py.ref_dtype)
+        for row, item in enumerate(array.flat):
+            key = f"r{len(cells)}"
+            _put73(file, cells, key, item)
+            stored[row] = cells[key].ref
     else:
-        value = np.atleast_2d(value)
-        matlab_class = {"float64": "double", "float32": "single"}.get(str(value.dtype), "uint8")
-        stored = value.T if value.size else np.array(value.shape, dtype="u8")
-        node = group.create_dataset(name, data=stored)
-        if value.size == 0:
-            node.attrs["MATLAB_empty"] = np.uint8(1)
+        stored = np.atleast_2d(array).T if array.size else np.array(array.shape, dtype="u8")
+    node = group.create_dataset(name, data=stored)
     node.attrs["MATLAB_class"] = np.bytes_(matlab_class)
+    if array.size == 0:
+        node.attrs["MATLAB_empty"] = np.uint8(1)
 
 
 def compensated(content, correction, *, n_kept, first=0, truncate_time=False):

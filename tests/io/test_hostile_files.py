@@ -35,15 +35,6 @@ def test_complex_power_is_refused_and_not_stripped_of_its_imaginary_part(path, c
     refused(read_echogram, path, "discards the imaginary part")
 
 
-def test_big_endian_files_are_read(path):
-    values = struct.pack(">4d", 1, 2, 3, 4)
-    parts = struct.pack(">II", 6, 8) + struct.pack(">II", 6, 0) + struct.pack(">II2i", 5, 8, 2, 2)
-    parts += struct.pack(">HH4s", 1, 1, b"x") + struct.pack(">II", 9, 32) + values
-    header = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x01\x00MI"
-    path.write_bytes(header + struct.pack(">II", 14, len(parts)) + parts)
-    assert read_matlab(path, ("x",))["x"].tolist() == [[1, 3], [2, 4]]
-
-
 def write_bomb(path, content):
     """Data of a MAT v5 file that say they inflate to 3 GB."""
     n_bytes = 3 * 2**30
