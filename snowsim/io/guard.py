@@ -1,6 +1,5 @@
 """What readers of foreign files share: refusals of one line, a size limit, what a path is."""
 
-import math
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -57,14 +56,6 @@ def existing(path, *, directory=False):
 def listed(names):
     """Names in order of the alphabet, as a message tells them."""
     return one_line(", ".join(sorted(names)) or "none", 200)
-
-
-def check_size(path, what, shape, itemsize):
-    """Refuse an array that declares more than `MAXIMUM_BYTES`, before a byte of it is read."""
-    n_bytes = math.prod(map(int, shape)) * itemsize
-    if n_bytes > MAXIMUM_BYTES:
-        found = f"{n_bytes} declared by shape {tuple(shape)}"
-        raise refusal(path, what, f"at most {MAXIMUM_BYTES} bytes", found)
 
 
 def numeric(path, what, array):
