@@ -60,7 +60,7 @@ def unfinished(tmp_path):
 
 
 def test_a_checkpoint_of_another_configuration_is_refused_in_one_line(unfinished):
-    message = "made_of: expected 8, got 7: another .*: remove it to begin anew"
+    message = "made_of: expected 8, found 7: another .*: remove it to begin anew"
     refused(lambda path: counted(path, Counter(), made_of=8), unfinished, message)
     assert unfinished.exists()
 

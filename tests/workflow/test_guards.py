@@ -104,4 +104,4 @@ def test_a_flight_without_layers_is_refused_in_one_line(broken_run):
         layers["twtt"][:] = np.nan
         layers.to_netcdf(path)
     line = error_from_the_flight(broken_run, "results/statistics.nc")
-    assert "a flight needs layers, none of its 4 frames" in line
+    assert "with the surface picked in 4 frames must be" in line
