@@ -30,6 +30,7 @@ def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_fra
     assert (fitted["substituted"] == 0).all()
 
 
+@pytest.mark.slow
 def test_standard_errors_of_deblended_are_the_scatter_between_flights(planted):
     settings = {"n_frames": 2, "n_looks": 20, "slab_bins": 30}
     flights = [planted.flight(np.random.default_rng(seed), **settings) for seed in range(12)]

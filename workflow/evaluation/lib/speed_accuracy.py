@@ -28,7 +28,6 @@ from snowsim.phy.speckle import quantile_table
 N_LAYERS = 15
 N_RANGE_BINS = 256
 N_RANGE_LINES = 256
-N_ROUNDS = 5
 TOLERANCES_DB = (0.5, 0.05, 1e-3, 1e-6)
 DEFAULT_DB = 0.05
 N_LOOKS = (16, 100)
@@ -49,7 +48,7 @@ class Way:
     distance: float = np.nan
 
 
-def measured(*, cgan, rng):
+def measured(*, cgan, n_rounds, rng):
     """Every run of every way, a row each; `cgan` are settings of its networks."""
     scene = planted_scene(N_LAYERS, N_RANGE_LINES, N_RANGE_BINS)
     panels = {
@@ -62,7 +61,7 @@ def measured(*, cgan, rng):
     rows = []
     for panel, ways in panels.items():
         works = {way: way.work for way in [*ways, floor]}
-        for way, repeat, seconds in time_rounds(works, N_ROUNDS):
+        for way, repeat, seconds in time_rounds(works, n_rounds):
             row = {"panel": panel, **vars(way), "repeat": repeat, "seconds": seconds}
             rows.append(row)
     table = pd.DataFrame(rows).drop(columns="work")

@@ -8,4 +8,5 @@ from snowsim.seeding import random_stream
 
 with job(snakemake):
     rng = random_stream(snakemake.params.seed, "measure_phy")
-    write_table(snakemake.output.table, measured(cgan=snakemake.params.cgan, rng=rng))
+    settings = {"cgan": snakemake.params.cgan, "n_rounds": snakemake.params.n_rounds}
+    write_table(snakemake.output.table, measured(**settings, rng=rng))
