@@ -4,6 +4,8 @@ from numbers import Integral
 
 import numpy as np
 
+from snowsim.constants import STATISTICS_CONTENT
+
 
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
     """ValueError with the first that is not, unless all values are finite and within limits.
@@ -35,3 +37,16 @@ def check_count(name, value, least=1):
         got = value if isinstance(value, Integral) else repr(value)
         msg = f"{name} must be a whole number of at least {least}, got {got}"
         raise ValueError(msg)
+
+
+def check_content(dataset, content, remedy, where):
+    """ValueError, naming `where` and what to do, unless a dataset is of this version."""
+    found = dataset.attrs.get("content", "none")
+    if found != content:
+        msg = f"{where}: content must be '{content}', got '{found}': {remedy}"
+        raise ValueError(msg)
+
+
+def check_statistics(statistics, where="statistics"):
+    """ValueError, naming `where`, unless flight statistics are of this version."""
+    check_content(statistics, STATISTICS_CONTENT, "fit them again", where)

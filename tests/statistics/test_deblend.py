@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose
 from planted import waveform
 
 from snowsim.statistics.deblend import deblend
-from snowsim.statistics.lines import Groups, describe, prepare_line, waveform_columns
+
 from snowsim.statistics.paper import measure_groups
 from snowsim.statistics.summaries import FIRST_ROW
 
