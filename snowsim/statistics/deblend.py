@@ -26,7 +26,7 @@ ECHO_ROOM = 14.0
 ECHO_VARIANCE = 0.6  # [bins^2] of its Gaussian: about that of the range response
 NORMAL_MEDIAN = 0.6745  # of the magnitude of a standard normal variable
 LEAST_DEVIATION = 1e-6  # of relative residuals, where lines are free of speckle
-# Of log decay rate, log variance and the peak's offset [bins].
+# Of log decay rate, log variance and the Gaussian's distance below the pick [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # about their start
@@ -74,7 +74,9 @@ class Line:
 class Deblended:
     """Joint solution for all layers of a flight."""
 
-    shape: np.ndarray  # log decay rate, log variance, offset of the peak [bins], (layer, 3)
+    decay_rate: np.ndarray  # (layer,) [per bin]
+    variance: np.ndarray  # of the Gaussian, (layer,) [bins^2]
+    offset: np.ndarray  # of the waveform's peak below the pick, (layer,) [bins]
     # Above noise, background and neighbours, (group, layer), NaN where absent:
     powers: np.ndarray
     own_shape: np.ndarray  # which buried layers do not share their shape, bool (layer,)
@@ -90,13 +92,13 @@ def deblend(groups, decay_rate):
     eq. (1) of Yari et al. (2021), averaged over the parts of a group: within a part, a layer's rows
     have a variance v_l, which to second order only widens the Gaussian. Powers and
     `Line.background` are free in every group and linear, so they are eliminated (variable
-    projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset follow by least
-    squares: three numbers for the surface, three for all buried layers; a layer departs from these
-    only if the Bayesian information criterion favours it, see `departing`. Residuals are weighted
-    by 1 / P^2 because of speckle, and positive ones less, as of Cauchy's law, because unpicked
-    echoes only add to the waveforms. A broad prior (`PRIOR_DEVIATION`) holds what the data do not
-    constrain. An unpicked layer between two picked ones is kept as a nuisance at an interpolated
-    row; below the last pick nothing is annotated.
+    projection, Kaufman 1975, BIT 15, 49-57). A shape - log decay rate, log variance and the
+    Gaussian's distance c below the pick - follows by least squares: one for the surface, one for
+    all buried layers; a layer departs from it only if the Bayesian information criterion favours
+    it, see `departing`. Residuals are weighted by 1 / P^2 because of speckle, and positive ones
+    less, as of Cauchy's law, because unpicked echoes only add to the waveforms. A broad prior
+    (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked
+    ones is kept as a nuisance at an interpolated row; below the last pick nothing is annotated.
     """
     lines = [prepare_line(groups, group) for group in _spread_out(groups.present)]
     lines = [line for line in lines if line is not None]
@@ -121,7 +123,10 @@ def deblend(groups, decay_rate):
         kind = np.where(own, kind.max() + np.cumsum(own), kind)
         shape, _ = _fit_shapes(shape, kind, lines)
     shape = shape[kind]
-    return Deblended(shape, _powers(shape, groups), kind > 1)
+    decay_rate, variance = np.exp(shape[:, :2].T)
+    peak, height = waveform_peak(variance, decay_rate)
+    powers = _powers(shape, groups) * height / np.sqrt(variance)
+    return Deblended(decay_rate, variance, shape[:, 2] + peak, powers, kind > 1)
 
 
 def _spread_out(present):
@@ -226,7 +231,7 @@ def _weigh(shape, lines):
     """
     relative = []
     for line in lines:
-        columns = np.concatenate([waveform_columns(shape, line), line.background])
+        columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
         model = solve_powers(columns, line)[0] @ columns
         line.scale = np.maximum(model + line.noise_power, line.smooth)
         relative.append((line.signal - model) / line.scale)
@@ -245,7 +250,7 @@ def separate(shape, kind, line):
     At shapes (layer, 3), by kind of layer, with powers eliminated from both. Unpicked layers
     between picks help to explain the line, but at guessed rows do not constrain their shape.
     """
-    columns = waveform_columns(shape, line, with_slopes=True)
+    columns = waveform_columns(shape, line)
     linear = np.concatenate([columns[0], line.background])
     powers, factor = solve_powers(linear, line)
     residual = (line.signal - powers @ linear) / line.scale
@@ -275,43 +280,28 @@ def solve_powers(columns, line):
     return powers, factor
 
 
-def waveform_columns(shape, line, *, with_slopes=False):
-    """Waveforms of unit peak of a line, (layer, row), for shapes (layer, 3).
+def waveform_columns(shape, line):
+    """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
 
-    Or (4, layer, row), followed by the slopes by the three columns of `shape`. These follow from
-    eq. (1): ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d g)`` for its Gaussian g, and
-    ``dw/dd = w / 2d + w'' / 2``, as the Gaussian obeys the heat equation. At the peak x0, where ``g
-    = a w``, they give its height, ``d log w0 / d log a = -a x0``, ``d log w0 / d log d = (1 - a x0)
-    / 2``, and, by w' = 0, its movement.
+    A waveform is that of eq. (1) for a Gaussian of unit area but for a constant, wide enough for
+    the spread of its part. With Gaussian g, ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d
+    g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation.
     """
-    log_decay, log_variance, offset = shape[line.layers].T
-    decays, variances = np.exp(log_decay), np.exp(log_variance)
-    peaks, heights = waveform_peak(variances, decays)
-    lag = line.rows - (line.position.T + offset - peaks)[:, :, None]
-    wide = variances[:, None] + line.spread.T[:, :, None]
-    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)) & (lag * decays[:, None] < FALL_NEPERS)
+    decay, variance = np.exp(shape[line.layers, :2].T)
+    lag = line.rows - (line.position + shape[line.layers, 2:]).T[:, :, None]
+    wide = variance[:, None] + line.spread.T[:, :, None]
+    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)) & (lag * decay[:, None] < FALL_NEPERS)
     # From here on only the samples that the waveform reaches, of all parts and layers.
     part, layer, _ = np.nonzero(reached)
-    decay, variance, peak = decays[layer], variances[layer], peaks[layer]
-    wide = wide[part, layer, 0]
-    lag = lag[reached]
-    unit = np.sqrt(variance / wide) / heights[layer]
+    lag, wide = lag[reached], wide[part, layer, 0]
+    decay, variance = decay[layer], variance[layer]
     wave = waveform_exact(lag, wide, decay)
-    if not with_slopes:
-        columns = np.zeros(reached.shape)
-        columns[reached] = unit * wave
-        return columns.mean(axis=0)
     gaussian = np.exp(-(lag**2) / (2 * wide))
     along = gaussian - decay * wave
     by_decay = -((lag - decay * wide) * wave + wide * gaussian)
-    by_variance = wave / (2 * wide) - (lag / wide * gaussian + decay * along) / 2
-    peak_by_decay = -variance * (1 - decay * peak) / peak
-    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
-    height_by_variance = (decay * peak - variance / wide) / 2
-    by_log_decay = decay * by_decay + along * peak_by_decay + wave * (decay * peak)
-    by_log_variance = variance * by_variance + along * peak_by_variance + wave * height_by_variance
+    bend = -lag / wide * gaussian - decay * along
     columns = np.zeros((4, *reached.shape))
-    columns[:, reached] = unit * [wave, by_log_decay, by_log_variance, -along]
+    columns[:, reached] = [wave, decay * by_decay, variance * bend / 2, -along] / np.sqrt(wide)
     return columns.mean(axis=1)
 
 
@@ -371,13 +361,13 @@ def _lasting(profiles):
 
 
 def _powers(shape, groups):
-    """Peak powers of all groups, (group, layer), NaN where a layer was not picked."""
+    """Powers of `waveform_columns` in all groups, (group, layer), NaN where not picked."""
     powers = np.full(groups.present.shape, np.nan)
     for group in shown(range(len(powers)), unit="averaged line"):
         line = prepare_line(groups, group)
         if line is None:
             continue
-        columns = np.concatenate([waveform_columns(shape, line), line.background])
+        columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
         for _ in range(2):
             solved, _ = solve_powers(columns, line)
             line.scale = np.maximum(solved @ columns + line.noise_power, line.smooth)

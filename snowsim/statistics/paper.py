@@ -4,7 +4,6 @@ Tracked-bin powers, eq. (2) decay rates and 1/e widths of averaged range lines.
 """
 
 import numpy as np
-from numba import njit
 
 from snowsim.limits import check_count
 from snowsim.statistics.moments import mean_where
@@ -48,7 +47,6 @@ def paper_waveform(tracked_power, decay, width):
     }
 
 
-@njit(cache=True)
 def measure_groups(power, position, present):
     """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
 
@@ -60,59 +58,34 @@ def measure_groups(power, position, present):
     lies between. The 1/e crossing is interpolated linearly; NaN where the power does not fall so
     far before the minimum.
     """
-    n_groups, n_layers = position.shape
-    decay_rate = np.full(position.shape, np.nan)
-    width = np.full(position.shape, np.nan)
-    for group in range(n_groups):
+    decay_rate = np.full(present.shape, np.nan)
+    width = np.full(present.shape, np.nan)
+    rows = np.where(present, np.rint(position), 0).astype(int) - FIRST_ROW
+    has_above = np.pad(present[:, :-1], [(0, 0), (1, 0)])
+    has_below = np.pad(present[:, 1:], [(0, 0), (0, 1)])
+    for group, layer in np.argwhere(present):
         line = power[group]
-        for layer in range(n_layers):
-            if not present[group, layer]:
-                continue
-            here = int(np.rint(position[group, layer])) - FIRST_ROW
-            closed = layer + 1 < n_layers and present[group, layer + 1]
-            end = here + OPEN_END_BINS
-            if closed:
-                end = int(np.rint(position[group, layer + 1])) - FIRST_ROW
-            start = here - PEAK_REACH_BINS
-            if layer > 0 and present[group, layer - 1]:
-                above = int(np.rint(position[group, layer - 1])) - FIRST_ROW
-                start = max(start, here - (here - above) // 2)
-            end = min(end, line.size - 1)
-            stop = min(here + PEAK_REACH_BINS, here + (end - here) // 2)
-            peak = _largest(line, max(start, 0), stop)
-            if peak < 0:
-                continue
-            lowest = _smallest(line, peak, end)
-            if closed and lowest > peak and 0 < line[lowest] < line[peak]:
-                decay_rate[group, layer] = -np.log(line[lowest] / line[peak]) / (lowest - peak)
-            width[group, layer] = _width(line, peak, lowest)
+        here = rows[group, layer]
+        closed = has_below[group, layer]
+        end = rows[group, layer + 1] if closed else here + OPEN_END_BINS
+        end = min(end, line.size - 1)
+        start = here - PEAK_REACH_BINS
+        if has_above[group, layer]:
+            start = max(start, here - (here - rows[group, layer - 1]) // 2)
+        start = max(start, 0)
+        window = line[start : min(here + PEAK_REACH_BINS, here + (end - here) // 2) + 1]
+        if not np.isfinite(window).any():
+            continue
+        peak = start + np.nanargmax(window)
+        fall = line[peak : end + 1]
+        if fall.size == 0:
+            continue
+        lowest = np.nanargmin(fall)
+        if closed and lowest > 0 and 0 < fall[lowest] < fall[0]:
+            decay_rate[group, layer] = -np.log(fall[lowest] / fall[0]) / lowest
+        target = fall[0] / np.e
+        reached = np.flatnonzero(fall[: lowest + 1] <= target)
+        if reached.size:
+            at = reached[0]
+            width[group, layer] = at - (target - fall[at]) / (fall[at - 1] - fall[at])
     return decay_rate, width
-
-
-@njit(cache=True)
-def _width(line, peak, lowest):
-    """Rows from the peak to 1/e of it, NaN where the power does not fall so far."""
-    target = line[peak] / np.e
-    for row in range(peak + 1, lowest + 1):
-        if line[row] <= target:
-            beyond = (target - line[row]) / (line[row - 1] - line[row])
-            return row - peak - beyond
-    return np.nan
-
-
-@njit(cache=True)
-def _largest(line, first, last):
-    best = -1
-    for row in range(first, last + 1):
-        if not np.isnan(line[row]) and (best < 0 or line[row] > line[best]):
-            best = row
-    return best
-
-
-@njit(cache=True)
-def _smallest(line, first, last):
-    best = first
-    for row in range(first, last + 1):
-        if line[row] < line[best]:
-            best = row
-    return best

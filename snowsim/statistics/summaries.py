@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
-from numba import njit
 
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
 from snowsim.limits import check_content, check_count
+from snowsim.statistics.moments import mean_where
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
@@ -107,59 +107,30 @@ def summarise(echogram, layers, where="frame"):
 
 def _averaged(power, rows, surface_row, n_groups):
     """Variables of averaged lines and of the layers' rows (layer, range_line) in them."""
-    deepest = np.nanmax(rows, initial=0)
-    n_rows = int(np.ceil(deepest)) + ROWS_BELOW - FIRST_ROW + 1
-    of_groups = rows[:, : n_groups * GROUP_LINES].reshape(len(rows), n_groups, GROUP_LINES)
-    sorted_rows = np.sort(of_groups.swapaxes(0, 1))
-    position, spread = _positions(sorted_rows)
+    n_rows = int(np.ceil(np.nanmax(rows, initial=0))) + ROWS_BELOW - FIRST_ROW + 1
+    n_lines = n_groups * GROUP_LINES
+    range_bin = surface_row[:n_lines, None] + np.arange(n_rows) + FIRST_ROW
+    inside = (range_bin >= 0) & (range_bin < power.shape[1])
+    lines = np.take_along_axis(power[:n_lines], np.where(inside, range_bin, 0), axis=1)
+    lines = np.where(inside, lines, np.nan).reshape(n_groups, GROUP_LINES, n_rows)
+    known = np.isfinite(lines)
+    # A row that only some lines of a group reach would mix depths of different noise and fading.
+    often = 2 * known.sum(axis=1) >= GROUP_LINES
+    averaged = np.where(often, mean_where(known, lines.astype(float), axis=1), np.nan)
+    # Rows of each group and layer in order of depth, NaN last; their parts.
+    rows = np.sort(rows[:, :n_lines].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1))
+    n_picks = np.isfinite(rows).sum(axis=2)
+    part_of = np.arange(GROUP_LINES) * PARTS // np.maximum(n_picks, 1)[:, :, None]
+    parts = [part_of == part for part in range(PARTS)]
+    position = np.stack([mean_where(part, rows, axis=2) for part in parts], axis=2)
+    squares = np.stack([mean_where(part, rows**2, axis=2) for part in parts], axis=2)
+    spread = np.maximum(squares - position**2, 0)
     return {
-        "power": (("group", "row"), _average(power, surface_row, n_groups, n_rows)),
-        "position": (("group", "layer", "part"), position),
-        "spread": (("group", "layer", "part"), spread),
-        "n_picks": (("group", "layer"), np.isfinite(sorted_rows).sum(axis=2)),
+        "power": (("group", "row"), averaged.astype(np.float32)),
+        "position": (("group", "layer", "part"), position.astype(np.float32)),
+        "spread": (("group", "layer", "part"), spread.astype(np.float32)),
+        "n_picks": (("group", "layer"), n_picks),
     }
-
-
-@njit(cache=True)
-def _average(power, surface_row, n_groups, n_rows):
-    """Averaged lines float32 (group, row)."""
-    averaged = np.full((n_groups, n_rows), np.nan, dtype=np.float32)
-    for group in range(n_groups):
-        total = np.zeros(n_rows)
-        count = np.zeros(n_rows)
-        for line in range(group * GROUP_LINES, (group + 1) * GROUP_LINES):
-            top = surface_row[line] + FIRST_ROW
-            for row in range(max(0, -top), min(n_rows, power.shape[1] - top)):
-                value = power[line, top + row]
-                if not np.isnan(value):
-                    total[row] += value
-                    count[row] += 1
-        for row in range(n_rows):
-            # A row that only some lines of a group reach would mix depths of different noise and
-            # fading.
-            if 2 * count[row] >= GROUP_LINES:
-                averaged[group, row] = total[row] / count[row]
-    return averaged
-
-
-@njit(cache=True)
-def _positions(rows):
-    """Mean and variance of each part of rows (group, layer, line), sorted, NaN at its end."""
-    n_groups, n_layers, n_lines = rows.shape
-    position = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
-    spread = np.full((n_groups, n_layers, PARTS), np.nan, dtype=np.float32)
-    for group in range(n_groups):
-        for layer in range(n_layers):
-            n_picks = 0
-            while n_picks < n_lines and not np.isnan(rows[group, layer, n_picks]):
-                n_picks += 1
-            if n_picks < PARTS:
-                continue
-            for part in range(PARTS):
-                held = rows[group, layer, part * n_picks // PARTS : (part + 1) * n_picks // PARTS]
-                position[group, layer, part] = held.mean()
-                spread[group, layer, part] = held.var()
-    return position, spread
 
 
 def _air(power, air_end, n_groups):

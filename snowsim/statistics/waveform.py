@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
+from snowsim.phy.waveform import waveform_width
 from snowsim.statistics.deblend import deblend
 from snowsim.statistics.moments import mean_where
 from snowsim.statistics.summaries import FIRST_ROW
@@ -20,8 +20,6 @@ def deblended_waveform(groups, tracked_power, decay):
     layers: always positive, as only that can be rendered; such a layer is `substituted`.
     """
     fitted = deblend(groups, decay)
-    decay_rate, variance = np.exp(fitted.shape[:, :2].T)
-    offset = fitted.shape[:, 2]
     powers = fitted.powers
     known = np.isfinite(powers)
     n = known.sum(axis=0)
@@ -37,19 +35,15 @@ def deblended_waveform(groups, tracked_power, decay):
     share = np.median(solved[both] / above_noise[both]) if both.any() else 1.0
     stand_in = share * np.where(seen, above_noise, groups.noise_power)
     peak_power = bridged(np.where(reliable, solved, stand_in), tracked_power > 0)
-    lead, height = waveform_peak(variance, decay_rate)
-    lag = LAGS - (offset - lead)[:, None]
-    alone = waveform_exact(lag, variance[:, None], decay_rate[:, None])
     variables = {
         "peak_power": ("layer", peak_power),
-        "decay_rate": ("layer", decay_rate),
-        "width_bins": ("layer", waveform_width(variance, decay_rate)),
-        "variance_bins2": ("layer", variance),
-        "offset_bins": ("layer", offset),
+        "decay_rate": ("layer", fitted.decay_rate),
+        "width_bins": ("layer", waveform_width(fitted.variance, fitted.decay_rate)),
+        "variance_bins2": ("layer", fitted.variance),
+        "offset_bins": ("layer", fitted.offset),
         "substituted": ("layer", (~reliable).astype(np.int64)),
         "own_shape": ("layer", fitted.own_shape.astype(np.int64)),
         "mean_waveform": (("layer", "lag"), _mean_waveforms(groups)),
-        "layer_waveform": (("layer", "lag"), peak_power[:, None] * alone / height[:, None]),
     }
     return variables, powers
 
