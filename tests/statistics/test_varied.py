@@ -113,21 +113,12 @@ def test_a_longer_tail_lengthens_nothing_else(flight):
 
 def test_all_else_stays_and_what_was_drawn_is_told(flight, rng):
     other = varied(flight, rng=rng)
-    errors = {f"{name}_standard_error" for name in CHANGES}
-    for name in flight.variables.keys() - CHANGES - errors:
+    for name in flight.variables.keys() - CHANGES:
         assert_array_equal(other[name], flight[name], err_msg=name)
         assert other[name].attrs == flight[name].attrs, name
     told = {key for key in other.attrs if key.startswith("varied_")}
     assert told == {f"varied_{field.name}" for field in dataclasses.fields(Variation)}
     assert other.attrs["n_looks"] == other.attrs["varied_n_looks"]
-
-
-def test_a_standard_error_moves_with_what_it_is_an_error_of(flight):
-    other = changed(flight, Variation(thickness=2.0, noise_db=10.0))
-    name = "thickness_mean_bins_standard_error"
-    assert_allclose(other[name], 2 * flight[name])
-    # A relative one stays.
-    assert_array_equal(other["noise_power_standard_error"], flight["noise_power_standard_error"])
 
 
 def test_draws_fill_their_ranges_and_no_more(rng):
@@ -159,3 +150,8 @@ def test_statistics_of_images_have_no_gain_to_change(flight, rng):
     lacking = flight.drop_vars(["line_gain_spread_db", "speckle_correlation"])
     other = varied(lacking, rng=rng)
     assert "line_gain_spread_db" not in other
+
+
+def test_statistics_of_an_earlier_version_are_refused_in_one_line(flight, rng):
+    with pytest.raises(ValueError, match="statistics: content must be .* 2', got 'none': fit them"):
+        varied(flight.assign_attrs(content="none"), rng=rng)
