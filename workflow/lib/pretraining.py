@@ -15,9 +15,9 @@ from snowsim.statistics import Variation, changed, varied
 
 # One in so many variants is the flight itself.
 EVERY = 5
-# A layer is labelled if its mean power stands so high above the mean of noise and background that a
-# person who follows the years still sees it [dB].
-SEEN_DB = -3.0
+# Mean power of a layer, over that of noise and background at its depth, from which it is labelled
+# [dB]: with both it rises by 1 dB.
+SEEN_DB = -6.0
 
 
 def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
