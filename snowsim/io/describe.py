@@ -20,7 +20,6 @@ MOST_ROWS = 8  # layers told one by one
 COUNTED = {
     "outside_training": "scenes lie outside what their generator was trained on",
     "n_pixels_cut": "labelled pixels lie below the images",
-    "n_pixels_unlabelled": "pixels of drawn layers are too faint for a label",
 }
 
 

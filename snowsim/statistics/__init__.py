@@ -9,13 +9,11 @@ from snowsim.statistics.doubts import FAR_BINS, looks_like_amplitude, surface_aw
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
 from snowsim.statistics.summaries import merge, summarise
+from snowsim.statistics.thickness import MINIMUM_BLOCKS
 from snowsim.statistics.varied import Ranges, Variation, changed, varied
 
 __all__ = ["ESTIMATORS", "Ranges", "Variation", "changed", "doppler_spectra", "estimate", "fit"]
 __all__ += ["merge", "summarise", "varied", "warn_of_little"]
-
-
-BLOCKS_OF_A_ZONE = 4  # with fewer a variance has a standard error of its own size
 
 
 def fit(frames, *, estimator="deblended"):
@@ -96,7 +94,7 @@ def warn_of_little(statistics):
         msg = f"{name} is held constant: {stands_on} are too few for it"
         warnings.warn(msg, UserWarning, stacklevel=3)
     n_zones = statistics.sizes["zone"]
-    n_needed = n_zones * BLOCKS_OF_A_ZONE
+    n_needed = n_zones * MINIMUM_BLOCKS
     if n_placed < n_needed:
         msg = f"thickness of {n_zones} zones stands on {n_placed} blocks, {n_needed} are needed"
         warnings.warn(msg, UserWarning, stacklevel=3)

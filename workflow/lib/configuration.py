@@ -12,13 +12,12 @@ import yaml
 from snowsim.reference.settings import PROFILES
 from snowsim.settings import replaced
 from snowsim.settings.cgan import RECIPES as CGAN
-from snowsim.settings.labels import RECIPES as LABELS
 from snowsim.settings.phy import RECIPES as PHY
 from snowsim.settings.tracker import RECIPES as TRACKER
 
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # By stage; the first is the default.
-RECIPES = {"reference": PROFILES, "labels": LABELS, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
+RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
 
 
 def filled(config):
@@ -28,11 +27,9 @@ def filled(config):
     """
     check(config)
     whole = dict(config)
-    for stage in ("labels", "phy"):
-        others = dict(config[stage])
-        named = {name: others.pop(name) for name in names_of(stage) if name in others}
-        recipe = chosen(stage, others.pop("recipe", None))
-        whole[stage] = others | asdict(built(stage, recipe, named))
+    others = dict(config["phy"])
+    recipe = chosen("phy", others.pop("recipe", None))
+    whole["phy"] = asdict(built("phy", recipe, others))
     trained = {}
     for stage in ("cgan", "tracker"):
         others = dict(config[stage])
@@ -81,8 +78,7 @@ def built(section, recipe, named):
 def read_schema():
     """JSON Schema of a configuration; settings of the package are known to it by name."""
     schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
-    for stage in ("labels", "phy"):
-        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), {})
+    schema["properties"]["phy"]["properties"] |= dict.fromkeys(names_of("phy"), {})
     return schema
 
 
@@ -97,6 +93,11 @@ def check(config):
             expected = ", ".join(error.schema["properties"])
         hint = f" (expected: {expected})" if expected else ""
         msg = f"config: {key}: {error.message}{hint}"
+        raise ValueError(msg)
+    wanted = {"measured": "deblended", "paper": "paper"}[config["labels"]["recipe"]]
+    if config["statistics"]["estimator"] != wanted:
+        msg = f"config: labels.recipe: {config['labels']['recipe']} needs statistics.estimator: "
+        msg += f"{wanted}, got {config['statistics']['estimator']}"
         raise ValueError(msg)
     n_held = config["cgan"]["n_held"]
     n_train = config["benchmark"]["n_scenes"]["train"]
