@@ -56,10 +56,11 @@ def looks(summary, n_layers):
         "gamma_quantile": ("probability", gamma_quantile),
         "speckle_correlation": ("speckle_lag", correlation),
     }
-    line = block_starts(summary)[0][:, None] + np.arange(BLOCK_LINES)
+    tracked = summary["tracked_power"].values.astype(float)
+    blocks = np.array([tracked[lines].T for lines, _ in whole_blocks(summary)])
     spectra = {}
-    for layer in range(1, min(SPECTRUM_LAYERS + 1, summary.sizes["layer"])):
-        power = summary["tracked_power"].values[line, layer].astype(float)
+    for layer in range(1, min(SPECTRUM_LAYERS + 1, tracked.shape[1]) if blocks.size else 1):
+        power = blocks[:, layer]
         power = power[np.isfinite(power).all(axis=1) & (power > 0).any(axis=1)]
         relative = power / power.mean(axis=1, keepdims=True)
         density = np.abs(np.fft.rfft(relative)[:, 1:]) ** 2
@@ -114,14 +115,20 @@ def range_correlation(products, pairs):
     return (covariance[:SPECKLE_LAGS] - common) / variance
 
 
-def block_starts(summary):
-    """First range line and first group of every whole block of all frames, two (block,)."""
-    n_lines, n_groups = summary["n_lines"].values, summary["n_groups"].values
-    n_blocks = n_lines // BLOCK_LINES
-    within = np.concatenate([np.arange(n) for n in n_blocks]) * BLOCK_LINES
-    line = np.repeat(n_lines.cumsum() - n_lines, n_blocks)
-    group = np.repeat(n_groups.cumsum() - n_groups, n_blocks)
-    return line + within, group + within // GROUP_LINES
+def whole_blocks(summary):
+    """Slices of range lines and of groups of every whole block of all frames, a list of pairs."""
+    blocks = []
+    first_line = first_group = 0
+    frames = zip(summary["n_lines"].values, summary["n_groups"].values, strict=True)
+    for n_lines, n_groups in frames:
+        for start in range(0, n_lines - BLOCK_LINES + 1, BLOCK_LINES):
+            line = first_line + start
+            group = first_group + start // GROUP_LINES
+            last_group = min(group + BLOCK_LINES // GROUP_LINES, first_group + n_groups)
+            blocks.append((slice(line, line + BLOCK_LINES), slice(group, last_group)))
+        first_line += n_lines
+        first_group += n_groups
+    return blocks
 
 
 def doppler_spectra(amplitude, layer_bins, line_spacing_m):
@@ -157,12 +164,11 @@ def fading_products(summary, powers):
     share.
     """
     products = np.zeros((2, ALL_LAGS.size, 2))
-    groups_in_block = BLOCK_LINES // GROUP_LINES
     all_tracked = summary["tracked_power"].values
-    for line, group in zip(*block_starts(summary), strict=True):
-        own = powers[group : group + groups_in_block]
+    for lines, groups in whole_blocks(summary):
+        own = powers[groups]
         for layer in np.flatnonzero(np.isfinite(own).any(axis=0)):
-            tracked = all_tracked[line : line + BLOCK_LINES, layer].astype(float)
+            tracked = all_tracked[lines, layer].astype(float)
             known = tracked > 0
             if 2 * known.sum() < BLOCK_LINES:
                 continue

@@ -12,11 +12,10 @@ from evaluation.lib.figures.style import (
     new_panel,
 )
 from snowsim.echogram import layer_bins_of, to_db
+from snowsim.phy.waveform import waveform_exact, waveform_peak
 
 N_BANDS = 64  # of a spectrum along track
 SHOWN_PERCENT = (0.5, 99.9)  # of the powers of an echogram, from black to white
-# About a layer: of averaged lines, as fitted by all layers, and of this layer alone.
-WAVEFORMS = {"mean_waveform": "-", "model_waveform": "--", "layer_waveform": ":"}
 # Greenland: degrees north and east of capes and towns, clockwise from Cape Farewell.
 COAST = (
     (59.8, -43.9), (65.6, -37.6), (68.1, -31.8), (70.5, -22.0), (81.4, -11.5), (83.6, -33.4),
@@ -63,9 +62,9 @@ def waveforms(statistics):
     lag_ns = statistics["lag"] * statistics.attrs["bin_size_s"] * 1e9
     noise_db = to_db(float(statistics["noise_power"]))
     for layer, ax in enumerate(of_waveforms):
-        for name, dashes in WAVEFORMS.items():
-            power_db = to_db(statistics[name][layer])
-            ax.plot(lag_ns, power_db, dashes, label=name_of(name))
+        # Of averaged lines, and of this layer alone by eq. (1).
+        ax.plot(lag_ns, to_db(statistics["mean_waveform"][layer]), label="mean waveform")
+        ax.plot(lag_ns, to_db(layer_waveform(statistics, layer)), ":", label="layer waveform")
         ax.set(xlabel="two-way travel time [ns]", ylabel="power [dB]", title=f"about layer {layer}")
         ax.set_ylim(noise_db - 3, None)
         ax.legend()
@@ -74,6 +73,15 @@ def waveforms(statistics):
     of_peaks.set(xlabel="layer", ylabel="peak power [dB]", title="all layers")
     of_peaks.legend()
     return figure
+
+
+def layer_waveform(statistics, layer):
+    """Power of a layer alone at the lags of mean waveforms."""
+    names = ("variance_bins2", "decay_rate", "offset_bins", "peak_power")
+    variance, decay, offset, power = (float(statistics[name][layer]) for name in names)
+    peak, height = waveform_peak(variance, decay)
+    wave = waveform_exact(statistics["lag"].values - offset + peak, variance, decay)
+    return power * wave / height
 
 
 def along_track(statistics):
