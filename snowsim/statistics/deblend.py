@@ -14,8 +14,8 @@ from snowsim.statistics.summaries import FIRST_ROW
 # Averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %.
 SHAPE_GROUPS = 60
 OPEN_END_BINS = 40  # below the pick of a layer without another, where its line ends
-RISE_DEVIATIONS = 7.0  # above its peak, a waveform is cut at 1e-10 of the peak
-FALL_NEPERS = 14.0  # and below it at 1e-6
+RISE_DEVIATIONS = 7.0  # of its Gaussian: a waveform is cut at 1e-10 of the peak above
+FALL_NEPERS = 14.0  # and below these, by its decay, at 1e-6
 SMOOTH_ROWS = 9  # of the moving mean that the weights follow
 # [bins] e-folding depths of unpicked scatter; sums of them fit most declines.
 BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
@@ -26,7 +26,7 @@ ECHO_ROOM = 14.0
 ECHO_VARIANCE = 0.6  # [bins^2] of its Gaussian: about that of the range response
 NORMAL_MEDIAN = 0.6745  # of the magnitude of a standard normal variable
 LEAST_DEVIATION = 1e-6  # of relative residuals, where lines are free of speckle
-# Of log decay rate, log variance and the Gaussian's distance below the pick [bins].
+# Of log decay rate, log variance and the peak's offset [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
 PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # about their start
@@ -92,10 +92,10 @@ def deblend(groups, decay_rate):
     eq. (1) of Yari et al. (2021), averaged over the parts of a group: within a part, a layer's rows
     have a variance v_l, which to second order only widens the Gaussian. Powers and
     `Line.background` are free in every group and linear, so they are eliminated (variable
-    projection, Kaufman 1975, BIT 15, 49-57). A shape - log decay rate, log variance and the
-    Gaussian's distance c below the pick - follows by least squares: one for the surface, one for
-    all buried layers; a layer departs from it only if the Bayesian information criterion favours
-    it, see `departing`. Residuals are weighted by 1 / P^2 because of speckle, and positive ones
+    projection, Kaufman 1975, BIT 15, 49-57). A shape - log decay rate, log variance and distance of
+    the waveform's peak below the pick - follows by least squares: one for the surface, one for all
+    buried layers; a layer departs from it only if the Bayesian information criterion favours it,
+    see `departing`. Residuals are weighted by 1 / P^2 because of speckle, and positive ones
     less, as of Cauchy's law, because unpicked echoes only add to the waveforms. A broad prior
     (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked
     ones is kept as a nuisance at an interpolated row; below the last pick nothing is annotated.
@@ -124,9 +124,9 @@ def deblend(groups, decay_rate):
         shape, _ = _fit_shapes(shape, kind, lines)
     shape = shape[kind]
     decay_rate, variance = np.exp(shape[:, :2].T)
-    peak, height = waveform_peak(variance, decay_rate)
+    _, height = waveform_peak(variance, decay_rate)
     powers = _powers(shape, groups) * height / np.sqrt(variance)
-    return Deblended(decay_rate, variance, shape[:, 2] + peak, powers, kind > 1)
+    return Deblended(decay_rate, variance, shape[:, 2], powers, kind > 1)
 
 
 def _spread_out(present):
@@ -226,14 +226,11 @@ def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
 def _weigh(shape, lines):
     """Set the scale of lines by residuals; their standard deviation and mean loss.
 
-    The scale is the expected mean power, never below the smoothed one, and larger where power is
-    above the model by more than the deviation: Cauchy's weights.
+    The scale is larger where power is above the model by more than the deviation: Cauchy's weights.
     """
     relative = []
     for line in lines:
-        columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
-        model = solve_powers(columns, line)[0] @ columns
-        line.scale = np.maximum(model + line.noise_power, line.smooth)
+        _, model = _explained(shape, line)
         relative.append((line.signal - model) / line.scale)
     together = np.concatenate(relative)
     deviation = max(np.median(np.abs(together)) / NORMAL_MEDIAN, LEAST_DEVIATION)
@@ -242,6 +239,19 @@ def _weigh(shape, lines):
     above = np.log1p(np.maximum(together / deviation, 0) ** 2)
     below = np.minimum(together / deviation, 0) ** 2
     return deviation, (above + below).mean() * deviation**2
+
+
+def _explained(shape, line):
+    """Powers of a line's columns, and the power that they explain, without one-sided weights.
+
+    Sets the line's scale to the mean power expected, never below the smoothed one.
+    """
+    columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
+    for _ in range(2):
+        powers, _ = solve_powers(columns, line)
+        model = powers @ columns
+        line.scale = np.maximum(model + line.noise_power, line.smooth)
+    return powers, model
 
 
 def separate(shape, kind, line):
@@ -285,23 +295,31 @@ def waveform_columns(shape, line):
 
     A waveform is that of eq. (1) for a Gaussian of unit area but for a constant, wide enough for
     the spread of its part. With Gaussian g, ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d
-    g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation.
+    g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation. By w' = 0 the peak moves
+    with a and d; shapes hold its place, since one held at the Gaussian's would be a curved valley.
     """
-    decay, variance = np.exp(shape[line.layers, :2].T)
-    lag = line.rows - (line.position + shape[line.layers, 2:]).T[:, :, None]
+    log_decay, log_variance, offset = shape[line.layers].T
+    decay, variance = np.exp(log_decay), np.exp(log_variance)
+    peak, _ = waveform_peak(variance, decay)
+    lag = line.rows - (line.position.T + offset - peak)[:, :, None]
     wide = variance[:, None] + line.spread.T[:, :, None]
-    reached = (lag > -RISE_DEVIATIONS * np.sqrt(wide)) & (lag * decay[:, None] < FALL_NEPERS)
+    reach = RISE_DEVIATIONS * np.sqrt(wide)
+    reached = (lag > -reach) & ((lag - reach) * decay[:, None] < FALL_NEPERS)
     # From here on only the samples that the waveform reaches, of all parts and layers.
     part, layer, _ = np.nonzero(reached)
     lag, wide = lag[reached], wide[part, layer, 0]
-    decay, variance = decay[layer], variance[layer]
+    decay, variance, peak = decay[layer], variance[layer], peak[layer]
     wave = waveform_exact(lag, wide, decay)
     gaussian = np.exp(-(lag**2) / (2 * wide))
     along = gaussian - decay * wave
     by_decay = -((lag - decay * wide) * wave + wide * gaussian)
     bend = -lag / wide * gaussian - decay * along
+    peak_by_decay = -variance * (1 - decay * peak) / peak
+    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
+    by_decay = decay * by_decay + along * peak_by_decay
+    by_variance = variance * bend / 2 + along * peak_by_variance
     columns = np.zeros((4, *reached.shape))
-    columns[:, reached] = [wave, decay * by_decay, variance * bend / 2, -along] / np.sqrt(wide)
+    columns[:, reached] = [wave, by_decay, by_variance, -along] / np.sqrt(wide)
     return columns.mean(axis=1)
 
 
@@ -367,9 +385,6 @@ def _powers(shape, groups):
         line = prepare_line(groups, group)
         if line is None:
             continue
-        columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
-        for _ in range(2):
-            solved, _ = solve_powers(columns, line)
-            line.scale = np.maximum(solved @ columns + line.noise_power, line.smooth)
+        solved, _ = _explained(shape, line)
         powers[group, line.layers] = solved[: line.layers.size]
     return np.where(groups.present, powers, np.nan)
