@@ -15,7 +15,7 @@ from snowsim.statistics.summaries import FIRST_ROW
 SHAPE_GROUPS = 60
 OPEN_END_BINS = 40  # below the pick of a layer without another, where its line ends
 RISE_DEVIATIONS = 7.0  # of its Gaussian: a waveform is cut at 1e-10 of the peak above
-FALL_NEPERS = 14.0  # and below these, by its decay, at 1e-6
+FALL_NEPERS = 12.0  # and below these, by its decay, at 1e-5
 SMOOTH_ROWS = 9  # of the moving mean that the weights follow
 # [bins] e-folding depths of unpicked scatter; sums of them fit most declines.
 BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
@@ -35,7 +35,7 @@ FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
 FIRST_VARIANCES = (0.7, 8.0)
 MISFIT_LAGS = np.arange(-4, 17)  # [bins] from a pick, over which lasting misfit is looked for
 MISFIT_LINES = 10  # averaged lines needed to estimate it
-MOST_STEPS = 5  # between changes of weights
+MOST_STEPS = 3  # between changes of weights
 MOST_ROUNDS = 6  # of weights from residuals, and of layers that depart
 # Of log decay, log variance and bins: a tenth of the smallest bound asked of them.
 SETTLED = 5e-3
@@ -246,7 +246,8 @@ def _explained(shape, line):
 
     Sets the line's scale to the mean power expected, never below the smoothed one.
     """
-    columns = np.concatenate([waveform_columns(shape, line)[0], line.background])
+    waveforms = waveform_columns(shape, line, with_slopes=False)
+    columns = np.concatenate([waveforms[0], line.background])
     for _ in range(2):
         powers, _ = solve_powers(columns, line)
         model = powers @ columns
@@ -290,7 +291,7 @@ def solve_powers(columns, line):
     return powers, factor
 
 
-def waveform_columns(shape, line):
+def waveform_columns(shape, line, *, with_slopes=True):
     """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
 
     A waveform is that of eq. (1) for a Gaussian of unit area but for a constant, wide enough for
@@ -310,6 +311,10 @@ def waveform_columns(shape, line):
     lag, wide = lag[reached], wide[part, layer, 0]
     decay, variance, peak = decay[layer], variance[layer], peak[layer]
     wave = waveform_exact(lag, wide, decay)
+    columns = np.zeros((4 if with_slopes else 1, *reached.shape))
+    columns[0, reached] = wave / np.sqrt(wide)
+    if not with_slopes:
+        return columns.mean(axis=1)
     gaussian = np.exp(-(lag**2) / (2 * wide))
     along = gaussian - decay * wave
     by_decay = -((lag - decay * wide) * wave + wide * gaussian)
@@ -318,8 +323,7 @@ def waveform_columns(shape, line):
     peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
     by_decay = decay * by_decay + along * peak_by_decay
     by_variance = variance * bend / 2 + along * peak_by_variance
-    columns = np.zeros((4, *reached.shape))
-    columns[:, reached] = [wave, by_decay, by_variance, -along] / np.sqrt(wide)
+    columns[1:, reached] = [by_decay, by_variance, -along] / np.sqrt(wide)
     return columns.mean(axis=1)
 
 
@@ -343,8 +347,8 @@ def departing(shape, kind, lines):
         for i in np.flatnonzero(line.picked):
             layer = line.layers[i]
             rows = np.rint(line.position[i].mean()) + MISFIT_LAGS
-            if np.isin(rows, line.rows).all():
-                at = np.searchsorted(line.rows, rows)
+            at = np.searchsorted(line.rows, rows)
+            if at[-1] < line.rows.size and (line.rows[at] == rows).all():
                 profiles[layer].append(np.vstack([residual[at], slopes[layer][:, at]]))
     log_decay, log_variance, _ = shape[-1]
     width = waveform_width(np.exp(log_variance), np.exp(log_decay))

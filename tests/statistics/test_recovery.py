@@ -78,14 +78,6 @@ def test_everything_planted_comes_back_from_200_scenes(planted, rng):
     summary = statistics.merge(statistics.summarise(*frame) for frame in frames())
     fitted = statistics.estimate(summary, zone_edge_bins=ONE_ZONE)
     assert_planted(fitted, planted)
-    # The errors claimed are what sampling leaves, below a third of the bound, so that the bound is
-    # a test; those of shapes allow for misfit as well, which here there is none of: about twice as
-    # much.
-    for name, bound in BOUNDS.items():
-        share = 2 / 3 if name in ("decay_rate", "variance_bins2") else 1 / 3
-        error = fitted[f"{name}_standard_error"] / getattr(planted, name)
-        assert error.max() < bound * share, name
-    assert fitted["width_bins_standard_error"].max() < 2 / 3
     # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of
     # those.
     assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)

@@ -95,7 +95,8 @@ def test_gain_looks_and_correlation_of_speckle_reach_the_echoes(flight):
 def test_half_as_large_bins_hold_the_same_snow_and_pulse_in_twice_as_many(flight):
     finer = changed(flight, Variation(bin_size=0.5))
     twice = changed(flight, Variation(thickness=2.0, pulse_length=2.0))
-    for name in (*OF_THICKNESS, *OF_PULSE_LENGTH):
+    # The shipped statistics are of one estimator.
+    for name in {*OF_THICKNESS, *OF_PULSE_LENGTH} & set(flight.variables):
         assert_array_equal(finer[name], twice[name], err_msg=name)
     correlation = flight["speckle_correlation"].values
     assert_array_equal(
