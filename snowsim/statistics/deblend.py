@@ -36,7 +36,7 @@ FIRST_VARIANCES = (0.7, 8.0)
 MISFIT_LAGS = np.arange(-4, 17)  # [bins] from a pick, over which lasting misfit is looked for
 MISFIT_LINES = 10  # averaged lines needed to estimate it
 MOST_STEPS = 3  # between changes of weights
-MOST_ROUNDS = 6  # of weights from residuals, and of layers that depart
+MOST_ROUNDS = 4  # of weights from residuals, and of layers that depart
 # Of log decay, log variance and bins: a tenth of the smallest bound asked of them.
 SETTLED = 5e-3
 
