@@ -3,8 +3,9 @@
 import numpy as np
 
 DB = 10 / np.log(10)  # decibels in one neper of power
-# Binary digits of statistics, 1e-6, on which processors agree: sums and fits leave at most 1e-11.
-SHARED_BITS = 20
+# Binary digits of statistics, 1.5e-5, on which processors agree: sums and fits leave at most 1e-11,
+# fading that is longer than a block 1e-7.
+SHARED_BITS = 16
 # Of least squares, so that fits end where processors agree to 1e-11: complex steps have no error
 # of differences, and a dogbox reaches a bound.
 TO_THE_LAST_DIGITS = {

@@ -165,7 +165,7 @@ def test_a_year_no_one_picked_lies_between_its_neighbours(planted, flight, estim
     assert fitted.sizes["layer"] == 5
     assert fitted["substituted"].values[2] == 1
     above, bridged, below = fitted["peak_power"].values[1:4]
-    assert_allclose(bridged, np.sqrt(above * below), rtol=2**-19)
+    assert_allclose(bridged, np.sqrt(above * below), rtol=2**-15)
     # The layer is there, unpicked: its neighbours must not take it for their own.
     if estimator == "deblended":
         assert_allclose([above, below], planted.peak_power[[1, 3]], rtol=0.05)
@@ -181,7 +181,7 @@ def test_zones_without_data_take_what_the_others_have(flight, estimator):
     relative = fitted["relative_thickness_mean"]
     assert_allclose(relative[:3], relative.values[[3, 3, 3]])
     ratio = fitted["thickness_mean_bins"][:3] / relative[:3]
-    assert_allclose(ratio, np.repeat([[15.0], [25], [32.5]], 4, axis=1), rtol=2**-20)
+    assert_allclose(ratio, np.repeat([[15.0], [25], [32.5]], 4, axis=1), rtol=2**-16)
     assert is_undulating(fitted)
 
 
