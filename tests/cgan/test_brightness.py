@@ -21,7 +21,7 @@ def test_layers_and_snow_of_phys_render_are_as_bright_as_expected():
     model = prepare(flight, 64, dress=Dress(n_looks=16))
     labels = draw_scene(model, 64, name="bright", rng=np.random.default_rng(1))
     rng = random_stream(7, "render_phy", labels.name)
-    render = render_scene(labels, rng=rng, tolerance_db=0.05)
+    render = render_scene(labels, rng=rng)
     observed = observed_levels(render.image, labels.layer_bins, labels.n_range_bins)
     expected = expected_levels(labels, flight)
     error = expected.of_layers - observed.of_layers
