@@ -168,6 +168,10 @@ FAR_APART = {
     "variance_bins2": [12.0, 12.0],
     "decay_rate": [0.07, 0.07],
 }
+STRONGEST_ABSENT = FAR_APART | {
+    "layer_bins": np.concatenate([np.nan * LINES, 160 + LINES]),
+    "peak_power": [1e30, 1.0],
+}
 AT_THE_LIMITS = {
     "no layers": (NOTHING | {"layer_bins": np.empty((0, 4))}, 1e-3),
     "all absent": ({"layer_bins": np.nan * LINES}, 1e-3),
@@ -184,6 +188,7 @@ AT_THE_LIMITS = {
     "power of 1e-280": ({"peak_power": [1e-280]}, 1e-283),
     "power of 1e300": ({"peak_power": [1e300]}, 1e297),
     "300 decades apart": (FAR_APART, 1e-302),
+    "strongest absent": (STRONGEST_ABSENT, 1e-3),
 }
 
 
