@@ -75,7 +75,7 @@ def similarity(results):
         for training_set in SETS:
             method = RENDERER.get(training_set)
             cells.append(f"{mean.loc[metric, method]:.{n_digits}f}" if method else "")
-        rows.append([f"{name} of renders", *cells])
+        rows.append([f"renders: {name}", *cells])
     return rows
 
 
@@ -86,7 +86,7 @@ def filled(page, results):
     if not (opened and closed):
         msg = f"expected {OPENED.strip()} and {CLOSED}, found no such place"
         raise ValueError(msg)
-    header = ["[95 % interval less RD]", *SETS.values()]
+    header = ["", *SETS.values()]
     table = markdown(header, edge_scores(results) + similarity(results))
     return f"{before}{OPENED}{table}{CLOSED}{after}"
 

@@ -29,16 +29,16 @@ def results(tmp_path):
 def test_means_and_differences_are_the_run_s_and_the_rest_of_the_page_is_kept(results):
     page = "before\n<!-- results -->\nold\n<!-- /results -->\nafter\n"
     filled = fill_tables.filled(page, results)
-    assert filled.startswith("before\n<!-- results -->\n| [95 % interval less RD] | RD |")
+    assert filled.startswith("before\n<!-- results -->\n|  | RD |")
     assert filled.endswith("|\n<!-- /results -->\nafter\n")
-    assert "| SSIM of renders |  | 2.00 | 4.00 |  |" in filled
+    assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
     assert "| ODS | .750 | .750 [-0.125, +0.125] | .500 [-0.375, -0.125] |" in filled
     assert fill_tables.filled(filled, results) == filled
 
 
 def test_readme_has_the_place_and_a_page_without_it_is_refused(results):
     filled = fill_tables.filled(fill_tables.README.read_text(), results)
-    assert "| SSIM of renders |  | 2.00 | 4.00 |  |" in filled
+    assert "| renders: SSIM |  | 2.00 | 4.00 |  |" in filled
     with pytest.raises(ValueError, match="expected <!-- results -->"):
         fill_tables.filled("<!-- results -->\nnever closed\n", results)
 
