@@ -5,8 +5,7 @@ import os
 import shutil
 from pathlib import Path
 
-# Frames and scenes take nearly all of a run's disk: their rules say how much, by the sizes in
-# docs/scale.md.
+# Frames and scenes take nearly all of a run's disk; their rules say how much.
 SMALL_FILES_MB = 20
 # Results that show the way from the flight to both tables.
 LANDMARKS = ("statistics.nc", "tables/table2.csv", "tables/table3.csv")
