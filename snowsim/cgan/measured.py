@@ -94,12 +94,15 @@ def take_step(training, batch):
     """Update both networks, and the grain, on one batch; the losses before."""
     generator = training.generator
 
-    def decide(image):
+    def decide_both(image):
         with arithmetic(training.device, training.settings.precision):
             # Normalised together: by themselves, renders of twice the contrast are the same to it.
             inputs = torch.cat([batch.inputs, batch.inputs])
             images = torch.cat([batch.image, image])
             return training.discriminator(inputs, images).chunk(2)
+
+    def decide_rendered(image):
+        return decide_both(image)[1]
 
     with arithmetic(training.device, training.settings.precision):
         rendered = generator(batch.inputs, batch.noise)
@@ -109,7 +112,8 @@ def take_step(training, batch):
     l1 = functional.l1_loss(rendered, batch.image)
     lacking = (batch.image - rendered).detach()
     generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
-    return update(training, rendered + generator.grain(batch.noise).detach(), l1, decide)
+    rendered = rendered + generator.grain(batch.noise).detach()
+    return update(training, rendered, l1, decide_both, decide_rendered)
 
 
 def render_image(generator, scene, settings, *, rng):

@@ -40,9 +40,8 @@ class UNet(nn.Module):
         self.norm_down = nn.ModuleList(map(norm, self.channels[1:-1]))
         self.norm_up = nn.ModuleList(map(norm, self.channels[:-1]))
 
-    def forward(self, x, dropout=None):
-        """Image of `x`; `dropout` holds factors of the features that some stages give."""
-        dropout = dropout or {}
+    def forward(self, x, dropout=()):
+        """Image of `x`; `dropout` maps stages to factors of the features that they give."""
         kept = [self.down[0](x)]
         for halve, norm in zip(self.down[1:-1], self.norm_down, strict=True):
             rectified = functional.leaky_relu(kept[-1], SLOPE)
@@ -139,23 +138,23 @@ def initialise(network, *, rng):
             parameter.copy_(torch.from_numpy(weights))
 
 
-def update(training, rendered, l1, decide):
+def update(training, rendered, l1, decide_both, decide_rendered):
     """Update the discriminator, then the generator; the losses before each.
 
-    ``decide(image)`` gives logits of the observed images and of some rendered ones. `rendered` and
-    `l1`, the mean distance of renders from observed images, lead back to the generator. Losses:
+    ``decide_both(image)`` gives logits of the observed images and of rendered ones,
+    ``decide_rendered(image)`` of the latter. `rendered` and `l1`, the mean distance of renders from
+    observed images, lead back to the generator. Losses:
     ``L_D = (A(observed, 1) + A(rendered, 0)) / 2`` and ``L_G = A(rendered, 1) + 100 l1``, A the
     cross-entropy of logits (0.69 is undecided): Isola et al. (2017), eq. (7) of Yari et al. (2021).
     """
     discriminator = training.discriminator
-    real, fake = decide(rendered.detach())
+    real, fake = decide_both(rendered.detach())
     on_real = adversarial_loss(real, 1.0)
     on_fake = adversarial_loss(fake, 0.0)
     (0.5 * (on_real + on_fake)).backward()
     training.optimisers["discriminator_adam"].step()
     discriminator.requires_grad_(False)
-    _, decision = decide(rendered)
-    adversarial = adversarial_loss(decision, 1.0)
+    adversarial = adversarial_loss(decide_rendered(rendered), 1.0)
     (adversarial + L1_WEIGHT * l1).backward()
     training.optimisers["generator_adam"].step()
     discriminator.requires_grad_(True)

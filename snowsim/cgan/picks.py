@@ -18,8 +18,7 @@ def completed(scene, found):
 
     Picks lie where the tracker found a layer within `APART_BINS` of them, else as they are. What is
     found below the uppermost pick, apart from every pick and over `SHORTEST_LINES` or more, is a
-    layer of its own. Layers come by their mean depth, those of the scene's that nobody picked are
-    left out.
+    layer of its own. Layers come by their mean depth; rows without a pick are left out.
     """
     picked = scene.layer_bins
     apart = np.nan_to_num(np.abs(found[:, None] - picked), nan=np.inf)  # (found, picked, line)

@@ -89,13 +89,16 @@ def take_step(training, batch):
 
     def decide(image):
         with arithmetic(training.device, training.settings.precision):
-            real = training.discriminator(batch.inputs, batch.image)
-            return real, training.discriminator(batch.inputs, image)
+            return training.discriminator(batch.inputs, image)
+
+    def decide_both(image):
+        return decide(batch.image), decide(image)
 
     with arithmetic(training.device, training.settings.precision):
         rendered = training.generator(batch.inputs, batch.noise)
     rendered = rendered.to(batch.image)
-    return update(training, rendered, functional.l1_loss(rendered, batch.image), decide)
+    l1 = functional.l1_loss(rendered, batch.image)
+    return update(training, rendered, l1, decide_both, decide)
 
 
 def render_image(generator, scene, settings, *, rng):
