@@ -68,7 +68,5 @@ class Echoes:
             "noise_power": self.noise_power,
             "n_looks": self.n_looks,
             "speckle_correlation": self.speckle_correlation,
-            "texture": self.texture,
-            "textured_layers": self.kind != Kind.LAYER,
             "line_gain_spread_db": self.line_gain_spread_db,
         }

@@ -29,8 +29,6 @@ from snowsim.io.guard import MAXIMUM_BYTES
 from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import ALIGN, EXACT_BOUND_DB, NORMALISE
-from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
 from snowsim.progress import shown
@@ -40,7 +38,6 @@ __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
 EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
-RENDERING = {"speckle": METHODS, "normalise": NORMALISE, "align": ALIGN}
 # Of a flight due north.
 START = np.datetime64("2000-01-01", "ns")
 SPEED_M_S = 130.0
@@ -56,7 +53,7 @@ PIXEL_BYTES = 4  # float32
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
+def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     """Echogram of a snowpack as a radar sees it, and its layers.
 
     Parameters
@@ -67,7 +64,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     n_range_lines : int, optional
         By default the snowpack's, whose one range line may be repeated; 256 of a climate.
     rng : int or numpy.random.Generator
-    tolerance_db : float or None, optional
+    exact : bool, optional
         See `snowsim.phy.render`.
 
     Returns
@@ -128,10 +125,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         layer_bins,
         parameters,
         scene_height(layer_bins),
-        tolerance_db=tolerance_db,
         rng=rng,
-        normalise="none",
-        align="gaussian",
+        exact=exact,
+        as_printed=True,
     )
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
@@ -354,8 +350,8 @@ def scenes(
     radiometry : {"measured", "constant"}, optional
         See `snowsim.labels.prepare`.
     **phy
-        Of `snowsim.labels.Dress` and `snowsim.phy.render_scene`; by default ``n_looks=16,
-        tolerance_db=0.05``.
+        Of `snowsim.labels.Dress`, by default ``n_looks=16``; `exact` and `as_printed` of
+        `snowsim.phy.render`.
 
     Returns
     -------
@@ -381,14 +377,9 @@ def scenes(
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     if n_range_bins is not None:
         check_count("n_range_bins", n_range_bins)
-    choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
+    choices, options = Dress.split({"n_looks": 16} | phy)
     for name in options:
-        check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
-    if options["tolerance_db"] is not None:
-        check_values("tolerance_db", options["tolerance_db"], EXACT_BOUND_DB)
-    for name, known in RENDERING.items():
-        if options.get(name) is not None:
-            check_choice(name, options[name], known)
+        check_choice("a choice of phy", name, ("exact", "as_printed"))
     model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
     seed = int(generator(rng).integers(2**63))
     check_labels(model, rng=random_stream(seed, "check_labels"))

@@ -56,8 +56,6 @@ def expected_image(scene):
         echoes.variance_bins2,
         echoes.decay_rate,
         scene.n_range_bins,
-        tolerance_db=0.05,
-        noise_power=echoes.noise_power,
     )
     return to_db(1 + power / echoes.noise_power) + DB_BELOW_NOISE_FLOOR
 

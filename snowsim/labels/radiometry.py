@@ -17,7 +17,6 @@ NEPERS = np.log(10) / 10  # per dB
 # Over which the rise of a layer is averaged: four averaged lines, as for the deepest picks.
 WINDOW_LINES = 80
 STEPS_BETWEEN = 10  # samples from a layer above to a layer, where the valley is sought
-TOLERANCE_DB = 0.05  # of the mean power that contrast is read off
 LEAST_DENSITY = 1e-12  # of the spectrum of fading, of the largest
 POWER_BITS = 16  # binary digits of powers: 7e-5 dB, and as many on any processor
 BELOW_BITS = 16  # distances of further echoes are multiples of 2^-16 range bins, as thickness is
@@ -243,8 +242,6 @@ def _labelled(scene, echoes, end_contrast_db):
         echoes.variance_bins2,
         echoes.decay_rate,
         scene.n_range_bins,
-        tolerance_db=TOLERANCE_DB,
-        noise_power=echoes.noise_power,
     )
     power += echoes.noise_power
     rise_db = _rise_db(power, layer_bins)

@@ -15,7 +15,7 @@ from snowsim.phy import mean_power, render
 def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
     scene = with_echoes(toy_scene(3, 160, 128))
     echoes = scene.echoes
-    power = render(echoes.bins, echoes.parameters(), 160, tolerance_db=None, rng=rng)
+    power = render(echoes.bins, echoes.parameters(), 160, rng=rng, exact=True)
     image = to_uint8(power)[0]
     expected, observed = (
         known_map(levels, scene.layer_bins) for levels in (expected_image(scene), image)

@@ -12,7 +12,7 @@ from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import check_layer_bins
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.labels import check_labels, draw_scene, prepare, redress
-from snowsim.phy import plan, render_plan
+from snowsim.phy import render
 
 SPREADS = {
     "noise_spread_db": 1.5,
@@ -107,17 +107,6 @@ def test_no_physics_is_in_notes(drawn):
     assert set(drawn[0].notes) == expected
 
 
-def test_texture_is_on_background_and_on_echoes_without_a_label():
-    flight = statistics(texture_variance=0.02, texture_length_bins=12.0, texture_length_lines=2.0)
-    model = model_of(flight.assign(line_gain_spread_db=0.4))
-    scene = draw_scene(model, N_LINES, name="", rng=np.random.default_rng(1))
-    parameters = scene.echoes.parameters()
-    labelled = [row in scene.layer_bins[:, 0] for row in scene.echoes.bins[:, 0]]
-    assert_array_equal(parameters["textured_layers"], np.logical_not(labelled))
-    assert parameters["texture"] == (0.02, 12.0, 2.0)
-    assert parameters["line_gain_spread_db"] == 0.4
-
-
 def test_power_and_noise_keep_the_mean_of_the_flight(drawn):
     surface = np.array([scene.echoes.power[0].mean() for scene in drawn])
     noise = np.array([scene.echoes.noise_power for scene in drawn])
@@ -166,8 +155,7 @@ def test_files_keep_the_echoes_and_renders_follow_them(drawn, tmp_path):
         assert_array_equal(getattr(scene.echoes, field.name), before, err_msg=field.name)
     assert_array_equal(scene.mask(), drawn[1].mask())
     echoes = scene.echoes
-    scene_plan = plan(echoes.bins, echoes.parameters(), scene.n_range_bins, tolerance_db=0.05)
-    power = render_plan(scene_plan, rng=np.random.default_rng(1))
+    power = render(echoes.bins, echoes.parameters(), scene.n_range_bins, rng=1)
     surface_row = np.rint(echoes.bins[0]).astype(int)
     surface = power[surface_row, np.arange(N_LINES)]
     # On the pick lie the surface and the background just below it, that has risen at most whole:

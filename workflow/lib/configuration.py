@@ -31,8 +31,9 @@ def filled(config):
     for stage in ("labels", "phy"):
         others = dict(config[stage])
         named = {name: others.pop(name) for name in names_of(stage) if name in others}
-        recipe = chosen(stage, others.pop("recipe", None))
-        whole[stage] = others | asdict(built(stage, recipe, named))
+        recipe = others.setdefault("recipe", next(iter(RECIPES[stage])))
+        settings = built(stage, chosen(stage, recipe), named)
+        whole[stage] = others | asdict(settings)
     trained = {}
     for stage in ("cgan", "tracker"):
         others = dict(config[stage])

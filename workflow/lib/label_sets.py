@@ -1,7 +1,8 @@
 """Label sets by the settings of the configuration."""
 
+from lib.phy_renders import dress_of
 from lib.progress import progress
-from snowsim.labels import Dress, Nonstationary, check_labels, draw_scene, prepare
+from snowsim.labels import Nonstationary, check_labels, draw_scene, prepare
 from snowsim.seeding import random_stream
 
 
@@ -25,7 +26,7 @@ def draw_sets(flight, settings, choices, *, span, seed):
         correlation=settings["correlation"],
         radiometry=settings["radiometry"],
         nonstationary=Nonstationary(**folds),
-        dress=Dress(**choices),
+        dress=dress_of(choices),
     )
     check_labels(model, rng=random_stream(seed, "check_labels"))
     for number in progress(range(*span), "labels"):

@@ -7,7 +7,7 @@ import pandas as pd
 
 from lib.phy_renders import render_by_phy
 from lib.resizing import in_bins
-from snowsim.labels import Dress, draw_scene, prepare
+from snowsim.labels import draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
 from snowsim.seeding import random_stream
 from snowsim.statistics import Variation, changed, varied
@@ -24,15 +24,13 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
     lines, and the range bins that a scene is drawn in before it is resampled to the flight's. One
     variant in `EVERY` is the flight itself.
     """
-    phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
-    choices, _ = Dress.split(phy)
     for variant in variants:
         statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
         # Lines farther apart are lines left out.
         spacing = statistics.attrs["varied_line_spacing"]
         lines = (np.arange(n_range_lines) * spacing).astype(int)
         n_drawn = int(lines[-1]) + 1
-        model = prepare(statistics, n_drawn, dress=choices)
+        model = prepare(statistics, n_drawn)
         clutter = clutter_of(statistics)
         for number in range(n_scenes):
             name = f"variant_{variant:03d}_{number:03d}"

@@ -22,10 +22,6 @@ rule fit_statistics:
         "../scripts/fit_statistics.py"
 
 
-# Of PHY, which a label set records.
-CHOICES = ["width", "width_bounds", "n_looks", "speckle_correlation"]
-
-
 rule draw_labels:
     input:
         statistics="results/statistics.nc",
@@ -41,7 +37,7 @@ rule draw_labels:
         seed=config["seed"],
         span=lambda w: shard_range("labels", w.shard),
         labels={key: LABELS[key] for key in LABELS if key not in ("n_scenes", "shard_size")},
-        choices={name: config["phy"][name] for name in CHOICES},
+        choices=config["phy"],
     message:
         "label sets, shard {wildcards.shard}"
     script:

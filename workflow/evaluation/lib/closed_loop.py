@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from lib.phy_renders import dress_of, is_printed
 from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
-from snowsim.labels import Dress, redress
-from snowsim.phy import plan, render_plan
+from snowsim.labels import redress
+from snowsim.phy import render
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.summaries import BY_GROUP
 from snowsim.statistics.zones import OWN_ZONE
@@ -130,15 +131,15 @@ def summarise_renders(scenes, given, phy, *, stream):
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     # As many looks as the flight: 20 lines average as many here as there.
-    choices, options = Dress.split(phy | {"n_looks": None})
-    options["speckle"] = "gamma"
+    choices = dress_of(phy | {"n_looks": None})
     summaries = []
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
         echoes = redress(scene, given, choices, rng=rng)
-        planned = plan(echoes.bins, echoes.parameters(), scene.n_range_bins, **options)
-        frame = as_frame(render_plan(planned, rng=rng), scene.layer_bins, number, **geometry)
+        rendered = (echoes.bins, echoes.parameters(), scene.n_range_bins)
+        power = render(*rendered, rng=rng, as_printed=is_printed(phy))
+        frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), STRIDE))
     return merge(summaries)
 
