@@ -28,9 +28,8 @@ FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
-    ("cgan", "metrics"),
-    # Label sets' powers tell how bright a scene is.
-    ("cgan", "labels.dress"),
+    # PHY's mean power tells how bright a scene is.
+    ("cgan", "phy"),
     ("tracker", "metrics"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),

@@ -99,9 +99,3 @@ def check(config):
         hint = f" (expected: {expected})" if expected else ""
         msg = f"config: {key}: {error.message}{hint}"
         raise ValueError(msg)
-    n_held = config["cgan"]["n_held"]
-    n_train = config["benchmark"]["n_scenes"]["train"]
-    if config["source"] == "reference" and n_held >= n_train:
-        wanted = f"fewer than benchmark.n_scenes.train = {n_train}"
-        msg = f"config: cgan.n_held: expected {wanted}, got {n_held}"
-        raise ValueError(msg)

@@ -68,7 +68,6 @@ rule train_cgan:
         seed=config["seed"],
         device=CGAN["device"],
         settings=CGAN["training"],
-        n_held=CGAN["n_held"],
         checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_cgan",

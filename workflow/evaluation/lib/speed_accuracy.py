@@ -19,6 +19,7 @@ from evaluation.lib.literal_phy import (
 from evaluation.lib.machine import device_name, time_rounds
 from snowsim.cgan import Settings, networks_of
 from snowsim.cgan import render as render_cgan
+from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene, to_uint8
 from snowsim.phy import draw_speckle, render
 from snowsim.phy.power import (
@@ -161,7 +162,9 @@ def scene_ways(layer_bins, parameters, cgan, rng):
 
     settings = Settings(**cgan)
     generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
-    masked = Scene("planted", N_RANGE_BINS, layer_bins)
+    of_waveforms = {"bins": layer_bins, "kind": np.full(len(layer_bins), Kind.LAYER), **parameters}
+    echoes = Echoes(power=of_waveforms.pop("peak_power"), **of_waveforms)
+    masked = Scene("planted", N_RANGE_BINS, layer_bins, echoes=echoes)
     return [
         Way(
             "PHY, as printed",
