@@ -36,9 +36,6 @@ ALLOWED = {
     ("physical", "reference.climate"),
     ("physical", "profile"),
     ("picking", "frames"),
-    # A layer is labelled where its mean power shows it.
-    ("labels", "phy.power"),
-    ("labels", "phy.parameters"),
 }
 # What only some stages may import.
 ONLY = {

@@ -19,7 +19,6 @@ MOST_ROWS = 8  # layers told one by one
 # What scenes' notes count.
 COUNTED = {
     "n_pixels_cut": "labelled pixels lie below the images",
-    "n_pixels_unlabelled": "pixels of drawn layers are too faint for a label",
 }
 
 

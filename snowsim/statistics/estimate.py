@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import check_choice
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_count
 from snowsim.rounding import rounded
-from snowsim.statistics.blocks import BAND_EDGES, BLOCK_LINES, thickness_blocks
 from snowsim.statistics.by_layer import LAGS, deblended_values, paper_values
 from snowsim.statistics.lines import Groups
 from snowsim.statistics.moments import ERROR_BITS, SHARED_BITS
@@ -21,8 +21,7 @@ from snowsim.statistics.speckle import (
     range_correlation,
 )
 from snowsim.statistics.summaries import AIR_MARGIN_BINS, GROUP_LINES, stacked, stacked_tracked
-from snowsim.statistics.surface import surface_statistics
-from snowsim.statistics.zones import MINIMUM_BLOCKS, as_variables, zone_statistics
+from snowsim.statistics.thickness import thickness_statistics
 
 ESTIMATORS = ("deblended", "paper")
 LEAST_SHARE = 2.0**-40  # of a variable's largest value; below lies rounding
@@ -36,6 +35,7 @@ UNITS = {
     "_db": "dB",
     "_db2": "dB^2",
     "_lines": "range line",
+    "_m": "m",
 }  # by the ending of the name
 LINEAR_POWER = (
     "peak_power",
@@ -47,7 +47,7 @@ LINEAR_POWER = (
 )
 
 
-def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_lines=None):
+def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     """Statistics of a flight from its merged summary.
 
     Parameters
@@ -57,10 +57,6 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     estimator : {"deblended", "paper"}
     zone_edge_bins : array_like, (edge,), optional
         Zones to use instead of the flight's own quartiles, to compare two flights zone by zone.
-    finest_lines : float, optional
-        Undulations of thickness shorter than this [range lines] are taken for errors of picks: a
-        peak-following picker has errors as long as it averages, and they look like relief that the
-        year above fills. By default picks are taken as exact at any length but for white noise.
 
     Returns
     -------
@@ -68,11 +64,10 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
         The variables of the public interface, each with `<name>_standard_error`: `peak_power`,
         `decay_rate`, `width_bins`, `variance_bins2 (layer)`, `width_bound_bins (bound)`,
         `noise_power`, `zone_edge_bins (edge)`, `thickness_mean_bins`, `thickness_variance_bins2`,
-        `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, `thickness_psd (zone,
-        slab, wavenumber)`, `n_samples (zone, slab)`. Beside them: counts (`n_picks`, `n_groups
-        (layer)`, `n_gap_blocks (slab)`, `n_psd_samples (zone, slab)`), rules applied (`substituted
-        (layer)`, `source`, `psd_source (zone, slab)`), `offset_bins (layer)` of the waveform's peak
-        below the pick, the width histogram, correlations between slabs, mean waveforms, tracked
+        `relative_thickness_mean`, `relative_thickness_variance (zone, slab)`, and what else
+        `thickness_statistics` gives. Beside them: counts (`n_picks`, `n_groups (layer)`), rules
+        applied (`substituted (layer)`), `offset_bins (layer)` of the waveform's peak below the
+        pick, the width histogram, mean waveforms, tracked
         power against Gamma(M), autocorrelation of speckle down range (`speckle_correlation
         (speckle_lag)`, by range bins from 0, and the attribute `speckle_correlation_source`, see
         `range_correlation`), along-track spectra of power, and how power, noise and decay vary, see
@@ -82,7 +77,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     ------
     ValueError
         If the estimator is unknown, there is no air above the surface, no layer, or what
-        `zone_statistics` refuses.
+        `thickness_statistics` refuses.
 
     Notes
     -----
@@ -94,7 +89,6 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     in `paper` is NaN.
     """
     check_choice("estimator", estimator, ESTIMATORS)
-    check_values("finest_lines", 2 if finest_lines is None else finest_lines, 2)
     check_count("frames of a flight", len(summary))
     noise = _noise(summary)
     groups, n_seen = _groups(summary, noise.power)
@@ -109,9 +103,9 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     looks = compare_with_gamma(stacked_tracked(summary)[:, :n_layers])
     speckle = range_correlation(summary)
     varies, missing = radiometry(summary, groups, powers, decay, by_layer, looks.n_looks)
-    thickness = thickness_blocks(summary, n_layers)
-    tapered = estimator != "paper"
-    zones = zone_statistics(thickness, zone_edge_bins, tapered=tapered, finest_lines=finest_lines)
+    thickness, counts = thickness_statistics(
+        summary, n_layers, estimator=estimator, zone_edge_bins=zone_edge_bins
+    )
 
     variables = {
         "noise_power": ((), noise.power),
@@ -119,8 +113,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
     }
     for name, values in by_layer.items():
         variables[name] = ("layer", "lag")[: values.ndim], values
-    variables |= as_variables(zones)
-    variables |= surface_statistics(summary, MINIMUM_BLOCKS) | _widths(width) | varies
+    variables |= thickness | _widths(width) | varies
     variables |= {
         "n_picks": ("layer", tracked.n_picks),
         "n_groups": ("layer", groups.present.sum(axis=0)),
@@ -135,7 +128,6 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
         "lag": LAGS,
         "fall": np.array(LAW_FALLS),
         "speckle_lag": np.arange(speckle.correlation.size),
-        "band_edge_wavenumber": ("band_edge", BAND_EDGES / BLOCK_LINES),
         "probability": looks.probability,
         "width_edge_bins": ("width_edge", WIDTH_EDGES),
     }
@@ -151,7 +143,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None, finest_line
         "n_frames": len(summary),
         "n_range_lines": sum(frame.surface_bins.size for frame in summary),
         "n_layers_seen": n_seen,
-        **{name: value for name, value in zones.items() if not np.ndim(value)},
+        **counts,
         "n_picks_outside": sum(frame.n_outside for frame in summary),
         "n_frames_without_surface": sum(
             not np.isfinite(frame.depth_bins).any() for frame in summary

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.special import polygamma
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.phy.waveform import waveform_exact, waveform_peak
-from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.ends import echoes_below, end_contrasts
 from snowsim.statistics.lines import BACKGROUND_RISE
 from snowsim.statistics.moments import DB, decibels, jackknife, mean_where

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
 from snowsim.rounding import rounded
-from snowsim.statistics.blocks import BLOCK_LINES
 from snowsim.statistics.moments import SPECTRUM_BITS, TO_THE_LAST_DIGITS, decibels
 from snowsim.statistics.summaries import GROUP_LINES, stacked
 

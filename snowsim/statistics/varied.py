@@ -13,8 +13,8 @@ OF_THICKNESS = {
     "first_thickness_quantile_bins": 1,
     "thickness_mean_bins": 1,
     "thickness_variance_bins2": 2,
-    "thickness_trend_variance_bins2": 2,
-    "thickness_psd": 2,
+    "relief_variance_bins2": 2,
+    "slab_change_bins2": 2,
     "further_spacing_bins": 1,
 }
 OF_PULSE_LENGTH = {
@@ -123,7 +123,7 @@ def varied(statistics, *, rng, ranges=None):
     line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What
     no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
     and the distance of range lines. What label sets and PHY read changes consistently: a factor of
-    thickness moves means, zones and spectra alike. Neglected: numbers of layers, powers of layers
+    thickness moves means, zones and relief alike. Neglected: numbers of layers, powers of layers
     relative to the surface, fading and texture stay the flight's, and so do, in range bins, the
     depths over which the power of unpicked snow falls and the movement of the surface. Correlation
     of speckle follows the size of bins, not the pulse. Statistics that nothing is drawn from, as

@@ -3,7 +3,6 @@
 import re
 from copy import deepcopy
 from dataclasses import fields, is_dataclass, replace
-from inspect import signature
 
 import pytest
 import yaml
@@ -24,8 +23,6 @@ from snakemake.utils import update_config
 
 from lib.configuration import RECIPES, filled
 from snowsim import cgan, tracker
-from snowsim.labels import prepare
-from snowsim.settings.labels import Settings as LabelSettings
 
 
 def resolved(part):
@@ -94,8 +91,8 @@ def test_the_package_refuses_what_the_limits_of_its_settings_exclude(stage):
             limits = dict(each.metadata)
             is_list = "minItems" in limits
             inside, outside = at_the_limits(limits, is_whole=isinstance(each.default, int))
-            # Settings of the flight, and numbers of layers, also limit each other.
-            for value in inside if stage not in ("reference", "labels") else []:
+            # Settings of the flight also limit each other.
+            for value in inside if stage != "reference" else []:
                 replace(group, **{each.name: limits["minItems"] * [value] if is_list else value})
             for value in [*outside, "none of these", {}, *([None] if inside else [])]:
                 if value is None and "None" in str(each.type):
@@ -115,22 +112,18 @@ def test_the_default_names_what_a_user_turns_and_no_setting_of_a_recipe():
 
 
 def test_the_default_recipes_are_those_of_the_package():
-    drawn = signature(prepare).parameters
-    for each in fields(LabelSettings):
-        if each.name in drawn:
-            assert drawn[each.name].default == each.default, each.name
     assert tracker.Settings(**CONFIG["tracker"]["training"]) == tracker.Settings()
     assert cgan.Settings(**CONFIG["cgan"]["training"]) == cgan.Settings()
 
 
 def test_a_setting_named_beside_a_recipe_wins_and_the_rest_is_the_recipe_s():
     given = deepcopy(WRITTEN)
-    given["labels"] |= {"recipe": "paper", "surface": "measured"}
+    given["phy"] |= {"recipe": "paper", "align": "peak"}
     given["cgan"] |= {"recipe": "paper", "training": {"width": 3}}
     given["reference"] = {"climate": {"accumulation_factor": 0.5}}
     made = filled(given)
-    assert made["labels"]["surface"] == "measured"
-    assert made["labels"]["n_layers"] == "uniform"
+    assert made["phy"]["align"] == "peak"
+    assert made["phy"]["normalise"] == "none"
     assert made["cgan"]["training"]["width"] == 3
     assert made["cgan"]["training"]["method"] == "pix2pix"
     climate = CONFIG["reference"]["climate"] | {"accumulation_factor": 0.5}
@@ -166,9 +159,10 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
         ("reference: {climate: {snow: 1}}", "reference: climate.snow: unknown key, expected"),
         ("reference: {climate: 3}", "reference: climate: expected names with values, got 3"),
         ("studies: {cgan: {}}", r"studies: .*'cgan' was unexpected.*\(expected: .*flights\)"),
+        ("labels: {recipe: printed}", "labels.recipe: 'printed' is not one of"),
         (
-            "labels: {n_layers_min: 9, n_layers_max: 6}",
-            "labels: n_layers_min must be at most n_layers_max = 6, got 9",
+            "labels: {recipe: paper}",
+            "labels.recipe: paper needs statistics.estimator: paper, got deblended",
         ),
         ("labels: {n_zones: 4}", "labels: .*n_zones.*expected: recipe, n_scenes"),
         ("phy: {n_looks: 0}", "phy: n_looks must be a finite number of at least 1, got 0"),

@@ -12,13 +12,12 @@ import yaml
 from snowsim.reference.settings import PROFILES
 from snowsim.settings import replaced
 from snowsim.settings.cgan import RECIPES as CGAN
-from snowsim.settings.labels import RECIPES as LABELS
 from snowsim.settings.phy import RECIPES as PHY
 from snowsim.settings.tracker import RECIPES as TRACKER
 
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
 # By stage; the first is the default.
-RECIPES = {"reference": PROFILES, "labels": LABELS, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
+RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
 
 
 def filled(config):
@@ -28,12 +27,10 @@ def filled(config):
     """
     check(config)
     whole = dict(config)
-    for stage in ("labels", "phy"):
-        others = dict(config[stage])
-        named = {name: others.pop(name) for name in names_of(stage) if name in others}
-        recipe = others.setdefault("recipe", next(iter(RECIPES[stage])))
-        settings = built(stage, chosen(stage, recipe), named)
-        whole[stage] = others | asdict(settings)
+    others = dict(config["phy"])
+    recipe = others.pop("recipe", "measured")
+    settings = built("phy", chosen("phy", recipe), others)
+    whole["phy"] = {"recipe": recipe, **asdict(settings)}
     trained = {}
     for stage in ("cgan", "tracker"):
         others = dict(config[stage])
@@ -82,8 +79,7 @@ def built(section, recipe, named):
 def read_schema():
     """JSON Schema of a configuration; settings of the package are known to it by name."""
     schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
-    for stage in ("labels", "phy"):
-        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), {})
+    schema["properties"]["phy"]["properties"] |= dict.fromkeys(names_of("phy"), {})
     return schema
 
 
@@ -98,4 +94,9 @@ def check(config):
             expected = ", ".join(error.schema["properties"])
         hint = f" (expected: {expected})" if expected else ""
         msg = f"config: {key}: {error.message}{hint}"
+        raise ValueError(msg)
+    wanted = {"measured": "deblended", "paper": "paper"}[config["labels"]["recipe"]]
+    if config["statistics"]["estimator"] != wanted:
+        msg = f"config: labels.recipe: {config['labels']['recipe']} needs statistics.estimator: "
+        msg += f"{wanted}, got {config['statistics']['estimator']}"
         raise ValueError(msg)

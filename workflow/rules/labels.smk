@@ -37,7 +37,6 @@ rule draw_labels:
         seed=config["seed"],
         span=lambda w: shard_range("labels", w.shard),
         labels={key: LABELS[key] for key in LABELS if key not in ("n_scenes", "shard_size")},
-        choices=config["phy"],
     message:
         "label sets, shard {wildcards.shard}"
     script:

@@ -33,7 +33,6 @@ with job(snakemake):
     fitted = estimate(
         summary,
         estimator=snakemake.params.estimator,
-        finest_lines=snakemake.params.finest_lines,
     )
     warn_of_little(fitted)
     for path in snakemake.input.segment:

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from lib.phy_renders import dress_of, is_printed
+from lib.phy_renders import is_printed
 from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
 from snowsim.labels import redress
 from snowsim.phy import render
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.summaries import BY_GROUP
-from snowsim.statistics.zones import OWN_ZONE
+from snowsim.statistics.thickness import MINIMUM_BLOCKS
 
 logger = logging.getLogger("snowsim")
 
@@ -28,9 +28,6 @@ BOUNDS = {
     "thickness_variance_bins2": 0.10,
     "relative_thickness_mean": 0.03,
     "relative_thickness_variance": 0.10,
-    "thickness_trend_variance_bins2": 0.15,
-    "surface_trend_variance_bins2": 0.15,
-    "surface_fraction": 0.05,
 }
 IN_BINS = ("width_bins",)
 # What renders of label sets with one radiometry for all do not show, and its bound.
@@ -78,12 +75,11 @@ def _compared(quantity, bound, given, recovered):
     if "layer" in found.dims:
         found = found.where(recovered["substituted"] == 0)
     if "slab" in found.dims:
-        source = "psd_source" if "trend" in quantity else "source"
-        found = found.where(recovered[source] == OWN_ZONE)
+        found = found.where(recovered["n_samples"] >= MINIMUM_BLOCKS)
     numbers = {
         "given": given[quantity],
         "recovered": found,
-        "standard_error": recovered[f"{quantity}_standard_error"],
+        "standard_error": recovered.get(f"{quantity}_standard_error", 0 * given[quantity]),
     }
     # Label sets may have other numbers of layers than the flight: what both have is compared.
     series = {name: values.expand_dims("row").to_series() for name, values in numbers.items()}
@@ -131,12 +127,11 @@ def summarise_renders(scenes, given, phy, *, stream):
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     # As many looks as the flight: 20 lines average as many here as there.
-    choices = dress_of(phy | {"n_looks": None})
     summaries = []
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
-        echoes = redress(scene, given, choices, rng=rng)
+        echoes = redress(scene, given)
         rendered = (echoes.bins, echoes.parameters(), scene.n_range_bins)
         power = render(*rendered, rng=rng, as_printed=is_printed(phy))
         frame = as_frame(power, scene.layer_bins, number, **geometry)
