@@ -14,7 +14,7 @@ from snowsim.training import arithmetic
 
 CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
-PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
+PUBLISHED = tracker.published_settings(n_steps=6, width=2, n_accumulated=4)
 L1 = replace(CGAN, adversarial="none")
 PIX2PIX = replace(CGAN, method="pix2pix", dropout=0.5)
 NAMES = {

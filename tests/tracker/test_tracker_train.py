@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene
 from trainings import trained
 
-from snowsim.tracker import OUTPUTS, Settings, Training, published, track
+from snowsim.tracker import OUTPUTS, Settings, Training, published_settings, track
 from snowsim.tracker.loss import balanced_cross_entropy
 from snowsim.tracker.published import published_rate
 from snowsim.tracker.train import rate_factor
@@ -54,7 +54,7 @@ def test_the_loss_is_the_textbook_sum(share, rng):
 
 
 def test_published_rates_are_multiplied_as_in_the_published_code():
-    training = Training(published(n_steps=6, width=2, n_accumulated=4), seed=1)
+    training = Training(published_settings(n_steps=6, width=2, n_accumulated=4), seed=1)
     groups = {
         id(parameter): group
         for group in training._optimiser.param_groups
@@ -73,7 +73,7 @@ def test_published_rates_are_multiplied_as_in_the_published_code():
 
 
 def test_schedules_are_the_stated_ones():
-    steps = published(n_steps=300_000)
+    steps = published_settings(n_steps=300_000)
     rates = [published_rate(steps, update, epoch=14) for update in (0, 9_999, 10_000, 20_000)]
     assert rates == pytest.approx([1, 1, 0.1, 0.01])
     by_epoch = replace(steps, n_epochs_per_tenth=3)

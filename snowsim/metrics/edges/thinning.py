@@ -64,7 +64,7 @@ def switch_on(pixels, on, codes, steps):
 
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
-    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are those that are on."""
+    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on."""
     # For each half-step the pixels it has still to visit.
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)
     queues[:] = pixels
