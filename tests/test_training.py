@@ -62,11 +62,8 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
 @pytest.mark.parametrize(
     ("settings", "change"),
     [
-        (CGAN, {"precision": "float32"}),
-        (CGAN, {"batch_size": 2}),
-        (TRACKER, {"batch_size": 2}),
-        (TRACKER, {"precision": "float32"}),
-        (TRACKER, {"n_range_bins": None, "scales": (0.5, 0.25)}),
+        (CGAN, {"precision": "float32", "batch_size": 2}),
+        (TRACKER, {"precision": "float32", "n_range_bins": None}),
     ],
 )
 def test_every_variant_takes_finite_steps(settings, change):
@@ -97,26 +94,6 @@ def test_a_state_of_other_settings_is_refused_in_one_line(settings, network, tra
     assert "\n" not in str(error.value)
     with pytest.raises(ValueError, match=f"{network}: expected"):
         trained_network({}, settings)
-
-
-@pytest.mark.parametrize(
-    ("settings", "change"),
-    [
-        (CGAN, {"n_steps": 0}),
-        (CGAN, {"dropout": 1.0}),
-        (CGAN, {"adversarial": "hinge"}),
-        (CGAN, {"precision": "int8"}),
-        (CGAN, {"learning_rate": 0.0}),
-        (TRACKER, {"n_steps": 0}),
-        (TRACKER, {"learning_rate": 0.0}),
-        (TRACKER, {"scales": ()}),
-        (TRACKER, {"scales": (2.0,)}),
-        (TRACKER, {"network": "resnet"}),
-    ],
-)
-def test_settings_out_of_range_are_refused(settings, change):
-    with pytest.raises(ValueError, match=next(iter(change))):
-        replace(settings, **change)
 
 
 @pytest.mark.parametrize(

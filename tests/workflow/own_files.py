@@ -32,15 +32,11 @@ def layer_names(n_layers):
     return ["surface", *[f"Koenig_{number + 1}" for number in range(1, n_layers)]]
 
 
-def write_layers(folder, name, layers, content, *, old=False):
+def write_layers(folder, name, layers, content):
     """Layer file beside its organizer; ids do not tell the order, and one layer has no pick."""
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     names = layer_names(len(twtt))
     path = folder / f"Data_{name}.mat"
-    if old:
-        values = formats.old_layer_content(twtt, content["GPS_time"], names)
-        formats.write_mat5(path, values | {"Elevation": content["Elevation"]})
-        return path
     no_picks = np.full((1, twtt.shape[1]), np.nan)
     twtt = np.vstack([twtt, no_picks])[::-1]
     ids_of_names = SURFACE_ID - np.arange(len(names))

@@ -157,30 +157,17 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
             "tracker: {training: {optimiser: sgd}}",
             "tracker.training: optimiser: unknown key, expected some of network, width",
         ),
-        (
-            "tracker: {training: {flip: 2}}",
-            "tracker.training: flip must be true or false, got 2",
-        ),
-        ("pretrained: {training: {width: 0}}", "pretrained.training: width must be an integer"),
-        ("phy: {width_bounds: [3]}", r"phy: width_bounds must be two positive numbers, got \[3\]"),
         ("reference: antarctica", "reference: expected greenland_2012, got antarctica"),
-        ("reference: {climate: {snow: 1}}", "reference: climate.snow: unknown key, expected"),
         ("reference: {climate: 3}", "reference: climate: expected names with values, got 3"),
-        ("studies: {cgan: {}}", r"studies: .*'cgan' was unexpected.*\(expected: .*flights\)"),
         (
             "labels: {n_layers_min: 9, n_layers_max: 6}",
             "labels: n_layers_min must be at most n_layers_max = 6, got 9",
         ),
-        ("labels: {n_zones: 4}", "labels: .*n_zones.*expected: recipe, n_scenes"),
         ("phy: {tolerance_db: -1}", "phy: tolerance_db must be positive and finite, got -1"),
         ('import: {description: "a\\nb"}', "import.description: .*expected: one line"),
         (
             "flight: {n_frames: 9999}",
             r"flight\.n_frames: expected frames that fit on the line of 1\d\d\d km",
-        ),
-        (
-            "reference: {firn: {horizon_jump_kg_m3: 600.0}}",
-            r"reference: firn\.horizon_jump_kg_m3 .* at most 577",
         ),
         (
             "reference: {radar: {n_range_bins: 210}}",

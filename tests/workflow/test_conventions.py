@@ -4,7 +4,6 @@ import re
 import shutil
 
 import pytest
-import yaml
 from runs import (
     ROOT,
     SNAKEMAKE,
@@ -55,15 +54,6 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
 
 def test_targets_can_be_planned_by_name(tmp_path):
     parsed(tmp_path, targets=TARGETS)
-
-
-def test_the_catalogue_knows_how_to_run_the_workflow():
-    catalogue = yaml.safe_load((ROOT / ".snakemake-workflow-catalog.yml").read_text())
-    usage = catalogue["usage"]
-    deployment = usage["software-stack-deployment"]
-    assert deployment["conda"] is True
-    assert usage["report"] is deployment["report"] is True
-    assert (ROOT / "config/README.md").is_file()
 
 
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):
