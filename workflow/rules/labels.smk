@@ -1,9 +1,9 @@
-# Sums over the flight -> flight statistics -> synthetic layer sets.
+# From summaries of the flight to its statistics, and from these to label sets.
 
 
 rule fit_statistics:
     input:
-        # Over a shard of frames or, where there are only images, over a file of train scenes.
+        # One for each shard of frames or, where there are only images, for each file of train scenes.
         summaries=expand("results/statistics/{shard}.nc", shard=FRAME_SHARDS or shards("train")),
         segment=SEGMENT,
     output:
@@ -22,7 +22,7 @@ rule fit_statistics:
         "../scripts/fit_statistics.py"
 
 
-# Of PHY, which a label set records.
+# Settings of PHY that a label set records.
 CHOICES = ["width", "width_bounds", "n_looks", "speckle_correlation"]
 
 
