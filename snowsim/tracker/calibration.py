@@ -113,11 +113,8 @@ def edge_scores(probability, scenes):
     return score(counts, THRESHOLDS)
 
 
-def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
-    """`Ridges` of fused logits (range_bin, range_line) of scenes with every layer annotated.
-
-    A pixel is a hit if it lies within `within_bins` of a layer.
-    """
+def ridges_of(logits, scenes):
+    """`Ridges` of fused logits (range_bin, range_line) of scenes with every layer annotated."""
     found = []
     near = []
     for each, scene in zip(logits, scenes, strict=True):
@@ -125,7 +122,7 @@ def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
         distance = np.abs(scene.layer_bins[:, line] - row)
         nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
         found.append(each[row, line].astype(float))
-        near.append(nearest <= within_bins)
+        near.append(nearest <= WITHIN_BINS)
     check_count("picks to calibrate on", sum(hits.size for hits in near))
     return Ridges(np.concatenate(found), np.concatenate(near))
 

@@ -10,11 +10,11 @@ from snowsim.echogram import layer_mask
 REACH_BINS = 8.0
 
 
-def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
+def annotated_pixels(scene, layer_bins, n_range_bins):
     """Pixels whose class the picks of a scene tell, bool (`n_range_bins`, range_line).
 
     A picked layer is continued across its gaps, linearly between picks and level beyond the first
-    and the last. Pixels within `reach_bins` of a continuation are unknown, and so are all deeper
+    and the last. Pixels within `REACH_BINS` of a continuation are unknown, and so are all deeper
     than the deepest pick or continuation by more than that. A layer without any pick, between two
     that have some, counts as background. A scene without `complete_layer_bins` is known everywhere.
     """
@@ -29,9 +29,9 @@ def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
         if not picked.any():
             continue
         continued = np.interp(lines, lines[picked], layer[picked])
-        known &= picked | (np.abs(bins - continued) > reach_bins)
+        known &= picked | (np.abs(bins - continued) > REACH_BINS)
         deepest = np.maximum(deepest, continued)
-    known &= bins <= deepest + reach_bins
+    known &= bins <= deepest + REACH_BINS
     # A pick counts even where it lies near the gap of another layer.
     return known | layer_mask(layer_bins, n_range_bins)
 

@@ -23,7 +23,7 @@ def picked():
 
 
 def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer_is_picked(picked):
-    known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
+    known = annotated_pixels(picked, picked.layer_bins, 96)
     expected = np.ones((96, 64), dtype=bool)
     expected[59:] = False  # deeper than 50 + 8
     expected[42:59, :10] = expected[42:59, 40:] = False
@@ -32,7 +32,7 @@ def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer
     scene = dataclasses.replace(picked, complete_layer_bins=None)
     assert annotated_pixels(scene, scene.layer_bins, 96).all()
     picked.layer_bins[1, 10:40] = 25
-    known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
+    known = annotated_pixels(picked, picked.layer_bins, 96)
     assert known[20].all()
     assert not known[25, :10].any()
 

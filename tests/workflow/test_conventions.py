@@ -9,23 +9,13 @@ from runs import (
     SNAKEMAKE,
     call,
     copy_source,
-    parsed,
     rules_to_run,
     run_snakemake,
     source_tree,
     text_of,
 )
 
-TARGETS = {
-    "all",
-    "flight",
-    "labels",
-    "renders",
-    "similarity",
-    "trackers",
-    "export",
-    "report",
-}
+TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "export", "report"}
 SNAKEFILES = ("Snakefile", "workflow/Snakefile")
 
 
@@ -50,10 +40,6 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
     assert set(listed) == {rule.name for rule in rules if not rule.output} - {"help"}
     # A name alone, or Python's None, describes nothing.
     assert all(len(text.split()) > 2 for text in listed.values()), listed
-
-
-def test_targets_can_be_planned_by_name(tmp_path):
-    parsed(tmp_path, targets=TARGETS)
 
 
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):
@@ -94,10 +80,3 @@ rule mine:
     assert done.returncode == 0, done.stderr[-3000:]
     for job in ("mine", "snow_tabulate_similarity", "snow_train_cgan"):
         assert job in text_of(done)
-
-
-def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
-    # Few enough to follow, and a job takes about a second to start.
-    done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
-    n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
-    assert 40 < n_jobs <= 55
