@@ -17,8 +17,6 @@ from runs import (
     parsed,
     refused,
     run_snakemake,
-    settings,
-    text_of,
 )
 from snakemake.utils import update_config
 
@@ -176,14 +174,10 @@ def test_a_bad_key_is_named_in_one_line(tmp_path, text, expected):
     assert re.search(f"^config: .*{expected}", refused(tmp_path, **yaml.safe_load(text)))
 
 
-def test_a_bad_key_in_a_file_or_a_command_stops_a_run_in_one_line_and_nothing_is_written(tmp_path):
-    configs = settings(tmp_path, "lables: {n_scenes: 3}")
-    in_file = run_snakemake(tmp_path / "run", "--dry-run", configs=configs, fails=True)
-    in_command = run_snakemake(tmp_path / "run", "--dry-run", "--config", "seed=seven", fails=True)
-    (of_file,) = lines_with(in_file, "config: ")
-    assert re.search("lables.*expected: seed, source, import", of_file), of_file
-    (of_command,) = lines_with(in_command, "config: ")
-    assert re.search("seed", of_command), of_command
+def test_a_bad_key_in_a_command_stops_a_run_in_one_line_and_nothing_is_written(tmp_path):
+    done = run_snakemake(tmp_path / "run", "--dry-run", "--config", "seed=seven", fails=True)
+    (line,) = lines_with(done, "config: ")
+    assert "seed" in line
     assert not (tmp_path / "run/results").exists()
 
 
@@ -191,7 +185,7 @@ def test_a_bad_key_in_a_file_or_a_command_stops_a_run_in_one_line_and_nothing_is
     "configs", [("config.yaml", "paper.yaml"), ("config.yaml", "as_printed.yaml", "paper.yaml")]
 )
 def test_the_dag_of_the_paper_s_scale_builds(tmp_path, configs):
-    run_snakemake(tmp_path, "--dry-run", "--quiet", configs=configs)
+    parsed(tmp_path, configs, targets=["all"])
 
 
 def test_the_configuration_of_the_paper_s_scale_needs_no_default_beside_it(tmp_path):
@@ -201,9 +195,8 @@ def test_the_configuration_of_the_paper_s_scale_needs_no_default_beside_it(tmp_p
 
 
 def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
-    done = run_snakemake(tmp_path, "--dry-run", "--", "as_printed")
-    missing = re.findall(r"Missing output files: ([^;\n]*)", text_of(done))
-    files = {file for line in missing for file in line.split(", ")}
+    plan = parsed(tmp_path, targets=["as_printed"])
+    files = {file for job in plan.dag.jobs for file in job.output}
     shared = {file.split("/")[1] for file in files if not file.startswith("results/as_printed/")}
     assert shared == {"flight", "benchmark", "statistics"}  # of the last the sums over frames
     assert "results/as_printed/statistics.nc" in files

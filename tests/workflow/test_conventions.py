@@ -3,12 +3,12 @@
 import re
 import shutil
 
-import pytest
 from runs import (
     ROOT,
     SNAKEMAKE,
     call,
     copy_source,
+    parsed,
     rules_to_run,
     run_snakemake,
     source_tree,
@@ -16,7 +16,6 @@ from runs import (
 )
 
 TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "export", "report"}
-SNAKEFILES = ("Snakefile", "workflow/Snakefile")
 
 
 def test_lint_finds_nothing(tmp_path):
@@ -43,13 +42,12 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
 
 
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):
-    # How many jobs of each rule, and every file that they make or are made anew for.
     def plan(snakefile):
-        text = run_snakemake(tmp_path, "--dry-run", snakefile=snakefile).stdout
-        return sorted(re.findall(r"^\w+ +\d+$|\bresults/[\w./]+", text, flags=re.MULTILINE))
+        jobs = parsed(tmp_path, targets=["all"], snakefile=snakefile).dag.jobs
+        return sorted((job.rule.name, *job.input, *job.output) for job in jobs)
 
-    ours, theirs = map(plan, SNAKEFILES)
-    assert len(ours) > 100
+    ours, theirs = map(plan, ("Snakefile", "workflow/Snakefile"))
+    assert len(ours) > 40
     assert ours == theirs
 
 
@@ -61,13 +59,12 @@ def test_the_main_path_plans_both_tables_without_what_judges_it(tmp_path):
     assert not {name for name in planned if name.startswith(("plot_", "measure_", "compare_"))}
 
 
-@pytest.mark.parametrize("snakefile", SNAKEFILES)
-def test_another_workflow_can_use_this_one_as_a_module(tmp_path, snakefile):
+def test_another_workflow_can_use_this_one_as_a_module(tmp_path):
     shutil.copy2(ROOT / "config/config.yaml", tmp_path / "config.yaml")
     (tmp_path / "Snakefile").write_text(f"""\
 configfile: "config.yaml"
 module snowsim:
-    snakefile: "{source_tree()}/{snakefile}"
+    snakefile: "{source_tree()}/workflow/Snakefile"
     config: config
 use rule * from snowsim as snow_*
 rule mine:

@@ -80,9 +80,7 @@ def test_touching_unchanged_inputs_reruns_nothing(plan, tiny_run, tiny_source):
     ("text", "first"),
     [
         ("similarity: {window_rows: 20}", {"tabulate_similarity"}),
-        ("phy: {tolerance_db: 0.1}", {"render_phy"}),
         ("tracker: {training: {learning_rate: 5.0e-4}}", {"train_tracker"}),
-        ("cgan: {training: {precision: float32}}", {"train_cgan"}),
         (
             "reference: {picks: {gap_db: 0.3}}",
             {"reference_frames_0000", "reference_frames_0001", "reference_scenes"},
