@@ -29,7 +29,10 @@ if hasattr(sys.modules["__main__"], "snakemake"):
 
 @contextmanager
 def job(snakemake):
-    """Log to the rule's file; bad input or a full disk ends the job with one line on stderr."""
+    """Log to the rule's file; bad input or a full disk ends the job with one line on stderr.
+
+    Other errors pass through, after the log has them.
+    """
     path = Path(str(snakemake.log))
     path.parent.mkdir(parents=True, exist_ok=True)
     logging.basicConfig(
