@@ -45,8 +45,8 @@ def echoes(monkeypatch):
     """Every `Echo` that frames and scenes draw, as they draw it."""
     kept = []
 
-    def draw_and_keep(*given, **options):
-        kept.append(draw_echo(*given, **options))
+    def draw_and_keep(*arguments, **options):
+        kept.append(draw_echo(*arguments, **options))
         return kept[-1]
 
     draw_echo = echo_module.draw_echo

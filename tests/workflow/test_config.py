@@ -122,11 +122,11 @@ def test_the_default_recipes_are_those_of_the_package():
 
 
 def test_a_setting_named_beside_a_recipe_wins_and_the_rest_is_the_recipe_s():
-    given = deepcopy(WRITTEN)
-    given["labels"] |= {"recipe": "paper", "surface": "measured"}
-    given["cgan"] |= {"recipe": "paper", "training": {"width": 3}}
-    given["reference"] = {"climate": {"accumulation_factor": 0.5}}
-    made = filled(given)
+    written = deepcopy(WRITTEN)
+    written["labels"] |= {"recipe": "paper", "surface": "measured"}
+    written["cgan"] |= {"recipe": "paper", "training": {"width": 3}}
+    written["reference"] = {"climate": {"accumulation_factor": 0.5}}
+    made = filled(written)
     assert (made["labels"]["surface"], made["labels"]["n_layers"]) == ("measured", "uniform")
     training = made["cgan"]["training"]
     assert (training["width"], training["method"]) == (3, "pix2pix")
@@ -204,12 +204,12 @@ def test_the_run_as_printed_shares_flight_and_benchmark_alone(tmp_path):
 
 
 def test_what_is_printed_otherwise_stands_among_the_departures():
-    given = deepcopy(WRITTEN)
-    update_config(given, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
+    written = deepcopy(WRITTEN)
+    update_config(written, yaml.safe_load((ROOT / "config/as_printed.yaml").read_text()))
     text = (ROOT / "docs/stages/choices.md").read_text()
     after = text.split("## Where the default departs from the paper")[1]
     departures = after.split("\n## ")[0]
-    for section, settings_of_section in filled(given).items():
+    for section, settings_of_section in filled(written).items():
         if isinstance(settings_of_section, dict):
             for key, value in settings_of_section.items():
                 if value != CONFIG[section][key]:
