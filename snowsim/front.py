@@ -30,8 +30,6 @@ from snowsim.io.guard import MAXIMUM_BYTES
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import ALIGN, EXACT_BOUND_DB, NORMALISE
-from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
 from snowsim.progress import shown
@@ -41,7 +39,6 @@ __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
 EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
-RENDERING = {"speckle": METHODS, "normalise": NORMALISE, "align": ALIGN}
 # Of a flight due north.
 START = np.datetime64("2000-01-01", "ns")
 SPEED_M_S = 130.0
@@ -57,7 +54,7 @@ PIXEL_BYTES = 4  # float32
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
+def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     """Echogram of a snowpack as a radar sees it, and its layers.
 
     Parameters
@@ -68,7 +65,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     n_range_lines : int, optional
         By default the snowpack's, whose one range line may be repeated; 256 of a climate.
     rng : int or numpy.random.Generator
-    tolerance_db : float or None, optional
+    exact : bool, optional
         See `snowsim.phy.render`.
 
     Returns
@@ -129,10 +126,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         layer_bins,
         parameters,
         scene_height(layer_bins),
-        tolerance_db=tolerance_db,
         rng=rng,
-        normalise="none",
-        align="gaussian",
+        exact=exact,
+        as_printed=True,
     )
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
@@ -320,7 +316,7 @@ def scenes(
     n_range_bins=None,
     recipe="measured",
     n_looks=16,
-    **phy,
+    exact=False,
 ):
     """Training scenes, as a sequence that `torch.utils.data.DataLoader` accepts.
 
@@ -345,8 +341,8 @@ def scenes(
         estimator `paper`; see `snowsim.labels`.
     n_looks : float or None, optional
         Averaged in a pixel; None: as in the flight, or as printed.
-    **phy
-        Of `snowsim.phy.render_scene`; by default ``tolerance_db=0.05``.
+    exact : bool, optional
+        See `snowsim.phy.render`.
 
     Returns
     -------
@@ -375,14 +371,7 @@ def scenes(
     check_choice("recipe", recipe, ("measured", "paper"))
     if n_looks is not None:
         check_values("n_looks", n_looks, 1)
-    options = {"tolerance_db": 0.05} | phy
-    for name in options:
-        check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
-    if options["tolerance_db"] is not None:
-        check_values("tolerance_db", options["tolerance_db"], EXACT_BOUND_DB)
-    for name, known in RENDERING.items():
-        if options.get(name) is not None:
-            check_choice(name, options[name], known)
+    options = {"exact": exact, "as_printed": recipe == "paper"}
     draw = partial(draw_paper_scene, statistics, n_range_lines)
     if recipe == "measured":
         draw = partial(draw_scene, prepare(statistics, n_range_lines), n_range_lines)

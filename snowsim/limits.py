@@ -1,4 +1,4 @@
-"""Limits of arguments, checked where the public interface takes them."""
+"""Checks of arguments, made where the public interface takes them."""
 
 from numbers import Integral
 
@@ -8,9 +8,9 @@ from snowsim.constants import STATISTICS_CONTENT
 
 
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
-    """ValueError with the first that is not, unless all values are finite and within limits.
+    """ValueError, with the first value that fails, unless all are finite and within limits.
 
-    With `above` they must lie above `low`, with `number` be one number alone.
+    With `above` they must be greater than `low`; with `number` there must be a single number.
     """
     values = np.asarray(values)
     bad = np.ones(values.shape, dtype=bool)
@@ -32,7 +32,7 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=
 
 
 def check_count(name, value, least=1):
-    """ValueError unless a value is a whole number of at least so much."""
+    """ValueError unless a value is a whole number and at least `least`."""
     if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
         got = value if isinstance(value, Integral) else repr(value)
         msg = f"{name} must be a whole number of at least {least}, got {got}"

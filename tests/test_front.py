@@ -116,7 +116,6 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
             "^renderer must be one of phy, got 'cgan'$",
         ),
         (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
-        (lambda: snowsim.scenes(2, rng=1, nlooks=3), "a choice of phy must be .* got 'nlooks'"),
         (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite, at least 1, got"),
         (
             lambda: snowsim.scenes(2, rng=1, renderer=lambda scene: scene.image)[0],

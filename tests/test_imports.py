@@ -28,18 +28,14 @@ FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
-    ("cgan", "metrics"),
-    # Label sets' powers tell how bright a scene is.
-    ("cgan", "labels.dress"),
+    # PHY's mean power tells how bright a scene is.
+    ("cgan", "phy"),
     ("tracker", "metrics"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
     ("physical", "profile"),
     ("picking", "frames"),
-    # A layer is labelled where its mean power shows it.
-    ("labels", "phy.power"),
-    ("labels", "phy.parameters"),
 }
 # What only some stages may import.
 ONLY = {

@@ -18,7 +18,6 @@ from snowsim.io.sniff import ECHOGRAMS, in_words, sniff
 MOST_ROWS = 8  # layers told one by one
 # What scenes' notes count.
 COUNTED = {
-    "outside_training": "scenes lie outside what their generator was trained on",
     "n_pixels_cut": "labelled pixels lie below the images",
 }
 

@@ -48,30 +48,30 @@ def dress(layer_bins, statistics):
     # Statistics of images hold no background.
     if "background_power" not in statistics:
         return layers
+    power, fall = (values_of(statistics, name, ("fall",)) for name in ("background_power", "fall"))
+    held = power > 0
     # Background must not cross the first layer, wherever it is picked.
     gap = np.fmin(1.0, layer_bins[1] - layer_bins[0]) if n_layers > 1 else 1.0
-    power, fall = (values_of(statistics, name, ("fall",)) for name in ("background_power", "fall"))
-    return with_background(layers, power, fall, gap)
+    place = (1 + np.arange(held.sum())[:, None]) / (held.sum() + 1)
+    background = {
+        "bins": layer_bins[:1] + gap * place,
+        "power": np.repeat(power[held, None], n_lines, axis=1),
+        "variance_bins2": np.repeat(layers.variance_bins2[:1], held.sum()),
+        "decay_rate": 1 / fall[held],
+        "kind": np.full(held.sum(), Kind.BACKGROUND, dtype=np.int8),
+    }
+    below_surface = {
+        name: np.insert(getattr(layers, name), [1] * len(rows), rows, axis=0)
+        for name, rows in background.items()
+    }
+    return dataclasses.replace(layers, **below_surface)
 
 
-def with_background(layers, background_power, fall_bins, gap=1.0):
-    """The echoes with a row within `gap` below the surface for each e-folding depth with power."""
-    held = background_power > 0
-    power = background_power[held]
-    place = 1 + np.arange(power.size)[:, None]
-    below = layers.bins[:1] + gap * place / (power.size + 1)
-    rows = {
-        "bins": below,
-        "power": np.broadcast_to(power[:, None], below.shape),
-        "variance_bins2": np.full(power.size, layers.variance_bins2[0]),
-        "decay_rate": 1 / fall_bins[held],
-        "kind": np.full(power.size, Kind.BACKGROUND, dtype=np.int8),
-    }
-    inserted = {
-        name: np.concatenate([getattr(layers, name)[:1], values, getattr(layers, name)[1:]])
-        for name, values in rows.items()
-    }
-    return dataclasses.replace(layers, **inserted)
+def background_below(echoes, depth_bins):
+    """Mean power of the background so far below the surface, (row,)."""
+    held = echoes.kind == Kind.BACKGROUND
+    fallen = np.exp(-np.outer(depth_bins, echoes.decay_rate[held]))
+    return fallen @ echoes.power[held].mean(axis=1)
 
 
 def redress(scene, statistics):

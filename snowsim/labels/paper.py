@@ -12,6 +12,8 @@ from snowsim.limits import check_count
 
 LAYERS = (5, 40)  # fewest and most below the surface
 N_LOOKS = 100.0
+# Of every layer's Gaussian [bins^2]: bounds that section III measures as 1/e widths.
+VARIANCE_BINS2 = (10.0, 15.0)
 
 
 def draw_paper_scene(statistics, n_range_lines, *, name, rng):
@@ -53,16 +55,15 @@ def draw_paper_scene(statistics, n_range_lines, *, name, rng):
 def dress_as_printed(layer_bins, statistics, *, rng):
     """`Echoes` of layers, one power for a layer, without background, 100 looks, independent bins.
 
-    The variance of each layer's Gaussian is uniform between the bounds of the flight's 1/e widths,
-    as printed. ValueError if statistics are missing, not finite or not positive.
+    The variance of each layer's Gaussian is uniform between 10 and 15, as printed. ValueError if
+    statistics are missing, not finite or not positive.
     """
     n_layers, n_lines = layer_bins.shape
-    bounds = values_of(statistics, "width_bound_bins", ("bound",))
     power = of_uppermost(statistics, "peak_power", n_layers)
     return Echoes(
         bins=layer_bins,
         power=np.repeat(power[:, None], n_lines, axis=1),
-        variance_bins2=rng.uniform(*bounds, n_layers),
+        variance_bins2=rng.uniform(*VARIANCE_BINS2, n_layers),
         decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
         kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
         noise_power=values_of(statistics, "noise_power", ()).item(),

@@ -4,11 +4,12 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
-from snowsim.echoes import Echoes, Kind
+from snowsim.echoes import Kind
 from snowsim.echogram import ROWS_BELOW_LAST_LAYER
-from snowsim.labels.dress import with_background
-from snowsim.labels.flight_values import radar_of, values_by_layer, values_of
+from snowsim.labels.dress import background_below, dress
+from snowsim.labels.flight_values import values_of
 from snowsim.labels.undulations import draw_stationary, lags_on_circle
 
 NEPERS = np.log(10) / 10  # per dB
@@ -29,34 +30,25 @@ FADING = ("fading_spread_db", "fading_length_lines", "fading_exponent")
 class PowerModel:
     """What `add_echoes` draws from, of `snowsim.statistics`; see there for the names."""
 
-    peak_power: np.ndarray  # (layer,)
-    variance_bins2: np.ndarray  # (layer,)
-    decay_rate: np.ndarray  # (layer,)
-    noise_power: float
-    fading: np.ndarray  # (surface or buried; spread [dB], length [lines], exponent)
-    background_power: np.ndarray  # (fall,)
-    fall: np.ndarray  # [bins]
+    statistics: xr.Dataset
     spread: dict  # by name, see `SPREADS`
-    radar: dict  # of all scenes, arguments of `Echoes`
+    fading: np.ndarray  # (surface or buried; spread [dB], length [lines], exponent)
+    line_gain_spread_db: float
 
 
 def power_model(statistics):
     """`PowerModel` of flight statistics, ValueError that names what they lack."""
-    radar = radar_of(statistics)
+    dress(np.zeros((1, 1)), statistics)  # refuses what every scene would
+    line_gain_spread_db = 0.0
     # Statistics of images hold none.
     if "line_gain_spread_db" in statistics:
-        radar["line_gain_spread_db"] = values_of(statistics, "line_gain_spread_db", ()).item()
+        line_gain_spread_db = values_of(statistics, "line_gain_spread_db", ()).item()
     fading = [values_of(statistics, name, ("interface",)) for name in FADING]
     return PowerModel(
+        statistics=statistics,
         spread={name: values_of(statistics, name, ()).item() for name in SPREADS},
-        peak_power=values_by_layer(statistics, "peak_power"),
-        variance_bins2=values_by_layer(statistics, "variance_bins2"),
-        decay_rate=values_by_layer(statistics, "decay_rate"),
-        noise_power=values_of(statistics, "noise_power", ()).item(),
         fading=np.transpose(fading),
-        background_power=values_of(statistics, "background_power", ("fall",)),
-        fall=values_of(statistics, "fall", ("fall",)),
-        radar=radar,
+        line_gain_spread_db=line_gain_spread_db,
     )
 
 
@@ -69,66 +61,61 @@ def add_echoes(scene, model, *, rng):
     surface for each of its e-folding depths, and echoes at random distances below the last layer,
     which rise out of it as in the flight.
     """
-    layers = _draw_layers(scene.layer_bins, model, rng=rng)
-    # Background of the scene relative to the flight's mean.
-    spread_db = model.spread["background_spread_db"]
-    strength = _about_mean(spread_db * rng.standard_normal(), spread_db**2)
-    echoes = _draw_further(layers, strength, model, rng=rng)
-    echoes = with_background(echoes, strength * model.background_power, model.fall)
-    return dataclasses.replace(scene, echoes=echoes)
-
-
-def _draw_layers(layer_bins, model, *, rng):
-    """Echoes of layers (layer, range_line) with noise and decay of their scene."""
     spread = model.spread
-    n_layers, n_lines = layer_bins.shape
-    interface = np.minimum(np.arange(n_layers), 1)
+    flight = dress(scene.layer_bins, model.statistics)
+    is_layer = flight.kind == Kind.LAYER
     noise_db = spread["noise_spread_db"]
-    surface_db = np.sqrt(max(spread["surface_to_noise_spread_db"] ** 2 - noise_db**2, 0.0))
-    common_db = spread["common_spread_db"] * rng.standard_normal()
-    block_db = common_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
-    block_db[0] = surface_db * rng.standard_normal()
-    block_variance = spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
-    block_variance = np.where(interface[:, None] > 0, block_variance, surface_db**2)
-    faded_db, fading_variance = _draw_fading(model, interface, n_lines, rng=rng)
-    factor = _about_mean(block_db + faded_db, block_variance + fading_variance)
+    background_db = spread["background_spread_db"]
+    factor = np.empty(flight.power.shape)
+    factor[is_layer] = _layer_factors(scene.layer_bins.shape, model, rng=rng)
     noise_factor = _about_mean(noise_db * rng.standard_normal(), noise_db**2)
     decay_factor = float(np.exp(spread["decay_spread"] * rng.standard_normal()))
-    # Layers deeper than the flight shows look like its deepest.
-    level = np.minimum(np.arange(n_layers), model.peak_power.size - 1)
-    return Echoes(
-        bins=layer_bins,
-        power=model.peak_power[level, None] * factor,
-        variance_bins2=model.variance_bins2[level],
-        decay_rate=model.decay_rate[level] * decay_factor,
-        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
-        noise_power=float(model.noise_power * noise_factor),
+    factor[~is_layer] = _about_mean(background_db * rng.standard_normal(), background_db**2)
+    echoes = dataclasses.replace(
+        flight,
+        power=flight.power * factor,
+        decay_rate=flight.decay_rate * np.where(is_layer, decay_factor, 1.0),
+        noise_power=float(flight.noise_power * noise_factor),
+        line_gain_spread_db=model.line_gain_spread_db,
         decay_factor=decay_factor,
-        **model.radar,
     )
+    return dataclasses.replace(scene, echoes=_with_further(echoes, model, rng=rng))
 
 
-def _draw_further(layers, strength, model, *, rng):
+def _layer_factors(shape, model, *, rng):
+    """Powers of layers over the flight's, (layer, range_line)."""
+    spread = model.spread
+    n_layers, n_lines = shape
+    interface = np.minimum(np.arange(n_layers), 1)
+    surface_variance = spread["surface_to_noise_spread_db"] ** 2 - spread["noise_spread_db"] ** 2
+    surface_db = np.sqrt(max(surface_variance, 0.0))
+    block_db = spread["common_spread_db"] * rng.standard_normal()
+    block_db = block_db + spread["layer_spread_db"] * rng.standard_normal((n_layers, 1))
+    block_db[0] = surface_db * rng.standard_normal()
+    variance = spread["common_spread_db"] ** 2 + spread["layer_spread_db"] ** 2
+    variance = np.where(interface[:, None] > 0, variance, surface_db**2)
+    faded_db, fading_variance = _draw_fading(model, interface, n_lines, rng=rng)
+    return _about_mean(block_db + faded_db, variance + fading_variance)
+
+
+def _with_further(echoes, model, *, rng):
     """The echoes with further ones below, of the last layer's waveform."""
-    surface, deepest = layers.bins[0], layers.bins[-1]
+    last = np.flatnonzero(echoes.kind == Kind.LAYER)[-1]
+    deepest = echoes.bins[last]
     below = _draw_distances(model.spread["further_spacing_bins"], rng=rng)
-    depth = below + (deepest - surface).mean()
-    fallen = model.background_power * np.exp(-depth[:, None] / model.fall)
-    behind = strength * fallen.sum(axis=1)
+    behind = background_below(echoes, below + (deepest - echoes.bins[0]).mean())
     rise = 10 ** (model.spread["further_rise_db"] / 10) - 1
     buried = np.ones(below.size, dtype=int)
     factor = _about_mean(*_draw_fading(model, buried, deepest.size, rng=rng))
-    power = rise * (behind + layers.noise_power)[:, None] * factor
-    waveform = {
-        name: np.append(getattr(layers, name), np.repeat(getattr(layers, name)[-1], below.size))
-        for name in ("variance_bins2", "decay_rate")
-    }
+    power = rise * (behind + echoes.noise_power)[:, None] * factor
+    rows = np.append(np.arange(len(echoes.kind)), np.full(below.size, last))
     return dataclasses.replace(
-        layers,
-        bins=np.concatenate([layers.bins, deepest + below[:, None]]),
-        power=np.concatenate([layers.power, power]),
-        kind=np.append(layers.kind, np.full(below.size, Kind.BELOW, dtype=np.int8)),
-        **waveform,
+        echoes,
+        bins=np.concatenate([echoes.bins, deepest + below[:, None]]),
+        power=np.concatenate([echoes.power, power]),
+        variance_bins2=echoes.variance_bins2[rows],
+        decay_rate=echoes.decay_rate[rows],
+        kind=np.append(echoes.kind, np.full(below.size, Kind.BELOW, dtype=np.int8)),
     )
 
 
@@ -149,10 +136,9 @@ def _draw_fading(model, interface, n_lines, *, rng):
     spread_db, length_lines, exponent = model.fading.T[..., None]
     lag = lags_on_circle(n_lines, length_lines.max())
     shape = np.exp(-((lag / length_lines) ** exponent))
-    covariance = (spread_db**2 * shape)[interface]
-    series = draw_stationary(covariance, n_lines, rng=rng)
+    series = draw_stationary((spread_db**2 * shape)[interface], n_lines, rng=rng)
     lines = lag[:n_lines]
     share_of_pairs = np.where(lines > 0, 2, 1) * (n_lines - lines) / n_lines**2
     kept = 1 - shape[:, :n_lines] @ share_of_pairs
-    variance = (spread_db[:, 0] ** 2 * kept)[interface]
-    return series - series.mean(axis=1, keepdims=True), variance[:, None]
+    variance = spread_db[interface] ** 2 * kept[interface, None]
+    return series - series.mean(axis=1, keepdims=True), variance

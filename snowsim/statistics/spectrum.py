@@ -33,14 +33,17 @@ def thickness_spectra(thickness, blocks):
     n_in_all = n.sum(axis=0)
     for z, slab in np.ndindex(shape):
         held = whole[:, slab]
+        share = np.ones(len(held))
         if n[z, slab] >= MINIMUM_SERIES:
             held = held & (zone == z)
-            psd[z, slab] = _density(series[held, slab]).mean(axis=0)
-        elif n_in_all[slab] >= MINIMUM_SERIES or (slab == 0 and held.any()):
-            share = blocks.typical[z] / level[held]
-            psd[z, slab] = (_density(series[held, slab]) * share[:, None] ** 2).mean(axis=0)
-        elif slab > 0:
+        elif n_in_all[slab] >= MINIMUM_SERIES or slab == 0:
+            share = blocks.typical[z] / level
+        else:
             psd[z, slab] = psd[z, slab - 1]
+            continue
+        if held.any():
+            density = _density(series[held, slab]) * share[held, None] ** 2
+            psd[z, slab] = density.mean(axis=0)
     on = ("zone", "slab")
     return {"thickness_psd": ((*on, "wavenumber"), psd), "n_psd_samples": (on, n)}
 

@@ -28,7 +28,7 @@ def surface_statistics(summary):
     movement = _movement(rows[np.isfinite(rows).all(axis=1)])
     steps = [rows[:, lag:] - rows[:, :-lag] for lag in LAGS]
     change = np.array([mean_where(np.isfinite(step), step**2, axis=None) for step in steps])
-    left = np.where(movement > 0, LEVELLED_CHANGE, 0.0)
+    left = LEVELLED_CHANGE * (movement > 0)
     deviation, length_lines = _slow_error(change, left)
     spacing_m = float(np.median([frame.line_spacing_m for frame in summary]))
     return {

@@ -71,9 +71,10 @@ def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
     by_layers = np.zeros((len(edges) - 1, n_layers), dtype=int)
     np.add.at(by_layers, (zone, n_below[placed]), 1)
     quantiles = np.quantile(blocks.level, np.linspace(0, 1, N_QUANTILES))
-    variables = moments_by_zone(blocks) | {
+    moments = moments_by_zone(blocks)
+    variables = moments | {
         "zone_edge_bins": ("edge", edges),
-        "relative_thickness_correlation": ("separation", mean_correlation(blocks)),
+        "relative_thickness_correlation": ("separation", mean_correlation(blocks, moments)),
         "first_thickness_quantile_bins": ("quantile", quantiles),
         "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
     }
@@ -171,21 +172,19 @@ def moments_by_zone(blocks):
     return {name: (on, table) for name, table in moments.items()} | {"n_samples": (on, n)}
 
 
-def mean_correlation(blocks):
+def mean_correlation(blocks, moments):
     """Correlation between slabs of relative block means about those of their zone, (separation,).
 
     A zone needs `MINIMUM_BLOCKS` of a slab for a mean; a separation with fewer than `MINIMUM_PAIRS`
     (block, slab) pairs takes the value of the one before, the first 0. Slab 0 is 1 by definition
     and is left out.
     """
+    names = ("relative_thickness_mean", "relative_thickness_variance", "n_samples")
+    mean, variance, n = (moments[name][1][blocks.zone] for name in names)
     relative = blocks.mean / blocks.level[:, None]
-    anomaly = np.zeros(relative.shape)
-    for zone in np.unique(blocks.zone):
-        for slab in range(1, relative.shape[1]):
-            held = np.isfinite(relative[:, slab]) & (blocks.zone == zone)
-            if held.sum() >= MINIMUM_BLOCKS:
-                values = relative[held, slab]
-                anomaly[held, slab] = (values - values.mean()) / (values.std() or 1)
+    counts = np.isfinite(relative) & (n >= MINIMUM_BLOCKS) & (variance > 0)
+    deviation = np.sqrt(np.where(counts, variance * (n - 1) / np.maximum(n, 1), 1))
+    anomaly = np.where(counts, relative - mean, 0) / deviation
     n_slabs = relative.shape[1]
     correlation = np.zeros(n_slabs)
     for apart in range(1, n_slabs):

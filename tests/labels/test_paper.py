@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
 from snowsim.echoes import Kind
-from snowsim.labels import draw_paper_scene, dress_as_printed
+from snowsim.labels import draw_paper_scene
 
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
@@ -68,7 +68,7 @@ def test_slabs_have_the_spectrum_of_their_zone_and_undulate_apart(drawn):
     assert abs(np.mean(products)) < 0.02
 
 
-def test_power_is_one_for_a_layer_and_widths_are_variances_between_the_bounds(drawn):
+def test_power_is_one_for_a_layer_and_variances_lie_between_the_printed_bounds(drawn):
     variance = np.concatenate([scene.echoes.variance_bins2 for scene in drawn])
     assert 10 <= variance.min() < variance.max() <= 15
     # Of U(10, 15), some 18,000: mean to 1.44 / sqrt(n); allow four.
@@ -87,8 +87,6 @@ def test_wider_scenes_do_not_repeat_themselves(rng):
     assert np.abs(thickness[:, :N_LINES] - thickness[:, N_LINES:]).max() > 0.1
 
 
-def test_statistics_without_a_plain_spectrum_or_width_are_refused(rng):
+def test_statistics_without_a_plain_spectrum_are_refused(rng):
     with pytest.raises(ValueError, match="need thickness_psd, all finite"):
         draw_paper_scene(planted(), N_LINES, name="", rng=rng)
-    with pytest.raises(ValueError, match="need width_bound_bins, all finite"):
-        dress_as_printed(np.ones((2, 3)), planted().drop_vars("width_bound_bins"), rng=rng)

@@ -11,7 +11,7 @@ from planted_labels import N_LINES, planted
 from snowsim.echoes import Echoes, Kind
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.labels import draw_scene, prepare, redress
-from snowsim.phy import plan, render_plan
+from snowsim.phy import render
 
 
 @pytest.fixture(scope="module")
@@ -64,8 +64,8 @@ def test_files_keep_the_echoes_and_renders_follow_them(drawn, tmp_path):
         assert_array_equal(getattr(scene.echoes, field.name), before, err_msg=field.name)
     assert_array_equal(scene.mask(), drawn[1].mask())
     echoes = scene.echoes
-    scene_plan = plan(echoes.bins, echoes.parameters(), scene.n_range_bins, tolerance_db=0.05)
-    power = render_plan(scene_plan, rng=np.random.default_rng(1))
+    given = (echoes.bins, echoes.parameters(), scene.n_range_bins)
+    power = render(*given, rng=np.random.default_rng(1))
     surface_row = np.rint(echoes.bins[0]).astype(int)
     surface = power[surface_row, np.arange(N_LINES)]
     # On the pick lie the surface and the background just below it, that has risen at most whole:

@@ -10,6 +10,7 @@ from lib.resizing import in_bins
 from snowsim.echoes import Kind
 from snowsim.labels import draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
+from snowsim.labels.dress import background_below
 from snowsim.seeding import random_stream
 from snowsim.statistics import Variation, changed, varied
 
@@ -70,12 +71,10 @@ def on_lines(scene, lines):
 def labelled(scene):
     """The scene with those layers labelled that stand above noise and background, see `SEEN_DB`."""
     echoes = scene.echoes
-    power = echoes.power.mean(axis=1)
-    background = echoes.kind == Kind.BACKGROUND
-    below = (scene.layer_bins - scene.layer_bins[0]).mean(axis=1)
-    fallen = power[background] * np.exp(-below[:, None] * echoes.decay_rate[background])
-    behind = fallen.sum(axis=1) + echoes.noise_power
-    seen = power[echoes.kind == Kind.LAYER] >= 10 ** (SEEN_DB / 10) * behind
+    power = echoes.power[echoes.kind == Kind.LAYER].mean(axis=1)
+    depth_bins = (scene.layer_bins - scene.layer_bins[0]).mean(axis=1)
+    behind = background_below(echoes, depth_bins) + echoes.noise_power
+    seen = power >= 10 ** (SEEN_DB / 10) * behind
     seen[0] = True  # the surface
     layer_bins = np.where(seen[:, None], scene.layer_bins, np.nan)
     return dataclasses.replace(scene, layer_bins=layer_bins)

@@ -1,9 +1,9 @@
-# Sums over the flight -> flight statistics -> synthetic layer sets.
+# From summaries of the flight to its statistics, and from these to label sets.
 
 
 rule fit_statistics:
     input:
-        # Over a shard of frames or, where there are only images, over a file of train scenes.
+        # One for each shard of frames or, where there are only images, for each file of train scenes.
         summaries=expand("results/statistics/{shard}.nc", shard=FRAME_SHARDS or shards("train")),
         segment=SEGMENT,
     output:

@@ -1,4 +1,4 @@
-"""Sums over some frames, from which the statistics of the flight are estimated."""
+"""Summary of some frames, from which the statistics of the flight are estimated."""
 
 from job import job, progress
 

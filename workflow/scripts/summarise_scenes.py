@@ -1,4 +1,4 @@
-"""Sums over train scenes, each taken for a frame of one block."""
+"""Summary of train scenes, each of which counts as a frame of one block."""
 
 from job import job, progress
 

@@ -1,14 +1,13 @@
 """The closed loop: statistics of PHY's renders of label sets beside those that went in."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
+from lib.phy_renders import is_printed
 from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
 from snowsim.labels import redress
-from snowsim.labels.paper import dress_as_printed
 from snowsim.phy import render
 from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.thickness import MINIMUM_BLOCKS
@@ -122,19 +121,14 @@ def summarise_renders(scenes, given, phy, *, stream):
     `stream` gives the random generator of a scene by its name.
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
-    is_printed = phy["recipe"] == "paper"
+    # As many looks as the flight: 20 lines average as many here as there.
     summaries = []
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
-        if is_printed:
-            echoes = dress_as_printed(scene.layer_bins, given, rng=rng)
-        else:
-            echoes = redress(scene, given)
-        # As many looks as the flight: 20 lines average as many here as there.
-        echoes = replace(echoes, n_looks=given.attrs["n_looks"])
+        echoes = redress(scene, given)
         rendered = (echoes.bins, echoes.parameters(), scene.n_range_bins)
-        power = render(*rendered, rng=rng, as_printed=is_printed)
+        power = render(*rendered, rng=rng, as_printed=is_printed(phy))
         frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), STRIDE))
     return merge(summaries)
