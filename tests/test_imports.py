@@ -28,10 +28,11 @@ FRONT = {"cli", "front", "learning", "scoring", "tracking"}
 ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
-    ("cgan", "metrics"),
+    ("cgan", "picking"),
     # Label sets' powers tell how bright a scene is.
     ("cgan", "labels.dress"),
     ("tracker", "metrics"),
+    ("tracker", "picking"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),

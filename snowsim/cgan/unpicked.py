@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from snowsim.metrics.edges import suppress
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking import pick_layers
 
 APART_BINS = 4.0  # nearer to a pick, it is the layer that was picked
 SHORTEST_LINES = 16  # of a piece
@@ -20,12 +19,12 @@ def completed(scene, probability, *, threshold):
     """A `Scene` with the layers that a tracker finds where none is picked.
 
     Picks lie where the tracker finds a layer within `APART_BINS` of them, else as they are. Layers
-    are followed by `snowsim.metrics.picks.pick_layers`; each piece that is new is a layer of its
+    are followed by `snowsim.picking.pick_layers`; each piece that is new is a layer of its
     own. Layers come by their mean depth. `probability` (range_bin, range_line) is the tracker's, in
     [0, 1], `threshold` above 0.
     """
     picked = scene.layer_bins
-    found = pick_layers(suppress(probability), threshold=threshold, where=f"scene {scene.name}")
+    found = pick_layers(probability, threshold=threshold, where=f"scene {scene.name}")
     new = np.array([_where_new(row, picked) for row in found]).reshape(-1, picked.shape[1])
     is_long = np.isfinite(new).sum(axis=1) >= SHORTEST_LINES
     marked = [_moved(row, found) for row in picked]

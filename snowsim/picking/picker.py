@@ -3,18 +3,20 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import expit
+from scipy.special import expit, logit
 
+from snowsim.limits import check_values
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.canonical import Canonical
 from snowsim.picking.confidence import confidence
 from snowsim.picking.joining import join_through_fades, ordered
-from snowsim.picking.layers import layers_of
+from snowsim.picking.layers import layers_of, on_lines
 from snowsim.picking.linking import Linking, Piece, link
 from snowsim.picking.windows import log_odds_by_lines
 
 # A candidate so near to the surface is the surface.
 SURFACE_ROWS = 3.0
+CERTAIN = (1e-6, 1 - 1e-6)  # probabilities beyond count as these
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +73,47 @@ def _split_surface(canonical, candidates, surface, even, apart):
     return Evidence(canonical, candidates.where(below & inside), rows, excess)
 
 
+def linked(candidates, linking, threshold):
+    """Pieces of layers of candidates, downwards, joined through fades; see `link`."""
+    return ordered(join_through_fades(link(candidates, linking, threshold)))
+
+
+def pick_layers(probability, *, threshold, where="image"):
+    """Layers in a map of the probability of a layer, as `snowsim track` links them.
+
+    Parameters
+    ----------
+    probability : array_like, (range_bin, range_line)
+        In [0, 1]; as a network gives it, or thin.
+    threshold : float
+        Probability, above 0 and below 1, from which a peak speaks for a layer.
+    where : str
+        Name of the map, for errors.
+
+    Returns
+    -------
+    ndarray, (layer, range_line)
+        Fractional range bins, strictly increasing with layer, NaN without a pick. Skipped lines of
+        a chain are filled straight, as many as `Linking.longest` allows.
+
+    Raises
+    ------
+    ValueError
+        If a probability or the threshold lies outside its limits.
+    """
+    probability = np.asarray(probability, dtype=np.float64)
+    check_values(f"{where}: probability", probability, 0, 1)
+    check_values(f"{where}: threshold", threshold, 0, np.nextafter(1, 0), above=True)
+    linking = Linking()
+    even = logit(threshold)
+    log_odds = logit(np.clip(probability, *CERTAIN))
+    candidates = find_candidates(log_odds, even - linking.skipped)
+    lines = np.arange(probability.shape[1])
+    pieces = linked(candidates, linking, even)
+    rows = [on_lines(piece, piece.excess, lines, linking.longest)[0] for piece in pieces]
+    return np.array(rows).reshape(-1, lines.size)
+
+
 def layers_of_frames(frames, card, linking=None):
     """Layers datasets of frames that follow one another, list of `Evidence`; all name them alike.
 
@@ -78,8 +121,7 @@ def layers_of_frames(frames, card, linking=None):
     """
     linking = linking or Linking()
     candidates = joined([frame.candidates for frame in frames])
-    pieces = link(candidates, linking, card.threshold_log_odds)
-    pieces = ordered(join_through_fades(pieces))
+    pieces = linked(candidates, linking, card.threshold_log_odds)
     n_lines = candidates.n_lines
     sure = [
         (piece, confidence(piece, n_lines, card.confidence))

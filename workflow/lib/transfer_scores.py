@@ -13,9 +13,9 @@ from snowsim.metrics.pick_tables import layer_rows
 from snowsim.picking.candidates import find_candidates
 from snowsim.picking.card import CONFIDENCE
 from snowsim.picking.confidence import confidence, features, fit_coefficients
-from snowsim.picking.joining import join_through_fades, ordered
 from snowsim.picking.layers import between_lines, on_lines
-from snowsim.picking.linking import Linking, link
+from snowsim.picking.linking import Linking
+from snowsim.picking.picker import linked
 from snowsim.tracker.calibration import (
     WITHIN_BINS,
     Calibration,
@@ -59,7 +59,7 @@ def pieces_of(logits, calibration):
     log_odds = (logits - calibration.offset) / calibration.temperature
     threshold = float(logit(calibration.threshold))
     candidates = find_candidates(log_odds, threshold + linking.even - linking.skipped)
-    return ordered(join_through_fades(link(candidates, linking, threshold)))
+    return linked(candidates, linking, threshold)
 
 
 def followed(logits, tracker, shape):
