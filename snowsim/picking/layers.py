@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import check_layers
+from snowsim.echogram import check_layers, crossing_layers
 from snowsim.frames.flatten import FLAGGED_BY, flagged_lines
 from snowsim.picking.confidence import half_width_rows
 
@@ -41,9 +41,9 @@ def layers_of(canonical, pieces, first_line, longest):
         sure.append(between_lines(of_pick, grid.line))
     rows = np.array(rows)
     sure = np.array(sure)
-    # A chain straight across a gap may touch a surface that jumps.
-    touching = rows[1:] <= rows[:1] + LEAST_ROWS
-    rows[1:][touching] = np.nan
+    # A chain straight across a gap may touch a surface that jumps, or another chain.
+    rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
+    rows[crossing_layers(rows)] = np.nan
     half = half_width_rows(sure) * grid.bin_s
     twtt = grid.twtt(rows)
     quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))

@@ -1,15 +1,16 @@
 """Frames to layers with one network: evidence of each, linked over all that follow one another."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import expit, logit
 
+from snowsim.echogram import crossing_layers
 from snowsim.limits import check_values
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.canonical import Canonical
 from snowsim.picking.confidence import confidence
-from snowsim.picking.joining import join_through_fades, ordered
+from snowsim.picking.joining import join
 from snowsim.picking.layers import layers_of, on_lines
 from snowsim.picking.linking import Linking, Piece, link
 from snowsim.picking.windows import log_odds_by_lines
@@ -34,11 +35,7 @@ class Evidence:
     def without_data(self):
         """The same, holding the echogram's along-track variables alone."""
         echogram = self.canonical.echogram.drop_vars("Data")
-        grid = self.canonical.grid
-        scale = (self.canonical.noise_floor_db, self.canonical.maximum_db)
-        rest = (self.canonical.surface_db, self.canonical.notes)
-        kept = Canonical(echogram, grid, *scale, *rest)
-        return Evidence(kept, self.candidates, self.surface, self.surface_excess)
+        return replace(self, canonical=replace(self.canonical, echogram=echogram))
 
 
 def evidence_of(run, canonical, card, linking=None):
@@ -74,8 +71,8 @@ def _split_surface(canonical, candidates, surface, even, apart):
 
 
 def linked(candidates, linking, threshold):
-    """Pieces of layers of candidates, downwards, joined through fades; see `link`."""
-    return ordered(join_through_fades(link(candidates, linking, threshold)))
+    """Layers of candidates downwards, list of `Piece`; see `link` and `join`."""
+    return join(link(candidates, linking, threshold))
 
 
 def pick_layers(probability, *, threshold, where="image"):
@@ -111,7 +108,9 @@ def pick_layers(probability, *, threshold, where="image"):
     lines = np.arange(probability.shape[1])
     pieces = linked(candidates, linking, even)
     rows = [on_lines(piece, piece.excess, lines, linking.longest)[0] for piece in pieces]
-    return np.array(rows).reshape(-1, lines.size)
+    rows = np.array(rows).reshape(-1, lines.size)
+    rows[crossing_layers(rows)] = np.nan
+    return rows
 
 
 def layers_of_frames(frames, card, linking=None):

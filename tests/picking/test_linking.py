@@ -10,7 +10,7 @@ from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.picking import pick_layers
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.confidence import confidence, half_width_rows
-from snowsim.picking.joining import join_through_fades, ordered
+from snowsim.picking.joining import join
 from snowsim.picking.linking import Linking, Piece, link
 from snowsim.picking.windows import MARGIN_LINES, MARGIN_ROWS, log_odds_by_lines
 
@@ -27,8 +27,7 @@ def candidates_of(lines):
 def rows_of(pieces, n_lines):
     rows = np.full((len(pieces), n_lines), np.nan)
     for number, piece in enumerate(pieces):
-        inside = np.arange(piece.line[0], piece.line[-1] + 1)
-        rows[number, inside] = piece.at(inside)
+        rows[number, piece.line] = piece.row
     return rows
 
 
@@ -80,8 +79,7 @@ def test_layers_never_cross_whatever_the_candidates_are(seed):
         lines.append([(row, rng.normal(0.6, 1)) for row in rows])
     linking = Linking(evidence=12.0)
     pieces = link(candidates_of(lines), linking, EVEN)
-    check_layer_bins(rows_of(ordered(pieces), n_lines))
-    check_layer_bins(rows_of(ordered(join_through_fades(pieces)), n_lines))
+    check_layer_bins(rows_of(join(pieces), n_lines))
 
 
 def piece_of(first, stop, row, slope=0.0):
@@ -89,25 +87,36 @@ def piece_of(first, stop, row, slope=0.0):
     return Piece(line, row + slope * line, np.ones(line.size))
 
 
-def test_pieces_join_where_the_layer_beside_them_foretells_it_and_not_elsewhere():
-    beside = piece_of(0, 300, 50, 0.1)
-    left = piece_of(0, 100, 70, 0.1)
-    right = piece_of(150, 300, 70, 0.1)
-    assert sorted(piece.line.size for piece in join_through_fades([beside, left, right])) == [
-        250,
-        300,
-    ]
-    off = piece_of(150, 300, 80, 0.1)
-    assert len(join_through_fades([beside, left, off])) == 3
-    late = piece_of(100 + 250, 400, 70, 0.1)
-    assert len(join_through_fades([beside, left, late])) == 3
+def n_lines_of(pieces):
+    return [piece.line.size for piece in join(pieces)]
 
 
-def test_no_link_passes_through_another_layer():
+@pytest.mark.parametrize(("gap", "longest"), [(50, 300), (1000, 2000)])
+def test_pieces_join_where_the_layers_beside_them_foretell_it_and_not_elsewhere(gap, longest):
+    above = piece_of(0, longest, 30, 0.05)
+    left = piece_of(0, 100, 50, 0.06)
+    right = piece_of(100 + gap, longest, 50, 0.06)
+    # Half-way between two layers that part, it stays half-way.
+    beneath = piece_of(0, longest, 70, 0.07)
+    joined = [longest, longest - gap, longest]
+    assert n_lines_of([beneath, right, left, above]) == joined
+    off = piece_of(100 + gap, longest, 57, 0.06)
+    assert len(join([above, left, off, beneath])) == 4
+
+
+def test_no_layer_is_joined_across_another():
     left = piece_of(0, 100, 52)
     right = piece_of(120, 300, 52)
     across = Piece(np.arange(90, 130), np.linspace(60, 44, 40), np.ones(40))
-    assert len(join_through_fades([left, right, across])) == 3
+    assert len(join([left, right, across])) == 3
+
+
+def test_pieces_that_are_joined_change_the_names_of_layers_not_their_order():
+    # The deeper of two runs through; a short piece between them does not come first.
+    first, second = piece_of(0, 900, 50), piece_of(0, 900, 90)
+    between = piece_of(400, 500, 70)
+    layers = join([between, second, first])
+    assert [piece.row[0] for piece in layers] == [50, 70, 90]
 
 
 def test_confidence_grows_with_evidence_and_intervals_shrink_with_it():
