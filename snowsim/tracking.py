@@ -133,7 +133,6 @@ class Tracker:
     def see(self, echogram, where="echogram"):
         """Evidence of one frame for `pick_together`; it does not keep the echogram's samples."""
         seen = canonical(echogram, self.card, where)
-        seen.notes.extend(self.card.outside(echogram))
         return evidence_of(self._run, seen, self.card).without_data()
 
     def pick_together(self, evidence):
@@ -147,7 +146,6 @@ class Tracker:
 
     def _canonical(self, echogram):
         seen = canonical(echogram, self.card)
-        seen.notes.extend(self.card.outside(echogram))
         for note in seen.notes:
             warnings.warn(note, UserWarning, stacklevel=3)
         return seen

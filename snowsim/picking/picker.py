@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 from scipy.special import expit, logit
 
 from snowsim.echogram import crossing_layers
@@ -17,6 +18,7 @@ from snowsim.picking.windows import log_odds_by_lines
 
 # A candidate so near to the surface is the surface.
 SURFACE_ROWS = 3.0
+MEAN_OVER = (5, 33)  # rows and range lines, to tell echoes from noise
 CERTAIN = (1e-6, 1 - 1e-6)  # probabilities beyond count as these
 
 
@@ -44,12 +46,20 @@ def evidence_of(run, canonical, card, linking=None):
     even = card.threshold_log_odds + linking.even
     grid = canonical.grid
     parts = []
-    for _, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+    for _, logits, image in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
         log_odds = logits / np.float32(card.temperature)
-        parts.append(find_candidates(log_odds, even - linking.skipped))
+        found = find_candidates(log_odds, even - linking.skipped)
+        deepest = deepest_row(image, canonical.grey(card.echo_db))
+        parts.append(found.where(found.row <= deepest[found.line]))
     candidates = joined(parts)
     surface = grid.averaged(grid.surface_row)
     return _split_surface(canonical, candidates, surface, even, linking.apart)
+
+
+def deepest_row(image, grey):
+    """The deepest row on each range line that is brighter than so much in the mean around it."""
+    bright = uniform_filter(image.astype(np.float32), MEAN_OVER, mode="nearest") > grey
+    return np.where(bright.any(axis=0), len(image) - bright[::-1].argmax(axis=0), 0)
 
 
 def _split_surface(canonical, candidates, surface, even, apart):
@@ -149,7 +159,7 @@ def probability_of(run, canonical, card):
     """
     grid = canonical.grid
     probability = np.empty((grid.n_rows, grid.n_lines), dtype=np.float32)
-    for first, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+    for first, logits, _ in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
         stop = first + logits.shape[1]
         probability[:, first:stop] = expit(logits / np.float32(card.temperature))
     twtt = canonical.echogram["twtt"].values

@@ -212,7 +212,7 @@ def test_an_echogram_in_windows_gives_what_the_whole_gives(multi_scale, rng, siz
 
     def logits(rows, lines):
         parts = log_odds_by_lines(multi_scale, cut, *size, window_lines=lines, window_rows=rows)
-        return np.concatenate([part for _, part in parts], axis=1)
+        return np.concatenate([part for _, part, _ in parts], axis=1)
 
     whole = logits(4096, 4096)
     assert np.ptp(whole) > 1e-3
