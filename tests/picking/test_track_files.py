@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_layers import BIN_S, SEGMENT, WRITERS, content_of, planted
 
 from snowsim.cli import main
-from snowsim.io import read_layers
+from snowsim.io import open_segment, read_layers
 from snowsim.io.describe import describe
 from snowsim.io.images import write_image
 from snowsim.picking import canonical
@@ -71,6 +71,19 @@ def test_frames_of_a_segment_that_follow_one_another_keep_their_layers(track, tm
         error = found["twtt"].values - 3e-6 - layers["twtt"].values[:, part]
         assert np.nanmax(np.abs(error)) < BIN_S
         assert np.isfinite(error).mean() > 0.97
+    written = [tmp_path / "out" / f"{path.stem}_layers.nc" for path in paths]
+    joined = open_segment(written[::-1])
+    assert_array_equal(joined["layer"], ["surface", *(f"snow_{n}" for n in range(1, 5))])
+    whole = [read_layers(path) for path in written]
+    for name in ("twtt", "quality", "confidence"):
+        expected = np.concatenate([frame[name].values for frame in whole], axis=1)
+        assert_array_equal(joined[name], expected)
+    for wrong, message in (
+        ([], "files: expected those of its"),
+        (2 * written, "slow_time must in"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            open_segment(wrong)
 
 
 def test_frames_that_do_not_follow_one_another_share_no_layer_but_the_surface(
