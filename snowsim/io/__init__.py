@@ -189,8 +189,9 @@ def open_segment(paths):
     from snowsim.io.layers import AUTOMATIC, GOOD, SURFACE
 
     paths = list(paths)
+    where = "segment"
     if not paths:
-        raise refusal("segment", "files", "those of its frames", "none")
+        raise refusal(where, "files", "those of its frames", "none")
     frames = sorted(map(read_layers, paths), key=lambda frame: frame["slow_time"].values[0])
     joined = xr.concat(
         frames,
@@ -205,5 +206,5 @@ def open_segment(paths):
     names = joined["layer"].values
     in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
     joined = joined.sel(layer=in_order)
-    check_layers(joined, f"segment of {paths[0]}")
+    check_layers(joined, f"{where} of {paths[0]}")
     return joined
