@@ -176,13 +176,17 @@ def open_segment(paths):
     -------
     xarray.Dataset
         As of `read_layers`; a layer of the same name is the same in all frames, NaN where a frame
-        lacks it. Layers come by their names: the surface, then by number.
+        lacks it. Layers come by their names: the surface, then by number. `frame` along slow_time
+        is the name of the file.
 
     Raises
     ------
     ValueError
         In one line: no file, one that `read_layers` refuses, or frames that overlap in time.
     """
+    from pathlib import Path
+
+    import numpy as np
     import xarray as xr
 
     from snowsim.echogram import check_layers
@@ -192,7 +196,13 @@ def open_segment(paths):
     where = "segment"
     if not paths:
         raise refusal(where, "files", "those of its frames", "none")
-    frames = sorted(map(read_layers, paths), key=lambda frame: frame["slow_time"].values[0])
+    frames = []
+    for path in paths:
+        layers = read_layers(path)
+        frame = Path(path).stem.removesuffix("_layers")
+        names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
+        frames.append(layers.assign_coords(frame=names))
+    frames.sort(key=lambda frame: frame["slow_time"].values[0])
     joined = xr.concat(
         frames,
         "slow_time",
