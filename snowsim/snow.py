@@ -24,9 +24,12 @@ TYPICAL_LINES = 300  # to either side, whose median mass is typical
 # Masses of years scatter by this share of the typical one: from year to year (.17 to .28 in cores),
 # and by errors of picks and of what is typical.
 SPREAD = 0.3
-# Odds of every further year between two picks, and of a pick that is no horizon.
-MISSED = 0.7
-NO_HORIZON = 0.12
+MISSED = 0.7  # odds of every further year between two picks
+# Odds that a pick is no horizon, as a share of the probability that no layer lies there; that where
+# picks do not tell it.
+NO_HORIZON = 0.4
+USUAL_DOUBT = 0.25
+LEAST_DOUBT = 0.05
 MOST_YEARS = 12  # between two picks
 IMPOSSIBLE = -30.0  # log-likelihood
 N_TIMES = 500  # of the table of depths
@@ -117,7 +120,7 @@ def accumulation(
             deepest = f"picks down to {1e9 * np.nanmax(picks.below_s):.3g} ns below the surface"
             msg = f"layers: expected two picks on a range line above {column.end}, found {deepest}"
             raise ValueError(msg)
-        dated = _dated(water_m, picks.names, year)
+        dated = _dated(water_m, picks, year)
         mean_m = float(np.nanmean(dated.span_m / dated.n_years))
     return _by_year(layers, picks, column, dated, density_error)
 
@@ -134,11 +137,15 @@ def table(accumulated):
 
 @dataclass(frozen=True, eq=False)
 class _Picks:
-    """Picks that are used: travel time below the surface and its error [s], (layer, range_line)."""
+    """Picks that are used, (layer, range_line), and names of their layers.
+
+    Travel time below the surface and its error [s], and the probability that no layer is there.
+    """
 
     names: list
     below_s: np.ndarray
     error_s: np.ndarray
+    doubt: np.ndarray
 
 
 def _picks(layers, least_confidence):
@@ -151,13 +158,16 @@ def _picks(layers, least_confidence):
         msg = f"layers: expected the surface first, with travel times, found {names[0]}"
         raise ValueError(msg)
     below_s = np.where(np.isfinite(twtt[:1]), twtt - twtt[:1], np.nan)
+    doubt = np.full(twtt.shape, USUAL_DOUBT)
     if "confidence" in layers:
-        below_s[~(layers["confidence"].values >= least_confidence)] = np.nan
+        doubt = 1 - layers["confidence"].values
+        below_s[~(doubt <= 1 - least_confidence)] = np.nan
     error_s = 0 * twtt
     if "twtt_low" in layers:
         error_s = (layers["twtt_high"].values - layers["twtt_low"].values) / 2
     kept = 1 + np.flatnonzero(np.isfinite(below_s[1:]).any(axis=1))
-    return _Picks([names[n] for n in kept], below_s[kept], error_s[kept])
+    doubt = np.maximum(doubt[kept], LEAST_DOUBT)
+    return _Picks([names[n] for n in kept], below_s[kept], error_s[kept], doubt)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,8 +223,9 @@ class _Dated:
     sure: np.ndarray
 
 
-def _dated(water_m, names, year):
+def _dated(water_m, picks, year):
     """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
+    names = picks.names
     known = dict(year) if hasattr(year, "keys") else {names[0]: year}
     strange = [name for name in known if name not in names]
     if strange or not known:
@@ -225,12 +236,13 @@ def _dated(water_m, names, year):
     typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
     forced = {}
     for _ in range(N_ROUNDS):
-        age, above = _vote(water_m, typical_m, forced)
+        age, above = _vote(water_m, picks.doubt, typical_m, forced)
         forced = {layer: age[first] + given[first] - value for layer, value in given.items()}
         bounded = above >= 0
         span_m = np.where(bounded, water_m - np.take_along_axis(water_m, above, axis=0), np.nan)
         n_years = np.where(bounded, age[:, None] - age[above], np.nan)
-        sure = _probability(span_m / typical_m, n_years)
+        doubt = np.maximum(picks.doubt, np.take_along_axis(picks.doubt, above, axis=0))
+        sure = _probability(span_m / typical_m, n_years, doubt)
         typical_m = _typical(span_m / n_years)
     return _Dated(given[first] + int(age[first]), age, above, span_m, n_years, sure)
 
@@ -241,21 +253,24 @@ def _typical(year_m):
     return around.median().interpolate(limit_direction="both").to_numpy()
 
 
-def _log_likelihood(ratio, n_years):
-    """Of so many years between two picks, by their mass over the typical one of a year."""
+def _log_likelihood(ratio, n_years, doubt):
+    """Of so many years between two picks, by their mass over the typical one of a year.
+
+    Of none, one of the picks is no horizon: so doubtful is it.
+    """
     variance = np.maximum(n_years, 1) * SPREAD**2
     off = np.where(n_years == 0, np.maximum(ratio - 1, 0), ratio - n_years)
-    odds = np.where(n_years == 0, np.log(NO_HORIZON), n_years * np.log(MISSED))
+    odds = np.where(n_years == 0, np.log(NO_HORIZON * doubt), n_years * np.log(MISSED))
     return np.where(n_years < 0, IMPOSSIBLE, odds - off**2 / (2 * variance) - np.log(variance) / 2)
 
 
-def _probability(ratio, n_years):
+def _probability(ratio, n_years, doubt):
     """Of so many years between two picks, among all that may be."""
-    among = sum(np.exp(_log_likelihood(ratio, n)) for n in range(MOST_YEARS + 1))
-    return np.exp(_log_likelihood(ratio, n_years)) / among
+    among = sum(np.exp(_log_likelihood(ratio, n, doubt)) for n in range(MOST_YEARS + 1))
+    return np.exp(_log_likelihood(ratio, n_years, doubt)) / among
 
 
-def _vote(water_m, typical_m, forced):
+def _vote(water_m, doubt, typical_m, forced):
     """Age of layers [years], and the layer above each pick, -1 for none.
 
     From the surface down, by mass since the last horizon on every range line. A layer that lies
@@ -268,13 +283,15 @@ def _vote(water_m, typical_m, forced):
     share = np.nanmedian(water_m[0] / typical_m)
     for layer in range(n_layers):
         here = np.flatnonzero(np.isfinite(water_m[layer]))
+        if here.size == 0:
+            continue
         bounded = last[here] >= 0
         if layer in forced:
             age[layer] = forced[layer]
         elif bounded.any():
             lines = here[bounded]
             ratio = (water_m[layer] - water_m[last, range(n_lines)])[lines] / typical_m[lines]
-            age[layer] = _elected(ratio, age[last[lines]])
+            age[layer] = _elected(ratio, age[last[lines]], np.median(doubt[layer, lines]))
         else:
             age[layer] = max(0, np.rint(np.median((water_m[layer] / typical_m)[here]) - share))
         deeper = here[~bounded | (age[layer] > age[last[here]])]
@@ -283,13 +300,14 @@ def _vote(water_m, typical_m, forced):
     return age, above
 
 
-def _elected(ratio, upper_age):
+def _elected(ratio, upper_age, doubt):
     """Most probable age below others, by mass over the typical one, (range_line,)."""
     ages = upper_age.min() + np.arange(np.ptp(upper_age) + MOST_YEARS + 1)
     likelihood = np.zeros(ages.size)
     for own in np.unique(upper_age):
         of_own = upper_age == own
-        likelihood += of_own.mean() * _log_likelihood(np.median(ratio[of_own]), ages - own)
+        found = _log_likelihood(np.median(ratio[of_own]), ages - own, doubt)
+        likelihood += of_own.mean() * found
     return ages[likelihood.argmax()]
 
 
