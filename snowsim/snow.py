@@ -117,8 +117,8 @@ def accumulation(
         column = _column(density, temperature_k, mean_m)
         water_m = column.at(column.water_m, picks.below_s)
         if not (np.isfinite(water_m).sum(axis=0) > 1).any():
-            deepest = f"picks down to {1e9 * np.nanmax(picks.below_s):.3g} ns below the surface"
-            msg = f"layers: expected two picks on a range line above {column.end}, found {deepest}"
+            msg = "layers: expected two picks on a range line above "
+            msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
         dated = _dated(water_m, picks, year)
         mean_m = float(np.nanmean(dated.span_m / dated.n_years))
@@ -178,13 +178,13 @@ class _Column:
     water_m: np.ndarray
 
     @property
-    def end(self):
-        """Where density ends, in words."""
-        return f"{self.depth_m[-1]:.4g} m, where density ends"
+    def twtt_s(self):
+        """Travel time to every depth and back [s]."""
+        return travel_time_s(self.depth_m, self.water_m)
 
     def at(self, values, below_s):
         """Values (sample,) at travel times below the surface [s], NaN beyond the end."""
-        return np.interp(below_s, travel_time_s(self.depth_m, self.water_m), values, right=np.nan)
+        return np.interp(below_s, self.twtt_s, values, right=np.nan)
 
 
 def _column(density, temperature_k, mean_m):
@@ -225,13 +225,11 @@ class _Dated:
 
 def _dated(water_m, picks, year):
     """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
-    names = picks.names
-    known = dict(year) if hasattr(year, "keys") else {names[0]: year}
-    strange = [name for name in known if name not in names]
-    if strange or not known:
-        msg = f"year: expected names of layers with picks, {', '.join(names)}, found {strange}"
+    known = year if hasattr(year, "items") else {picks.names[0]: year}
+    given = {picks.names.index(name): known[name] for name in known if name in picks.names}
+    if not len(given) == len(known) > 0:
+        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, found {known}"
         raise ValueError(msg)
-    given = {names.index(name): int(value) for name, value in known.items()}
     first, *_ = given
     typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
     forced = {}
@@ -244,7 +242,7 @@ def _dated(water_m, picks, year):
         doubt = np.maximum(picks.doubt, np.take_along_axis(picks.doubt, above, axis=0))
         sure = _probability(span_m / typical_m, n_years, doubt)
         typical_m = _typical(span_m / n_years)
-    return _Dated(given[first] + int(age[first]), age, above, span_m, n_years, sure)
+    return _Dated(int(given[first] + age[first]), age, above, span_m, n_years, sure)
 
 
 def _typical(year_m):
@@ -276,27 +274,27 @@ def _vote(water_m, doubt, typical_m, forced):
     From the surface down, by mass since the last horizon on every range line. A layer that lies
     below none is held against the uppermost one, which has the age 0.
     """
-    n_layers, n_lines = water_m.shape
-    age = np.zeros(n_layers)
-    above = np.full(water_m.shape, -1)
-    last = np.full(n_lines, -1)
-    share = np.nanmedian(water_m[0] / typical_m)
-    for layer in range(n_layers):
-        here = np.flatnonzero(np.isfinite(water_m[layer]))
-        if here.size == 0:
-            continue
-        bounded = last[here] >= 0
+    years = water_m / typical_m
+    age = np.zeros(len(years))
+    above = np.full(years.shape, -1)
+    # Of every range line: the last horizon, its age, and the mass above it in typical years.
+    last = np.full(typical_m.size, -1)
+    last_age = np.full(typical_m.size, -1.0)
+    last_years = np.full(typical_m.size, np.nan)
+    for layer, own in enumerate(years):
+        bounded = np.isfinite(own - last_years)
         if layer in forced:
             age[layer] = forced[layer]
         elif bounded.any():
-            lines = here[bounded]
-            ratio = (water_m[layer] - water_m[last, range(n_lines)])[lines] / typical_m[lines]
-            age[layer] = _elected(ratio, age[last[lines]], np.median(doubt[layer, lines]))
-        else:
-            age[layer] = max(0, np.rint(np.median((water_m[layer] / typical_m)[here]) - share))
-        deeper = here[~bounded | (age[layer] > age[last[here]])]
+            doubtful = np.median(doubt[layer, bounded])
+            age[layer] = _elected((own - last_years)[bounded], last_age[bounded], doubtful)
+        elif np.isfinite(own).any():
+            age[layer] = max(0, np.rint(np.nanmedian(own) - np.nanmedian(years[0])))
+        deeper = np.isfinite(own) & (age[layer] > last_age)
         above[layer, deeper] = last[deeper]
         last[deeper] = layer
+        last_age[deeper] = age[layer]
+        last_years[deeper] = own[deeper]
     return age, above
 
 
@@ -353,9 +351,9 @@ def _dataset(layers, rows, dated, column, below_s):
     doubt = np.logical_or.accumulate(found["flag"].values == COUNT_UNCERTAIN, axis=0)
     found["flag"][1:] += AGE_UNCERTAIN * doubt[:-1]
     water_m = column.at(column.water_m, below_s)
-    open_m = np.where(dated.age[:, None] == 0, water_m, np.inf).min(axis=0)
-    found["open_m_we"] = ("slow_time", np.where(np.isfinite(open_m), open_m, np.nan))
-    times_s = np.linspace(0, 1.2 * np.nanmax(below_s), N_TIMES)
+    uppermost = np.where(dated.age[:, None] == 0, water_m, np.nan)
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(uppermost, axis=0))
+    times_s = np.linspace(0, min(1.1 * np.nanmax(below_s), column.twtt_s[-1]), N_TIMES)
     found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
     for name in ("Latitude", "Longitude", "frame"):
         if name in layers:

@@ -1,16 +1,17 @@
 """Layers drawn on their echogram, on axes of distance and depth."""
 
 import numpy as np
+import xarray as xr
 
 from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
-from snowsim.echogram import along_track_m, bin_size_s, to_db
+from snowsim.echogram import along_track_m, to_db
 from snowsim.io.files import written_whole
 
 NEEDED = "pictures need matplotlib: pip install 'snowsim[plot]'"
 # Of picks by quality.
 COLOURS = {1: ("good", "#009e73"), 2: ("moderate", "#f0a000"), 3: ("bad", "#d50000")}
 TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
-SHOWN_ABOVE_M = 1.0  # the surface
+SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
 SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
 N_DEPTHS = 800
 
@@ -29,25 +30,22 @@ def write_picture(path, layers, echograms=(), accumulated=None):
     figure = Figure(figsize=(11, 1 + 4.5 * n_panels), layout="constrained")
     panels = figure.subplots(n_panels, sharex=True, squeeze=False)[:, 0]
     layers = layers.transpose("layer", "slow_time", ...)
+    surface = layers["twtt"][0]
     distance, label = _distance(layers)
-    depth_m = _depth_m(layers["twtt"].values - layers["twtt"].values[0], accumulated)
-    shown_m = np.linspace(-SHOWN_ABOVE_M, np.nanmax(depth_m) + SHOWN_ABOVE_M, N_DEPTHS)
-    extent = (distance[0], distance[-1], shown_m[-1], shown_m[0])
+    times_s, depths_m = _depths(layers["twtt"] - surface, accumulated)
+    depth_m = np.interp(layers["twtt"] - surface, times_s, depths_m)
+    extent = (distance[0], distance[-1], depths_m[-1], depths_m[0])
     if echograms:
-        parts = [_levelled_db(each, layers, shown_m, accumulated) for each in echograms]
-        power_db = np.concatenate(parts, axis=1)
+        shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
+        below = xr.DataArray(np.interp(shown_m, depths_m, times_s), dims="depth")
+        power_db = np.concatenate([_power_db(each, surface + below) for each in echograms], axis=1)
         limits = dict(zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True))
         _draw_image(panels[0], power_db, extent, "power [dB]", cmap="gray", **limits)
     _draw_layers(panels[0], layers, distance, depth_m)
     panels[0].set(ylim=extent[2:], ylabel="depth [m]")
     panels[-1].set(xlabel=label)
     if accumulated is not None:
-        newest, *_, oldest = accumulated["year"].values
-        extent = (*extent[:2], oldest - 0.5, newest + 0.5)
-        values = accumulated["accumulation_m_we"].values
-        _draw_image(panels[1], values, extent, "accumulation [m w.e. / yr]")
-        panels[1].set(ylabel="year")
-        panels[1].yaxis.get_major_locator().set_params(integer=True)
+        _draw_years(panels[1], accumulated, extent[:2])
     with written_whole(path) as aside:
         figure.savefig(aside, format="png", dpi=110)
 
@@ -55,6 +53,15 @@ def write_picture(path, layers, echograms=(), accumulated=None):
 def _draw_image(axes, values, extent, label, **how):
     image = axes.imshow(values, extent=extent, aspect="auto", interpolation="nearest", **how)
     axes.figure.colorbar(image, ax=axes, label=label)
+
+
+def _draw_years(axes, accumulated, ends):
+    """Draw accumulation (year, range_line) from one end of the track to the other."""
+    newest, *_, oldest = accumulated["year"].values
+    extent = (*ends, oldest - 0.5, newest + 0.5)
+    _draw_image(axes, accumulated["accumulation_m_we"], extent, "accumulation [m w.e. / yr]")
+    axes.set(ylabel="year")
+    axes.yaxis.get_major_locator().set_params(integer=True)
 
 
 def _draw_layers(axes, layers, distance, depth_m):
@@ -77,25 +84,19 @@ def _distance(layers):
     return np.arange(distance_m.size), "range line"
 
 
-def _depth_m(below_s, accumulated):
-    """Depth [m] at travel times below the surface [s]."""
-    if accumulated is None:
-        index = 1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3
-        return SPEED_OF_LIGHT_M_S * below_s / (2 * index)
-    known = accumulated["depth_at"]
-    return np.interp(below_s, known["below_s"].values, known.values, right=np.nan)
+def _depths(below, accumulated):
+    """Travel times below the surface [s] and depths [m], from a little above it to below picks."""
+    if accumulated is not None:
+        known = accumulated["depth_at"]
+        return known["below_s"].values, known.values
+    per_s = SPEED_OF_LIGHT_M_S / (2 * (1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3))
+    times_s = np.array([-SHOWN_ABOVE_S, float(below.max()) + SHOWN_ABOVE_S])
+    return times_s, per_s * times_s
 
 
-def _levelled_db(echogram, layers, shown_m, accumulated):
-    """Power [dB] of a frame at depths (depth, range_line), in the air above it at heights."""
-    surface_s = layers["twtt"].sel(slow_time=echogram["slow_time"]).values[0]
-    first_s, *_, last_s = echogram["twtt"].values
-    below_s = np.linspace(0, last_s - first_s, N_DEPTHS)
-    there_s = np.interp(shown_m, _depth_m(below_s, accumulated), below_s)
-    there_s = np.where(shown_m < 0, 2 * shown_m / SPEED_OF_LIGHT_M_S, there_s)
-    at = (surface_s + there_s[:, None] - first_s) / bin_size_s(echogram)
-    power = echogram["Data"].transpose("twtt", "slow_time").values
-    inside = (at >= 0) & (at <= len(power) - 1)
-    row = np.where(inside, np.rint(at), 0).astype(int)
-    levelled = np.where(inside, np.take_along_axis(power, row, axis=0), np.nan)
-    return to_db(np.where(levelled > 0, levelled, np.nan))
+def _power_db(echogram, twtt):
+    """Power [dB] of a frame at travel times (depth, slow_time) of its lines, NaN beyond it."""
+    at = twtt.sel(slow_time=echogram["slow_time"]).transpose("depth", "slow_time")
+    power = echogram["Data"].sel(twtt=at, slow_time=at["slow_time"], method="nearest")
+    inside = (at >= echogram["twtt"][0]) & (at <= echogram["twtt"][-1]) & (power > 0)
+    return to_db(power.where(inside)).values

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import uniform_filter
+from scipy.ndimage import map_coordinates, uniform_filter
 from scipy.special import expit, logit
 
 from snowsim.echogram import crossing_layers
@@ -162,14 +162,6 @@ def probability_of(run, canonical, card):
     for first, logits, _ in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
         stop = first + logits.shape[1]
         probability[:, first:stop] = expit(logits / np.float32(card.temperature))
-    twtt = canonical.echogram["twtt"].values
-    result = np.empty((twtt.size, grid.top.size), dtype=np.float32)
-    image_rows = np.arange(grid.n_rows)
-    for own, place in enumerate(grid.line):
-        left = int(place)
-        right = min(left + 1, grid.n_lines - 1)
-        share = np.float32(place - left)
-        column = (1 - share) * probability[:, left] + share * probability[:, right]
-        rows = (twtt - grid.first_s) / grid.bin_s - grid.top[own]
-        result[:, own] = np.interp(rows, image_rows, column, left=np.nan, right=np.nan)
-    return result
+    rows = grid.row(canonical.echogram["twtt"].values)
+    lines = np.broadcast_to(grid.line, rows.shape)
+    return map_coordinates(probability, [rows, lines], order=1, cval=np.nan)
