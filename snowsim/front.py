@@ -31,7 +31,7 @@ from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
 from snowsim.phy.waveform import waveform_peak
-from snowsim.physical import Climate, Radar, Snowpack, physical_parameters
+from snowsim.physical import Climate, Radar, Snowpack, depth_and_water, physical_parameters
 from snowsim.progress import shown
 from snowsim.seeding import generator, random_stream
 
@@ -73,8 +73,8 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     echogram, layers : xarray.Dataset
         As Open Polar Radar has them. `Data` (twtt, slow_time) is power relative to a flat mirror in
         place of the snow; `twtt` (layer, slow_time) [s] of every interface, `peak_twtt`, where its
-        echo peaks, and `power_db`, the mean power of that peak. A profile has no layer where
-        nothing was measured.
+        echo peaks, `power_db`, the mean power of that peak, `depth_m` below the surface, and
+        `water_m`, the mass above [m w.e.]. A profile has no layer where nothing was measured.
 
     Raises
     ------
@@ -145,17 +145,28 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     echogram["Data"].attrs = RELATIVE_POWER
     twtt_s = first_s + layer_bins * radar.bin_s
     peak_s = first_s + (layer_bins + lag_bins[:, None]) * radar.bin_s
-    return echogram, _layers(echogram, twtt_s, peak_s, to_db(peak_power * height[:, None]))
+    return echogram, _layers(
+        echogram,
+        twtt_s,
+        peak_s,
+        to_db(peak_power * height[:, None]),
+        depth_and_water(snowpack, below_s),
+    )
 
 
-def _layers(echogram, twtt_s, peak_s, power_db):
-    """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power."""
+def _layers(echogram, twtt_s, peak_s, power_db, buried):
+    """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power.
+
+    `buried` are further variables in metres, of all range lines or one.
+    """
     on = ("layer", "slow_time")
     variables = {
         "twtt": (on, twtt_s, {"units": "s"}),
         "peak_twtt": (on, peak_s, {"units": "s"}),
         "power_db": (on, power_db, RELATIVE_POWER | {"units": "dB"}),
     }
+    for name, value_m in buried.items():
+        variables[name] = (on, np.broadcast_to(value_m, twtt_s.shape), {"units": "m"})
     for name, code in CODES.items():
         variables[name] = (on, np.full(twtt_s.shape, code, np.int8))
     return xr.Dataset(variables, {"slow_time": echogram["slow_time"]}, echogram.attrs)

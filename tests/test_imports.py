@@ -23,7 +23,7 @@ CORE = {
     "training",
 }
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "learning", "scoring", "tracking"}
+FRONT = {"cli", "front", "learning", "scoring", "snow", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),
@@ -31,6 +31,7 @@ ALLOWED = {
     # PHY's mean power tells how bright a scene is.
     ("cgan", "phy"),
     ("tracker", "metrics"),
+    ("tracker", "picking"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
@@ -45,7 +46,7 @@ ONLY = {
     "h5py": {"io"},
     "PIL": {"io"},
     "safetensors": {"io"},
-    "matplotlib": set(),
+    "matplotlib": {"io"},
     "snakemake": set(),
     "lib": set(),
 }

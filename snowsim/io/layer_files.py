@@ -127,7 +127,7 @@ def write_layers(path, layers, *, force=False):
     check_layers(layers, str(path))
     if not force:
         refuse_existing(path)
-    write_dataset(path, layers)
+    write_dataset(path, layers, compress=True)
 
 
 def refuse_existing(path):

@@ -163,6 +163,7 @@ rule score_transfer:
         scenes=expand("results/other_flights/{flight}/test.nc", flight=UNSEEN),
     output:
         table="results/tables/transfer.csv",
+        accumulation="results/tables/transfer_accumulation.csv",
     log:
         "logs/score_transfer.log",
     benchmark:
@@ -172,6 +173,11 @@ rule score_transfer:
     params:
         flights=list(UNSEEN),
         scales=SCALES,
+        seed=config["seed"],
+        bin_s={
+            name: transfer.reference_of(flight, config["reference"])["radar"]["bin_size_s"]
+            for name, flight in UNSEEN.items()
+        },
     message:
         "scores on flights that nothing was trained or tuned on"
     script:

@@ -7,8 +7,7 @@ from scipy.special import expit
 from snowsim.cgan.picks import completed
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.io.trackers import read_tracker
-from snowsim.metrics.edges import suppress
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking import pick_layers
 from snowsim.tracker.calibration import fused_logits
 from snowsim.tracker.portable import network_of_onnx
 
@@ -26,7 +25,7 @@ with job(snakemake) as log:
     def marked(scene):
         """The scene with the layers that its picks lack."""
         probability = expit(fused_logits(network, scene.image) / card["temperature"])
-        found = pick_layers(suppress(probability), threshold=card["threshold"], where=scene.name)
+        found = pick_layers(probability, threshold=card["threshold"], where=scene.name)
         with_found = completed(scene, found)
         n_picked = np.isfinite(scene.layer_bins).any(axis=1).sum()
         n_new.append(len(with_found.layer_bins) - n_picked)
