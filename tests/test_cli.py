@@ -73,7 +73,7 @@ def place(tmp_path, monkeypatch):
         ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
         ("score made true --output side_2", 1, "made: predictions: expected a folder side_2"),
         ("score made/merge true", 1, "found pictures of several"),
-        ("score made one.npy", 1, "one.npy: path: expected a folder, found a file"),
+        ("score made one.npy", 1, "one.npy: path: expected a folder of files whose names differ"),
         (
             "score other.npy one.npy",
             1,

@@ -72,7 +72,7 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     dataset = xr.Dataset(attrs=attributes)
     # Data first, and so their axes.
     for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
-        with library_errors(where, name, "real numbers, as many as others have"):
+        with library_errors(where, f"{name}: expected real numbers, as many as others have"):
             if name not in ("Data", "slow_time"):
                 values = np.ravel(values).astype(float)
             dataset[name] = (AXES.get(name, "slow_time"), values)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice
-from snowsim.io.files import write_dataset, write_store, written_whole
+from snowsim.io.files import write_bytes, write_dataset, write_store
 from snowsim.io.guard import refusal
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
@@ -141,5 +141,4 @@ def _listed(folder, scenes, list_name, file_name):
         yield scene
         names.append(scene.name)
     lines = [f"{file_name.format(name)}\n" for name in names]
-    with written_whole(folder / list_name) as aside:
-        aside.write_text("".join(lines), encoding="utf-8")
+    write_bytes(folder / list_name, "".join(lines).encode())

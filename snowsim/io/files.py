@@ -43,6 +43,12 @@ def written_whole(path):
         _remove(aside)
 
 
+def write_bytes(path, content):
+    """Write bytes, whole or not at all."""
+    with written_whole(path) as aside:
+        aside.write_bytes(content)
+
+
 def _no_room(path, error):
     """Why a file could not be written, if that is for room on its disk; else None."""
     free = shutil.disk_usage(path.parent).free

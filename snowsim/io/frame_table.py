@@ -3,6 +3,7 @@
 import io
 import os
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,7 +12,7 @@ from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
-from snowsim.io.guard import existing, library_errors, one_line, refusal
+from snowsim.io.guard import library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
 
 COLUMNS = ("frame", "echogram", "layers", "role")
@@ -30,8 +31,8 @@ def read_frames(path):
     "track", which needs no layers). Lines that begin with # are remarks. Rows that fail are
     reported together, each in a line; an echogram held out may have no other role but "track".
     """
-    path = existing(path)
-    with library_errors(path, "table", "tab-separated text"):
+    path = Path(path)
+    with library_errors(path, "table: expected tab-separated text"):
         lines = path.read_text(encoding="utf-8").splitlines()
         text = "\n".join(line for line in lines if not line.startswith("#"))
         table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)

@@ -96,7 +96,7 @@ def _quality_mask(path, n_lines):
     stored = read_netcdf(path)
     bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
     mask = np.zeros(n_lines, dtype=np.uint8)
-    with library_errors(path, "supplement", f"flags of 1 or {n_lines} lines"):
+    with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
             msg = f"supplement: expected flags {', '.join(SUPPLEMENT_FLAGS)}, found none of them"
             raise Refused(msg)

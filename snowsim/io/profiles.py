@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import check_choice
-from snowsim.io.guard import existing, library_errors, listed, refusal
+from snowsim.io.guard import library_errors, listed, refusal
 
 UNITS = {
     "depth": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -58,7 +58,6 @@ def read_profile(
     Rows may run from the bottom up, numbers have a decimal comma; lines that begin with # are
     remarks.
     """
-    path = existing(path)
     table = _table(path)
     density = _column(path, table, "density", DENSITY, density_column)
     others = table.drop(columns=density)
@@ -89,7 +88,7 @@ def read_profile(
 
 def _table(path):
     """Table of texts."""
-    with library_errors(path, "table", "text with a header and columns"):
+    with library_errors(path, "table: expected text with a header and columns"):
         # Spreadsheets write a raised 3 as no UTF-8.
         how = {"encoding": "utf-8-sig", "encoding_errors": "replace", "dtype": str}
         table = pd.read_csv(path, sep=None, engine="python", comment="#", **how)

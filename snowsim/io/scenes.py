@@ -165,7 +165,7 @@ class SceneSet:
         self._files = []
         self._where = []
         for path in [paths] if isinstance(paths, str | Path) else paths:
-            with library_errors(path, "scenes", "a scene file (NetCDF-4)"):
+            with library_errors(path, "scenes: expected a scene file (NetCDF-4)"):
                 # Without cycles of references a file closes with its last user, not whenever Python
                 # collects garbage.
                 file = netCDF4.Dataset(path, keepweakref=True)
@@ -184,7 +184,7 @@ class SceneSet:
 
     def __getitem__(self, item):
         file, groups, index = self._where[item]
-        with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
+        with library_errors(file.filepath(), f"scene {index}: expected one that can be read"):
             values, *held = (group.read(index) for group in groups)
             for echoes in held:
                 texture = tuple(echoes.pop(name) for name in TEXTURE if name in echoes)
