@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import bin_size_s, check_choice, check_layers, layer_bins_of
+from snowsim.echogram import bin_size_s, check_choice, layer_bins_of
 
 HOLE = 3.0  # in the lines of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
@@ -35,8 +35,8 @@ def align_layers(layers, echogram, where="layers"):
     lines, of more than `HOLE` of their spacings, but within one of the ends; `quality` and `type`
     are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
-    not cover the echogram's time span to within one of their own lines, if one lies outside the
-    echogram's window, or if they cross.
+    not cover the echogram's time span to within one of their own lines, or if one lies outside the
+    echogram's window.
     """
     ours = echogram["slow_time"].values
     left, right, weight = _between(layers["slow_time"].values, ours, where)
@@ -64,9 +64,7 @@ def align_layers(layers, echogram, where="layers"):
         variables[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
     of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
-    aligned = xr.Dataset(variables, {"slow_time": ours, **of_layers}, layers.attrs)
-    check_layers(aligned, where)
-    return aligned
+    return xr.Dataset(variables, {"slow_time": ours, **of_layers}, layers.attrs)
 
 
 def _between(theirs, ours, where):

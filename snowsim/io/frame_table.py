@@ -139,7 +139,7 @@ def scenes_of_frame(row, echogram, layers):
     scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
-        found = f"none ({one_line(reasons, 200)})"
+        found = f"none in {echogram.sizes['slow_time']} range lines ({one_line(reasons, 200)})"
         raise refusal(row.echogram, "blocks", "at least one that is a scene", found)
     return scenes, skipped
 

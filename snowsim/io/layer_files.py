@@ -123,7 +123,6 @@ def _frame_path(folder, segment, number):
 
 def write_layers(path, layers, *, force=False):
     """Write the same layers of one frame as NetCDF, with all that the dataset has along."""
-    check_layers(layers, str(path))
     if not force:
         refuse_existing(path)
     write_dataset(path, layers)

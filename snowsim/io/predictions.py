@@ -43,14 +43,13 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     truth = Path(truth)
     if predictions.is_file() and truth.is_file():
         return [(_name(predictions), predictions, truth)], []
-    if predictions.name in PICTURES:
-        expected = f"maps of one output ({', '.join(OUTPUTS)})"
-        raise refusal(predictions, "predictions", expected, "pictures of several")
     inside = predictions / (output or "fuse")
-    if inside.is_dir():
-        predictions = inside
-    elif output is not None:
-        raise refusal(predictions, "predictions", f"a folder {output}", "none")
+    is_pictures = predictions.name in PICTURES
+    if is_pictures or (output is not None and not inside.is_dir()):
+        expected = f"a folder of one output ({output or ', '.join(OUTPUTS)})"
+        found = "pictures of several" if is_pictures else "none"
+        raise refusal(predictions, "predictions", expected, found)
+    predictions = inside if inside.is_dir() else predictions
     endings = (*ENDINGS, ".mat") if picks else ENDINGS
     made = _by_name(predictions, LABELLED if picks else MAPPED, endings)
     truths = _by_name(truth, LABELLED, endings)
@@ -92,18 +91,15 @@ def read_map(path):
     `probability`, `prediction` or `edges`, or as its only image.
     """
     _, values = _array(path, MAPS)
-    if values.dtype in (np.uint8, np.uint16):
-        largest = np.iinfo(values.dtype).max
-        if values.max() == 1:
-            expected = f"8-bit or 16-bit numbers up to {largest}, or floats up to 1"
-            raise refusal(path, "map", expected, "whole numbers up to 1")
-        values = values / largest
-    outside = ~((values >= 0) & (values <= 1))  # NaN, too
+    largest = np.iinfo(values.dtype).max if values.dtype in (np.uint8, np.uint16) else 1
+    # NaN, too; and whole numbers up to 1 are a mask, or nearly black.
+    outside = ~((values >= 0) & (values <= largest)) | (largest > values.max() == 1)
     if outside.any():
         row, line = np.argwhere(outside)[0]
+        expected = f"8-bit or 16-bit numbers to {largest}, or floats in [0, 1]"
         found = f"{values[row, line]:g} at range_bin {row}, range_line {line}"
-        raise refusal(path, "map", "8-bit numbers, or numbers in [0, 1]", found)
-    return values.astype(float)
+        raise refusal(path, "map", expected, f"{found}, {values.max():g} at most")
+    return values / largest
 
 
 @dataclass(frozen=True)
