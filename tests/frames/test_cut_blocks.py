@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from made_up import BIN_S, made_up_frame
 from numpy.testing import assert_allclose, assert_array_equal
 
