@@ -53,6 +53,7 @@ RELATIVE_POWER = {
 }
 CODES = {"quality": 1, "type": 2}  # good; automatic
 PIXEL_BYTES = 4  # float32
+LINES_AT_ONCE = 1024
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
@@ -124,15 +125,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         "n_looks": radar.n_looks,
         "speckle_correlation": radar.speckle_correlation(),
     }
-    power = render(
-        layer_bins,
-        parameters,
-        scene_height(layer_bins),
-        tolerance_db=tolerance_db,
-        rng=rng,
-        normalise="none",
-        align="gaussian",
-    )
+    power = _power(layer_bins, parameters, tolerance_db=tolerance_db, rng=rng)
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
         # A window with its parameters is no attribute of a file.
@@ -151,6 +144,18 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     return echogram, _layers(echogram, twtt_s, peak_s, to_db(peak_power * height[:, None]))
 
 
+def _power(layer_bins, parameters, **how):
+    """Power of layers (layer, range_line), as much at a time as takes little memory."""
+    n_range_bins = scene_height(layer_bins)
+    parts = []
+    for first in shown(range(0, layer_bins.shape[1], LINES_AT_ONCE), unit=f"{LINES_AT_ONCE} lines"):
+        lines = slice(first, first + LINES_AT_ONCE)
+        of_lines = parameters | {"peak_power": parameters["peak_power"][:, lines]}
+        how |= {"normalise": "none", "align": "gaussian"}
+        parts.append(render(layer_bins[:, lines], of_lines, n_range_bins, **how))
+    return np.hstack(parts)
+
+
 def _layers(echogram, twtt_s, peak_s, power_db):
     """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power."""
     on = ("layer", "slow_time")
@@ -165,10 +170,7 @@ def _layers(echogram, twtt_s, peak_s, power_db):
 
 
 def _check_lines(n_range_lines, snowpack, radar):
-    """Refuse what is no number of range lines, and an echogram too large to be read back.
-
-    Simulating takes five times the size of an echogram.
-    """
+    """Refuse what is no number of range lines, and an echogram too large to be read back."""
     check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))

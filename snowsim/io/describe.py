@@ -14,6 +14,7 @@ from snowsim.io.png_pairs import PairSet, tells_db
 from snowsim.io.predictions import read_labels, read_map
 from snowsim.io.scenes import SceneSet
 from snowsim.io.sniff import ECHOGRAMS, LAYERS, in_words, sniff
+from snowsim.progress import shown
 
 MOST_ROWS = 8  # layers told one by one
 # What scenes' notes count.
@@ -109,7 +110,7 @@ def _scenes(what, scenes):
     sizes = []
     mute = "images do not hold their decibels"
     counts = dict.fromkeys((mute, *COUNTED.values()), 0)
-    for scene in scenes:
+    for scene in shown(scenes, unit="scene"):
         sizes.append((scene.n_range_bins, scene.n_range_lines, len(scene.layer_bins)))
         counts[mute] += scene.image is not None and not tells_db(scene)
         for name, words in COUNTED.items():
