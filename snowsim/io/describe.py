@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.echogram import along_track_m, bin_size_s
@@ -11,7 +12,7 @@ from snowsim.io.containers import names_in, read_netcdf
 from snowsim.io.guard import is_zarr, one_line, refusal
 from snowsim.io.layers import surface_among
 from snowsim.io.png_pairs import PairSet, tells_db
-from snowsim.io.predictions import read_labels, read_map
+from snowsim.io.predictions import read_array
 from snowsim.io.scenes import SceneSet
 from snowsim.io.sniff import ECHOGRAMS, LAYERS, in_words, sniff
 from snowsim.progress import shown
@@ -132,14 +133,9 @@ def _dataset(what, dataset):
 
 
 def _image(what, path):
-    """Layers, where the file can be read as such, else an edge map or image."""
-    try:
-        mask, layers = read_labels(path)
-    except ValueError:
-        return _said(f"{what}: an image or edge map", [_axes(read_map(path))], [], {})
-    axes = f"{layers.shape[1]} range lines" if mask is None else _axes(mask)
-    return _said(f"{what}: layers", [axes], [f"{len(layers)}"], {})
-
-
-def _axes(image):
-    return "{} range bins, {} range lines".format(*image.shape)
+    """Of an image, its size and grey levels: a mask has two, layer numbers one a layer."""
+    _, image = read_array(path)
+    levels = np.unique(image)
+    on = ("range_bin", "range_line")
+    attributes = {"levels": levels.size, "lowest": levels[0], "highest": levels[-1]}
+    return _dataset(what, xr.Dataset({"image": (on, image)}, attrs=attributes))

@@ -8,8 +8,8 @@ import numpy as np
 from snowsim.io.containers import read_netcdf
 from snowsim.io.datasets import (
     PARAMETERS,
-    SECONDS,
     echogram_dataset,
+    seconds_of,
     undo_compensation,
     utc_times,
 )
@@ -42,24 +42,20 @@ def read_nsidc(path, *, compensated=False):
     """
     # As stored: no fill value is set in these files, and a default one must not hide a value.
     stored = read_netcdf(path, NEEDED)
-    unit = str(stored["fasttime"].attrs.get("units") or "us").strip().lower()
     axes = (*stored["fasttime"].dims, *stored["time"].dims)
-    if unit not in SECONDS:
-        msg = f"fasttime: expected microseconds, found {unit}"
-        raise Refused(msg)
     seconds_of_day = np.ravel(stored["time"]).astype(float)
     midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
     epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
     content = {
         "Data": stored["amplitude"].transpose(*axes).values,
-        "twtt": np.ravel(stored["fasttime"]) * SECONDS[unit],
+        "twtt": np.ravel(stored["fasttime"]) * seconds_of(stored["fasttime"], "us"),
         "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
     }
     for theirs, ours in ALONG_TRACK.items():
         if theirs in stored:
             values = np.ravel(stored[theirs]).astype(float)
             content[ours] = np.radians(values) if ours in ATTITUDE else values
-    attributes = {"source_format": "IRSNO1B NetCDF", "midnights_passed": int(midnights[-1])}
+    attributes = {"source_format": "IRSNO1B NetCDF"}
     for name in sorted(stored.variables):
         parameter = name.rpartition(".")[2]
         if name.startswith("param") and parameter in PARAMETERS:

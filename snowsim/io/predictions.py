@@ -90,7 +90,7 @@ def read_map(path):
     Whole numbers of 8 or 16 bits are divided by their largest. A NetCDF file has it as
     `probability`, `prediction` or `edges`, or as its only image.
     """
-    _, values = _array(path, MAPS)
+    _, values = read_array(path, MAPS)
     largest = np.iinfo(values.dtype).max if values.dtype in (np.uint8, np.uint16) else 1
     # NaN, too; and whole numbers up to 1 are a mask, or nearly black.
     outside = ~((values >= 0) & (values <= largest)) | (largest > values.max() == 1)
@@ -139,7 +139,7 @@ def read_labels(path, shape=None, image=None):
     if path.suffix == ".png" and path.stem.startswith("layer_"):
         _, drawn = png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"))
     else:
-        name, values = _array(path, LABELS, least_rows=0)
+        name, values = read_array(path, LABELS, least_rows=0)
         drawn = None if name == "layer_bins" else _drawn(values, path.suffix == ".png")
         if drawn is None and (name == "mask" or values.shape == shape):
             expected = "0 and 1, or layers (layer, range_line) in range bins"
@@ -174,7 +174,7 @@ def _layers(path, layer_bins, shape, image):
     return layer_mask(layer_bins, n_range_bins), layer_bins
 
 
-def _array(path, names, least_rows=1):
+def read_array(path, names=(), least_rows=1):
     """Name (of a variable) and values of the array in a .png, .npy or NetCDF file.
 
     Axes of length 1 beyond two, as those of a batch, are left out.
