@@ -10,7 +10,7 @@ import numpy as np
 import scipy.io
 import xarray as xr
 
-from snowsim.io.guard import MAXIMUM_BYTES, Refused, is_png, library_errors, listed
+from snowsim.io.guard import MAXIMUM_BYTES, PNG_SIGNATURE, Refused, library_errors, listed
 from snowsim.io.mat5 import read_mat5
 
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
@@ -23,23 +23,32 @@ PIXELS = "pixels"  # the one variable of a PNG image
 KINDS = "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"
 
 
-def names_in(path):
-    """Names of the variables a file holds."""
+def names_in(path, needed=()):
+    """Names of the variables a file holds; refused without all of those `needed`."""
     path = Path(path)
     with library_errors(path, f"content: expected {KINDS}"):
         if path.is_dir():
-            return {item.name for item in path.iterdir() if item.is_dir()}
-        if h5py.is_hdf5(path):
+            names = {item.name for item in path.iterdir() if item.is_dir()}
+        elif h5py.is_hdf5(path):
             check_heaps(path)
             with h5py.File(path) as file:
                 told = {name: str(node.attrs.get("NAME")) for name, node in file.items()}
-            return {name for name, what in told.items() if NO_VARIABLE not in what}
-        if is_png(path):
-            return {PIXELS}
-        if path.open("rb").read(3) == b"CDF":
-            with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
-                return set(dataset.variables)
-        return {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
+            names = {name for name, what in told.items() if NO_VARIABLE not in what}
+        else:
+            with path.open("rb") as file:
+                first = file.read(len(PNG_SIGNATURE))
+            if first == PNG_SIGNATURE:
+                names = {PIXELS}
+            elif first.startswith(b"CDF"):
+                with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
+                    names = set(dataset.variables)
+            else:
+                names = {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
+        missing = ", ".join(name for name in needed if name not in names)
+        if missing:
+            msg = f"{missing}: expected variables {', '.join(needed)}, found {listed(names)}"
+            raise Refused(msg)
+    return names
 
 
 def check_heaps(path):
@@ -62,14 +71,6 @@ def check_heaps(path):
                     raise Refused(msg)
 
 
-def check_names(names, needed):
-    """Refuse a file whose variables lack some of those `needed`; all are told."""
-    missing = [name for name in needed if name not in names]
-    if missing:
-        msg = f"{', '.join(missing)}: expected variables {', '.join(needed)}, found {listed(names)}"
-        raise Refused(msg)
-
-
 def read_netcdf(path, needed=()):
     """Dataset of a NetCDF file or Zarr store, which must have what is `needed`.
 
@@ -77,7 +78,7 @@ def read_netcdf(path, needed=()):
     """
     path = Path(path)
     with library_errors(path):
-        check_names(names_in(path), needed)
+        names_in(path, needed)
         engine = "netcdf4" if h5py.is_hdf5(path) else "zarr" if path.is_dir() else "scipy"
         with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
             if dataset.nbytes > MAXIMUM_BYTES:
@@ -94,9 +95,7 @@ def read_matlab(path, needed, others=()):
     """
     path = Path(path)
     with library_errors(path):
-        names = names_in(path)
-        check_names(names, needed)
-        wanted = sorted(names.intersection((*needed, *others)))
+        wanted = sorted(names_in(path, needed).intersection((*needed, *others)))
         if h5py.is_hdf5(path):
             with h5py.File(path) as file:
                 room = [MAXIMUM_BYTES]

@@ -115,19 +115,11 @@ def read_opr(path):
 def load_opr(path, needed):
     """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds."""
     dataset = xr.decode_cf(read_netcdf(path, needed), decode_timedelta=False).load()
-    unit_s = seconds_of(dataset["twtt"], "s")
-    if unit_s != 1:
-        dataset["twtt"] = (dataset["twtt"] * unit_s).assign_attrs(units="s")
+    unit = str(dataset["twtt"].attrs.get("units") or "s").lower()
+    with library_errors(path, f"twtt: expected {', '.join(SECONDS)}"):
+        if SECONDS[unit] != 1:
+            dataset["twtt"] = (dataset["twtt"] * SECONDS[unit]).assign_attrs(units="s")
     return dataset
-
-
-def seconds_of(variable, usual):
-    """The unit of travel times in seconds; it is the usual one where a variable tells none."""
-    unit = str(variable.attrs.get("units") or usual).strip().lower()
-    if unit not in SECONDS:
-        msg = f"{variable.name}: expected seconds, found {unit}"
-        raise Refused(msg)
-    return SECONDS[unit]
 
 
 def utc_times(seconds, epoch="1970-01-01", *, gps=False):

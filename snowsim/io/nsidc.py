@@ -8,8 +8,8 @@ import numpy as np
 from snowsim.io.containers import read_netcdf
 from snowsim.io.datasets import (
     PARAMETERS,
+    SECONDS,
     echogram_dataset,
-    seconds_of,
     undo_compensation,
     utc_times,
 )
@@ -46,9 +46,12 @@ def read_nsidc(path, *, compensated=False):
     seconds_of_day = np.ravel(stored["time"]).astype(float)
     midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
     epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
+    unit = str(stored["fasttime"].attrs.get("units") or "us").strip().lower()
+    with library_errors(path, f"fasttime: expected {', '.join(SECONDS)}"):
+        twtt = np.ravel(stored["fasttime"]) * SECONDS[unit]
     content = {
         "Data": stored["amplitude"].transpose(*axes).values,
-        "twtt": np.ravel(stored["fasttime"]) * seconds_of(stored["fasttime"], "us"),
+        "twtt": twtt,
         "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
     }
     for theirs, ours in ALONG_TRACK.items():
