@@ -91,15 +91,18 @@ def read_map(path):
     `probability`, `prediction` or `edges`, or as its only image.
     """
     _, values = read_array(path, MAPS)
-    largest = np.iinfo(values.dtype).max if values.dtype in (np.uint8, np.uint16) else 1
-    # NaN, too; and whole numbers up to 1 are a mask, or nearly black.
-    outside = ~((values >= 0) & (values <= largest)) | (largest > values.max() == 1)
+    if values.dtype in (np.uint8, np.uint16):
+        largest = np.iinfo(values.dtype).max
+        if values.max() == 1:
+            expected = f"8-bit or 16-bit numbers up to {largest}, or floats up to 1"
+            raise refusal(path, "map", expected, "whole numbers up to 1")
+        values = values / largest
+    outside = ~((values >= 0) & (values <= 1))  # NaN, too
     if outside.any():
         row, line = np.argwhere(outside)[0]
-        expected = f"8-bit or 16-bit numbers to {largest}, or floats in [0, 1]"
         found = f"{values[row, line]:g} at range_bin {row}, range_line {line}"
-        raise refusal(path, "map", expected, f"{found}, {values.max():g} at most")
-    return values / largest
+        raise refusal(path, "map", "8-bit numbers, or numbers in [0, 1]", found)
+    return values.astype(float)
 
 
 @dataclass(frozen=True)
