@@ -71,7 +71,11 @@ def place(tmp_path, monkeypatch):
     [
         ("score", 2, "Missing argument 'PREDICTIONS'"),
         ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
-        ("score made true --output side_2", 1, "made: predictions: expected a folder of one output (side_2)"),
+        (
+            "score made true --output side_2",
+            1,
+            "a folder of one output (side_2), found none",
+        ),
         ("score made/merge true", 1, "found pictures of several"),
         ("score made one.npy", 1, "one.npy: path: expected a folder of files whose names differ"),
         (

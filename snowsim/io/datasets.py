@@ -102,8 +102,7 @@ def read_opr(path):
     """
     dataset = load_opr(path, ("Data", "twtt", "slow_time", "Latitude", "Longitude", "Elevation"))
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
-        with np.errstate(over="ignore"):  # infinite power is refused by the check
-            power = 10 ** (dataset["Data"].values.astype(float) / 10)
+        power = power_of(dataset["Data"].values.astype(float), path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
     if "Surface" not in dataset:
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
