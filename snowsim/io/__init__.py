@@ -149,8 +149,10 @@ def read_layers(path, *, names=None, missing="refuse"):
     >>> layers["twtt"].dims, int(layers["layer"][0])
     (('layer', 'slow_time'), 0)
     """
+    from snowsim.echogram import check_choice
     from snowsim.io import layers, sniff
 
+    check_choice("missing", missing, ("refuse", "skip"))
     readers = {
         "cresis_layer": layers.read_cresis_layers,
         "cresis_layer_data": layers.read_cresis_layer_data,

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from snowsim.echogram import check_choice, check_layers
+from snowsim.echogram import check_layers
 from snowsim.io.containers import read_matlab
 from snowsim.io.datasets import UNITS, load_opr, utc_times
 from snowsim.io.guard import Refused, one_line
@@ -90,7 +90,6 @@ def chosen(dataset, names, missing, where):
     Where layers have names, only those with picks, from the surface down; numbered ones keep their
     order, the first being the surface.
     """
-    check_choice("missing", missing, ("refuse", "skip"))
     index = dataset.get_index("layer")  # numbers where the file has no coordinate of this name
     named = index.dtype.kind in "OUS"
     labels = index.astype(str)
