@@ -85,7 +85,7 @@ def place(tmp_path, monkeypatch):
         ),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy dark.npy", 1, "inverted?"),
-        ("score one.npy narrow.npy", 1, "one.npy: size: expected 9 range lines as narrow.npy has"),
+        ("score one.npy narrow.npy", 1, "one.npy: size: expected (50, 9) as narrow.npy has"),
         (
             "score nan.npy one.npy",
             1,

@@ -148,10 +148,15 @@ def read_labels(path, shape=None, image=None):
             expected = "0 and 1, or layers (layer, range_line) in range bins"
             raise refusal(path, "mask", expected, f"{values.min():g} to {values.max():g}")
     if drawn is None:
-        return _layers(path, values, shape, image)
-    if shape not in (None, drawn.shape):
-        raise refusal(image, "size", f"{drawn.shape} as {path} has", shape)
-    return drawn > 0, layers_of_labels(drawn, path)
+        check_layer_bins(values, str(path))
+        layers = values
+        mask = None if shape is None else layer_mask(layers, shape[0])
+    else:
+        layers = layers_of_labels(drawn, path)
+        mask = drawn > 0
+    if shape is not None and mask.shape != shape:
+        raise refusal(image, "size", f"{mask.shape} as {path} has", shape)
+    return mask, layers
 
 
 def _drawn(values, is_image):
@@ -164,17 +169,6 @@ def _drawn(values, is_image):
     twice = ((values == 0).sum(axis=0) > 1).any()
     is_numbers = twice and np.isin(values, np.arange(256)).all()
     return values.astype(int) if is_image or is_numbers else None
-
-
-def _layers(path, layer_bins, shape, image):
-    """Mask (or None) and layers in range bins, which must fit an image of a shape."""
-    check_layer_bins(layer_bins, str(path))
-    if shape is None:
-        return None, layer_bins
-    n_range_bins, n_lines = shape
-    if layer_bins.shape[1] != n_lines:
-        raise refusal(image, "size", f"{layer_bins.shape[1]} range lines as {path} has", n_lines)
-    return layer_mask(layer_bins, n_range_bins), layer_bins
 
 
 def read_array(path, names=(), least_rows=1):
