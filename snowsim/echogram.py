@@ -79,6 +79,9 @@ def check_choice(name, value, choices):
 
 def scene_height(layer_bins):
     """Height of a scene in range bins, max(300, deepest + 100), as in the published benchmark."""
+    if not np.isfinite(layer_bins).any():
+        msg = "a scene needs at least one annotated pixel, got none"
+        raise ValueError(msg)
     return max(MINIMUM_ROWS, int(np.ceil(np.nanmax(layer_bins))) + ROWS_BELOW_LAST_LAYER)
 
 

@@ -251,6 +251,16 @@ def test_info_tells_what_statistics_rest_on_and_what_an_exported_folder_holds(tm
     assert "96 range_bin" in printed
 
 
+@pytest.mark.parametrize(
+    ("file", "levels"), [("true/layer_binary_a.png", "2"), ("shades.npy", "50")]
+)
+def test_info_tells_a_mask_from_an_edge_map_by_its_levels(place, capsys, file, levels):
+    printed = described(place / file, capsys)
+    assert "50 range_bin, 20 range_line" in printed
+    assert f"levels {levels}\n" in printed
+    assert "highest 1\n" in printed
+
+
 def test_info_counts_what_scenes_do_not_show(tmp_path, capsys):
     notes = [{"n_pixels_cut": 5, "n_pixels_unlabelled": 70}, {"n_pixels_unlabelled": 30}]
     scenes = [dataclasses.replace(scene, notes=notes[i]) for i, scene in enumerate(toy_scenes(2))]

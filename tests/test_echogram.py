@@ -19,6 +19,8 @@ def test_mask_has_one_pixel_per_layer_and_line_inside_the_window():
 def test_scene_height_is_the_published_rule_and_crossing_is_found_across_gaps():
     assert eg.scene_height(np.array([[50.0], [150.2]])) == 300
     assert eg.scene_height(np.array([[50.0], [700.2]])) == 801
+    with pytest.raises(ValueError, match="at least one annotated pixel"):
+        eg.scene_height(np.full((2, 3), np.nan))
     layer_bins = np.array([[5.0, 5.0], [np.nan, 7.0], [4.0, 9.0]])
     assert_array_equal(np.argwhere(eg.crossing_layers(layer_bins)), [[2, 0]])
     with pytest.raises(ValueError, match="layer 2 does not at range_line 0"):

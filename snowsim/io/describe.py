@@ -133,9 +133,9 @@ def _dataset(what, dataset):
 
 
 def _image(what, path):
-    """Of an image, its size and grey levels: a mask has two, layer numbers one a layer."""
+    """Of an image or array, its size and levels: a mask has two, layer numbers one a layer."""
     _, image = read_array(path)
-    levels = np.unique(image)
+    levels = np.unique(image).astype(float)
     on = ("range_bin", "range_line")
     attributes = {"levels": levels.size, "lowest": levels[0], "highest": levels[-1]}
     return _dataset(what, xr.Dataset({"image": (on, image)}, attrs=attributes))
