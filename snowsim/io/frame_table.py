@@ -14,6 +14,7 @@ from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
 from snowsim.io.guard import library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
+from snowsim.progress import shown
 
 COLUMNS = ("frame", "echogram", "layers", "role")
 # Frames to track need no layers, and may have any other role, too.
@@ -94,7 +95,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     rows = []
     failed = []
     missing = dict.fromkeys(options.get("layer_names") or ())
-    for row in table.itertuples():
+    for row in shown(table.itertuples(), len(table), unit="frame"):
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
             rows.append(_summary(row, echogram, layers, blocks=blocks))

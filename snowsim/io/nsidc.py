@@ -78,16 +78,10 @@ def read_nsidc(path, *, compensated=False):
 def find_supplement(path):
     """The supplement that lies beside an IRSNO1B file, or None: the same name up to the frame."""
     path = Path(path)
-    stems = [f"{path.stem}_supplement"]
-    frame = re.match(r"(.*?\d{8}_\d{2}_\d{3})(.*)", path.stem)
-    if frame:
-        base, variant = frame.groups()
-        stems += [f"{base}_supplement{variant}", f"{base}_supplement"]
-    for stem in stems:
-        supplement = path.with_name(f"{stem}.nc")
-        if supplement.is_file():
-            return supplement
-    return None
+    base, variant = re.fullmatch(r"(.*?\d{8}_\d{2}_\d{3}|.*?)(.*)", path.stem).groups()
+    stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
+    files = (path.with_name(f"{stem}.nc") for stem in stems if base or stem == stems[0])
+    return next((file for file in files if file.is_file()), None)
 
 
 def _quality_mask(path, n_lines):

@@ -10,6 +10,7 @@ from snowsim.echogram import Scene, check_choice, check_layer_bins, to_uint8
 from snowsim.io.containers import read_matlab
 from snowsim.io.guard import is_png, library_errors, listed, refusal
 from snowsim.io.images import read_image, read_mask
+from snowsim.progress import shown
 
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
@@ -73,7 +74,7 @@ class PairSet(Sequence):
         """
         rows = []
         failed = []
-        for item in range(len(self)):
+        for item in shown(range(len(self)), unit="scene"):
             try:
                 scene = self[item]
             except ValueError as error:
