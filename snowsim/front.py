@@ -147,11 +147,11 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
 def _power(layer_bins, parameters, **how):
     """Power of layers (layer, range_line), as much at a time as takes little memory."""
     n_range_bins = scene_height(layer_bins)
+    how |= {"normalise": "none", "align": "gaussian"}
     parts = []
     for first in shown(range(0, layer_bins.shape[1], LINES_AT_ONCE), unit=f"{LINES_AT_ONCE} lines"):
         lines = slice(first, first + LINES_AT_ONCE)
         of_lines = parameters | {"peak_power": parameters["peak_power"][:, lines]}
-        how |= {"normalise": "none", "align": "gaussian"}
         parts.append(render(layer_bins[:, lines], of_lines, n_range_bins, **how))
     return np.hstack(parts)
 

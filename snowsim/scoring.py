@@ -49,7 +49,6 @@ def score_folders(
     n_bootstrap=1000,
     seed=0,
     processes=1,
-    progress=None,
     bin_s=None,
 ):
     """Edge scores and errors of picks of a tracker, from two folders of files.
@@ -80,8 +79,6 @@ def score_folders(
         Resamples of the images for the intervals, and what they are drawn with.
     processes : int
         How many work at once; scores do not depend on it.
-    progress : callable
-        Wraps an iterable of known length, ``progress(steps, total)``; by default in a bar.
     bin_s : float
         Range bin [s] of the echograms that layer files are of.
 
@@ -125,12 +122,12 @@ def score_folders(
     )
     truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
-    progress = progress or partial(shown, unit="image")
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 
         def each(function, **settings):
-            return list(progress(mapped(partial(function, **settings), pairs), len(pairs)))
+            steps = mapped(partial(function, **settings), pairs)
+            return list(shown(steps, len(pairs), unit="image"))
 
         threshold = counts = None
         if not picks:
