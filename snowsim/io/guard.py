@@ -14,9 +14,13 @@ class Refused(ValueError):
     """What is wrong with a file, in words; `library_errors` puts the file's name in front."""
 
 
+class BadFile(ValueError):
+    """What is wrong with a file, in one line that begins with its name."""
+
+
 def refusal(path, what, expected, found):
-    """The ValueError of a bad file, on one line: file, variable, what was expected and found."""
-    return ValueError(one_line(f"{path}: {what}: expected {expected}, found {found}"))
+    """The error of a bad file, on one line: file, variable, what was expected and found."""
+    return BadFile(one_line(f"{path}: {what}: expected {expected}, found {found}"))
 
 
 def one_line(text, limit=400):
@@ -28,7 +32,7 @@ def one_line(text, limit=400):
 
 @contextmanager
 def library_errors(path, expected="expected a whole file"):
-    """Turn whatever is wrong with a file within the block into a ValueError of one line.
+    """Turn whatever is wrong with a file within the block into a `BadFile`, a ValueError.
 
     Any error counts: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError,
     zlib.error and many more. `expected` tells of those.
@@ -36,12 +40,13 @@ def library_errors(path, expected="expected a whole file"):
     try:
         yield
     except Exception as error:
-        if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
-            raise  # already the one line
+        is_line = isinstance(error, ValueError) and str(error).startswith(f"{path}: ")
+        if is_line or isinstance(error, BadFile):
+            raise  # already the one line, of this file or of one beside it
         told = f"{expected}, found {type(error).__name__} {error}"
         if isinstance(error, Refused):
             told = error
-        raise ValueError(one_line(f"{path}: {told}")) from error
+        raise BadFile(one_line(f"{path}: {told}")) from error
 
 
 def existing(path, *, directory=False):

@@ -60,6 +60,15 @@ def test_names_that_come_twice_carry_their_group(path, write):
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
 
 
+def test_a_damaged_organizer_is_named(path):
+    write_with_organizer(path, [SURFACE, KOENIG_2], ["surface", "Koenig_2"])
+    organizer = path.with_name(formats.ORGANIZER_FILE)
+    organizer.write_bytes(organizer.read_bytes()[:200])
+    with pytest.raises(ValueError, match=f"^{organizer}: ") as error:
+        read_layers(path)
+    assert str(path) not in str(error.value)
+
+
 @of_mat
 def test_without_organizer_ids_are_no_names(path, write):
     write(path, formats.layer_content([KOENIG_2, SURFACE], [1, 2], GPS_TIME))
