@@ -2,11 +2,11 @@
 
 import importlib
 
-__version__ = "0.2.0"
+__version__ = "0.4.0"
 
 # What people script with, by the module it is in; loaded when asked for, so that importing the
 # package imports nothing.
-FRONT = {"score_folders": "snowsim.scoring"}
+FRONT = {"accumulation": "snowsim.snow", "score_folders": "snowsim.scoring"}
 FRONT |= dict.fromkeys(("Climate", "Radar", "Snowpack", "scenes", "simulate"), "snowsim.front")
 FRONT |= dict.fromkeys(("Tracker", "list_pretrained"), "snowsim.tracking")
 
@@ -15,6 +15,7 @@ __all__ = [
     "Radar",
     "Snowpack",
     "Tracker",
+    "accumulation",
     "list_pretrained",
     "scenes",
     "score_folders",

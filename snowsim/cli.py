@@ -129,7 +129,7 @@ def info(file):
     "--range-lines", "n_range_lines", type=click.IntRange(2, MOST_RANGE_LINES), default=256
 )
 @click.option("--range-bins", "n_range_bins", type=COUNT, help="Default: as layers need.")
-@click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
+@click.option("--recipe", type=click.Choice(["measured", "paper"]), default="measured")
 @click.option(
     "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel."
 )
@@ -148,12 +148,7 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
     from snowsim.front import scenes
 
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
-    counts = drawn.write(folder, form, force=force)
-    echo_counts(counts)
-    click.echo(
-        f"masks hold layers down to the deepest that shows: {counts['n_surface_alone']} of {n} "
-        "scenes are labelled at the surface alone, and layers without a label are in the images"
-    )
+    echo_counts(drawn.write(folder, form, force=force))
 
 
 @commands.command(
@@ -439,6 +434,88 @@ def track(files, folder, **options):
 
     if track_files(files, folder, say=say, **options):
         sys.exit(1)
+
+
+@commands.command(
+    short_help="Depth, age and accumulation of tracked layers.", context_settings=SHOWN
+)
+@click.argument("files", nargs=-1, required=True, type=EXISTING)
+@click.option(
+    "-o",
+    "--output",
+    "path",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Table, NAME.csv.",
+)
+@click.option(
+    "--density", default="350", help="Of the snow [kg m-3], or the file of a measured profile."
+)
+@click.option(
+    "--temperature-k",
+    type=float,
+    help="Annual mean: density is that of the surface and grows with depth.",
+)
+@click.option(
+    "--year",
+    "years",
+    multiple=True,
+    required=True,
+    help="Of the uppermost horizon, 2011, or of a layer, snow_3=2008.",
+)
+@click.option("--png", is_flag=True, help="Draw layers and accumulation, too, as NAME.png.")
+@click.option(
+    "--echogram", "echograms", type=EXISTING, multiple=True, help="Of the frames, for the picture."
+)
+@over_option
+def accumulation(files, path, density, years, png, echograms, force, **settings):
+    """Tell depth, age and accumulation of the layers in FILES, frames of one segment as snowsim
+    track writes them (NAME_layers.nc): a row for each range line and year.
+
+    \b
+    Examples:
+      snowsim accumulation picked/*_layers.nc -o accumulation.csv --year 2011
+      snowsim accumulation picked/*_layers.nc -o a.csv --year snow_3=2008 --density core.csv
+      snowsim accumulation one_layers.nc -o a.csv --year 2011 --png --echogram one.nc
+    """  # noqa: D205, D301
+    from snowsim.io import open_segment, read_echogram
+    from snowsim.io.files import write_table
+    from snowsim.io.pictures import write_picture
+    from snowsim.snow import accumulation, table
+
+    picture = path.with_suffix(".png")
+    check_outputs([path], force, "CSV", ".csv")
+    check_outputs([picture] if png else [], force, "a picture", ".png")
+    layers = open_segment(files)
+    with echo_warnings():
+        found = accumulation(layers, density_of(density), year=year_of(years), **settings)
+    rows = table(found)
+    write_table(path, rows)
+    click.echo(
+        f"{path}: {len(rows)} rows of {found.sizes['year']} years, "
+        f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
+    )
+    if png:
+        write_picture(picture, layers, [read_echogram(each) for each in echograms], found)
+        click.echo(f"{picture}: layers and accumulation")
+
+
+def density_of(text):
+    """Density that an option tells, or the profile in a file of that name."""
+    from snowsim.io.profiles import read_profile
+
+    try:
+        return float(text)
+    except ValueError:
+        return read_profile(text)
+
+
+def year_of(texts):
+    """Year of the uppermost horizon, or of layers by name, as an option tells them."""
+    if len(texts) == 1 and "=" not in texts[0]:
+        return click.INT(texts[0])
+    named = (text.partition("=") for text in texts)
+    return {name: click.INT(year) for name, _, year in named}
 
 
 def echo_counts(counts):

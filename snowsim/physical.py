@@ -6,12 +6,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.signal import get_window
 
-from snowsim.constants import ICE_DENSITY_KG_M3, KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
+from snowsim.constants import (
+    ICE_DENSITY_KG_M3,
+    KOVACS_M3_KG,
+    SPEED_OF_LIGHT_M_S,
+    WATER_DENSITY_KG_M3,
+)
 from snowsim.echogram import check_choice
 from snowsim.limits import check_values
 from snowsim.profile import Sweep, combine, interfaces
 from snowsim.reference.climate import draw_along_track
-from snowsim.reference.firn import density_herron_langway80, depth_herron_langway80
+from snowsim.reference.firn import (
+    density_herron_langway80,
+    depth_herron_langway80,
+    travel_time_s,
+)
 
 LEAST_USED = 0.05  # of the sweep by its window; below, samples of the window are too few
 N_FREQUENCIES = 4096  # of the window's integrals; more change them by less than 1e-3
@@ -407,6 +416,23 @@ def _index_and_delay(snowpack):
     depth_m = snowpack.depth_m
     optical_m = np.r_[depth_m[:1], index[1:-1] * np.diff(depth_m, axis=0)]
     return index, 2 / SPEED_OF_LIGHT_M_S * np.cumsum(optical_m, axis=0)
+
+
+def depth_and_water(snowpack, below_s):
+    """Depth of echoes below the surface [m] and mass above them, `water_m` [m w.e.].
+
+    `below_s` (echo, range_line): travel times of `physical_parameters`.
+    """
+    depth_m = snowpack.depth_m - snowpack.depth_m[0]
+    slab_kg_m2 = snowpack.density_kg_m3[:-1] * np.diff(depth_m, axis=0)
+    water_m = np.cumsum(np.r_[0 * depth_m[:1], slab_kg_m2], axis=0) / WATER_DENSITY_KG_M3
+    found = {"depth_m": depth_m, "water_m": water_m}
+    if not snowpack.coherent:
+        return found
+    # Echoes of a profile, of one range line, lie among its interfaces.
+    delay_s = travel_time_s(depth_m, water_m)[:, 0]
+    at_s = below_s[:, 0] - below_s[0, 0]
+    return {name: np.interp(at_s, delay_s, value[:, 0])[:, None] for name, value in found.items()}
 
 
 def _reflection(index):

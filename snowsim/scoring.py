@@ -15,7 +15,7 @@ from snowsim.limits import check_count, check_values
 from snowsim.metrics.comparison import METRICS, replica_scores
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, stack_counts, suppress
 from snowsim.metrics.pick_tables import SUMS, errors_of_sums, layer_rows
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking import pick_layers
 from snowsim.progress import shown
 
 OPTIONAL = ("tolerance_bins", "bin_s")
@@ -219,13 +219,13 @@ def _notes_of_maps(counts, names, found):
 
 @dataclass(frozen=True)
 class _Image:
-    """Edge map of an image, suppressed; its mask, of lines of one pixel, and its layers."""
+    """Edge map, as it is and suppressed, of an image; its mask, one pixel thick; its layers."""
 
+    probability: np.ndarray
     edges: np.ndarray
     mask: np.ndarray
     layer_bins: np.ndarray
     thickness: float = 1.0  # of the mask as it was drawn [pixels]
-    largest: float = 0.0  # of the edge map
 
 
 def _read_image(prediction, truth, suppressed):
@@ -239,7 +239,8 @@ def _read_image(prediction, truth, suppressed):
             n_range_bins = int(np.nanmax(layer_bins, initial=0)) + 2
             mask = layer_mask(layer_bins, n_range_bins)
         mask, thickness = _thinned(mask, layer_bins)
-        return _Image(np.zeros(mask.shape), mask, layer_bins, thickness)
+        empty = np.zeros(mask.shape)
+        return _Image(empty, empty, mask, layer_bins, thickness)
     probability = read_map(prediction)
     mask, layer_bins = read_labels(truth, probability.shape, prediction)
     if mask.any() and not mask.all() and np.median(probability) > 0.5:
@@ -251,7 +252,7 @@ def _read_image(prediction, truth, suppressed):
             raise ValueError(msg)
     edges = probability if suppressed else suppress(probability, where=str(prediction))
     mask, thickness = _thinned(mask, layer_bins)
-    return _Image(edges, mask, layer_bins, thickness, probability.max())
+    return _Image(probability, edges, mask, layer_bins, thickness)
 
 
 def _thinned(mask, layer_bins):
@@ -269,7 +270,7 @@ def _count(pair, *, suppressed, **tolerance):
     _, prediction, truth = pair
     image = _read_image(prediction, truth, suppressed)
     counts = match_counts(image.edges, image.mask, THRESHOLDS, **tolerance, where=str(prediction))
-    return counts | {"thickness": image.thickness, "largest": image.largest}
+    return counts | {"thickness": image.thickness, "largest": image.probability.max()}
 
 
 def _pick(pair, *, suppressed, threshold, bin_s, **limits):
@@ -283,7 +284,7 @@ def _pick(pair, *, suppressed, threshold, bin_s, **limits):
     else:
         image = _read_image(prediction, truth, suppressed)
         layer_bins = image.layer_bins
-        picks = pick_layers(image.edges, threshold=threshold, where=str(prediction))
+        picks = pick_layers(image.probability, threshold=threshold, where=str(prediction))
     layer_bins = layer_bins[np.isfinite(layer_bins).any(axis=1)]
     if len(layer_bins) == 0:
         return _false_layers(picks)

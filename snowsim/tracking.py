@@ -15,7 +15,7 @@ from tempfile import TemporaryFile
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import bin_size_s, check_choice, from_uint8
+from snowsim.echogram import check_choice, from_uint8
 from snowsim.io import read_echogram
 from snowsim.io.guard import existing, is_png, is_zarr, refusal
 from snowsim.io.images import read_image
@@ -133,7 +133,6 @@ class Tracker:
     def see(self, echogram, where="echogram"):
         """Evidence of one frame for `pick_together`; it does not keep the echogram's samples."""
         seen = canonical(echogram, self.card, where)
-        seen.notes.extend(self.card.outside(echogram))
         return evidence_of(self._run, seen, self.card).without_data()
 
     def pick_together(self, evidence):
@@ -147,7 +146,6 @@ class Tracker:
 
     def _canonical(self, echogram):
         seen = canonical(echogram, self.card)
-        seen.notes.extend(self.card.outside(echogram))
         for note in seen.notes:
             warnings.warn(note, UserWarning, stacklevel=3)
         return seen
@@ -439,7 +437,7 @@ def _write_segment(tracker, frames, folder, png, bin_s, force, say):
             layers["slow_time"].attrs["comment"] = "invented: a picture tells no times"
         write_layers(path, layers, force=force)
         for picture in pictures:
-            _draw(picture, _read(frame.path, bin_s), layers, frame.evidence.canonical)
+            write_picture(picture, layers, [_read(frame.path, bin_s)])
         n_picks = int(np.isfinite(layers["twtt"].values[1:]).sum())
         say(f"{path}: {layers.sizes['layer'] - 1} layers below the surface, {n_picks} picks")
 
@@ -448,15 +446,3 @@ def _apart(before, found):
     """Layers of one run, named after those of the runs before it; the surface is one in all."""
     n_above = max((int(layer_numbers(layers).max()) for layers in before), default=0)
     return [layers.assign_coords(layer=_names(layer_numbers(layers) + n_above)) for layers in found]
-
-
-def _draw(path, echogram, layers, seen):
-    """Picks on the echogram's own pixels, grey as the tracker saw them."""
-    power = echogram["Data"].transpose("twtt", "slow_time").values
-    bottom_db = seen.noise_floor_db - 10
-    with np.errstate(divide="ignore", invalid="ignore"):
-        power_db = np.nan_to_num(10 * np.log10(power), nan=bottom_db, neginf=bottom_db)
-    scaled = (power_db - bottom_db) * (255 / (seen.maximum_db - bottom_db))
-    image = np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
-    rows = (layers["twtt"].values - float(echogram["twtt"].values[0])) / bin_size_s(echogram)
-    write_picture(path, image, rows, layers["quality"].values)

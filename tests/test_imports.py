@@ -23,23 +23,20 @@ CORE = {
     "training",
 }
 # For people who script: they may import any stage, and nothing imports them.
-FRONT = {"cli", "front", "learning", "scoring", "tracking"}
+FRONT = {"cli", "front", "learning", "scoring", "snow", "tracking"}
 # A stage never imports another stage, but for these.
 ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
-    ("cgan", "metrics"),
-    # Label sets' powers tell how bright a scene is.
-    ("cgan", "labels.dress"),
+    # PHY's mean power tells how bright a scene is.
+    ("cgan", "phy"),
     ("tracker", "metrics"),
+    ("tracker", "picking"),
     # The firn's physics is written once.
     ("physical", "reference.firn"),
     ("physical", "reference.climate"),
     ("physical", "profile"),
     ("picking", "frames"),
-    # A layer is labelled where its mean power shows it.
-    ("labels", "phy.power"),
-    ("labels", "phy.parameters"),
 }
 # What only some stages may import.
 ONLY = {
@@ -49,7 +46,7 @@ ONLY = {
     "h5py": {"io"},
     "PIL": {"io"},
     "safetensors": {"io"},
-    "matplotlib": set(),
+    "matplotlib": {"io"},
     "snakemake": set(),
     "lib": set(),
 }

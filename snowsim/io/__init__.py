@@ -164,3 +164,59 @@ def read_layers(path, *, names=None, missing="refuse"):
         if kind in readers:
             return layers.chosen(readers[kind](path), names, missing, path)
     raise refusal(path, "format", "layers (CReSIS or Open Polar Radar)", sniff.in_words(kind))
+
+
+def open_segment(paths):
+    """Layers of the frames of a segment as one dataset, frames in order of their times.
+
+    Parameters
+    ----------
+    paths : iterable of path_like
+        Files that `read_layers` reads, such as the `NAME_layers.nc` of `snowsim track`.
+
+    Returns
+    -------
+    xarray.Dataset
+        As of `read_layers`; a layer of the same name is the same in all frames, NaN where a frame
+        lacks it. Layers come by their names: the surface, then by number. `frame` along slow_time
+        is the name of the file.
+
+    Raises
+    ------
+    ValueError
+        In one line: no file, one that `read_layers` refuses, or frames that overlap in time.
+    """
+    from pathlib import Path
+
+    import numpy as np
+    import xarray as xr
+
+    from snowsim.echogram import check_layers
+    from snowsim.io.layers import AUTOMATIC, GOOD, SURFACE
+
+    paths = list(paths)
+    where = "segment"
+    if not paths:
+        raise refusal(where, "files", "those of its frames", "none")
+    frames = []
+    for path in paths:
+        layers = read_layers(path)
+        frame = Path(path).stem.removesuffix("_layers")
+        names = ("slow_time", np.full(layers.sizes["slow_time"], frame, dtype=object))
+        frames.append(layers.assign_coords(frame=names))
+    frames.sort(key=lambda frame: frame["slow_time"].values[0])
+    joined = xr.concat(
+        frames,
+        "slow_time",
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="outer",
+        fill_value={"quality": GOOD, "type": AUTOMATIC},
+        combine_attrs="drop_conflicts",
+    )
+    names = joined["layer"].values
+    in_order = sorted(names, key=lambda name: (name != SURFACE, len(str(name)), name))
+    joined = joined.sel(layer=in_order)
+    check_layers(joined, f"{where} of {paths[0]}")
+    return joined

@@ -125,7 +125,7 @@ def write_layers(path, layers, *, force=False):
     """Write the same layers of one frame as NetCDF, with all that the dataset has along."""
     if not force:
         refuse_existing(path)
-    write_dataset(path, layers)
+    write_dataset(path, layers, compress=True)
 
 
 def refuse_existing(path):

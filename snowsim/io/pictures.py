@@ -1,27 +1,102 @@
-"""Picks drawn on their echogram, for a quick look."""
-
-import io
+"""Layers drawn on their echogram, on axes of distance and depth."""
 
 import numpy as np
-from PIL import Image
+import xarray as xr
 
+from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S
+from snowsim.echogram import along_track_m, to_db
 from snowsim.io.files import written_whole
 
-# Of picks by quality: good, moderate, bad.
-COLOURS = np.array([[0, 158, 115], [240, 160, 0], [213, 0, 0]], dtype=np.uint8)
+NEEDED = "pictures need matplotlib: pip install 'snowsim[plot]'"
+# Of picks by quality.
+COLOURS = {1: ("good", "#009e73"), 2: ("moderate", "#f0a000"), 3: ("bad", "#d50000")}
+TYPICAL_DENSITY_KG_M3 = 350.0  # where none is given
+SHOWN_ABOVE_S = 5e-9  # the surface, and below the deepest pick
+SHOWN_PERCENT = (5, 99.7)  # of pixels, from black to white
+N_DEPTHS = 800
 
 
-def write_picture(path, image, rows, quality):
-    """Write an 8-bit image (range_bin, range_line) with layers drawn on it, whole or not at all.
+def write_picture(path, layers, echograms=(), accumulated=None):
+    """Write a PNG of named layers on their echograms, and below, if given, accumulation by year.
 
-    `rows` and `quality` (layer, range_line) are those of the picks, NaN where none is.
+    `layers` is a dataset with the surface first, `echograms` are its frames; colours tell quality.
+    Without `accumulated`, as of `snowsim.accumulation`, depth is that in snow of 350 kg m-3.
     """
-    picture = np.repeat(image[:, :, None], 3, axis=2)
-    nearest = np.rint(rows)
-    inside = np.isfinite(rows) & (nearest >= 0) & (nearest <= len(image) - 1)
-    _, line = np.nonzero(inside)
-    picture[nearest[inside].astype(int), line] = COLOURS[quality[inside] - 1]
-    buffer = io.BytesIO()
-    Image.fromarray(picture).save(buffer, format="PNG", compress_level=6)
+    try:
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ValueError(NEEDED) from error
+    n_panels = 1 if accumulated is None else 2
+    figure = Figure(figsize=(11, 1 + 4.5 * n_panels), layout="constrained")
+    panels = figure.subplots(n_panels, sharex=True, squeeze=False)[:, 0]
+    layers = layers.transpose("layer", "slow_time", ...)
+    surface = layers["twtt"][0]
+    distance, label = _distance(layers)
+    times_s, depths_m = _depths(layers["twtt"] - surface, accumulated)
+    depth_m = np.interp(layers["twtt"] - surface, times_s, depths_m)
+    extent = (distance[0], distance[-1], depths_m[-1], depths_m[0])
+    if echograms:
+        shown_m = np.linspace(depths_m[0], depths_m[-1], N_DEPTHS)
+        below = xr.DataArray(np.interp(shown_m, depths_m, times_s), dims="depth")
+        power_db = np.concatenate([_power_db(each, surface + below) for each in echograms], axis=1)
+        limits = dict(zip(("vmin", "vmax"), np.nanpercentile(power_db, SHOWN_PERCENT), strict=True))
+        _draw_image(panels[0], power_db, extent, "power [dB]", cmap="gray", **limits)
+    _draw_layers(panels[0], layers, distance, depth_m)
+    panels[0].set(ylim=extent[2:], ylabel="depth [m]")
+    panels[-1].set(xlabel=label)
+    if accumulated is not None:
+        _draw_years(panels[1], accumulated, extent[:2])
     with written_whole(path) as aside:
-        aside.write_bytes(buffer.getvalue())
+        figure.savefig(aside, format="png", dpi=110)
+
+
+def _draw_image(axes, values, extent, label, **how):
+    image = axes.imshow(values, extent=extent, aspect="auto", interpolation="nearest", **how)
+    axes.figure.colorbar(image, ax=axes, label=label)
+
+
+def _draw_years(axes, accumulated, ends):
+    """Draw accumulation (year, range_line) from one end of the track to the other."""
+    newest, *_, oldest = accumulated["year"].values
+    extent = (*ends, oldest - 0.5, newest + 0.5)
+    _draw_image(axes, accumulated["accumulation_m_we"], extent, "accumulation [m w.e. / yr]")
+    axes.set(ylabel="year")
+    axes.yaxis.get_major_locator().set_params(integer=True)
+
+
+def _draw_layers(axes, layers, distance, depth_m):
+    """Draw layers (layer, range_line), each with its name at its end."""
+    for value, (name, colour) in COLOURS.items():
+        of_value = np.where(layers["quality"].values == value, depth_m, np.nan)
+        first, *_ = axes.plot(distance, of_value.T, color=colour, lw=1)
+        first.set_label(name)
+    for name, of_layer in zip(layers["layer"].values, depth_m, strict=True):
+        last = np.flatnonzero(np.isfinite(of_layer))[-1]
+        axes.text(distance[last], of_layer[last], str(name), fontsize=5, color="#56b4e9")
+    axes.legend(fontsize="small", ncols=3, loc="lower left")
+
+
+def _distance(layers):
+    """Distance along track [km], or numbers of range lines where positions are missing."""
+    distance_m = along_track_m(layers)
+    if np.isfinite(distance_m).all() and distance_m[-1] > 0:
+        return distance_m / 1000, "distance [km]"
+    return np.arange(distance_m.size), "range line"
+
+
+def _depths(below, accumulated):
+    """Travel times below the surface [s] and depths [m], from a little above it to below picks."""
+    if accumulated is not None:
+        known = accumulated["depth_at"]
+        return known["below_s"].values, known.values
+    per_s = SPEED_OF_LIGHT_M_S / (2 * (1 + KOVACS_M3_KG * TYPICAL_DENSITY_KG_M3))
+    times_s = np.array([-SHOWN_ABOVE_S, float(below.max()) + SHOWN_ABOVE_S])
+    return times_s, per_s * times_s
+
+
+def _power_db(echogram, twtt):
+    """Power [dB] of a frame at travel times (depth, slow_time) of its lines, NaN beyond it."""
+    at = twtt.sel(slow_time=echogram["slow_time"]).transpose("depth", "slow_time")
+    power = echogram["Data"].sel(twtt=at, slow_time=at["slow_time"], method="nearest")
+    inside = (at >= echogram["twtt"][0]) & (at <= echogram["twtt"][-1]) & (power > 0)
+    return to_db(power.where(inside)).values

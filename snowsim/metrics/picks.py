@@ -1,72 +1,10 @@
-"""Layers as a glaciologist reads them.
-
-Picks from an edge map, and which true layer each pick belongs to.
-"""
-
-from dataclasses import dataclass
+"""Which true layer each pick belongs to, and how far from it the pick lies."""
 
 import numpy as np
 from numba import njit
 
 from snowsim.echogram import check_layer_bins
 from snowsim.limits import check_values
-from snowsim.metrics.edges.suppression import check_prediction
-
-
-@dataclass(eq=False)
-class _Followed:
-    """A layer being followed: its picks so far, and where the last one is."""
-
-    bins: np.ndarray
-    last_line: int
-    last_bin: float
-
-
-def pick_layers(
-    edges, *, threshold, max_step_bins=3.0, max_gap_lines=20, min_lines=20, where="image"
-):
-    """Follow layers through an edge map, usually suppressed, range line by range line and in order.
-
-    In every range line each run of pixels at or above `threshold`, usually that of the best F, is
-    one pick, at its centroid. Picks join the layers followed so far such that layers keep their
-    order and steps are below `max_step_bins`; a pick that joins none begins a layer. More than
-    `max_gap_lines` without a pick end a layer; one with fewer picks than `min_lines` is dropped as
-    a speck.
-
-    Returns fractional range bins (layer, range_line), NaN without a pick, strictly increasing with
-    layer index where present. Maps that leave [0, 1], named `where`, and thresholds not above 0 are
-    refused.
-    """
-    edges = check_prediction(edges, where)
-    check_values(f"{where}: threshold", threshold, 0, above=True)
-    n_lines = edges.shape[1]
-    layers = []  # downwards, those that ended among them
-    for line in range(n_lines):
-        found = _line_picks(edges[:, line], threshold)
-        following = [layer for layer in layers if line - layer.last_line <= max_gap_lines + 1]
-        last_bins = np.array([layer.last_bin for layer in following])
-        joined = _align(last_bins, found, max_step_bins)
-        layer_of_pick = dict(zip(joined, following, strict=True))  # and of -1, no pick, any
-        place = 0
-        for pick, position in enumerate(found):
-            layer = layer_of_pick.get(pick)
-            if layer is None:
-                layer = _Followed(np.full(n_lines, np.nan), line, position)
-                # Below all that are picked above it here, above all that are picked below it; else
-                # by depth.
-                picked_below = [layer_of_pick[i] for i in joined if i > pick]
-                stop = layers.index(picked_below[0]) if picked_below else len(layers)
-                while place < stop and layers[place].last_bin < position:
-                    place += 1
-                layers.insert(place, layer)
-            else:
-                place = layers.index(layer)
-            layer.bins[line] = position
-            layer.last_line = line
-            layer.last_bin = position
-            place += 1
-    kept = [layer.bins for layer in layers if np.isfinite(layer.bins).sum() >= min_lines]
-    return np.array(kept) if kept else np.empty((0, n_lines))
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
@@ -97,16 +35,6 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
         error_bins[layer, line] = picks[pick, line] - layer_bins[layer, line]
         used[pick, line] = True
     return error_bins, used
-
-
-def _line_picks(strength, threshold):
-    """Centroid of every run of a range line at or above the threshold, (pick,) [range bins]."""
-    rows = np.flatnonzero(strength >= threshold)
-    if rows.size == 0:
-        return np.empty(0)
-    starts = np.flatnonzero(np.diff(rows, prepend=-2) > 1)
-    weights = strength[rows]
-    return np.add.reduceat(rows * weights, starts) / np.add.reduceat(weights, starts)
 
 
 @njit(cache=True)

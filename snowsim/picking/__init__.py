@@ -3,7 +3,7 @@
 from snowsim.picking.canonical import canonical
 from snowsim.picking.card import Card, checked_card
 from snowsim.picking.linking import Linking
-from snowsim.picking.picker import evidence_of, layers_of_frames, probability_of
+from snowsim.picking.picker import evidence_of, layers_of_frames, pick_layers, probability_of
 
 __all__ = [
     "Card",
@@ -12,5 +12,6 @@ __all__ = [
     "checked_card",
     "evidence_of",
     "layers_of_frames",
+    "pick_layers",
     "probability_of",
 ]

@@ -39,7 +39,10 @@ class Candidates:
 
 
 def find_candidates(log_odds, floor):
-    """Peaks of a map (row, range_line) above a floor, each at the vertex of a parabola."""
+    """Peaks of a map (row, range_line) above a floor, each at the vertex of a parabola.
+
+    A peak of several equal rows lies in their middle.
+    """
     log_odds = np.ascontiguousarray(log_odds.T, dtype=np.float32)
     return Candidates(*_peaks(log_odds, floor))
 
@@ -65,11 +68,18 @@ def _peaks(log_odds, floor):
         for r in range(1, n_rows - 1):
             here = log_odds[line, r]
             above = log_odds[line, r - 1]
-            below = log_odds[line, r + 1]
-            if here > floor and here > above and here >= below:
-                bend = above - 2 * here + below
-                row[n] = r + 0.5 * (above - below) / bend
-                height[n] = here
-                n += 1
+            if not (here > floor and here > above):
+                continue
+            last = r
+            while last < n_rows - 1 and log_odds[line, last + 1] == here:
+                last += 1
+            if last == n_rows - 1 or log_odds[line, last + 1] > here:
+                continue
+            row[n] = 0.5 * (r + last)
+            if last == r:
+                below = log_odds[line, r + 1]
+                row[n] += 0.5 * (above - below) / (above - 2 * here + below)
+            height[n] = here
+            n += 1
         first[line + 1] = n
     return first, row[:n].copy(), height[:n].copy()

@@ -34,6 +34,10 @@ MOST_RESAMPLED = 32  # a range bin so many times another is no echogram of snow
 LEAST_SLOPE = 0.2
 LEAST_SPAN_DB = 3.0
 LEAST_LINES = 32  # and rows, that tell it
+# Rows above the surface that are air alone, how many of them tell looks, and what one look is.
+AIR_ABOVE = 10
+LEAST_AIR = 12
+SINGLE_LOOK = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +101,8 @@ class Canonical:
     """An echogram with its `Grid` and scale; images are made when asked for, by range lines.
 
     `noise_floor_db` and `maximum_db` are those of `snowsim.echogram.to_uint8`, `surface_db` is the
-    largest power of every own line, `notes` what a reader of the result should know.
+    largest power of every own line, `notes` what a reader of the result should know, `outside`
+    whether the echogram is none that the tracker was made for.
     """
 
     echogram: xr.Dataset
@@ -106,11 +111,17 @@ class Canonical:
     maximum_db: float
     surface_db: np.ndarray
     notes: list = field(default_factory=list)
+    outside: bool = False
 
     @property
     def recorded(self):
         """Whether anything was, bool by range line of the image."""
         return self.grid.averaged(np.isfinite(self.surface_db)) > 0
+
+    def grey(self, above_db):
+        """Grey of power so far above the noise floor."""
+        span_db = self.maximum_db - self.noise_floor_db + DB_BELOW_NOISE_FLOOR
+        return (DB_BELOW_NOISE_FLOOR + above_db) * 255 / span_db
 
     def image(self, first, stop):
         """8-bit image (row, range_line) of range lines `first` to before `stop`.
@@ -136,13 +147,9 @@ def canonical(echogram, card, where="echogram"):
     """
     _check(echogram, card, where)
     echogram = echogram.transpose("twtt", "slow_time", ...)
-    n_averaged, notes = _lines_averaged(echogram, card)
     first_s = float(echogram["twtt"].values[0])
     given = (_surface_s(echogram) - first_s) / card.bin_s
-    blocks = []
-    for first in range(0, given.size, BLOCK_LINES * n_averaged):
-        lines = slice(first, first + BLOCK_LINES * n_averaged)
-        blocks.append(_survey(echogram, lines, given[lines], card.bin_s, n_averaged))
+    blocks, n_averaged, notes, outside = _surveyed(echogram, given, card)
     found = np.concatenate([block.surface for block in blocks])
     n_bins = int((echogram["twtt"].size - 1) * bin_size_s(echogram) / card.bin_s) + 1
     n_known = np.isfinite(found).sum()
@@ -156,7 +163,8 @@ def canonical(echogram, card, where="echogram"):
     top = _tops(surface)
     grid = Grid(first_s, card.bin_s, top, surface - top, int(n_bins - top.min()), n_averaged)
     surface_db = np.concatenate([block.largest_db for block in blocks])
-    seen = Canonical(echogram, grid, noise_floor_db, maximum_db, surface_db, notes)
+    scale = (noise_floor_db, maximum_db)
+    seen = Canonical(echogram, grid, *scale, surface_db, notes, outside)
     if echogram.attrs.get("source_format") != "image" and _like_decibels(seen):
         notes.append("Data looks like decibels: speckle of linear power is in proportion to it")
     return seen
@@ -187,8 +195,9 @@ class _Block:
     surface: np.ndarray
     rise_share: np.ndarray
     largest_db: np.ndarray
-    noise_floor_db: float
-    maximum_db: float
+    noise_floor_db: float = np.nan
+    maximum_db: float = np.nan
+    n_looks: float = np.nan
 
 
 def _scale(blocks):
@@ -197,13 +206,41 @@ def _scale(blocks):
     return float(np.nanmedian(floors)), float(np.nanmedian([block.maximum_db for block in blocks]))
 
 
+def _surveyed(echogram, given, card):
+    """List of `_Block`, how many own lines are averaged, notes, and whether the card knows such."""
+    spacing_m = _line_spacing_m(echogram)
+    n_averaged = max(1, round(card.line_spacing_m / spacing_m)) if spacing_m else 1
+    blocks = _blocks(echogram, given, card.bin_s, n_averaged)
+    looks = _median([block.n_looks for block in blocks])
+    needed = _lines_for_looks(looks, n_averaged, spacing_m, given.size, card)
+    notes = [] if spacing_m else ["no positions: range lines are used as they are"]
+    if looks < SINGLE_LOOK:
+        notes.append("single look: the tracker was trained on averages of several")
+    if needed != n_averaged:
+        notes.append(f"{needed} range lines are averaged for as many looks as the tracker knows")
+        blocks = _blocks(echogram, given, card.bin_s, needed)
+    known = {"bin_s": bin_size_s(echogram), "n_looks": looks * needed}
+    known |= {"line_spacing_m": spacing_m * needed} if spacing_m else {}
+    outside = card.outside(known)
+    return blocks, needed, notes + outside, bool(outside)
+
+
+def _blocks(echogram, given, bin_s, n_averaged):
+    """`_Block` of every stretch of range lines."""
+    blocks = []
+    for first in range(0, given.size, BLOCK_LINES * n_averaged):
+        lines = slice(first, first + BLOCK_LINES * n_averaged)
+        blocks.append(_survey(echogram, lines, given[lines], bin_s, n_averaged))
+    return blocks
+
+
 def _survey(echogram, lines, given, bin_s, n_averaged):
     power = _resampled(echogram, lines, bin_s)
     power_db = _in_db(power)
     surface, share = find_surface(power_db, given)
     largest_db = np.where(np.isfinite(power_db), power_db, -np.inf).max(axis=0)
     if not np.isfinite(surface).any():
-        return _Block(surface, share, largest_db, np.nan, np.nan)
+        return _Block(surface, share, largest_db)
     top = _tops(np.where(np.isfinite(surface), surface, np.nanmedian(surface)))
     level_db = _level_db(power, top, int(len(power) - top.min()), n_averaged)
     present = np.isfinite(level_db)
@@ -213,9 +250,12 @@ def _survey(echogram, lines, given, bin_s, n_averaged):
     maxima = np.where(present, level_db, -np.inf).max(axis=0)
     unsaturated = maxima <= np.median(maxima) + SATURATED_DB
     if not filled.any():
-        return _Block(surface, share, largest_db, np.nan, np.nan)
+        return _Block(surface, share, largest_db)
     noise_floor_db = (sums[filled] / n_present[filled]).min()
-    return _Block(surface, share, largest_db, noise_floor_db, maxima[unsaturated].max())
+    maximum_db = maxima[unsaturated].max()
+    own = echogram["Data"].values[:, lines]
+    n_looks = _looks_in_air(own, surface * (bin_s / bin_size_s(echogram)))
+    return _Block(surface, share, largest_db, noise_floor_db, maximum_db, n_looks)
 
 
 def _like_decibels(seen):
@@ -282,11 +322,46 @@ def _mean_of_lines(power, n_averaged):
     return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
 
 
-def _lines_averaged(echogram, card):
-    """How many own lines make one of the tracker's, and notes."""
-    steps_m = np.diff(along_track_m(echogram))
-    steps_m = steps_m[np.isfinite(steps_m)]
-    spacing_m = float(np.median(steps_m)) if steps_m.size else 0.0
-    if not SPACINGS_M[0] < spacing_m < SPACINGS_M[1]:
-        return 1, ["no positions: range lines are used as they are"]
-    return max(1, round(card.line_spacing_m / spacing_m)), []
+def _line_spacing_m(echogram):
+    """Median distance of range lines [m], 0 where positions are missing or tell none."""
+    spacing_m = _median(np.diff(along_track_m(echogram)))
+    return spacing_m if SPACINGS_M[0] < spacing_m < SPACINGS_M[1] else 0.0
+
+
+def _median(values):
+    """Median of those that are known, NaN of none."""
+    values = np.asarray(values, dtype=float)
+    values = values[np.isfinite(values)]
+    return float(np.median(values)) if values.size else np.nan
+
+
+def _lines_for_looks(n_looks, n_averaged, spacing_m, n_lines, card):
+    """Own lines to average so that a line has the looks that the card asks for, if that may be.
+
+    Lines must not become too few, nor farther apart than the card allows.
+    """
+    least, _ = card.ranges.get("n_looks", (0, 0))
+    if not n_looks * n_averaged < least:
+        return n_averaged
+    needed = int(np.ceil(least / n_looks))
+    _, farthest_m = card.ranges.get("line_spacing_m", (0, np.inf))
+    fits = needed * LEAST_LINES <= n_lines and needed * spacing_m <= farthest_m
+    return needed if fits else n_averaged
+
+
+def _looks_in_air(power, surface):
+    """Equivalent number of looks of the noise above the surface, NaN where that is not known.
+
+    The difference of the logarithms of two lines' noise has the variance 2 trigamma(M), about
+    ``2 / M + 1 / M^2``; what a line is brighter all along does not count.
+    """
+    air = np.arange(len(power))[:, None] < surface - AIR_ABOVE
+    air = (air & (power > 0))[:, 1:] & (air & (power > 0))[:, :-1]
+    ratio = np.diff(np.log(np.where(power > 0, power, 1)), axis=1)
+    ratio = ratio[:, air.sum(axis=0) >= LEAST_AIR]
+    air = air[:, air.sum(axis=0) >= LEAST_AIR]
+    if air.shape[1] < LEAST_LINES // 2:
+        return np.nan
+    ratio = np.where(air, ratio, np.nan)
+    variance = np.median(np.nanvar(ratio, axis=0, ddof=1))
+    return 1 / (np.sqrt(1 + variance) - 1) if variance > 0 else np.nan

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from snowsim.echogram import along_track_m, bin_size_s
 from snowsim.limits import check_values
 
 # What a card must hold, from the least to the largest that can be.
@@ -14,10 +13,14 @@ NUMBERS = {
     "temperature": (1e-3, 1e3),
     "threshold": (1e-6, 1 - 1e-6),
 }
-RANGED = ("bin_s", "line_spacing_m")
+SHAPES = {"confidence": (3,)} | dict.fromkeys([*NUMBERS, "echo_db"], ())
+RANGED = ("bin_s", "line_spacing_m", "n_looks")
 # Of `snowsim.picking.confidence`, where a card has none: fitted on the synthetic flights of seeds
 # 1000 to 1004.
 CONFIDENCE = (-0.62, 0.1, 1.08)
+# Of means over 5 rows and 33 range lines. In simulations with the surface 15 dB above noise or more
+# no right pick lies deeper.
+ECHO_DB = 1.0
 
 
 @dataclass(frozen=True)
@@ -34,10 +37,12 @@ class Card:
     threshold : float
         Probability, after that, from which a pixel counts as a layer.
     ranges : dict
-        Least and largest `bin_s` and `line_spacing_m` of echograms it was made for; what else it
-        holds is for people.
+        Least and largest `bin_s`, `line_spacing_m` and `n_looks` of echograms it was made for; what
+        else it holds is for people.
     confidence : tuple of float
         See `snowsim.picking.confidence`.
+    echo_db : float
+        Below the deepest row whose power stands so far above the noise floor there are no picks.
     """
 
     name: str
@@ -48,26 +53,20 @@ class Card:
     threshold: float
     ranges: dict = field(default_factory=dict)
     confidence: tuple = CONFIDENCE
+    echo_db: float = ECHO_DB
 
     @property
     def threshold_log_odds(self):
         """Threshold as log-odds."""
         return float(np.log(self.threshold / (1 - self.threshold)))
 
-    def outside(self, echogram):
-        """Lines that tell where an echogram lies outside the card's ranges."""
-        steps_m = np.diff(along_track_m(echogram))
-        steps_m = steps_m[np.isfinite(steps_m)]
-        spacing_m = np.median(steps_m) if steps_m.size else np.nan
-        values = {"bin_s": bin_size_s(echogram), "line_spacing_m": spacing_m}
-        lines = []
-        for name, value in values.items():
-            if name not in self.ranges or not value > 0:
-                continue
-            low, high = self.ranges[name]
-            if not low <= value <= high:
-                lines.append(f"{name} {value:.4g} lies outside the tracker's {low:g} to {high:g}")
-        return lines
+    def outside(self, values):
+        """Lines that tell which values, by name, lie outside the card's ranges."""
+        return [
+            f"{name} {values[name]:.4g} lies outside the tracker's {low:g} to {high:g}"
+            for name, (low, high) in self.ranges.items()
+            if name in values and (values[name] < low or values[name] > high)
+        ]
 
 
 def checked_card(content, where):
@@ -81,9 +80,10 @@ def checked_card(content, where):
     numbers = {name: content.get(name) for name in NUMBERS}
     numbers |= {f"range of {name}": limits for name, limits in ranges.items()}
     numbers["confidence"] = coefficients
+    numbers["echo_db"] = content.get("echo_db", ECHO_DB)
     for name, values in numbers.items():
         check_values(f"{where}: {name}", values, *NUMBERS.get(name, ()))
-        shape = () if name in NUMBERS else (3 if name == "confidence" else 2,)
+        shape = SHAPES.get(name, (2,))
         if np.shape(values) != shape or (shape == (2,) and values[0] > values[1]):
             msg = f"{where}: {name}: expected numbers of shape {shape}, limits in order, "
             msg += f"got {values}"
@@ -94,4 +94,5 @@ def checked_card(content, where):
         **{name: float(content[name]) for name in NUMBERS},
         ranges={name: tuple(limits) for name, limits in ranges.items()},
         confidence=tuple(coefficients),
+        echo_db=float(numbers["echo_db"]),
     )

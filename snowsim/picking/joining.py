@@ -1,4 +1,4 @@
-"""Pieces of layers joined through fades, and put in order, downwards."""
+"""Pieces that are one layer joined, and layers put in order, downwards."""
 
 import heapq
 
@@ -6,38 +6,35 @@ import numpy as np
 
 from snowsim.picking.linking import Piece
 
-# A link is certain where the layers beside it foretell the other end to within so many rows, and no
-# layer begins or ends nearer to it.
-LONGEST_FADE = 200
+# Two pieces are one layer where the layers beside them foretell the row at which the second begins
+# to within so many rows, and more after a gap of so many range lines.
 NEAREST_ROWS = 2.0
 ROWS_PER_LINE = 0.01
+MOST_ROWS = 4.0
+# Range lines between two pieces, at most, round by round: joined layers foretell others.
+LONGEST_GAPS = (200, 800, 3200)
 # Range lines at the end of a piece over which its row is averaged.
 END_LINES = 10
 
 
-def join_through_fades(pieces):
-    """Pieces of which those that are one layer are one; a gap between them stays a gap.
+def join(pieces):
+    """Layers downwards, list of `Piece`: of two on one range line the upper comes first.
 
-    Where a piece ends, the nearest layer that goes on tells where it should be when another begins:
-    neighbours keep their distance. Both must choose each other, and the line between them must
-    cross no piece. The shortest gaps are closed first.
+    Where a piece ends, the layers above and below it that go on tell where it should be when
+    another begins: neighbours keep their distance. Both ends must choose each other, and no chain
+    of layers may lie between them. The shortest gaps are closed first; a gap stays a gap.
     """
-    present = list(pieces)
-    start, stop = _ends(pieces)
-    successor = {}
-    predecessor = {}
-    for _, left, right in sorted(_possible_links(pieces)):
-        bridge = _bridge(pieces[left], pieces[right])
-        beside = np.flatnonzero((start <= bridge.line[1]) & (stop >= bridge.line[0]))
-        others = [present[n] for n in beside if n not in (left, right)]
-        free = left not in successor and right not in predecessor
-        if free and not _crosses(bridge, others):
-            present.append(bridge)
-            start = np.append(start, bridge.line[0])
-            stop = np.append(stop, bridge.line[1])
-            successor[left] = right
-            predecessor[right] = left
-    return [_whole(pieces, n, successor) for n in range(len(pieces)) if n not in predecessor]
+    layer = np.arange(len(pieces))
+    below = _next_below(pieces)
+    for longest in LONGEST_GAPS:
+        for _, left, right in sorted(_links(pieces, layer, longest)):
+            upper, lower = layer[left], layer[right]
+            if _leads(upper, lower, below, layer) or _leads(lower, upper, below, layer):
+                continue
+            layer[layer == lower] = upper
+            below[upper] |= below[lower]
+    whole = {number: _whole(pieces, layer == number) for number in np.unique(layer)}
+    return [whole[number] for number in _order(whole, layer, below)]
 
 
 def _ends(pieces):
@@ -46,96 +43,106 @@ def _ends(pieces):
     return first, np.array([piece.line[-1] for piece in pieces], dtype=int)
 
 
-def _possible_links(pieces):
-    """Links (gap, left, right) of ends that foretell each other."""
-    start, stop = _ends(pieces)
-    links = []
-    for left in range(len(pieces)):
-        gap = start - stop[left]
-        misses = {}
-        for right in np.flatnonzero((gap > 0) & (gap <= LONGEST_FADE)):
-            miss = abs(_foretold(pieces, left, right, start, stop) - _row_at_end(pieces[right], 0))
-            if miss <= NEAREST_ROWS + ROWS_PER_LINE * gap[right]:
-                misses[int(right)] = miss
-        if misses:
-            right = min(misses, key=lambda each: gap[each] + 10 * misses[each])
-            links.append((int(gap[right]), left, right))
-    return links
+def _rows_at(line, pieces, ends):
+    """Rows of the pieces on a range line, by their number, downwards."""
+    start, stop = ends
+    there = np.flatnonzero((start <= line) & (line <= stop))
+    rows = {n: float(pieces[n].at(line)) for n in there}
+    return dict(sorted(rows.items(), key=lambda item: item[1]))
 
 
-def _foretold(pieces, left, right, start, stop):
-    """Row where the left piece should be when the right one begins, by the nearest that goes on."""
-    end = pieces[left].line[-1]
-    begin = pieces[right].line[0]
-    row = _row_at_end(pieces[left], -1)
-    through = np.flatnonzero((start <= end) & (stop >= begin))
-    if through.size == 0:
-        return row
-    distances = [abs(pieces[number].at(end) - row) for number in through]
-    nearest = pieces[through[np.argmin(distances)]]
-    return row + nearest.at(begin) - nearest.at(end)
+def _next_below(pieces):
+    """Pieces next below each, on any range line, list of sets."""
+    below = [set() for _ in pieces]
+    ends = _ends(pieces)
+    # Neighbours change only where a piece begins or ends.
+    for line in np.unique(ends):
+        there = list(_rows_at(line, pieces, ends))
+        for upper, lower in zip(there[:-1], there[1:], strict=True):
+            below[upper].add(lower)
+    return below
 
 
-def _row_at_end(piece, end):
-    """Mean row of a piece over its first (0) or last (-1) lines."""
-    return piece.row[:END_LINES].mean() if end == 0 else piece.row[-END_LINES:].mean()
+def _links(pieces, layer, longest):
+    """Links (gap, left, right) of pieces, ends of their layers, that choose each other."""
+    start, stop = ends = _ends(pieces)
+    # From left to right, so that the last of a layer stays, and the first of it reversed.
+    last = {layer[n]: n for n in np.argsort(start)}.values()
+    first = np.array(list({layer[n]: n for n in np.argsort(-start)}.values()), dtype=int)
+    at_begin = {n: _by_layer(_rows_at(start[n], pieces, ends), layer) for n in first}
+    costs = []
+    for left in last:
+        at_end = _by_layer(_rows_at(stop[left], pieces, ends), layer)
+        gap = start[first] - stop[left]
+        for right in first[(gap > 0) & (gap <= longest)]:
+            gap = int(start[right] - stop[left])
+            miss = _miss(pieces[left], pieces[right], at_end, at_begin[right])
+            if miss <= min(NEAREST_ROWS + ROWS_PER_LINE * gap, MOST_ROWS):
+                costs.append((gap + 10 * miss, gap, left, right))
+    costs.sort()
+    chosen = {left: cost for *cost, left, _ in costs[::-1]}
+    choosing = {right: cost for *cost, _, right in costs[::-1]}
+    return [
+        (gap, left, right)
+        for cost, gap, left, right in costs
+        if chosen[left] == choosing[right] == [cost, gap]
+    ]
 
 
-def _bridge(left, right):
-    """The straight line from the end of a piece to the beginning of another."""
-    line = np.array([left.line[-1], right.line[0]])
-    return Piece(line, np.array([left.row[-1], right.row[0]]), np.zeros(2))
+def _by_layer(rows, layer):
+    return {layer[n]: row for n, row in rows.items()}
 
 
-def _crosses(bridge, others):
-    """Whether one of other pieces lies across a bridge."""
-    for piece in others:
-        first = max(bridge.line[0], piece.line[0])
-        last = min(bridge.line[-1], piece.line[-1])
-        if first <= last:
-            lines = np.arange(first, last + 1)
-            above = piece.at(lines) < bridge.at(lines)
-            if above.any() and not above.all():
+def _miss(left, right, at_end, at_begin):
+    """Rows by which a piece begins off where another, that ends before it, should be by then.
+
+    Rows of layers where the one ends and the other begins tell, those next above and below.
+    """
+    row = left.row[-END_LINES:].mean()
+    through = [n for n in at_end if n in at_begin]
+    above = [n for n in through if at_end[n] < row][-1:]
+    beneath = [n for n in through if at_end[n] >= row][:1]
+    moved = [at_begin[n] - at_end[n] for n in above + beneath]
+    if moved:
+        row += np.interp(row, [at_end[n] for n in above + beneath], moved)
+    return abs(right.row[:END_LINES].mean() - row)
+
+
+def _leads(start, goal, below, layer):
+    """Whether the goal lies below a layer, by way of others."""
+    seen = {start}
+    ways = [start]
+    while ways:
+        for lower in {layer[n] for n in below[ways.pop()]} - seen:
+            if lower == goal:
                 return True
+            seen.add(lower)
+            ways.append(lower)
     return False
 
 
-def _whole(pieces, number, successor):
-    """A piece with all that follow it."""
-    members = [pieces[number]]
-    while number in successor:
-        number = successor[number]
-        members.append(pieces[number])
+def _whole(pieces, chosen):
+    """Some pieces as one, from left to right."""
+    members = [pieces[n] for n in np.flatnonzero(chosen)]
+    members.sort(key=lambda piece: piece.line[0])
     arrays = ("line", "row", "excess")
     return Piece(*(np.concatenate([getattr(piece, name) for piece in members]) for name in arrays))
 
 
-def ordered(pieces):
-    """Pieces downwards, such that of two on one line the upper comes first.
-
-    Pieces do not cross, so what lies above what has no circles; where it leaves the order open, the
-    piece with the lesser mean row comes first.
-    """
-    below = [set() for _ in pieces]
-    n_above = np.zeros(len(pieces), dtype=int)
-    start, stop = _ends(pieces)
-    # Neighbours change only where a piece begins or ends.
-    for line in np.unique([start, stop]):
-        there = np.flatnonzero((start <= line) & (line <= stop))
-        rows = [pieces[number].at(line) for number in there]
-        there = there[np.argsort(rows, kind="stable")]
-        for upper, lower in zip(there[:-1], there[1:], strict=True):
-            if lower not in below[upper]:
-                below[upper].add(lower)
-                n_above[lower] += 1
-    ready = [(pieces[number].row.mean(), number) for number in np.flatnonzero(n_above == 0)]
+def _order(whole, layer, below):
+    """Numbers of layers downwards; where that leaves the order open, by their mean row."""
+    lower = {number: {layer[n] for n in below[number]} for number in whole}
+    n_above = dict.fromkeys(whole, 0)
+    for number in (n for each in lower.values() for n in each):
+        n_above[number] += 1
+    ready = [(piece.row.mean(), n) for n, piece in whole.items() if n_above[n] == 0]
     heapq.heapify(ready)
     order = []
     while ready:
         _, number = heapq.heappop(ready)
-        order.append(pieces[number])
-        for lower in below[number]:
-            n_above[lower] -= 1
-            if n_above[lower] == 0:
-                heapq.heappush(ready, (pieces[lower].row.mean(), lower))
+        order.append(number)
+        for n in lower[number]:
+            n_above[n] -= 1
+            if n_above[n] == 0:
+                heapq.heappush(ready, (whole[n].row.mean(), n))
     return order

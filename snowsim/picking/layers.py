@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from snowsim.echogram import check_layers
+from snowsim.echogram import check_layers, crossing_layers
 from snowsim.frames.flatten import FLAGGED_BY, flagged_lines
 from snowsim.picking.confidence import half_width_rows
 
@@ -41,12 +41,21 @@ def layers_of(canonical, pieces, first_line, longest):
         sure.append(between_lines(of_pick, grid.line))
     rows = np.array(rows)
     sure = np.array(sure)
-    # A chain straight across a gap may touch a surface that jumps.
-    touching = rows[1:] <= rows[:1] + LEAST_ROWS
-    rows[1:][touching] = np.nan
-    half = half_width_rows(sure) * grid.bin_s
-    twtt = grid.twtt(rows)
+    # A chain straight across a gap may touch a surface that jumps, or another chain.
+    rows[1:][rows[1:] <= rows[:1] + LEAST_ROWS] = np.nan
+    rows[crossing_layers(rows)] = np.nan
+    layers = _dataset(_variables(canonical, rows, sure), numbers, canonical.echogram)
+    check_layers(layers, "picks")
+    return layers
+
+
+def _variables(canonical, rows, sure):
+    """Variables of picks at canonical rows, and of how sure they are, (layer, range_line)."""
+    half = half_width_rows(sure) * canonical.grid.bin_s
+    twtt = canonical.grid.twtt(rows)
     quality = np.where(sure >= QUALITY[0], GOOD, np.where(sure >= QUALITY[1], MODERATE, BAD))
+    if canonical.outside:
+        quality = np.maximum(quality, MODERATE)
     quality[:, doubtful_lines(canonical)] = BAD
     picked = np.isfinite(twtt)
     flags = {"quality": np.where(picked, quality, GOOD), "type": np.full(twtt.shape, AUTOMATIC)}
@@ -55,9 +64,7 @@ def layers_of(canonical, pieces, first_line, longest):
     variables |= {name: (ALONG, values.astype(np.uint8)) for name, values in flags.items()}
     meaning = "probability that a layer lies within 2 range bins of the tracker"
     variables["confidence"] = (ALONG, sure, {"units": "1", "long_name": meaning})
-    layers = _dataset(variables, numbers, canonical.echogram)
-    check_layers(layers, "picks")
-    return layers
+    return variables
 
 
 def _dataset(variables, numbers, echogram):

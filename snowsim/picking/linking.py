@@ -10,8 +10,7 @@ NONE = -1
 NARROW = 256  # range lines of the scenes it was chosen on
 
 
-@dataclass(frozen=True)
-class Linking:
+class Linking(NamedTuple):
     """How candidates make chains; chosen on flights that no score is reported of.
 
     Attributes
@@ -74,14 +73,7 @@ def link(candidates, linking, threshold):
     excess = candidates.log_odds - (threshold + linking.even)
     gain = np.clip(excess, -linking.most, linking.most)
     evidence = linking.evidence * min(1, candidates.n_lines / NARROW)
-    rules = _Rules(
-        linking.longest,
-        linking.skipped,
-        linking.bend,
-        linking.steepest,
-        linking.apart,
-        evidence,
-    )
+    rules = linking._replace(evidence=evidence)
     taken = _nothing_taken(line.size)
     _take_chains(_Peaks(candidates.first, line, candidates.row, gain), rules, taken)
     chains = taken.chain
@@ -93,17 +85,6 @@ def link(candidates, linking, threshold):
             rows = candidates.row[chain].astype(float)
             pieces.append(Piece(line[chain], rows, excess[chain].astype(float)))
     return pieces
-
-
-class _Rules(NamedTuple):
-    """`Linking`, as compiled code takes it."""
-
-    longest: int
-    skipped: float
-    bend: float
-    steepest: float
-    apart: float
-    evidence: float
 
 
 class _Peaks(NamedTuple):

@@ -1,20 +1,25 @@
 """Frames to layers with one network: evidence of each, linked over all that follow one another."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import expit
+from scipy.ndimage import map_coordinates, uniform_filter
+from scipy.special import expit, logit
 
+from snowsim.echogram import crossing_layers
+from snowsim.limits import check_values
 from snowsim.picking.candidates import Candidates, find_candidates, joined
 from snowsim.picking.canonical import Canonical
 from snowsim.picking.confidence import confidence
-from snowsim.picking.joining import join_through_fades, ordered
-from snowsim.picking.layers import layers_of
+from snowsim.picking.joining import join
+from snowsim.picking.layers import layers_of, on_lines
 from snowsim.picking.linking import Linking, Piece, link
 from snowsim.picking.windows import log_odds_by_lines
 
 # A candidate so near to the surface is the surface.
 SURFACE_ROWS = 3.0
+MEAN_OVER = (5, 33)  # rows and range lines, to tell echoes from noise
+CERTAIN = (1e-6, 1 - 1e-6)  # probabilities beyond count as these
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +37,7 @@ class Evidence:
     def without_data(self):
         """The same, holding the echogram's along-track variables alone."""
         echogram = self.canonical.echogram.drop_vars("Data")
-        grid = self.canonical.grid
-        scale = (self.canonical.noise_floor_db, self.canonical.maximum_db)
-        rest = (self.canonical.surface_db, self.canonical.notes)
-        kept = Canonical(echogram, grid, *scale, *rest)
-        return Evidence(kept, self.candidates, self.surface, self.surface_excess)
+        return replace(self, canonical=replace(self.canonical, echogram=echogram))
 
 
 def evidence_of(run, canonical, card, linking=None):
@@ -45,12 +46,20 @@ def evidence_of(run, canonical, card, linking=None):
     even = card.threshold_log_odds + linking.even
     grid = canonical.grid
     parts = []
-    for _, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+    for _, logits, image in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
         log_odds = logits / np.float32(card.temperature)
-        parts.append(find_candidates(log_odds, even - linking.skipped))
+        found = find_candidates(log_odds, even - linking.skipped)
+        deepest = deepest_row(image, canonical.grey(card.echo_db))
+        parts.append(found.where(found.row <= deepest[found.line]))
     candidates = joined(parts)
     surface = grid.averaged(grid.surface_row)
     return _split_surface(canonical, candidates, surface, even, linking.apart)
+
+
+def deepest_row(image, grey):
+    """The deepest row on each range line that is brighter than so much in the mean around it."""
+    bright = uniform_filter(image.astype(np.float32), MEAN_OVER, mode="nearest") > grey
+    return np.where(bright.any(axis=0), len(image) - bright[::-1].argmax(axis=0), 0)
 
 
 def _split_surface(canonical, candidates, surface, even, apart):
@@ -71,6 +80,49 @@ def _split_surface(canonical, candidates, surface, even, apart):
     return Evidence(canonical, candidates.where(below & inside), rows, excess)
 
 
+def linked(candidates, linking, threshold):
+    """Layers of candidates downwards, list of `Piece`; see `link` and `join`."""
+    return join(link(candidates, linking, threshold))
+
+
+def pick_layers(probability, *, threshold, where="image"):
+    """Layers in a map of the probability of a layer, as `snowsim track` links them.
+
+    Parameters
+    ----------
+    probability : array_like, (range_bin, range_line)
+        In [0, 1]; as a network gives it, or thin.
+    threshold : float
+        Probability, above 0 and below 1, from which a peak speaks for a layer.
+    where : str
+        Name of the map, for errors.
+
+    Returns
+    -------
+    ndarray, (layer, range_line)
+        Fractional range bins, strictly increasing with layer, NaN without a pick. Skipped lines of
+        a chain are filled straight, as many as `Linking.longest` allows.
+
+    Raises
+    ------
+    ValueError
+        If a probability or the threshold lies outside its limits.
+    """
+    probability = np.asarray(probability, dtype=np.float64)
+    check_values(f"{where}: probability", probability, 0, 1)
+    check_values(f"{where}: threshold", threshold, 0, np.nextafter(1, 0), above=True)
+    linking = Linking()
+    even = logit(threshold)
+    log_odds = logit(np.clip(probability, *CERTAIN))
+    candidates = find_candidates(log_odds, even - linking.skipped)
+    lines = np.arange(probability.shape[1])
+    pieces = linked(candidates, linking, even)
+    rows = [on_lines(piece, piece.excess, lines, linking.longest)[0] for piece in pieces]
+    rows = np.array(rows).reshape(-1, lines.size)
+    rows[crossing_layers(rows)] = np.nan
+    return rows
+
+
 def layers_of_frames(frames, card, linking=None):
     """Layers datasets of frames that follow one another, list of `Evidence`; all name them alike.
 
@@ -78,8 +130,7 @@ def layers_of_frames(frames, card, linking=None):
     """
     linking = linking or Linking()
     candidates = joined([frame.candidates for frame in frames])
-    pieces = link(candidates, linking, card.threshold_log_odds)
-    pieces = ordered(join_through_fades(pieces))
+    pieces = linked(candidates, linking, card.threshold_log_odds)
     n_lines = candidates.n_lines
     sure = [
         (piece, confidence(piece, n_lines, card.confidence))
@@ -108,17 +159,9 @@ def probability_of(run, canonical, card):
     """
     grid = canonical.grid
     probability = np.empty((grid.n_rows, grid.n_lines), dtype=np.float32)
-    for first, logits in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
+    for first, logits, _ in log_odds_by_lines(run, canonical.image, grid.n_rows, grid.n_lines):
         stop = first + logits.shape[1]
         probability[:, first:stop] = expit(logits / np.float32(card.temperature))
-    twtt = canonical.echogram["twtt"].values
-    result = np.empty((twtt.size, grid.top.size), dtype=np.float32)
-    image_rows = np.arange(grid.n_rows)
-    for own, place in enumerate(grid.line):
-        left = int(place)
-        right = min(left + 1, grid.n_lines - 1)
-        share = np.float32(place - left)
-        column = (1 - share) * probability[:, left] + share * probability[:, right]
-        rows = (twtt - grid.first_s) / grid.bin_s - grid.top[own]
-        result[:, own] = np.interp(rows, image_rows, column, left=np.nan, right=np.nan)
-    return result
+    rows = grid.row(canonical.echogram["twtt"].values)
+    lines = np.broadcast_to(grid.line, rows.shape)
+    return map_coordinates(probability, [rows, lines], order=1, cval=np.nan)

@@ -22,29 +22,39 @@ RISE_SHARE = 1 / 3
 def find_surface(power_db, given):
     """Range bin of the surface on every line of dB (range_bin, range_line), NaN without echo.
 
-    It is the largest of the next few bins where their mean exceeds that of the air above by most; a
-    line that leaves the running median by more than a few bins takes the median. And by what share
-    of that power rises at the surface given, (range_line,), NaN where that is unknown.
+    It is the largest of the next few bins where their mean exceeds that of the air above by most,
+    of what was recorded; where less than half of either was, nothing rises. A line that leaves the
+    running median by more than a few bins takes the median. And by what share of that power rises
+    at the surface given, (range_line,), NaN where that is unknown.
     """
     n_bins, n_lines = power_db.shape
-    present = np.isfinite(power_db)
-    known = present.any(axis=0)
+    known = np.isfinite(power_db).any(axis=0)
     if n_bins < AIR_BINS + GUARD_BINS + SNOW_BINS or not known.any():
         return np.full(n_lines, np.nan), np.full(n_lines, np.nan)
-    floor = power_db[present].min()
-    total = np.cumsum(np.where(present, power_db, floor), axis=0, dtype=float)
-    total = np.concatenate([np.zeros((1, n_lines)), total])
-    snow = (total[SNOW_BINS:] - total[:-SNOW_BINS]) / SNOW_BINS
-    air = (total[AIR_BINS:] - total[:-AIR_BINS]) / AIR_BINS
-    first = AIR_BINS + GUARD_BINS
-    rise = snow[first:] - air[: snow.shape[0] - first]
+    # Half of the air is enough, and what lies above the first bin was not recorded.
+    n_above = AIR_BINS // 2
+    first = AIR_BINS + GUARD_BINS - n_above
+    power_db = np.pad(power_db, ((n_above, 0), (0, 0)), constant_values=np.nan)
+    snow = _means(power_db, SNOW_BINS)[first + n_above :]
+    rise = np.nan_to_num(snow - _means(power_db, AIR_BINS)[: len(snow)], nan=-np.inf)
     at = first + rise.argmax(axis=0)
-    near = at + np.arange(SNOW_BINS)[:, None]
-    near_db = np.take_along_axis(np.where(present, power_db, floor), near, axis=0)
+    near = at + n_above + np.arange(SNOW_BINS)[:, None]
+    near_db = np.take_along_axis(np.nan_to_num(power_db, nan=-np.inf), near, axis=0)
     found = (at + near_db.argmax(axis=0)).astype(float)
+    known &= np.isfinite(rise.max(axis=0))
     found[known] = without_outliers(found[known])
     found[~known] = np.nan
     return found, _share_of_rise(rise, given - first)
+
+
+def _means(power_db, n):
+    """Means of `n` bins from each on, (place, range_line), NaN where less than half are known."""
+    present = np.isfinite(power_db)
+    start = np.zeros((1, power_db.shape[1]))
+    total = np.cumsum(np.r_[start, np.where(present, power_db, 0)], axis=0)
+    count = np.cumsum(np.r_[start, present], axis=0)
+    count = count[n:] - count[:-n]
+    return np.where(2 * count >= n, total[n:] - total[:-n], np.nan) / np.maximum(count, 1)
 
 
 def _share_of_rise(rise, at):
@@ -53,7 +63,7 @@ def _share_of_rise(rise, at):
     known = (at >= 0) & (at <= len(rise) - 1) & (largest > 0)
     lines = np.flatnonzero(known)
     share = np.full(at.size, np.nan)
-    share[lines] = rise[np.rint(at[lines]).astype(int), lines] / largest[lines]
+    share[lines] = np.maximum(rise[np.rint(at[lines]).astype(int), lines], 0) / largest[lines]
     return share
 
 
@@ -72,20 +82,30 @@ def chosen_surface(given, found, share, n_bins):
     if not np.isfinite(given).any():
         return bridged(found), "the file has no surface, it was found in the echogram"
     known = np.isfinite(given) & (given >= 0) & (given <= n_bins - 1)
-    apart = np.abs(given - found)
     both = known & np.isfinite(found)
     outside = np.isfinite(given) & ~known
-    wrong = ~known | (both & (apart > WRONG_BINS))
+    wrong = ~known | (both & _astray(given, found, share))
     if outside.sum() > WRONG_SHARE * given.size:
         reason = f"the file's surface lies outside the window on {outside.sum()} of {given.size} "
         return bridged(found), reason + "range lines, the strongest rise of power is taken for it"
     if wrong.sum() <= WRONG_SHARE * given.size and not _off(given[both], found[both], share[both]):
-        return bridged(np.where(known & ~(apart > WRONG_BINS), given, found)), None
+        return bridged(np.where(wrong, found, given)), None
     n_wrong = (wrong | (both & (np.abs(found - given - PEAK_BINS) > OFF_BINS))).sum()
     reason = f"the file's surface is wrong on {n_wrong} of {given.size} range lines "
-    return bridged(
-        found
-    ), reason + "(none is given, or no echo rises there), it was found in the echogram"
+    reason += "(none is given, or no echo rises there), it was found in the echogram"
+    return bridged(found), reason
+
+
+def _astray(given, found, share):
+    """Whether a surface given lies far from the one found and is not to be believed, by line.
+
+    Where an echo rises at it, and it is smooth, a brighter interface below is none to go by.
+    """
+    n = min(SMOOTH_LINES, given.size)
+    rises = median_filter(np.nan_to_num(share), n, mode="nearest") >= RISE_SHARE
+    smooth = without_outliers(given) == given
+    below = found - given > WRONG_BINS
+    return (given - found > WRONG_BINS) | (below & ~(rises & smooth))
 
 
 def _off(given, found, share):

@@ -20,7 +20,7 @@ WINDOW_LINES = 64 * GRID_LINES
 def log_odds_by_lines(
     run, image_of, n_rows, n_lines, *, window_lines=WINDOW_LINES, window_rows=WINDOW_ROWS
 ):
-    """First range line and log-odds (row, range_line) of stretches of range lines, in order.
+    """First range line, log-odds and image (row, range_line) of stretches of range lines, in order.
 
     `run` gives log-odds of a stack of inputs, `image_of(first, stop)` the 8-bit image (row,
     range_line) of range lines; no more than a window of either is in memory. Windows are whole
@@ -38,7 +38,7 @@ def log_odds_by_lines(
             found = run(to_input(window))[0, 0]
             rows = slice(top - above, bottom - above)
             log_odds[top:bottom] = found[rows, first - left : stop - left]
-        yield first, log_odds
+        yield first, log_odds, image[:, first - left : stop - left]
 
 
 def to_input(image):

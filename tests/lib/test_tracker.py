@@ -76,14 +76,15 @@ class KnowsTheLayers:
 
 def test_a_tracker_that_knows_the_layers_finds_and_picks_them_all():
     scenes = toy_scenes(2)
-    counts, edges = count_edges(KnowsTheLayers(scenes), scenes, ["side_1", "fuse"])
+    counts, fused = count_edges(KnowsTheLayers(scenes), scenes, ["side_1", "fuse"])
     assert counts.groupby(["output", "scene"]).size().tolist() == [99] * 4
     lowest = counts[counts["threshold"] == counts["threshold"].min()]
     assert lowest["n_truth"].tolist() == [n for s in scenes for n in [s.mask().sum()] * 2]
-    rows = pick_scenes(scenes, edges, counts)
+    rows = pick_scenes(scenes, fused, counts)
     assert rows["scene"].unique().tolist() == [scene.name for scene in scenes]
     assert not rows[["n_missed_layers", "n_false_layers"]].to_numpy().any()
-    # A pixel is a range bin: centroids of what the suppression leaves lie within one of the layer.
-    assert (rows["absolute_error"] < rows["n_found"]).all()
+    # The log-odds of a ridge exp(-(x / 2)^2) peak on the layer; a parabola through three rows of
+    # them errs most half-way between two, by less than a fifth of a row.
+    assert (rows["absolute_error"] < 0.2 * rows["n_found"]).all()
     first = [np.diff(scene.layer_bins[:2], axis=0).mean() for scene in scenes]
     assert rows["first_thickness_bins"].unique().tolist() == pytest.approx(first)

@@ -5,7 +5,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from planted_layers import BIN_S, SURFACE_BIN, planted, ridge_weights, write_weights
 
-from snowsim.echogram import check_layers
+from snowsim.echogram import bin_size_s, check_layers
+from snowsim.io import read_echogram
+from snowsim.picking.picker import deepest_row
 from snowsim.tracking import Tracker
 
 # In the tracker's bins. A ridge 1.3 bins wide peaks within half a bin of where it is planted;
@@ -93,6 +95,105 @@ def test_a_faint_surface_above_a_strong_crust_is_left_where_the_file_has_it(trac
     found = tracker.pick(echogram)
     assert found.attrs["notes"] == ""
     assert_allclose(found["twtt"].values[0] / BIN_S, surface, atol=TOLERANCE_BINS)
+
+
+def off_bins(tracker, echogram):
+    """Rows, by range line, that the surface used lies below the one the echogram has."""
+    grid = tracker.see(echogram).canonical.grid
+    given = (echogram["Surface"].values - echogram["twtt"].values[0]) / grid.bin_s
+    return grid.surface_row + grid.top - given
+
+
+@pytest.mark.parametrize("n_looks", [1, 16])
+def test_a_surface_below_bins_that_were_not_recorded_is_found(tracker, rng, n_looks):
+    echogram, _ = planted(rng)
+    n_lines = echogram.sizes["slow_time"]
+    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
+    bins = np.arange(echogram.sizes["twtt"])[:, None]
+    recorded = bins >= 20 + 10 * np.sin(np.arange(n_lines) / 30)
+    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
+    echogram["Data"] = (mean * speckle).where(recorded).astype(np.float32)
+    assert not off_bins(tracker, echogram).any()
+    unknown = echogram.copy(deep=True)
+    unknown["Surface"][:] = np.nan
+    grid = tracker.see(unknown).canonical.grid
+    found = (grid.surface_row + grid.top) * grid.bin_s - echogram["Surface"].values
+    assert np.abs(found).max() < 8 * BIN_S
+
+
+def test_a_given_surface_stays_where_a_deeper_interface_is_brighter(tracker, frame):
+    echogram, layers = frame
+    bins = np.arange(echogram.sizes["twtt"])[:, None]
+    deeper = layers["twtt"].values[1] / BIN_S
+    bright = 1e5 * np.exp(-0.5 * ((bins - deeper) / 1.3) ** 2)
+    echogram["Data"][:, 100:150] += bright[:, 100:150].astype(np.float32)
+    assert not off_bins(tracker, echogram).any()
+
+
+@pytest.mark.parametrize(
+    ("n_looks", "spacing_m", "averaged", "outside"),
+    [(1, 2.6, 4, False), (1, 5.2, 1, True), (16, 5.2, 1, False), (90, 5.2, 1, True)],
+)
+def test_lines_are_averaged_to_the_looks_that_the_card_knows_or_it_is_said(
+    tmp_path, rng, n_looks, spacing_m, averaged, outside
+):
+    ranges = {"bin_s": [1e-10, 5e-10], "line_spacing_m": [0, 10.5], "n_looks": [3.5, 40]}
+    tracker = Tracker.load(write_weights(tmp_path, ridge_weights(), ranges=ranges))
+    echogram, _ = planted(rng, spacing_m=spacing_m)
+    mean = echogram["Data"].rolling(slow_time=25, center=True, min_periods=1).mean()
+    speckle = rng.gamma(n_looks, 1 / n_looks, mean.shape)
+    seen = tracker.see(echogram.assign(Data=(mean * speckle).astype(np.float32))).canonical
+    assert seen.grid.n_averaged == averaged
+    assert ("single look" in " ".join(seen.notes)) == (n_looks == 1)
+    assert seen.outside == outside
+    assert any(note.startswith("n_looks") for note in seen.notes) == outside
+
+
+@quiet
+def test_outside_the_cards_ranges_no_pick_is_good(tracker, rng):
+    found = tracker.pick(planted(rng, bin_s=7e-10)[0])
+    picked = np.isfinite(found["twtt"].values)
+    assert picked.sum() > 500
+    assert not (found["quality"].values[picked] == 1).any()
+
+
+def test_there_are_no_picks_below_the_deepest_echo(tmp_path, frame):
+    echogram, _ = frame
+    # Ridges stand some 10 dB above noise in the mean of 5 rows, the surface over 20 dB.
+    for echo_db, n_layers in ((3.0, 5), (15.0, 1)):
+        tracker = Tracker.load(write_weights(tmp_path, ridge_weights(), echo_db=echo_db))
+        assert tracker.pick(echogram).sizes["layer"] == n_layers
+
+
+def test_the_deepest_echo_is_a_ridge_along_track_and_no_speck():
+    image = np.full((200, 300), 40, dtype=np.uint8)
+    image[60:65] = 120
+    image[150:153, 100:102] = 255
+    deepest = deepest_row(image, 80)
+    assert ((deepest > 60) & (deepest < 68)).all()
+    assert not deepest_row(image, 240).any()
+
+
+@quiet
+def test_single_look_drone_radar_keeps_its_surface_and_has_no_picks_below_the_ground(shared_data):
+    folder = shared_data / "snow_radar" / "uwibass"
+    if not (folder / "frame.nc").exists():
+        pytest.skip("no frame of UWiBaSS here")
+    echogram = read_echogram(folder / "frame.nc")
+    tracker = Tracker.from_pretrained()
+    assert not off_bins(tracker, echogram).any()
+    found = tracker.pick(echogram)
+    assert "single look" in found.attrs["notes"]
+    bin_s = bin_size_s(echogram)
+    seen = np.load(folder / "lines_seen.npz")
+    surface = echogram["Surface"].values
+    # Rows of `seen` begin elsewhere; surfaces tell where.
+    shift = np.nanmedian(seen["surface"] - surface / bin_s)
+    rows = found["twtt"].values / bin_s
+    assert np.nanmax(rows - (seen["ground"] - shift)) < 40
+    picked = np.isfinite(rows)
+    assert picked[1:].any()
+    assert not (found["quality"].values[picked] == 1).any()
 
 
 def test_one_line_without_position_is_no_echogram_without(tracker, rng):

@@ -63,6 +63,9 @@ def test_the_tracker_is_trained_scored_on_unseen_flights_and_shipped_with_its_sc
     assert list(table["flight"]) == ["noisy", "mean"]
     assert set(table["tracker"]) == {"universal"}
     assert table["ods"].between(0, 1).all()
+    of_snow = pd.read_csv(tmp_path / "results/tables/transfer_accumulation.csv")
+    assert set(of_snow["tracker"]) == {"universal", "baseline", "true horizons"}
+    assert "climate_0.4" in set(of_snow["flight"])
     run_snakemake(tmp_path, "--", "pretrained", timeout=600)
     card = yaml.safe_load((tmp_path / "results/shipped/universal.json").read_text())
     assert [row["flight"] for row in card["scores"]] == ["noisy", "mean"]

@@ -1,4 +1,4 @@
-"""Edge counts of a trained tracker on a set of scenes, and picks from its fused output."""
+"""Edge counts and picks of a trained tracker on a set of scenes."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from snowsim.io.files import read_table
 from snowsim.io.models import read_model
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.metrics.pick_tables import layer_rows
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking import pick_layers
 from snowsim.tracker import OUTPUTS, Settings, track, trained_network
 from snowsim.tracker.calibration import Calibration
 
@@ -24,19 +24,19 @@ class Tracker:
     settings: Settings
 
     def track(self, image):
-        """Probabilities of a layer, `snowsim.tracker.track`, in the precision of the training."""
+        """Probabilities of layers as from `snowsim.tracker.track`, in the training's precision."""
         return track(self.network, image, precision=self.settings.precision)
 
 
 def read_tracker(path, device="cpu"):
-    """The `Tracker` of a file of weights."""
+    """The `Tracker` whose weights a file holds."""
     weights, metadata = read_model(path, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     return Tracker(trained_network(weights, settings, device=device), settings)
 
 
 def read_calibration(path):
-    """The `Calibration` in a table of one row."""
+    """The `Calibration` that a table of one row holds."""
     return Calibration(**read_table(path).iloc[0].to_dict())
 
 
@@ -47,41 +47,39 @@ def read_confidence(path):
 
 
 def count_edges(tracker, scenes, outputs=OUTPUTS):
-    """Edge counts of some outputs, and the suppressed edge maps of the fused one, a scene each.
+    """Table of edge counts of some outputs, and a list of the fused output's probabilities.
 
-    Counts have columns `scene, output, threshold` and those of `match_counts`.
+    The table has columns `scene, output, threshold` and the counts of `match_counts`.
     """
     tables = []
     fused = []
     for scene in scenes:
         probabilities = dict(zip(OUTPUTS, tracker.track(scene.image), strict=True))
         for output in outputs:
-            table, edges = count_output(probabilities[output], scene, output)
-            tables.append(table)
-            if output == "fuse":
-                fused.append(edges.astype(np.float32))
+            tables.append(count_output(probabilities[output], scene, output))
+        fused.append(probabilities["fuse"])
     return pd.concat(tables), fused
 
 
 def count_output(probability, scene, output):
-    """Edge counts of one output on a scene, as from `count_edges`, and its suppressed edge map."""
+    """Table of edge counts of one output on one scene."""
     edges = suppress(probability, where=scene.name)
     counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
     keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
-    return pd.DataFrame(keys | counts), edges
+    return pd.DataFrame(keys | counts)
 
 
-def pick_scenes(scenes, edges, counts):
-    """Rows of every layer of every scene, `layer_rows`, at the threshold of the best F of the set.
+def pick_scenes(scenes, fused, counts):
+    """Table of `layer_rows` of all scenes, picked at the threshold with the best F of the set.
 
-    `edges` and `counts` are those of `count_edges`. Further columns: `scene`,
-    `first_thickness_bins`, mean thickness of its first slab, and `threshold`.
+    `fused` and `counts` come from `count_edges`. Three columns are added: `scene`,
+    `first_thickness_bins`, the mean thickness of its first slab, and `threshold`.
     """
     of_fused = counts_by_image(counts[counts["output"] == "fuse"])
     threshold = score(of_fused, THRESHOLDS)["ods_threshold"]
     tables = []
-    for scene, suppressed in zip(scenes, edges, strict=True):
-        picks = pick_layers(suppressed, threshold=threshold, where=scene.name)
+    for scene, probability in zip(scenes, fused, strict=True):
+        picks = pick_layers(probability, threshold=threshold, where=scene.name)
         first_slab = np.diff(scene.layer_bins[:2], axis=0)
         thickness = float(np.nanmean(first_slab)) if np.isfinite(first_slab).any() else np.nan
         rows = layer_rows(picks, scene.layer_bins)

@@ -9,13 +9,14 @@ from scipy.special import logit
 from torch.nn import functional
 
 from lib.resizing import AS_THEY_ARE, resized, resized_rows
+from snowsim.echogram import crossing_layers
 from snowsim.metrics.pick_tables import layer_rows
 from snowsim.picking.candidates import find_candidates
 from snowsim.picking.card import CONFIDENCE
 from snowsim.picking.confidence import confidence, features, fit_coefficients
-from snowsim.picking.joining import join_through_fades, ordered
 from snowsim.picking.layers import between_lines, on_lines
-from snowsim.picking.linking import Linking, link
+from snowsim.picking.linking import Linking
+from snowsim.picking.picker import linked
 from snowsim.tracker.calibration import (
     WITHIN_BINS,
     Calibration,
@@ -59,7 +60,7 @@ def pieces_of(logits, calibration):
     log_odds = (logits - calibration.offset) / calibration.temperature
     threshold = float(logit(calibration.threshold))
     candidates = find_candidates(log_odds, threshold + linking.even - linking.skipped)
-    return ordered(join_through_fades(link(candidates, linking, threshold)))
+    return linked(candidates, linking, threshold)
 
 
 def followed(logits, tracker, shape):
@@ -75,8 +76,9 @@ def followed(logits, tracker, shape):
         own_row = resized_rows(row, n_rows, shape[0])
         bins.append(between_lines(own_row, own_lines))
         sure.append(between_lines(of_pick, own_lines))
-    empty = np.empty((0, shape[1]))
-    return Picks(np.array(bins), np.array(sure)) if bins else Picks(empty, empty)
+    bins = np.array(bins).reshape(-1, shape[1])
+    bins[crossing_layers(bins)] = np.nan
+    return Picks(bins, np.array(sure).reshape(-1, shape[1]))
 
 
 def near_a_layer(bins, line, scene, within_bins=WITHIN_BINS):

@@ -12,6 +12,6 @@ from snowsim.io.scenes import SceneSet
 with job(snakemake), SceneSet(snakemake.input.scenes) as scenes:
     for i, network in enumerate(snakemake.input.networks):
         tracker = read_tracker(network, snakemake.params.device)
-        counts, edges = count_edges(tracker, progress(scenes, "edge scores"))
-        write_table(snakemake.output.picks[i], pick_scenes(scenes, edges, counts))
+        counts, fused = count_edges(tracker, progress(scenes, "edge scores"))
+        write_table(snakemake.output.picks[i], pick_scenes(scenes, fused, counts))
         write_table(snakemake.output.counts[i], counts)

@@ -1,10 +1,12 @@
-"""Scores of the shipped tracker on flights that it never saw, and their means."""
+"""Scores of the shipped tracker on flights that it never saw, and their means; accumulation."""
 
 import pandas as pd
 from job import job, progress
 
+from lib.resizing import AS_THEY_ARE
 from lib.tracker_scores import read_calibration, read_confidence, read_tracker
 from lib.transfer_scores import Calibrated, score_tracker
+from lib.transfer_snow import CLIMATES, Snow, rows_of_flight, snow_of_climate
 from snowsim.io.files import write_table
 from snowsim.io.scenes import SceneSet
 
@@ -23,3 +25,12 @@ with job(snakemake):
     means = pd.DataFrame(rows).mean(numeric_only=True)
     rows.append({"flight": "mean", "tracker": "universal", **means})
     write_table(snakemake.output.table, pd.DataFrame(rows))
+    rows = []
+    for flight, path in progress(files.items(), "accumulation"):
+        with SceneSet([path]) as annotated:
+            snows = [Snow(scene, snakemake.params.bin_s[flight]) for scene in annotated]
+        rows += rows_of_flight(flight, snows, tracker, snakemake.params.scales[flight])
+    for climate, accumulation_m in progress(CLIMATES.items(), "accumulation of climates"):
+        snows = snow_of_climate(accumulation_m, snakemake.params.seed, len(snows))
+        rows += rows_of_flight(climate, snows, tracker, AS_THEY_ARE)
+    write_table(snakemake.output.accumulation, pd.DataFrame(rows))

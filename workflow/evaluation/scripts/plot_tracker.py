@@ -7,8 +7,7 @@ from evaluation.lib.figures.style import TRAINING_SETS, Scale, save_figure
 from lib.tracker_scores import read_tracker
 from snowsim.io.files import read_dataset, read_table
 from snowsim.io.scenes import SceneSet
-from snowsim.metrics.edges import suppress
-from snowsim.metrics.picks import pick_layers
+from snowsim.picking import pick_layers
 
 with job(snakemake):
     files = snakemake.input
@@ -24,7 +23,7 @@ with job(snakemake):
         outputs[name] = read_tracker(network, params.device).track(scene.image)
         *_, fused = outputs[name]
         threshold = read_table(rows)["threshold"].iloc[0]
-        picked[name] = pick_layers(suppress(fused), threshold=threshold)
+        picked[name] = pick_layers(fused, threshold=threshold)
     scale = Scale.of(read_dataset(files.statistics), params.snow_density_kg_m3)
     curves = tracker.precision_recall(read_table(files.precision_recall))
     save_figure(figures.precision_recall_svg, curves, params.source)

@@ -1,0 +1,362 @@
+"""Snow between picked layers: its depth, age and accumulation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+from snowsim.echogram import check_layers
+from snowsim.limits import check_values
+from snowsim.profile import interfaces
+from snowsim.reference.firn import (
+    depth_herron_langway80,
+    travel_time_s,
+)
+
+SURFACE = "surface"
+DENSITIES_KG_M3 = (50, ICE_DENSITY_KG_M3)
+DEEPEST_M = 500.0  # of snow of one density
+DEEPEST_WATER_M = 200.0  # of Herron & Langway's firn
+FIRST_GUESS_M = 0.3  # of the mean accumulation [m w.e. / yr] that its density depends on
+N_ROUNDS = 3  # of typical mass, ages and mean accumulation, each by the others
+TYPICAL_LINES = 300  # to either side, whose median mass is typical
+# Masses of years scatter by this share of the typical one: from year to year (.17 to .28 in cores),
+# and by errors of picks and of what is typical.
+SPREAD = 0.3
+MISSED = 0.7  # odds of every further year between two picks
+# Odds that a pick is no horizon, as a share of the probability that no layer lies there; that where
+# picks do not tell it.
+NO_HORIZON = 0.4
+USUAL_DOUBT = 0.25
+LEAST_DOUBT = 0.05
+MOST_YEARS = 12  # between two picks
+IMPOSSIBLE = -30.0  # log-likelihood
+N_TIMES = 500  # of the table of depths
+NINE_OF_TEN = 1.645  # standard deviations
+LEAST_SURE = 0.8  # of a count that has no flag
+COUNT_UNCERTAIN = 1
+AGE_UNCERTAIN = 2
+COLUMNS = (
+    "depth_m",
+    "thickness_m",
+    "accumulation_m_we",
+    "low",
+    "high",
+    "n_years",
+    "confidence",
+    "flag",
+)
+
+
+def accumulation(
+    layers,
+    density,
+    *,
+    year,
+    temperature_k=None,
+    density_error=0.05,
+    least_confidence=0.5,
+):
+    """Accumulation of every year between picked layers, along the track.
+
+    Parameters
+    ----------
+    layers : xarray.Dataset
+        As `snowsim track` writes them, or `snowsim.io.open_segment` joins them: `twtt` (layer,
+        slow_time) [s] from the surface down, names that follow the snow; where there are,
+        `twtt_low`, `twtt_high` and `confidence`.
+    density : float or snowsim.io.profiles.Profile
+        Of the snow [kg m-3], 50 to 917; or a profile of it, which ends somewhere.
+    year : int or mapping of str to int
+        Of the uppermost horizon, or of layers by their name: ``{"snow_3": 2008}``. Snow of a year
+        lies below the horizon of that year.
+    temperature_k : float, optional
+        Annual mean: density then is that of the surface, below 550, and grows with depth as Herron
+        & Langway (1980) have it, by the mean accumulation found here.
+    density_error : float
+        Relative standard deviation of the density.
+    least_confidence : float
+        Picks that are less sure are not used.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (year, slow_time), NaN where a year is not bounded by picks: `depth_m` of its horizon,
+        `thickness_m`, `accumulation_m_we` [m w.e. / yr], `low` and `high`, between which nine of
+        ten lie; `n_years` that the two picks about it are apart, over which it is the mean, and
+        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure or the mass
+        below .6 or above 1.6 of what is typical there, 2 where a count above it is, so that its
+        age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above the uppermost horizon:
+        of no whole year; `depth_at` (below_s) the depth [m] at travel times below the surface.
+        `attrs` count picks below the end of a profile, `n_below_profile`.
+
+    Raises
+    ------
+    ValueError
+        In one line: no surface, layers that cross, densities out of range, no pick within the
+        profile or no two picks on a line, a name that is no layer's.
+
+    Notes
+    -----
+    ``t = (2 / c) (z + 0.845 w)`` is the travel time to depth z under the mass w [m w.e.], Kovacs,
+    Gow & Morey (1995). Mass between two picks over the typical annual mass, the median along track
+    and in depth, tells how many years lie between: a sum of n years has the spread s n^(1/2), s
+    that of single ones. A layer has one age all along: range lines on which different layers lie
+    above it vote, by the logarithm of the probability. A pick that is more probably none between
+    two horizons is left out. All is repeated with the typical mass that follows.
+
+    Errors of both picks, half of ``twtt_high - twtt_low``, and of density, whose part is ``e / n``
+    with n the refractive index, add in squares. Picks lie 1.2 to 1.6 range bins below their
+    interface, at both horizons alike: in a year's mass that cancels, in `open_m_we` it does not.
+    """
+    picks = _picks(layers, least_confidence)
+    check_values("density_error", density_error, 0, 1)
+    mean_m = FIRST_GUESS_M
+    for _ in range(N_ROUNDS if temperature_k is not None else 1):
+        column = _column(density, temperature_k, mean_m)
+        water_m = column.at(column.water_m, picks.below_s)
+        if not (np.isfinite(water_m).sum(axis=0) > 1).any():
+            msg = "layers: expected two picks on a range line above "
+            msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
+            raise ValueError(msg)
+        dated = _dated(water_m, picks, year)
+        mean_m = float(np.nanmean(dated.span_m / dated.n_years))
+    return _by_year(layers, picks, column, dated, density_error)
+
+
+def table(accumulated):
+    """Rows of `accumulation` for a GIS: one a range line and year, without those that are NaN."""
+    along = {"slow_time": "time", "Latitude": "lat", "Longitude": "lon"}
+    rows = accumulated.drop_dims("below_s").drop_vars("open_m_we").to_dataframe().reset_index()
+    rows = rows.rename(columns=along).dropna(subset="accumulation_m_we")
+    rows = rows.astype({"n_years": int, "flag": int}).sort_values(["time", "year"])
+    first = [name for name in ("frame", *along.values(), "year") if name in rows]
+    return rows[[*first, *COLUMNS]].reset_index(drop=True)
+
+
+@dataclass(frozen=True, eq=False)
+class _Picks:
+    """Picks that are used, (layer, range_line), and names of their layers.
+
+    Travel time below the surface and its error [s], and the probability that no layer is there.
+    """
+
+    names: list
+    below_s: np.ndarray
+    error_s: np.ndarray
+    doubt: np.ndarray
+
+
+def _picks(layers, least_confidence):
+    """`_Picks` of a dataset, without the surface; layers without a pick are left out."""
+    check_layers(layers)
+    layers = layers.transpose("layer", "slow_time", ...)
+    names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
+    twtt = layers["twtt"].values
+    if names[0] not in (SURFACE, "0") or not np.isfinite(twtt[0]).any():
+        msg = f"layers: expected the surface first, with travel times, found {names[0]}"
+        raise ValueError(msg)
+    below_s = np.where(np.isfinite(twtt[:1]), twtt - twtt[:1], np.nan)
+    doubt = np.full(twtt.shape, USUAL_DOUBT)
+    if "confidence" in layers:
+        doubt = 1 - layers["confidence"].values
+        below_s[~(doubt <= 1 - least_confidence)] = np.nan
+    error_s = 0 * twtt
+    if "twtt_low" in layers:
+        error_s = (layers["twtt_high"].values - layers["twtt_low"].values) / 2
+    kept = 1 + np.flatnonzero(np.isfinite(below_s[1:]).any(axis=1))
+    doubt = np.maximum(doubt[kept], LEAST_DOUBT)
+    return _Picks([names[n] for n in kept], below_s[kept], error_s[kept], doubt)
+
+
+@dataclass(frozen=True, eq=False)
+class _Column:
+    """Depth [m] and mass above it [m w.e.] down to where density is known, (sample,)."""
+
+    depth_m: np.ndarray
+    water_m: np.ndarray
+
+    @property
+    def twtt_s(self):
+        """Travel time to every depth and back [s]."""
+        return travel_time_s(self.depth_m, self.water_m)
+
+    def at(self, values, below_s):
+        """Values (sample,) at travel times below the surface [s], NaN beyond the end."""
+        return np.interp(below_s, self.twtt_s, values, right=np.nan)
+
+
+def _column(density, temperature_k, mean_m):
+    """`_Column` of a density, of a profile, or of firn under a mean accumulation."""
+    if hasattr(density, "density_kg_m3"):
+        found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
+        check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
+        last_m = 1.5 * density.depth_m[-1] - 0.5 * density.depth_m[-2:][0]
+        depth_m = np.append(found.depth_m, last_m)
+        slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
+        return _Column(depth_m, np.append(0, np.cumsum(slab_m)))
+    check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
+    if temperature_k is None:
+        depth_m = np.array([0, DEEPEST_M])
+        return _Column(depth_m, depth_m * density / WATER_DENSITY_KG_M3)
+    check_values("temperature_k", temperature_k, 200, 273.15, number=True)
+    check_values("density of the surface [kg m-3]", density, 50, 549)
+    # Square roots: finest where it is densest.
+    water_m = np.linspace(0, np.sqrt(DEEPEST_WATER_M), 2000) ** 2
+    return _Column(depth_herron_langway80(water_m, mean_m, temperature_k, density), water_m)
+
+
+@dataclass(frozen=True, eq=False)
+class _Dated:
+    """Ages of horizons, and the spans between each and the next above it on the same range line.
+
+    `newest` is the year of age 0; `above` (layer, range_line) the layer that bounds a span, -1
+    where there is none; `span_m` its mass [m w.e.], `n_years`, and how `sure` that count is.
+    """
+
+    newest: int
+    age: np.ndarray
+    above: np.ndarray
+    span_m: np.ndarray
+    n_years: np.ndarray
+    sure: np.ndarray
+
+
+def _dated(water_m, picks, year):
+    """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
+    known = year if hasattr(year, "items") else {picks.names[0]: year}
+    given = {picks.names.index(name): known[name] for name in known if name in picks.names}
+    if not len(given) == len(known) > 0:
+        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, found {known}"
+        raise ValueError(msg)
+    first, *_ = given
+    typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
+    forced = {}
+    for _ in range(N_ROUNDS):
+        age, above = _vote(water_m, picks.doubt, typical_m, forced)
+        forced = {layer: age[first] + given[first] - value for layer, value in given.items()}
+        bounded = above >= 0
+        span_m = np.where(bounded, water_m - np.take_along_axis(water_m, above, axis=0), np.nan)
+        n_years = np.where(bounded, age[:, None] - age[above], np.nan)
+        doubt = np.maximum(picks.doubt, np.take_along_axis(picks.doubt, above, axis=0))
+        sure = _probability(span_m / typical_m, n_years, doubt)
+        typical_m = _typical(span_m / n_years)
+    return _Dated(int(given[first] + age[first]), age, above, span_m, n_years, sure)
+
+
+def _typical(year_m):
+    """Median mass of a year (layer, range_line) in depth and along track, (range_line,)."""
+    around = pd.DataFrame(year_m).median().rolling(2 * TYPICAL_LINES + 1, 1, center=True)
+    return around.median().interpolate(limit_direction="both").to_numpy()
+
+
+def _log_likelihood(ratio, n_years, doubt):
+    """Of so many years between two picks, by their mass over the typical one of a year.
+
+    Of none, one of the picks is no horizon: so doubtful is it.
+    """
+    variance = np.maximum(n_years, 1) * SPREAD**2
+    off = np.where(n_years == 0, np.maximum(ratio - 1, 0), ratio - n_years)
+    odds = np.where(n_years == 0, np.log(NO_HORIZON * doubt), n_years * np.log(MISSED))
+    return np.where(n_years < 0, IMPOSSIBLE, odds - off**2 / (2 * variance) - np.log(variance) / 2)
+
+
+def _probability(ratio, n_years, doubt):
+    """Of so many years between two picks, among all that may be."""
+    among = sum(np.exp(_log_likelihood(ratio, n, doubt)) for n in range(MOST_YEARS + 1))
+    return np.exp(_log_likelihood(ratio, n_years, doubt)) / among
+
+
+def _vote(water_m, doubt, typical_m, forced):
+    """Age of layers [years], and the layer above each pick, -1 for none.
+
+    From the surface down, by mass since the last horizon on every range line. A layer that lies
+    below none is held against the uppermost one, which has the age 0.
+    """
+    years = water_m / typical_m
+    age = np.zeros(len(years))
+    above = np.full(years.shape, -1)
+    # Of every range line: the last horizon, its age, and the mass above it in typical years.
+    last = np.full(typical_m.size, -1)
+    last_age = np.full(typical_m.size, -1.0)
+    last_years = np.full(typical_m.size, np.nan)
+    for layer, own in enumerate(years):
+        bounded = np.isfinite(own - last_years)
+        if layer in forced:
+            age[layer] = forced[layer]
+        elif bounded.any():
+            doubtful = np.median(doubt[layer, bounded])
+            age[layer] = _elected((own - last_years)[bounded], last_age[bounded], doubtful)
+        elif np.isfinite(own).any():
+            age[layer] = max(0, np.rint(np.nanmedian(own) - np.nanmedian(years[0])))
+        deeper = np.isfinite(own) & (age[layer] > last_age)
+        above[layer, deeper] = last[deeper]
+        last[deeper] = layer
+        last_age[deeper] = age[layer]
+        last_years[deeper] = own[deeper]
+    return age, above
+
+
+def _elected(ratio, upper_age, doubt):
+    """Most probable age below others, by mass over the typical one, (range_line,)."""
+    ages = upper_age.min() + np.arange(np.ptp(upper_age) + MOST_YEARS + 1)
+    likelihood = np.zeros(ages.size)
+    for own in np.unique(upper_age):
+        of_own = upper_age == own
+        found = _log_likelihood(np.median(ratio[of_own]), ages - own, doubt)
+        likelihood += of_own.mean() * found
+    return ages[likelihood.argmax()]
+
+
+def _by_year(layers, picks, column, dated, density_error):
+    """Dataset of `accumulation`: every span in as many years as it has."""
+    depth_m = column.at(column.depth_m, picks.below_s)
+    layer, line = np.nonzero(dated.above >= 0)
+    upper = dated.above[layer, line]
+    n_years = dated.n_years[layer, line].astype(int)
+    thickness_m = depth_m[layer, line] - depth_m[upper, line]
+    between_s = picks.below_s[layer, line] - picks.below_s[upper, line]
+    index = SPEED_OF_LIGHT_M_S * between_s / (2 * thickness_m)
+    of_picks = np.hypot(picks.error_s[layer, line], picks.error_s[upper, line]) / between_s
+    relative = np.hypot(of_picks, NINE_OF_TEN * density_error / index)
+    mean_m = dated.span_m[layer, line] / n_years
+    sure = dated.sure[layer, line]
+    spans = {
+        "line": line,
+        "year": dated.newest - dated.age[upper].astype(int),
+        "depth_m": depth_m[upper, line],
+        "thickness_m": thickness_m / n_years,
+        "accumulation_m_we": mean_m,
+        "low": mean_m * np.maximum(1 - relative, 0),
+        "high": mean_m * (1 + relative),
+        "n_years": n_years,
+        "confidence": sure,
+        "flag": np.where(sure < LEAST_SURE, COUNT_UNCERTAIN, 0),
+    }
+    rows = pd.DataFrame(spans).loc[np.repeat(np.arange(line.size), n_years)]
+    within = rows.groupby(level=0).cumcount()
+    rows["year"] -= within
+    rows["depth_m"] += within * rows["thickness_m"]
+    return _dataset(layers, rows, dated, column, picks.below_s)
+
+
+def _dataset(layers, rows, dated, column, below_s):
+    """Rows by year and line on (year, slow_time), with the positions and times of their layers."""
+    years = np.arange(dated.newest, rows["year"].min() - 1, -1)
+    found = rows.set_index(["year", "line"]).to_xarray()
+    found = found.reindex(year=years, line=np.arange(below_s.shape[1]))
+    found = found.rename(line="slow_time").assign_coords(slow_time=layers["slow_time"].values)
+    # A doubtful count makes every deeper year's age uncertain.
+    doubt = np.logical_or.accumulate(found["flag"].values == COUNT_UNCERTAIN, axis=0)
+    found["flag"][1:] += AGE_UNCERTAIN * doubt[:-1]
+    water_m = column.at(column.water_m, below_s)
+    uppermost = np.where(dated.age[:, None] == 0, water_m, np.nan)
+    found["open_m_we"] = ("slow_time", np.fmin.reduce(uppermost, axis=0))
+    times_s = np.linspace(0, min(1.1 * np.nanmax(below_s), column.twtt_s[-1]), N_TIMES)
+    found["depth_at"] = ("below_s", column.at(column.depth_m, times_s))
+    for name in ("Latitude", "Longitude", "frame"):
+        if name in layers:
+            found[name] = ("slow_time", layers[name].values)
+    n_below = int((np.isfinite(below_s) & np.isnan(water_m)).sum())
+    return found.assign_coords(below_s=times_s).assign_attrs(n_below_profile=n_below)

@@ -1,0 +1,186 @@
+"""Accumulation by a tracker's picks against that of true horizons, and picks without training."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.ndimage import gaussian_filter, uniform_filter
+
+from lib.resizing import resized
+from lib.transfer_scores import Calibrated, Picks, followed, pick_scores
+from snowsim.constants import KOVACS_M3_KG, SPEED_OF_LIGHT_M_S, WATER_DENSITY_KG_M3
+from snowsim.echogram import Scene, to_uint8
+from snowsim.front import Climate, Radar, simulate
+from snowsim.picking.confidence import half_width_rows
+from snowsim.seeding import random_stream
+from snowsim.snow import accumulation
+from snowsim.tracker.calibration import Calibration, fused_logits
+
+# Of the firn of flights and climates: density at the surface [kg m-3], annual mean [K].
+FIRN = {"density": 340.0, "temperature_k": 243.0}
+BIN_S = 2.886e-10  # of the tracker, to whose rows errors of picks are known
+CLIMATES = {"climate_0.2": 0.2, "climate_0.4": 0.4, "climate_0.6": 0.6}  # [m w.e. / yr]
+NEAR_BINS = 4.0  # of a true horizon to a pick that is it
+NEAR_SURFACE_BINS = 3.0
+# The baseline: grey levels under a Gaussian (rows, range lines), less the mean around (rows, range
+# lines), chosen on the flight of seed 1001.
+PEAK = (1.0, 6.0)
+AROUND = (15, 41)
+
+
+UNTRAINED = Calibrated(None, Calibration(0.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Snow:
+    """A scene, its range bin [s], and the mass above its layers [m w.e.] where that is known."""
+
+    scene: Scene
+    bin_s: float
+    water_m: np.ndarray | None = None
+
+
+def snow_of_climate(accumulation_m, seed, n_scenes):
+    """List of `Snow` of annual layers that `snowsim.simulate` draws."""
+    radar = Radar.preset("snow-2012", n_looks=16)
+    drawn = []
+    for number in range(n_scenes):
+        rng = random_stream(seed, "snow_of_climate", accumulation_m, number)
+        echogram, layers = simulate(Climate(accumulation_m=accumulation_m), radar, rng=rng)
+        image, *_ = to_uint8(echogram["Data"].values)
+        bins = (layers["peak_twtt"].values - float(echogram["twtt"][0])) / radar.bin_s
+        scene = Scene(f"climate_{number}", len(image), bins, image=image)
+        drawn.append(Snow(scene, radar.bin_s, layers["water_m"].values))
+    return drawn
+
+
+def baseline_logits(image):
+    """Map (range_bin, range_line) for `lib.transfer_scores.followed`, of an image alone.
+
+    Smoothed grey, which is power in dB, over the local mean: positive where there is a peak.
+    """
+    smooth = gaussian_filter(image.astype(np.float32), PEAK)
+    over = smooth - uniform_filter(smooth, AROUND)
+    return over / over.std()
+
+
+def layers_of(bins, sure, snow):
+    """Layers dataset of picks (layer, range_line) below the true surface of a scene."""
+    surface = snow.scene.layer_bins[0]
+    deeper = np.nan_to_num(np.nanmax(bins - surface, axis=1, initial=-1)) > NEAR_SURFACE_BINS
+    bins = np.vstack([surface, np.where(bins > surface + NEAR_SURFACE_BINS, bins, np.nan)[deeper]])
+    sure = np.vstack([np.ones(surface.size), sure[deeper]])
+    half_s = half_width_rows(sure) * BIN_S
+    twtt = bins * snow.bin_s
+    on = ("layer", "slow_time")
+    variables = {"twtt": twtt, "twtt_low": twtt - half_s, "twtt_high": twtt + half_s}
+    variables |= dict.fromkeys(("quality", "type"), np.ones(bins.shape, np.uint8))
+    content = {name: (on, values) for name, values in (variables | {"confidence": sure}).items()}
+    times = np.datetime64("2000-01-01", "ns") + np.arange(surface.size) * np.timedelta64(40, "ms")
+    return xr.Dataset(content, {"slow_time": times, "layer": np.arange(len(bins))})
+
+
+def spans_of(layers, snow):
+    """Rows of the spans between picks of a scene, beside the true mass, and years given in all.
+
+    `true` [m w.e. / yr] and `n_true` are of the true horizons nearest to the picks; `right` tells
+    whether both are near and as many years apart as was found.
+    """
+    try:
+        found = accumulation(layers, year=0, **FIRN)
+    except ValueError:  # no two picks on a line
+        return pd.DataFrame()
+    thickness_m = found["thickness_m"].values
+    above_m = np.vstack([np.full(thickness_m.shape[1], np.nan), thickness_m[:-1]])
+    year, line = np.nonzero(np.isfinite(thickness_m) & (thickness_m != above_m))
+    names = ("accumulation_m_we", "low", "high", "n_years", "flag", "depth_m", "thickness_m")
+    spans = pd.DataFrame({name: found[name].values[year, line] for name in names})
+    depth_at = found["depth_at"]
+    horizons_s = (snow.scene.layer_bins - snow.scene.layer_bins[0])[:, line] * snow.bin_s
+    water_m = snow.water_m
+    if water_m is None:
+        # Of t = (2 / c) (z + .845 w), Kovacs et al. (1995).
+        depth_m = np.interp(horizons_s, depth_at["below_s"].values, depth_at.values)
+        optical_m = SPEED_OF_LIGHT_M_S * horizons_s / 2
+        water_m = (optical_m - depth_m) / (KOVACS_M3_KG * WATER_DENSITY_KG_M3)
+    else:
+        water_m = water_m[:, line]
+    base_m = spans["depth_m"] + spans["n_years"] * spans["thickness_m"]
+    nearest = {}
+    near = True
+    for name, end_m in (("top", spans["depth_m"]), ("base", base_m)):
+        end_s = np.interp(end_m, depth_at.values, depth_at["below_s"].values)
+        away = np.nan_to_num(np.abs(horizons_s - end_s), nan=np.inf)
+        nearest[name] = away.argmin(axis=0)
+        near = near & (away.min(axis=0) < NEAR_BINS * snow.bin_s) & (nearest[name] > 0)
+    n_true = nearest["base"] - nearest["top"]
+    each = np.arange(line.size)
+    mass_m = water_m[nearest["base"], each] - water_m[nearest["top"], each]
+    true_m = mass_m / np.maximum(n_true, 1)
+    right = near & (n_true == spans["n_years"])
+    return spans.assign(line=line, true=true_m, n_true=n_true, right=right, **nearest)
+
+
+def accumulation_scores(tables, n_possible):
+    """Scores of spans of all scenes, list of tables of `spans_of`, by name.
+
+    Of spans whose years are counted rightly `bias`, `rms` (both relative), `inside` the interval,
+    `correlation` of changes along track; `given`, of all line-years; of spans counted wrongly their
+    share, and the shares with the flag of an uncertain count and with any, beside right ones.
+    """
+    numbered = [table.assign(scene=number) for number, table in enumerate(tables) if len(table)]
+    if not numbered:
+        return {"given": 0.0}
+    spans = pd.concat(numbered, ignore_index=True)
+    right = spans[spans["right"]]
+    wrong = spans[~spans["right"]]
+    found = right["accumulation_m_we"]
+    both = right.groupby(["scene", "top", "base"])[["accumulation_m_we", "true"]]
+    changes = right[["accumulation_m_we", "true"]] - both.transform("mean")
+    return {
+        "bias": found.sum() / right["true"].sum() - 1,
+        "rms": np.sqrt(((found / right["true"] - 1) ** 2).mean()),
+        "inside": right["true"].between(right["low"], right["high"]).mean(),
+        "correlation": changes.corr().iloc[0, 1],
+        "given": spans["n_years"].sum() / n_possible,
+        "wrong": len(wrong) / len(spans),
+        "wrong_flagged": (wrong["flag"].astype(int) & 1).mean(),
+        "wrong_any_flag": (wrong["flag"] > 0).mean(),
+        "right_flagged": (right["flag"].astype(int) & 1).mean(),
+    }
+
+
+def scored_snow(name, snows, tracker, picks_of):
+    """Row of accumulation scores of a tracker's picks, `picks_of(scene)`, on a list of `Snow`."""
+    picks = [picks_of(each.scene) for each in snows]
+    tables = [
+        spans_of(layers_of(own.bins, own.sure, each), each)
+        for own, each in zip(picks, snows, strict=True)
+    ]
+    # The snow above the uppermost horizon is of no whole year.
+    n_possible = sum(np.isfinite(each.scene.layer_bins[2:]).sum() for each in snows)
+    of_picks = pick_scores(picks, [each.scene for each in snows])
+    shares = {name: of_picks[name] for name in ("f", "missed_share", "false_share")}
+    return {"flight": name, "tracker": tracker, **shares} | accumulation_scores(tables, n_possible)
+
+
+def rows_of_flight(name, snows, tracker, scale):
+    """Rows of a tracker, of the baseline and of true horizons on a list of `Snow`.
+
+    `tracker` is a `lib.transfer_scores.Calibrated`, `scale` brings scenes to its bins and lines.
+    """
+
+    def tracked(scene):
+        logits = fused_logits(tracker.network, resized(scene.image, scale))
+        return followed(logits, tracker, scene.image.shape)
+
+    def untrained(scene):
+        return followed(baseline_logits(scene.image), UNTRAINED, scene.image.shape)
+
+    def true(scene):
+        below = scene.layer_bins[1:]
+        return Picks(below, np.ones(below.shape))
+
+    ways = {"universal": tracked, "baseline": untrained, "true horizons": true}
+    return [scored_snow(name, snows, way, picks_of) for way, picks_of in ways.items()]
