@@ -146,10 +146,7 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
       snowsim scenes mine/ --statistics results/statistics.nc
     """  # noqa: D205, D301
     from snowsim.front import scenes
-    from snowsim.io.export import check_empty
 
-    if not force:
-        check_empty(folder)  # before it is drawn for seconds
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
     echo_counts(drawn.write(folder, form, force=force))
 

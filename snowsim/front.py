@@ -51,6 +51,7 @@ RELATIVE_POWER = {
 }
 CODES = {"quality": 1, "type": 2}  # good; automatic
 PIXEL_BYTES = 4  # float32
+LINES_AT_ONCE = 1024
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
@@ -122,14 +123,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
         "n_looks": radar.n_looks,
         "speckle_correlation": radar.speckle_correlation(),
     }
-    power = render(
-        layer_bins,
-        parameters,
-        scene_height(layer_bins),
-        rng=rng,
-        exact=exact,
-        as_printed=True,
-    )
+    power = _power(layer_bins, parameters, rng=rng, exact=exact)
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
         # A window with its parameters is no attribute of a file.
@@ -154,6 +148,18 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     )
 
 
+def _power(layer_bins, parameters, *, rng, exact):
+    """Power of layers (layer, range_line), as much at a time as takes little memory."""
+    n_range_bins = scene_height(layer_bins)
+    how = {"rng": rng, "exact": exact, "as_printed": True}
+    parts = []
+    for first in shown(range(0, layer_bins.shape[1], LINES_AT_ONCE), unit=f"{LINES_AT_ONCE} lines"):
+        lines = slice(first, first + LINES_AT_ONCE)
+        of_lines = parameters | {"peak_power": parameters["peak_power"][:, lines]}
+        parts.append(render(layer_bins[:, lines], of_lines, n_range_bins, **how))
+    return np.hstack(parts)
+
+
 def _layers(echogram, twtt_s, peak_s, power_db, buried):
     """Layers (layer, slow_time) of an echogram, as Open Polar Radar has them, and their power.
 
@@ -173,10 +179,7 @@ def _layers(echogram, twtt_s, peak_s, power_db, buried):
 
 
 def _check_lines(n_range_lines, snowpack, radar):
-    """Refuse what is no number of range lines, and an echogram too large to be read back.
-
-    Simulating takes five times the size of an echogram.
-    """
+    """Refuse what is no number of range lines, and an echogram too large to be read back."""
     check_count("n_range_lines", n_range_lines)
     if isinstance(snowpack, Climate):
         snowpack = snowpack.draw(1, radar.line_spacing_m, rng=generator(0))

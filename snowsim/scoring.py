@@ -49,7 +49,6 @@ def score_folders(
     n_bootstrap=1000,
     seed=0,
     processes=1,
-    progress=None,
     bin_s=None,
 ):
     """Edge scores and errors of picks of a tracker, from two folders of files.
@@ -80,8 +79,6 @@ def score_folders(
         Resamples of the images for the intervals, and what they are drawn with.
     processes : int
         How many work at once; scores do not depend on it.
-    progress : callable
-        Wraps an iterable of known length, ``progress(steps, total)``; by default in a bar.
     bin_s : float
         Range bin [s] of the echograms that layer files are of.
 
@@ -125,12 +122,12 @@ def score_folders(
     )
     truths, left_out = pair_files(predictions, truth, output=output, picks=picks)
     pairs = [pair for pair in truths if pair[1] is not None] if matched_only else truths
-    progress = progress or partial(shown, unit="image")
     with ExitStack() as stack:
         mapped = stack.enter_context(ProcessPoolExecutor(processes)).map if processes > 1 else map
 
         def each(function, **settings):
-            return list(progress(mapped(partial(function, **settings), pairs), len(pairs)))
+            steps = mapped(partial(function, **settings), pairs)
+            return list(shown(steps, len(pairs), unit="image"))
 
         threshold = counts = None
         if not picks:
@@ -175,30 +172,27 @@ def _empty(rows):
 def _notes_of_pairs(truths, left_out, matched_only, without_layers, n_scored):
     """What to know of the files of a set, in sentences."""
     missing = [name for name, prediction, _ in truths if prediction is None]
-    n_missing = len(missing)
+    n_paired = len(truths) - len(missing)
     notes = []
     if left_out:
-        n_made = len(truths) - n_missing + len(left_out)
-        notes.append(
-            f"predictions without a truth are left out ({len(left_out)} of {n_made}): "
-            f"{listed(left_out)}"
-        )
+        n_made = n_paired + len(left_out)
+        notes.append(_note("predictions without a truth are left out", left_out, n_made))
     if matched_only:
         notes.append(
-            f"scored are {len(truths) - n_missing} of {len(truths)} truths, those with a "
-            f"prediction; left out: {listed(missing)}"
-        )
-    elif missing:
-        notes.append(
-            f"truths without a prediction count as empty maps ({n_missing} of {len(truths)}): "
+            f"scored are {n_paired} of {len(truths)} truths, those with a prediction; left out: "
             f"{listed(missing)}"
         )
+    elif missing:
+        notes.append(_note("truths without a prediction count as empty maps", missing, len(truths)))
     if without_layers:
         notes.append(
-            f"in truths without a layer every prediction is false ({len(without_layers)} of "
-            f"{n_scored}): {listed(without_layers)}"
+            _note("in truths without a layer every prediction is false", without_layers, n_scored)
         )
     return notes
+
+
+def _note(words, names, n_all):
+    return f"{words} ({len(names)} of {n_all}): {listed(names)}"
 
 
 def _notes_of_maps(counts, names, found):
@@ -207,10 +201,8 @@ def _notes_of_maps(counts, names, found):
     thick = [name for name, image in zip(names, counts, strict=True) if image["thickness"] > 1]
     if thick:
         most = max(image["thickness"] for image in counts)
-        notes.append(
-            f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick "
-            f"({len(thick)} of {len(names)}): {listed(thick)}"
-        )
+        words = f"truths are thinned to the middle of layers drawn up to {most:g} pixels thick"
+        notes.append(_note(words, thick, len(names)))
     largest = max(image["largest"] for image in counts)
     if 0 < largest < FAINT:
         notes.append(

@@ -71,9 +71,13 @@ def place(tmp_path, monkeypatch):
     [
         ("score", 2, "Missing argument 'PREDICTIONS'"),
         ("score empty true", 1, "empty: pairs: expected files .png, .npy, .nc"),
-        ("score made true --output side_2", 1, "made: predictions: expected a folder side_2"),
+        (
+            "score made true --output side_2",
+            1,
+            "a folder of one output (side_2), found none",
+        ),
         ("score made/merge true", 1, "found pictures of several"),
-        ("score made one.npy", 1, "one.npy: path: expected a folder, found a file"),
+        ("score made one.npy", 1, "one.npy: path: expected a folder of files whose names differ"),
         (
             "score other.npy one.npy",
             1,
@@ -81,7 +85,7 @@ def place(tmp_path, monkeypatch):
         ),
         ("score one.npy none.npy", 1, "none.npy: truth: expected at least one layer"),
         ("score one.npy dark.npy", 1, "inverted?"),
-        ("score one.npy narrow.npy", 1, "one.npy: size: expected 9 range lines as narrow.npy has"),
+        ("score one.npy narrow.npy", 1, "one.npy: size: expected (50, 9) as narrow.npy has"),
         (
             "score nan.npy one.npy",
             1,
@@ -245,6 +249,16 @@ def test_info_tells_what_statistics_rest_on_and_what_an_exported_folder_holds(tm
     printed = described(tmp_path / "set", capsys)
     assert printed.startswith("format  a folder of 2 exported scenes")
     assert "96 range_bin" in printed
+
+
+@pytest.mark.parametrize(
+    ("file", "levels"), [("true/layer_binary_a.png", "2"), ("shades.npy", "50")]
+)
+def test_info_tells_a_mask_from_an_edge_map_by_its_levels(place, capsys, file, levels):
+    printed = described(place / file, capsys)
+    assert "50 range_bin, 20 range_line" in printed
+    assert f"levels {levels}\n" in printed
+    assert "highest 1\n" in printed
 
 
 def test_info_counts_what_scenes_do_not_show(tmp_path, capsys):

@@ -274,6 +274,17 @@ def test_a_seed_is_the_generator_made_of_it():
     xr.testing.assert_identical(by_seed, by_generator)
 
 
+def test_long_echograms_are_simulated_a_part_at_a_time(monkeypatch):
+    monkeypatch.setattr("snowsim.front.LINES_AT_ONCE", 8)
+    snow = snowsim.Snowpack(**SNOW)
+    long, layers = snowsim.simulate(snow, "ku-12-18", n_range_lines=20, rng=1)
+    assert long["Data"].shape[1] == layers.sizes["slow_time"] == 20
+    first, _ = snowsim.simulate(snow, "ku-12-18", n_range_lines=8, rng=1)
+    assert_array_equal(long["Data"][:, :8], first["Data"])
+    # Speckle of parts is not repeated.
+    assert (long["Data"].values[:, 8:16] != first["Data"].values).mean() > 0.99
+
+
 def test_a_slice_of_scenes_holds_the_same_scenes(drawn, tmp_path):
     part = drawn[4:1:-2]
     assert len(part) == 2

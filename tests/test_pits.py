@@ -146,6 +146,9 @@ def test_bad_pits_end_in_one_line_that_names_the_file(tmp_path, capsys, text, me
 def test_options_that_contradict_the_header_are_refused(read, options):
     with pytest.raises(ValueError, match="as the header says"):
         read("top_cm,density_kgm3\n0,310\n10,320", **options)
+    # Anything else was taken for bottoms.
+    with pytest.raises(ValueError, match="depth_of must be one of top, bottom, middle, got 'tops'"):
+        read("depth_cm,density_kgm3\n0,310\n10,320", depth_of="tops")
 
 
 def test_a_missing_top_and_gaps_are_told_of_and_hold_no_layer(read):

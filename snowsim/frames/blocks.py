@@ -20,7 +20,7 @@ FLAGGED = "range lines flagged"  # how the reason of a block with such lines end
 METRES_PER_DEGREE = EARTH_RADIUS_M * np.pi / 180
 
 
-def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVERLAP_LINES):
+def cut_blocks(echogram, layers, *, name):
     """Scenes of a level frame, as in the published benchmark, and why other blocks are none.
 
     Blocks of 256 lines overlap by 6; each is cropped so that the surface, layer 0, lies in row 50,
@@ -28,15 +28,10 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     itself and called ``{name}_{block:03d}``. Lines left over at the end are not used, nor are
     layers without a pick in a block. No scenes are blocks with a `flagged` line
     (`leave_out_flagged`), without surface or with missing pixels: an image has no room for gaps.
-    `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`. ValueError if the frame is narrower
-    than a block, or the overlap not smaller than it.
+    `notes` tell `first_line`, `first_twtt_s` and `bin_size_s`.
     """
     layer_bins = layer_bins_of(layers, echogram)
     power = echogram["Data"].transpose("twtt", "slow_time").values
-    if not 0 <= overlap < n_range_lines <= power.shape[1]:
-        msg = f"{name}: a block has {n_range_lines} range lines, the overlap must lie below, "
-        msg += f"got {overlap}, the frame only {power.shape[1]}"
-        raise ValueError(msg)
     flagged = np.zeros(power.shape[1], dtype=bool)
     if "flagged" in echogram:
         flagged = echogram["flagged"].values
@@ -44,9 +39,9 @@ def cut_blocks(echogram, layers, *, name, n_range_lines=BLOCK_LINES, overlap=OVE
     bin_s = bin_size_s(echogram)
     scenes = []
     skipped = {}
-    starts = range(0, power.shape[1] - n_range_lines + 1, n_range_lines - overlap)
+    starts = range(0, power.shape[1] - BLOCK_LINES + 1, BLOCK_LINES - OVERLAP_LINES)
     for block, start in enumerate(starts):
-        lines = slice(start, start + n_range_lines)
+        lines = slice(start, start + BLOCK_LINES)
         scene_name = f"{name}_{block:03d}"
         bins = layer_bins[:, lines]
         reason = _why_no_scene(power[:, lines], bins, flagged[lines])
@@ -101,17 +96,10 @@ def frame_of_scene(scene, *, bin_s, line_spacing_m, contrast_db=None):
     the noise floor to the maximum (8-bit 255). Positions and times are placeholders. Power comes
     back in steps of a 255th of the contrast.
     """
-    noise_floor_db = scene.noise_floor_db
-    maximum_db = scene.maximum_db
-    tells_db = np.isfinite([noise_floor_db, maximum_db]).all()
-    if scene.image is None or not (tells_db or contrast_db):
-        msg = f"{scene.name}: a frame needs an image, and where it holds no decibels contrast_db "
-        msg += f"must be set, got {contrast_db}"
-        raise ValueError(msg)
-    if not tells_db:
-        noise_floor_db = 0.0
-        maximum_db = float(contrast_db)
-    power_db = from_uint8(scene.image, noise_floor_db, maximum_db)
+    levels_db = (scene.noise_floor_db, scene.maximum_db)
+    if not np.isfinite(levels_db).all():
+        levels_db = (0.0, float(contrast_db))
+    power_db = from_uint8(scene.image, *levels_db)
     power = (10 ** (power_db / 10)).astype(np.float32)
     north_m = np.arange(scene.n_range_lines) * line_spacing_m
     latitude = 70 + north_m / METRES_PER_DEGREE

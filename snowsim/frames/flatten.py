@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
-from snowsim.echogram import bin_size_s, check_choice, check_layers, layer_bins_of
+from snowsim.echogram import bin_size_s, check_choice, layer_bins_of
 
 HOLE = 3.0  # in the lines of a layer file, in its median spacings
 METHODS = ("surface", "elevation", "none")
@@ -35,19 +35,23 @@ def align_layers(layers, echogram, where="layers"):
     lines, of more than `HOLE` of their spacings, but within one of the ends; `quality` and `type`
     are those of the nearer line. Layer files hold their own antenna elevation: ``t += 2 (z_echogram
     - z_layers) / c`` where both are known, as in the CReSIS toolbox. ValueError if the layers do
-    not cover the echogram's time span to within one of their own lines, if one lies outside the
-    echogram's window, or if they cross.
+    not cover the echogram's time span to within one of their own lines, or if one lies outside the
+    echogram's window.
     """
-    ours = echogram["slow_time"].values
-    left, right, weight = _between(layers["slow_time"].values, ours, where)
-    nearer = np.where(weight < 0.5, left, right)
+    theirs_s, ours_s = _seconds(layers, echogram, where)
+    spacing_s = np.median(np.diff(theirs_s))
+    right = np.clip(np.searchsorted(theirs_s, ours_s, side="right"), 1, theirs_s.size - 1)
+    step_s = np.diff(theirs_s)[right - 1]
+    nearer = np.where(ours_s - theirs_s[right - 1] < step_s / 2, right - 1, right)
+    is_far = np.abs(ours_s - theirs_s[nearer]) > spacing_s
 
     def at_lines(values):
-        low, high = values[..., left], values[..., right]
-        between = (1 - weight) * low + weight * high
-        return np.where(weight == 0, low, np.where(weight == 1, high, between))
+        # Where a line of theirs is, its own value, though a neighbour may be missing.
+        between = np.interp(ours_s, theirs_s, values)
+        by_hole = np.where(is_far, np.nan, values[nearer])
+        return np.where(step_s > HOLE * spacing_s, by_hole, between)
 
-    twtt = at_lines(layers["twtt"].transpose("layer", "slow_time").values)
+    twtt = np.array([at_lines(row) for row in layers["twtt"].transpose("layer", ...).values])
     if "Elevation" in layers:
         rise_m = echogram["Elevation"].values - at_lines(layers["Elevation"].values)
         twtt = twtt + np.where(np.isfinite(rise_m), rise_m, 0) * 2 / SPEED_OF_LIGHT_M_S
@@ -64,34 +68,23 @@ def align_layers(layers, echogram, where="layers"):
         variables[name] = (flags.dims, flags.values[:, nearer], flags.attrs)
     variables["Elevation"] = ("slow_time", echogram["Elevation"].values, {"units": "m"})
     of_layers = {name: c for name, c in layers.coords.items() if c.dims == ("layer",)}
-    aligned = xr.Dataset(variables, {"slow_time": ours, **of_layers}, layers.attrs)
-    check_layers(aligned, where)
-    return aligned
+    coordinates = {"slow_time": echogram["slow_time"].values, **of_layers}
+    return xr.Dataset(variables, coordinates, layers.attrs)
 
 
-def _between(theirs, ours, where):
-    """For every line of ours, the lines of theirs before and after it, and the share of the way.
-
-    The share is NaN in holes of theirs.
-    """
-    theirs_s = (theirs - theirs[0]) / np.timedelta64(1, "s")
-    ours_s = (ours - theirs[0]) / np.timedelta64(1, "s")
-    reach_s = np.median(np.diff(theirs_s)) if theirs_s.size > 1 else -np.inf
-    if ours_s[0] < -reach_s or ours_s[-1] > theirs_s[-1] + reach_s:
-        msg = f"{where}: slow_time: expected to cover {ours[0]} to {ours[-1]}, found {theirs.size} "
-        msg += f"lines, {theirs[0]} to {theirs[-1]}"
+def _seconds(layers, echogram, where):
+    """Times of both from the first line of the echogram, which layers must cover, two (line,)."""
+    first, last = echogram["slow_time"].values[[0, -1]]
+    theirs, ours = (
+        (dataset["slow_time"].values - first) / np.timedelta64(1, "s")
+        for dataset in (layers, echogram)
+    )
+    spacing_s = np.median(np.diff(theirs)) if theirs.size > 1 else -np.inf
+    if theirs[0] > spacing_s or theirs[-1] + spacing_s < ours[-1]:
+        msg = f"{where}: slow_time: expected to cover {first} to {last}, found {theirs.size} "
+        msg += f"lines, {theirs[0]:.6g} to {theirs[-1]:.6g} s from the first on"
         raise ValueError(msg)
-    # Beyond the ends, by less than a line: the outermost picks hold.
-    ours_s = np.clip(ours_s, 0, theirs_s[-1])
-    right = np.clip(np.searchsorted(theirs_s, ours_s, side="right"), 1, theirs_s.size - 1)
-    left = right - 1
-    step_s = theirs_s[right] - theirs_s[left]
-    weight = (ours_s - theirs_s[left]) / step_s
-    hole = step_s > HOLE * reach_s
-    weight[hole] = np.rint(weight[hole])
-    to_end_s = np.minimum(ours_s - theirs_s[left], theirs_s[right] - ours_s)
-    weight[hole & (to_end_s > reach_s)] = np.nan
-    return left, right, weight
+    return theirs, ours
 
 
 def flatten(echogram, layers, *, method="surface"):

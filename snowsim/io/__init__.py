@@ -49,7 +49,7 @@ def read_echogram(path, *, compensated=False):
     """
     from snowsim.io import cresis, datasets, nsidc, sniff
 
-    with library_errors(path, "echogram", "a whole file"):
+    with library_errors(path):
         kind = sniff.sniff(path)
         if kind == "nsidc":
             return nsidc.read_nsidc(path, compensated=compensated)
@@ -102,7 +102,7 @@ def echogram(data, *, twtt, slow_time=None, attrs=None, **along_track):
     from snowsim.io.datasets import UNITS, echogram_dataset
 
     where = "echogram"
-    with library_errors(where, "data", "an array (range_bin, range_line)"):
+    with library_errors(where, "data: expected an array (range_bin, range_line)"):
         if along_track.keys() - UNITS.keys():
             raise refusal(where, "names", listed(UNITS), listed(along_track))
         content = {"Data": np.asarray(data), "twtt": twtt} | along_track
@@ -149,15 +149,17 @@ def read_layers(path, *, names=None, missing="refuse"):
     >>> layers["twtt"].dims, int(layers["layer"][0])
     (('layer', 'slow_time'), 0)
     """
+    from snowsim.echogram import check_choice
     from snowsim.io import layers, sniff
 
+    check_choice("missing", missing, ("refuse", "skip"))
     readers = {
         "cresis_layer": layers.read_cresis_layers,
         "cresis_layer_data": layers.read_cresis_layer_data,
         "opr_layers": layers.read_opr_layers,
     }
     names = [names] if isinstance(names, str) else names
-    with library_errors(path, "layers", "a whole file"):
+    with library_errors(path):
         kind = sniff.sniff(path)
         if kind in readers:
             return layers.chosen(readers[kind](path), names, missing, path)

@@ -1,6 +1,5 @@
 """Variables of NetCDF, HDF5 and MAT files as their libraries read them, and nothing oversized."""
 
-import math
 import mmap
 import re
 import struct
@@ -11,14 +10,7 @@ import numpy as np
 import scipy.io
 import xarray as xr
 
-from snowsim.io.guard import (
-    MAXIMUM_BYTES,
-    PNG_SIGNATURE,
-    Refused,
-    first_bytes,
-    library_errors,
-    listed,
-)
+from snowsim.io.guard import MAXIMUM_BYTES, PNG_SIGNATURE, Refused, library_errors, listed
 from snowsim.io.mat5 import read_mat5
 
 # A heap of HDF5, version 1, and bytes in front of it and of each of its objects: HDF5 File Format
@@ -26,49 +18,41 @@ from snowsim.io.mat5 import read_mat5
 HEAP = re.compile(b"GCOL\x01")
 HEADER_BYTES = 16
 VALUE_BYTES = 10_000  # what a value in a struct or cell counts at least: 100000 of them in a file
-WIDTHS = {"single": 4, "uint8": 1, "uint16": 2, "int16": 2}  # bytes of a number; else 8
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable"
 PIXELS = "pixels"  # the one variable of a PNG image
+KINDS = "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"
 
 
 def names_in(path, needed=()):
-    """Names of the variables a file holds; refused without those `needed`, all of which are told.
-
-    Arrays that would fill the memory are refused, too.
-    """
+    """Names of the variables a file holds; refused without all of those `needed`."""
     path = Path(path)
-    with library_errors(path, "content", "MAT v5, MAT v7.3, NetCDF, PNG or Zarr"):
-        sizes = {}
+    with library_errors(path, f"content: expected {KINDS}"):
         if path.is_dir():
-            sizes = {item.name: 0 for item in path.iterdir() if item.is_dir()}
+            names = {item.name for item in path.iterdir() if item.is_dir()}
         elif h5py.is_hdf5(path):
             check_heaps(path)
             with h5py.File(path) as file:
-                for name, node in file.items():
-                    if NO_VARIABLE not in str(node.attrs.get("NAME")):
-                        sizes[name] = getattr(node, "nbytes", 0)
-        elif first_bytes(path) == PNG_SIGNATURE:
-            sizes = {PIXELS: 0}
-        elif first_bytes(path).startswith(b"CDF"):
-            with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
-                sizes = {name: variable.nbytes for name, variable in dataset.variables.items()}
+                told = {name: str(node.attrs.get("NAME")) for name, node in file.items()}
+            names = {name for name, what in told.items() if NO_VARIABLE not in what}
         else:
-            for name, shape, kind in scipy.io.whosmat(path, appendmat=False):
-                sizes[name] = math.prod(shape) * WIDTHS.get(kind, 8)
-        missing = [name for name in needed if name not in sizes]
+            with path.open("rb") as file:
+                first = file.read(len(PNG_SIGNATURE))
+            if first == PNG_SIGNATURE:
+                names = {PIXELS}
+            elif first.startswith(b"CDF"):
+                with xr.open_dataset(path, engine="scipy", decode_cf=False) as dataset:
+                    names = set(dataset.variables)
+            else:
+                names = {name for name, _, _ in scipy.io.whosmat(path, appendmat=False)}
+        missing = ", ".join(name for name in needed if name not in names)
         if missing:
-            msg = f"{', '.join(missing)}: expected variables {', '.join(needed)}, "
-            msg += f"found {listed(sizes)}"
+            msg = f"{missing}: expected variables {', '.join(needed)}, found {listed(names)}"
             raise Refused(msg)
-        largest = max(sizes, key=sizes.get, default=None)
-        if largest and sizes[largest] > MAXIMUM_BYTES:
-            msg = f"{largest}: expected at most {MAXIMUM_BYTES} bytes, found {sizes[largest]}"
-            raise Refused(msg)
-    return set(sizes)
+    return names
 
 
 def check_heaps(path):
-    """Refuse a heap whose objects overrun it: HDF5 would walk it for ever.
+    """Refuse a heap whose objects overrun it: HDF5 2.2 walks it for ever.
 
     Heaps hold text and lists of references. Of 1600 damaged NetCDF files 5 had such a heap.
     """
@@ -83,9 +67,7 @@ def check_heaps(path):
                 step = size if index == 0 else HEADER_BYTES + -(-size // 8) * 8
                 offset += step
                 if step < HEADER_BYTES or offset > end:
-                    msg = (
-                        f"HDF5: expected heaps that hold their objects, found one of {length} bytes"
-                    )
+                    msg = f"HDF5: expected heaps that hold their objects, found one of {length}"
                     raise Refused(msg)
 
 
@@ -95,7 +77,7 @@ def read_netcdf(path, needed=()):
     Values come as they are stored: no fill value, scale or time is applied.
     """
     path = Path(path)
-    with library_errors(path, "dataset", "a whole NetCDF file or Zarr store"):
+    with library_errors(path):
         names_in(path, needed)
         engine = "netcdf4" if h5py.is_hdf5(path) else "zarr" if path.is_dir() else "scipy"
         with xr.open_dataset(path, engine=engine, decode_cf=False) as dataset:
@@ -112,7 +94,7 @@ def read_matlab(path, needed, others=()):
     left out.
     """
     path = Path(path)
-    with library_errors(path, "MAT file", "a whole file"):
+    with library_errors(path):
         wanted = sorted(names_in(path, needed).intersection((*needed, *others)))
         if h5py.is_hdf5(path):
             with h5py.File(path) as file:
@@ -120,11 +102,7 @@ def read_matlab(path, needed, others=()):
                 values = {name: _plain(file[name], room) for name in wanted}
         else:
             values = read_mat5(path, wanted)
-    return {
-        name: value
-        for name, value in values.items()
-        if not isinstance(value, np.ndarray) or value.size
-    }
+    return {name: value for name, value in values.items() if getattr(value, "size", 1)}
 
 
 def _plain(node, room):
@@ -134,11 +112,11 @@ def _plain(node, room):
     """
     room[0] -= VALUE_BYTES + getattr(node, "nbytes", 0)
     if room[0] < 0:
-        msg = f"{node.name}: expected at most {MAXIMUM_BYTES} bytes in all, found more"
+        msg = f"{node.name}: expected at most {MAXIMUM_BYTES} bytes, found more"
         raise Refused(msg)
-    matlab_class = node.attrs.get("MATLAB_class", b"")
     if isinstance(node, h5py.Group):
         return {name: _plain(field, room) for name, field in node.items()}
+    matlab_class = node.attrs.get("MATLAB_class", b"")
     if node.attrs.get("MATLAB_empty", 0):
         # In place of its values an empty variable stores its dimensions.
         return "" if matlab_class == b"char" else np.empty(0)

@@ -4,7 +4,7 @@ import numpy as np
 
 from snowsim.io.containers import names_in, read_matlab
 from snowsim.io.datasets import PARAMETERS, echogram_dataset, undo_compensation, utc_times
-from snowsim.io.guard import Refused
+from snowsim.io.guard import Refused, library_errors
 
 NEEDED = ("Data", "Time", "Latitude", "Longitude", "Elevation")
 ALONG_TRACK = (
@@ -60,7 +60,8 @@ def read_cresis(path, *, compensated=False):
     content |= {name: values[name] for name in ALONG_TRACK if name in values}
     is_scaled = "minData" in values or "maxData" in values
     if is_scaled:
-        content["Data"] = _unscaled(content["Data"], values)
+        with library_errors(path, "Data: expected integers scaled by minData and maxData"):
+            content["Data"] = _unscaled(content["Data"], values)
     attributes = {"source_format": "CReSIS L1B MAT"}
     for struct in PARAMETER_STRUCTS:
         fields = values.get(struct)
@@ -76,8 +77,5 @@ def read_cresis(path, *, compensated=False):
 
 def _unscaled(data, values):
     """Decibels that integers stand for."""
-    if data.dtype.kind not in "iu":
-        msg = f"Data: expected integers scaled by minData and maxData, found {data.dtype}"
-        raise Refused(msg)
     step_db = np.float32(values["maxData"] / np.iinfo(data.dtype).max)
     return data.astype(np.float32) * step_db + np.float32(values["minData"])

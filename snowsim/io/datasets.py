@@ -72,7 +72,7 @@ def echogram_dataset(where, content, attributes, *, decibels=False):
     dataset = xr.Dataset(attrs=attributes)
     # Data first, and so their axes.
     for name, values in ({"Data": data} | invented | unknown | content | {"Data": data}).items():
-        with library_errors(where, name, "real numbers, as many as others have"):
+        with library_errors(where, f"{name}: expected real numbers, as many as others have"):
             if name not in ("Data", "slow_time"):
                 values = np.ravel(values).astype(float)
             dataset[name] = (AXES.get(name, "slow_time"), values)
@@ -102,8 +102,7 @@ def read_opr(path):
     """
     dataset = load_opr(path, ("Data", "twtt", "slow_time", "Latitude", "Longitude", "Elevation"))
     if str(dataset["Data"].attrs.get("units", "")).lower() in UNITS_OF_DB:
-        with np.errstate(over="ignore"):  # infinite power is refused by the check
-            power = 10 ** (dataset["Data"].values.astype(float) / 10)
+        power = power_of(dataset["Data"].values.astype(float), path)
         dataset["Data"] = (dataset["Data"].dims, power, {"units": UNITS["Data"]})
     if "Surface" not in dataset:
         unknown = xr.full_like(dataset["Elevation"], np.nan, dtype=float)
@@ -115,12 +114,10 @@ def read_opr(path):
 def load_opr(path, needed):
     """Dataset of a NetCDF file or Zarr store in memory, with `twtt` in seconds."""
     dataset = xr.decode_cf(read_netcdf(path, needed), decode_timedelta=False).load()
-    unit = str(dataset["twtt"].attrs.get("units", "") or "s").lower()
-    if unit not in SECONDS:
-        msg = f"twtt: expected seconds, found {unit}"
-        raise Refused(msg)
-    if SECONDS[unit] != 1:
-        dataset["twtt"] = (dataset["twtt"] * SECONDS[unit]).assign_attrs(units="s")
+    unit = str(dataset["twtt"].attrs.get("units") or "s").lower()
+    with library_errors(path, f"twtt: expected {', '.join(SECONDS)}"):
+        if SECONDS[unit] != 1:
+            dataset["twtt"] = (dataset["twtt"] * SECONDS[unit]).assign_attrs(units="s")
     return dataset
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice
-from snowsim.io.files import write_dataset, write_store, written_whole
+from snowsim.io.files import write_bytes, write_dataset, written_whole
 from snowsim.io.guard import refusal
 from snowsim.io.images import NUMBERS_IN_TEXT, write_image
 
@@ -99,7 +99,12 @@ def export_zarr(folder, scenes, *, list_name="all.lst"):
     """The same as one Zarr store each, `scene_<name>.zarr`; ValueError without the package zarr."""
     if importlib.util.find_spec("zarr") is None:
         raise refusal(folder, "Zarr", "package zarr (pip install 'zarr>=3')", "none")
-    return _export_datasets(folder, scenes, list_name, "zarr", write_store)
+    return _export_datasets(folder, scenes, list_name, "zarr", _write_store)
+
+
+def _write_store(path, dataset):
+    with written_whole(path) as aside:
+        dataset.to_zarr(aside, mode="w", consolidated=False)
 
 
 def _export_datasets(folder, scenes, list_name, ending, write):
@@ -141,5 +146,4 @@ def _listed(folder, scenes, list_name, file_name):
         yield scene
         names.append(scene.name)
     lines = [f"{file_name.format(name)}\n" for name in names]
-    with written_whole(folder / list_name) as aside:
-        aside.write_text("".join(lines), encoding="utf-8")
+    write_bytes(folder / list_name, "".join(lines).encode())

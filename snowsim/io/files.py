@@ -7,6 +7,8 @@ import shutil
 from contextlib import contextmanager
 from pathlib import Path
 
+from snowsim.io.guard import library_errors
+
 # pandas and xarray are imported where they are used: every job starts with this module, and they
 # take half a second each.
 
@@ -43,6 +45,12 @@ def written_whole(path):
         _remove(aside)
 
 
+def write_bytes(path, content):
+    """Write bytes, whole or not at all."""
+    with written_whole(path) as aside:
+        aside.write_bytes(content)
+
+
 def _no_room(path, error):
     """Why a file could not be written, if that is for room on its disk; else None."""
     free = shutil.disk_usage(path.parent).free
@@ -76,21 +84,12 @@ def write_dataset(path, dataset, *, compress=False):
         dataset.to_netcdf(aside, engine="netcdf4", encoding=encoding)
 
 
-def write_store(path, dataset):
-    """Write an xarray dataset as a Zarr store, whole or not at all; replaces one that is there."""
-    with written_whole(path) as aside:
-        dataset.to_zarr(aside, mode="w", consolidated=False)
-
-
 def read_dataset(path):
     """Read a dataset of `write_dataset` into memory; ValueError if it is no whole NetCDF file."""
     import xarray as xr
 
-    try:
+    with library_errors(path, "expected a NetCDF-4 file"):
         return xr.load_dataset(path, engine="netcdf4", decode_timedelta=False)
-    except (OSError, RuntimeError) as error:
-        msg = f"{path}: expected a NetCDF-4 file, cannot be read: {error}"
-        raise ValueError(msg) from error
 
 
 def write_table(path, table):

@@ -3,6 +3,7 @@
 import io
 import os
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,8 +12,9 @@ from snowsim import frames
 from snowsim.echogram import bin_size_s, check_choice
 from snowsim.frames.blocks import FLAGGED
 from snowsim.io import read_echogram, read_layers, sniff
-from snowsim.io.guard import existing, library_errors, one_line, refusal
+from snowsim.io.guard import library_errors, one_line, refusal
 from snowsim.io.layers import surface_among
+from snowsim.progress import shown
 
 COLUMNS = ("frame", "echogram", "layers", "role")
 # Frames to track need no layers, and may have any other role, too.
@@ -30,8 +32,8 @@ def read_frames(path):
     "track", which needs no layers). Lines that begin with # are remarks. Rows that fail are
     reported together, each in a line; an echogram held out may have no other role but "track".
     """
-    path = existing(path)
-    with library_errors(path, "table", "tab-separated text"):
+    path = Path(path)
+    with library_errors(path, "table: expected tab-separated text"):
         lines = path.read_text(encoding="utf-8").splitlines()
         text = "\n".join(line for line in lines if not line.startswith("#"))
         table = pd.read_csv(io.StringIO(text), sep="\t", dtype=str, keep_default_na=False)
@@ -93,7 +95,7 @@ def check_frames(table, *, bin_s=None, blocks=False, **options):
     rows = []
     failed = []
     missing = dict.fromkeys(options.get("layer_names") or ())
-    for row in table.itertuples():
+    for row in shown(table.itertuples(), len(table), unit="frame"):
         try:
             echogram, layers = read_frame(row, bin_s=bin_s, **options)
             rows.append(_summary(row, echogram, layers, blocks=blocks))
@@ -138,7 +140,7 @@ def scenes_of_frame(row, echogram, layers):
     scenes, skipped = frames.cut_blocks(echogram, layers, name=row.frame)
     if not scenes:
         reasons = "; ".join(f"{name}: {reason}" for name, reason in skipped.items())
-        found = f"none ({one_line(reasons, 200)})"
+        found = f"none in {echogram.sizes['slow_time']} range lines ({one_line(reasons, 200)})"
         raise refusal(row.echogram, "blocks", "at least one that is a scene", found)
     return scenes, skipped
 

@@ -3,8 +3,6 @@
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
-
 ZARR_FILES = (".zgroup", ".zmetadata", "zarr.json")
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # A decompression bomb ends here: the largest frames of the archives are about 30000 x 5000 float32,
@@ -16,9 +14,13 @@ class Refused(ValueError):
     """What is wrong with a file, in words; `library_errors` puts the file's name in front."""
 
 
+class BadFile(ValueError):
+    """What is wrong with a file, in one line that begins with its name."""
+
+
 def refusal(path, what, expected, found):
-    """The ValueError of a bad file, on one line: file, variable, what was expected and found."""
-    return ValueError(one_line(f"{path}: {what}: expected {expected}, found {found}"))
+    """The error of a bad file, on one line: file, variable, what was expected and found."""
+    return BadFile(one_line(f"{path}: {what}: expected {expected}, found {found}"))
 
 
 def one_line(text, limit=400):
@@ -29,20 +31,22 @@ def one_line(text, limit=400):
 
 
 @contextmanager
-def library_errors(path, what, expected):
-    """Turn whatever is wrong with a file within the block into the one-line ValueError.
+def library_errors(path, expected="expected a whole file"):
+    """Turn whatever is wrong with a file within the block into a `BadFile`, a ValueError.
 
     Any error counts: on flipped bits h5py, scipy, xarray and Pillow raise NameError, SyntaxError,
-    zlib.error and many more.
+    zlib.error and many more. `expected` tells of those.
     """
     try:
         yield
-    except Refused as error:
-        raise ValueError(one_line(f"{path}: {error}")) from error
     except Exception as error:
-        if isinstance(error, ValueError) and str(error).startswith(f"{path}: "):
-            raise  # already the one line
-        raise refusal(path, what, expected, f"{type(error).__name__} {error}") from error
+        is_line = isinstance(error, ValueError) and str(error).startswith(f"{path}: ")
+        if is_line or isinstance(error, BadFile):
+            raise  # already the one line, of this file or of one beside it
+        told = f"{expected}, found {type(error).__name__} {error}"
+        if isinstance(error, Refused):
+            told = error
+        raise BadFile(one_line(f"{path}: {told}")) from error
 
 
 def existing(path, *, directory=False):
@@ -58,14 +62,6 @@ def listed(names):
     return one_line(", ".join(sorted(names)) or "none", 200)
 
 
-def numeric(path, what, array):
-    """A real numeric array, or ValueError; booleans count as integers."""
-    kind = getattr(array, "dtype", type(array).__name__)
-    if not isinstance(array, np.ndarray) or kind.kind not in "fiub":
-        raise refusal(path, what, "real numbers", kind)
-    return np.asarray(array)  # sheds subclasses
-
-
 def is_zarr(path):
     """Whether a path is a Zarr store."""
     return any((path / name).is_file() for name in ZARR_FILES)
@@ -73,10 +69,5 @@ def is_zarr(path):
 
 def is_png(path):
     """Whether a file is a PNG image."""
-    return first_bytes(path) == PNG_SIGNATURE
-
-
-def first_bytes(path):
-    """The first 8 bytes of a file."""
     with Path(path).open("rb") as file:
-        return file.read(8)
+        return file.read(len(PNG_SIGNATURE)) == PNG_SIGNATURE

@@ -9,7 +9,7 @@ import scipy.io
 
 from snowsim.echogram import check_layers
 from snowsim.io.datasets import LEAP_DAYS, PARAMETERS
-from snowsim.io.files import write_dataset, written_whole
+from snowsim.io.files import write_bytes, write_dataset
 from snowsim.io.guard import library_errors, refusal
 from snowsim.io.layers import AUTOMATIC, GOOD, SURFACE
 
@@ -69,7 +69,7 @@ def write_layer_files(folder, segment, frames, *, force=False):
     for number, layers in frames.items():
         path = _frame_path(folder, segment, number)
         check_layers(layers, str(path))
-        with library_errors(path, "layers", "with positions along slow_time"):
+        with library_errors(path, "layers: expected with positions along slow_time"):
             contents[path] = _frame_content(segment, layers, n_layers)
     attributes = next(iter(frames.values())).attrs
     organizer = _parent(folder, segment) / f"layer_{segment}.mat"
@@ -79,8 +79,7 @@ def write_layer_files(folder, segment, frames, *, force=False):
     for path, content in contents.items():
         buffer = io.BytesIO()
         scipy.io.savemat(buffer, content, do_compression=True)
-        with written_whole(path) as aside:
-            aside.write_bytes(HEADER + buffer.getvalue()[HEADER_BYTES:])
+        write_bytes(path, HEADER + buffer.getvalue()[HEADER_BYTES:])
     return list(contents)
 
 
@@ -124,7 +123,6 @@ def _frame_path(folder, segment, number):
 
 def write_layers(path, layers, *, force=False):
     """Write the same layers of one frame as NetCDF, with all that the dataset has along."""
-    check_layers(layers, str(path))
     if not force:
         refuse_existing(path)
     write_dataset(path, layers, compress=True)

@@ -41,10 +41,10 @@ def read_cresis_layers(path):
     shape = (ids.size, np.size(values["gps_time"]))
     absent = {"quality": np.full(shape, GOOD), "type": np.full(shape, AUTOMATIC)}
     picks = {name: np.atleast_2d((absent | values)[name]) for name in PICKS}
-    along_track = {name: values[theirs] for name, theirs in POSITIONS.items() if theirs in values}
-    along_track["slow_time"] = utc_times(values["gps_time"], gps=True)
-    names, groups = _organized(path, ids)
-    return _layers_dataset(picks, names, groups, along_track, "CReSIS layer")
+    picks |= {name: values[theirs] for name, theirs in POSITIONS.items() if theirs in values}
+    named = _organized(path)
+    names = [named.get(number, (f"id {number:g}", "")) for number in ids]
+    return _layers_dataset(picks, names, values["gps_time"], "CReSIS layer")
 
 
 def read_cresis_layer_data(path):
@@ -56,9 +56,7 @@ def read_cresis_layer_data(path):
     values = read_matlab(path, ("GPS_time", "layerData"), tuple(POSITIONS))
     entries = values["layerData"]
     entries = [entries] if isinstance(entries, dict) else entries
-    along_track = {name: values[name] for name in POSITIONS if name in values}
-    along_track["slow_time"] = utc_times(values["GPS_time"], gps=True)
-    n_lines = along_track["slow_time"].size
+    n_lines = np.size(values["GPS_time"])
     picks = {name: [] for name in PICKS}
     names = []
     for number, entry in enumerate(entries):
@@ -69,9 +67,9 @@ def read_cresis_layer_data(path):
         is_manual = np.isfinite(manual) if manual.size else np.zeros(n_lines, dtype=bool)
         picks["type"].append(np.where(is_manual, MANUAL, AUTOMATIC))
         unnamed = OLD_NAMES[number] if number < len(OLD_NAMES) else f"layer {number + 1}"
-        names.append(_text(entry.get("name")) or unnamed)
-    groups = [_text(entry.get("group_name")) for entry in entries]
-    return _layers_dataset(picks, names, groups, along_track, "CReSIS layerData")
+        names.append((_text(entry.get("name")) or unnamed, _text(entry.get("group_name"))))
+    picks |= {name: values[name] for name in POSITIONS if name in values}
+    return _layers_dataset(picks, names, values["GPS_time"], "CReSIS layerData")
 
 
 def read_opr_layers(path):
@@ -151,20 +149,17 @@ def find_organizer(path):
     return organizer if organizer.is_file() and organizer != path else None
 
 
-def _organized(path, ids):
-    """Names and groups of layer ids; "id 3" where no organizer file knows them."""
-    named = {}
+def _organized(path):
+    """Name and group of layers by their id, as the organizer file beside a layer file has them."""
     organizer = find_organizer(path)
-    if organizer:
-        values = read_matlab(organizer, ("lyr_id", "lyr_name"), ("lyr_group_name",))
-        known = np.ravel(values["lyr_id"])
-        cells = (values["lyr_name"], values.get("lyr_group_name", [""] * known.size))
-        # One cell alone comes as what it holds.
-        texts = ([cell] if isinstance(cell, str) else cell for cell in cells)
-        for number, name, group in zip(known, *texts, strict=True):
-            named[number] = (_text(name), _text(group))
-    pairs = [named.get(number, (f"id {number:g}", "")) for number in ids]
-    return [name for name, _ in pairs], [group for _, group in pairs]
+    if organizer is None:
+        return {}
+    values = read_matlab(organizer, ("lyr_id", "lyr_name"), ("lyr_group_name",))
+    ids = np.ravel(values["lyr_id"])
+    cells = (values["lyr_name"], values.get("lyr_group_name", [""] * ids.size))
+    # One cell alone comes as what it holds.
+    texts = ([cell] if isinstance(cell, str) else map(_text, cell) for cell in cells)
+    return dict(zip(ids, zip(*texts, strict=True), strict=True))
 
 
 def _text(value):
@@ -172,17 +167,18 @@ def _text(value):
     return value if isinstance(value, str) else ""
 
 
-def _layers_dataset(picks, names, groups, along_track, source):
-    """Dataset of all layers of a CReSIS file."""
-    pairs = list(zip(names, groups, strict=True))
-    full = [f"{group}:{name}" if names.count(name) > 1 else name for name, group in pairs]
-    variables = {"layer": ("layer", np.array(full, str)), "group": ("layer", np.array(groups, str))}
-    for name, values in along_track.items():
-        is_time = name == "slow_time"
-        values = values if is_time else np.ravel(values).astype(float)
-        variables[name] = ("slow_time", values, {} if is_time else {"units": UNITS[name]})
-    for name, attributes in PICKS.items():
-        variables[name] = (AXES, np.array(picks[name], dtype=float), attributes)
+def _layers_dataset(content, names, gps_time, source):
+    """Dataset of all layers of a CReSIS file: picks and positions, and (name, group) of layers."""
+    plain, groups = zip(*names, strict=True)
+    full = [f"{group}:{name}" if plain.count(name) > 1 else name for name, group in names]
+    variables = {"slow_time": utc_times(gps_time, gps=True), "layer": np.array(full, str)}
+    variables["group"] = ("layer", np.array(groups, str))
+    for name, values in content.items():
+        if name in PICKS:
+            variables[name] = (AXES, np.array(values, dtype=float), PICKS[name])
+        else:
+            along_track = np.ravel(values).astype(float)
+            variables[name] = ("slow_time", along_track, {"units": UNITS[name]})
     dataset = xr.Dataset(variables, attrs={"source_format": source}).set_coords("group")
     for name in ("quality", "type"):
         flags = dataset[name].fillna(0)

@@ -5,6 +5,7 @@ none of 1400 compressed ones did, which have checksums. The child costs .3 s a f
 has an end.
 """
 
+import math
 import os
 import pickle
 import resource
@@ -20,35 +21,44 @@ from snowsim.io.guard import MAXIMUM_BYTES, Refused
 
 HEADER_BYTES = 128
 COMPRESSED = 15  # type of an element, in one of the four bytes behind the header
+NUMBER_BYTES = 4  # of most that is large
 SECONDS = 120  # longer than any whole file takes
 
 
-def read_mat5(path, names, *, here=False):
+def read_mat5(path, names):
     """The named variables, as a dict; numbers are squeezed, a struct is a dict."""
     with Path(path).open("rb") as file:
-        first = file.read(HEADER_BYTES + 4)[HEADER_BYTES:]
-    if here or COMPRESSED in first:
-        options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
-        with warnings.catch_warnings():
-            # With the classes of MATLAB scipy drops imaginary parts: refused rather.
-            warnings.simplefilter("error", ComplexWarning)
-            values = scipy.io.loadmat(path, variable_names=names, **options)
-        return {name: values[name] for name in names}
+        if COMPRESSED in file.read(HEADER_BYTES + 4)[HEADER_BYTES:]:
+            return load(path, names)
     command = [sys.executable, "-P", "-m", "snowsim.io.mat5", str(path), *names]
     paths = {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"}
     child = subprocess.run(
         command, capture_output=True, env=os.environ | paths, timeout=SECONDS, check=False
     )
     if child.returncode != 0:
-        said = child.stderr.decode(errors="replace").splitlines()
-        found = said[-1] if said else f"one that ends its reader ({child.returncode})"
-        msg = f"MAT v5: expected a whole file, found {found}"
+        said = child.stderr.decode(errors="replace").splitlines() or [child.returncode]
+        msg = f"expected a whole file, found one that ends its reader: {said[-1]}"
         raise Refused(msg)
     return pickle.loads(child.stdout)
+
+
+def load(path, names):
+    """The same in this process."""
+    for name, shape, _ in scipy.io.whosmat(path, appendmat=False):
+        n_bytes = NUMBER_BYTES * math.prod(shape)
+        if name in names and n_bytes > MAXIMUM_BYTES:
+            msg = f"{name}: expected at most {MAXIMUM_BYTES} bytes, found {n_bytes} or more"
+            raise Refused(msg)
+    options = {"mat_dtype": True, "simplify_cells": True, "appendmat": False}
+    with warnings.catch_warnings():
+        # With the classes of MATLAB scipy drops imaginary parts: refused rather.
+        warnings.simplefilter("error", ComplexWarning)
+        values = scipy.io.loadmat(path, variable_names=names, **options)
+    return {name: values[name] for name in names}
 
 
 if __name__ == "__main__":
     _, most = resource.getrlimit(resource.RLIMIT_AS)
     room = 4 * MAXIMUM_BYTES if most == resource.RLIM_INFINITY else min(4 * MAXIMUM_BYTES, most)
     resource.setrlimit(resource.RLIMIT_AS, (room, most))
-    pickle.dump(read_mat5(sys.argv[1], sys.argv[2:], here=True), sys.stdout.buffer, protocol=5)
+    pickle.dump(load(sys.argv[1], sys.argv[2:]), sys.stdout.buffer, protocol=5)

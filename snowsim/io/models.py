@@ -37,7 +37,7 @@ def read_model(path, expected=None):
     `expected` is refused: settings, seed and fingerprint of the training it is to continue.
     """
     with (
-        library_errors(path, "model", "a whole safetensors file"),
+        library_errors(path, "model: expected a whole safetensors file"),
         safe_open(path, framework="numpy") as file,
     ):
         metadata = json.loads((file.metadata() or {}).get(KEY, "{}"))

@@ -42,24 +42,23 @@ def read_nsidc(path, *, compensated=False):
     """
     # As stored: no fill value is set in these files, and a default one must not hide a value.
     stored = read_netcdf(path, NEEDED)
-    unit = str(stored["fasttime"].attrs.get("units") or "us").strip().lower()
     axes = (*stored["fasttime"].dims, *stored["time"].dims)
-    if unit not in SECONDS:
-        msg = f"fasttime: expected microseconds, found {unit}"
-        raise Refused(msg)
     seconds_of_day = np.ravel(stored["time"]).astype(float)
     midnights = np.cumsum(np.append(False, np.diff(seconds_of_day) < -HALF_DAY_S))
     epoch = str(stored["time"].attrs.get("units", "")).removeprefix("seconds since ")
+    unit = str(stored["fasttime"].attrs.get("units") or "us").strip().lower()
+    with library_errors(path, f"fasttime: expected {', '.join(SECONDS)}"):
+        twtt = np.ravel(stored["fasttime"]) * SECONDS[unit]
     content = {
         "Data": stored["amplitude"].transpose(*axes).values,
-        "twtt": np.ravel(stored["fasttime"]) * SECONDS[unit],
+        "twtt": twtt,
         "slow_time": utc_times(seconds_of_day + 2 * HALF_DAY_S * midnights, epoch),
     }
     for theirs, ours in ALONG_TRACK.items():
         if theirs in stored:
             values = np.ravel(stored[theirs]).astype(float)
             content[ours] = np.radians(values) if ours in ATTITUDE else values
-    attributes = {"source_format": "IRSNO1B NetCDF", "midnights_passed": int(midnights[-1])}
+    attributes = {"source_format": "IRSNO1B NetCDF"}
     for name in sorted(stored.variables):
         parameter = name.rpartition(".")[2]
         if name.startswith("param") and parameter in PARAMETERS:
@@ -79,16 +78,10 @@ def read_nsidc(path, *, compensated=False):
 def find_supplement(path):
     """The supplement that lies beside an IRSNO1B file, or None: the same name up to the frame."""
     path = Path(path)
-    stems = [f"{path.stem}_supplement"]
-    frame = re.match(r"(.*?\d{8}_\d{2}_\d{3})(.*)", path.stem)
-    if frame:
-        base, variant = frame.groups()
-        stems += [f"{base}_supplement{variant}", f"{base}_supplement"]
-    for stem in stems:
-        supplement = path.with_name(f"{stem}.nc")
-        if supplement.is_file():
-            return supplement
-    return None
+    base, variant = re.fullmatch(r"(.*?\d{8}_\d{2}_\d{3}|.*?)(.*)", path.stem).groups()
+    stems = (f"{path.stem}_supplement", f"{base}_supplement{variant}", f"{base}_supplement")
+    files = (path.with_name(f"{stem}.nc") for stem in stems if base or stem == stems[0])
+    return next((file for file in files if file.is_file()), None)
 
 
 def _quality_mask(path, n_lines):
@@ -96,7 +89,7 @@ def _quality_mask(path, n_lines):
     stored = read_netcdf(path)
     bits = 1 << np.arange(len(SUPPLEMENT_FLAGS), dtype=np.uint8)
     mask = np.zeros(n_lines, dtype=np.uint8)
-    with library_errors(path, "supplement", f"flags of 1 or {n_lines} lines"):
+    with library_errors(path, f"supplement: expected flags of 1 or {n_lines} lines"):
         if not stored.variables.keys() & set(SUPPLEMENT_FLAGS):
             msg = f"supplement: expected flags {', '.join(SUPPLEMENT_FLAGS)}, found none of them"
             raise Refused(msg)

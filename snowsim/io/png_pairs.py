@@ -1,15 +1,16 @@
 """The published benchmark's pairs of image and labels, as PNG or MAT v7.3, read scene by scene."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from snowsim.echogram import Scene, check_choice, check_layer_bins, to_uint8
 from snowsim.io.containers import read_matlab
-from snowsim.io.guard import existing, is_png, library_errors, listed, refusal
+from snowsim.io.guard import is_png, library_errors, listed, refusal
 from snowsim.io.images import read_image, read_mask
+from snowsim.progress import shown
 
 # A mask of one pixel per layer and column has a few per cent on; an inverted one nearly all.
 MAXIMUM_SHARE_ON = 0.5
@@ -36,13 +37,13 @@ class PairSet(Sequence):
     """
 
     def __init__(self, path, *, data_scale=None):
-        path = existing(path, directory=True)
+        path = Path(path)
         check_choice("data_scale", data_scale, (None, *DATA_SCALES))
         self._data_scale = data_scale
         if path.is_dir():
             self._paths = sorted(path.glob("data_*.png")) or sorted(path.glob("data_*.mat"))
         else:
-            with library_errors(path, "list", "text with one file name a line"):
+            with library_errors(path, "expected a folder, or a list with one file name a line"):
                 lines = path.read_text(encoding="utf-8-sig").splitlines()
             self._paths = [path.parent / line.split()[0] for line in lines if line.strip()]
         self.names = [scene_name(file) for file in self._paths]
@@ -50,10 +51,8 @@ class PairSet(Sequence):
         twice = {name for name in self.names if self.names.count(name) > 1}
         if not self.names or missing or twice:
             expected = "files data_*.png or data_*.mat that are there, of names that differ"
-            found = (
-                f"{len(self)}, {len(missing)} missing: {listed(missing)}; twice: {listed(twice)}"
-            )
-            raise refusal(path, "scenes", expected, found)
+            found = f"{len(self)}, {len(missing)} missing: {listed(missing)}; "
+            raise refusal(path, "scenes", expected, f"{found}twice: {listed(twice)}")
 
     def __len__(self):
         return len(self._paths)
@@ -75,9 +74,9 @@ class PairSet(Sequence):
         """
         rows = []
         failed = []
-        for path in self._paths:
+        for item in shown(range(len(self)), unit="scene"):
             try:
-                scene = read_pair(path, data_scale=self._data_scale)
+                scene = self[item]
             except ValueError as error:
                 failed.append(str(error))
                 continue
@@ -112,79 +111,53 @@ def read_pair(path, *, data_scale=None):
     Refused: labels that are missing, of another size, disagree or cross; inverted or anti-aliased
     masks; bad images.
     """
-    path = existing(path)
-    if is_png(path):
-        image, numbers = read_image(path)
-        labels = png_labels(path, image.shape)
-    else:
-        image, numbers = _mat_image(path, data_scale)
-        labels = _mat_labels(path)
-    if labels.values.shape != image.shape:
-        raise refusal(labels.path, "size", f"that of the image, {image.shape}", labels.values.shape)
-    layer_bins = labels.layer_bins()
+    path = Path(path)
+    with library_errors(path):
+        if is_png(path):
+            image, numbers = read_image(path)
+            label, drawn = png_labels(path)
+        else:
+            image, numbers = _mat_image(path, data_scale)
+            label, drawn = _mat_labels(path)
+    if drawn.shape != image.shape:
+        raise refusal(label, "size", f"that of the image, {image.shape}", drawn.shape)
+    layer_bins = layers_of_labels(drawn, label)
     if not np.isfinite(layer_bins).any():
-        raise refusal(labels.path, "labels", "at least one layer", "none")
-    check_layer_bins(layer_bins, str(labels.path))
+        raise refusal(label, "labels", "at least one layer", "none")
+    check_layer_bins(layer_bins, str(label))
     return Scene(scene_name(path), len(image), layer_bins, image=image, **numbers)
 
 
-@dataclass(frozen=True)
-class Labels:
-    """Labels of an image (range_bin, range_line): layer numbers, 0 being none, or a mask alone."""
+def layers_of_labels(drawn, where="labels"):
+    """Layers of labels (range_bin, range_line), (layer, range_line) in range bins.
 
-    path: Path
-    values: np.ndarray
-
-    def mask(self):
-        """Where a layer is."""
-        return self.values > 0
-
-    def layer_bins(self):
-        """Layers (layer, range_line) in range bins."""
-        is_mask = self.values.dtype == bool
-        return (layers_of_mask if is_mask else layers_of_numbers)(self.values, self.path)
-
-
-def layers_of_numbers(numbers, where="labels"):
-    """Layers of an image of layer numbers, (layer, range_line) in range bins; 0 is no layer.
-
-    The pixels of one layer in one column must lie together.
+    Labels are layer numbers, the middle of each layer's pixels is taken; or a mask, of bool, in
+    which the k-th run of pixels from the top of a column is layer k. More than half of the pixels
+    of a mask on, as in an inverted one, are refused, but for images one range bin high; and numbers
+    that leave a run, as of regions, or are mostly missing, as of numbers scaled to be seen.
     """
-    rows, lines = np.nonzero(numbers)
-    layers = numbers[rows, lines].astype(int) - 1
-    shape = (int(numbers.max(initial=0)), numbers.shape[1])
-    count = np.zeros(shape)
-    first = np.full(shape, np.nan)
-    last = np.full(shape, np.nan)
-    np.add.at(count, (layers, lines), 1)
-    np.fmin.at(first, (layers, lines), rows)
-    np.fmax.at(last, (layers, lines), rows)
-    apart = last - first > count - 1  # NaN, where the layer is absent, is not
-    absent = int((count == 0).all(axis=1).sum())
-    thickness = np.median(count[count > 0]) if count.any() else 0
-    if apart.any() or 2 * absent > len(count) or thickness > THICKEST_PIXELS:
+    if drawn.dtype == bool:
+        if len(drawn) > 1 and drawn.mean() > MAXIMUM_SHARE_ON:
+            found = f"{100 * drawn.mean():.0f} % of pixels on: inverted?"
+            raise refusal(where, "mask", "layers on a dark ground", found)
+        begins = drawn.copy()
+        begins[1:] &= ~drawn[:-1]
+        drawn = np.where(drawn, np.cumsum(begins, axis=0), 0)
+    rows, lines = np.nonzero(drawn)
+    pixels = pd.DataFrame({"layer": drawn[rows, lines], "line": lines, "row": rows})
+    runs = pixels.groupby(["layer", "line"])["row"].agg(["count", "min", "max"])
+    n_layers = int(drawn.max(initial=0))
+    n_apart = int((runs["max"] - runs["min"] >= runs["count"]).sum())
+    n_found = pixels["layer"].nunique()
+    thickness = runs["count"].median()
+    if n_apart or 2 * n_found < n_layers or thickness > THICKEST_PIXELS:
         expected = "1, 2, 3 and so on from the surface down, each one run of pixels in a column, "
         expected += f"of at most {THICKEST_PIXELS}"
-        found = f"{len(count) - absent} of numbers up to {len(count)}, {thickness:.0f} pixels a "
-        found += f"column in the median, {apart.sum()} times apart: regions, or scaled to be seen?"
+        found = f"{n_found} of numbers up to {n_layers}, {thickness:.0f} pixels a "
+        found += f"column in the median, {n_apart} times apart: regions, or scaled to be seen?"
         raise refusal(where, "layer numbers", expected, found)
-    return (first + last) / 2
-
-
-def layers_of_mask(mask, where="mask"):
-    """Layers of a binary mask, (layer, range_line) in range bins.
-
-    The k-th run of pixels from the top of a column is layer k. More than half of the pixels on, as
-    in an inverted mask, are refused, but for images one range bin high.
-    """
-    mask = np.asarray(mask, dtype=bool)
-    if len(mask) > 1 and mask.mean() > MAXIMUM_SHARE_ON:
-        found = f"{100 * mask.mean():.0f} % of pixels on: inverted?"
-        raise refusal(where, "mask", "layers on a dark ground", found)
-    begins = mask.copy()
-    begins[1:] &= ~mask[:-1]
-    runs = np.cumsum(begins, axis=0)
-    return layers_of_numbers(np.where(mask, runs, 0), where)
+    middles = ((runs["min"] + runs["max"]) / 2).unstack("line")
+    return middles.reindex(range(1, n_layers + 1)).reindex(columns=range(drawn.shape[1])).to_numpy()
 
 
 def _beside(path, prefix):
@@ -193,42 +166,42 @@ def _beside(path, prefix):
     return label if path.name.startswith("data_") and label.is_file() else None
 
 
-def png_labels(path, shape):
-    """PNG labels beside an image; where numbers and a mask are there, they must agree."""
+def png_labels(path):
+    """File and labels of an image `data_*`; where numbers and a mask are there, they must agree."""
     numbered, binary = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
     if numbered is None and binary is None:
         raise refusal(path, "labels", "a file layer_* or layer_binary_* beside it", "none")
     mask = None if binary is None else read_mask(binary)
     if numbered is None:
-        return Labels(binary, mask)
-    labels = Labels(numbered, read_image(numbered)[0])
-    if mask is not None and not np.array_equal(mask, labels.mask()):
+        return binary, mask
+    numbers, _ = read_image(numbered)
+    if mask is not None and not np.array_equal(mask, numbers > 0):
         raise refusal(binary, "mask", f"what {numbered.name} has", "a difference")
-    return labels
+    return numbered, numbers
 
 
 def _mat_image(path, data_scale):
     """8-bit image of `data`, and the numbers that tell what it stands for."""
     data = np.atleast_2d(read_matlab(path, ("data",))["data"])
-    with library_errors(path, "data", "an image of numbers"):
-        if data_scale is None and _is_8_bit(data):
-            return data.astype(np.uint8), {}
-        scale = "db" if data.min() < 0 else data_scale
-        check_choice("data_scale, of data that are not whole numbers to 255,", scale, DATA_SCALES)
-        power = 10 ** (data / 10) if scale == "db" else data.astype(float)
-        image, noise_floor_db, maximum_db = to_uint8(power)
+    if data_scale is None and _is_8_bit(data):
+        return data.astype(np.uint8), {}
+    scale = "db" if data.min() < 0 else data_scale
+    if scale not in DATA_SCALES:
+        raise refusal(path, "data", f"whole numbers to 255, or data_scale of {DATA_SCALES}", scale)
+    power = 10 ** (data / 10) if scale == "db" else data.astype(float)
+    image, noise_floor_db, maximum_db = to_uint8(power)
     return image, {"noise_floor_db": noise_floor_db, "maximum_db": maximum_db}
 
 
 def _mat_labels(path):
-    """Labels of a MAT file beside an image, or of its own."""
+    """File and labels of a MAT file beside an image, or of its own."""
     beside = (_beside(path, prefix) for prefix in LABEL_PREFIXES)
     label = next((file for file in beside if file is not None), path)
     values = np.atleast_2d(read_matlab(label, ("layer",))["layer"])
-    with library_errors(label, "layer", "whole numbers from 0 to 255"):
-        values = values if _is_8_bit(values) else values.astype("u1", casting="safe")
+    if not _is_8_bit(values):
+        raise refusal(label, "layer", "whole numbers from 0 to 255", values.dtype)
     is_mask = values.dtype == bool or label.name.startswith("layer_binary_")
-    return Labels(label, values > 0 if is_mask else values.astype(np.uint8))
+    return label, values > 0 if is_mask else values.astype(np.uint8)
 
 
 def _is_8_bit(values):

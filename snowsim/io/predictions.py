@@ -9,11 +9,10 @@ import numpy as np
 from snowsim.constants import OUTPUTS
 from snowsim.echogram import check_layer_bins, layer_mask
 from snowsim.io import read_layers
-from snowsim.io.containers import read_netcdf
-from snowsim.io.guard import existing, library_errors, listed, numeric, refusal
+from snowsim.io.containers import names_in, read_netcdf
+from snowsim.io.guard import library_errors, listed, refusal
 from snowsim.io.images import ANY_GREY, read_image
-from snowsim.io.png_pairs import Labels, png_labels
-from snowsim.io.sniff import names_in
+from snowsim.io.png_pairs import layers_of_labels, png_labels
 
 ENDINGS = (".png", ".npy", ".nc")
 # Of the published predictor, beside its outputs: sums and strips of them.
@@ -27,12 +26,7 @@ NO_LAYERS = re.compile(r".*_picks\.png|layer_\d{8}_\d{2}\.mat")
 # Variables of NetCDF files.
 MAPS = ("probability", "prediction", "edges")
 LABELS = ("layer_bins", "mask")
-AXES = (
-    ("range_bin", "range_line"),
-    ("twtt", "slow_time"),
-    ("layer", "range_line"),
-    ("layer", "slow_time"),
-)
+DOWN_FIRST = ("layer", "range_bin", "twtt")  # axes of arrays
 
 
 def pair_files(predictions, truth, *, output=None, picks=False):
@@ -49,22 +43,20 @@ def pair_files(predictions, truth, *, output=None, picks=False):
     truth = Path(truth)
     if predictions.is_file() and truth.is_file():
         return [(_name(predictions), predictions, truth)], []
-    if predictions.name in PICTURES:
-        expected = f"maps of one output ({', '.join(OUTPUTS)})"
-        raise refusal(predictions, "predictions", expected, "pictures of several")
     inside = predictions / (output or "fuse")
-    if inside.is_dir():
-        predictions = inside
-    elif output is not None:
-        raise refusal(predictions, "predictions", f"a folder {output}", "none")
+    is_pictures = predictions.name in PICTURES
+    if is_pictures or (output is not None and not inside.is_dir()):
+        expected = f"a folder of one output ({output or ', '.join(OUTPUTS)})"
+        found = "pictures of several" if is_pictures else "none"
+        raise refusal(predictions, "predictions", expected, found)
+    predictions = inside if inside.is_dir() else predictions
     endings = (*ENDINGS, ".mat") if picks else ENDINGS
     made = _by_name(predictions, LABELLED if picks else MAPPED, endings)
     truths = _by_name(truth, LABELLED, endings)
     alone = sorted(made.keys() - truths.keys())
     if len(alone) == len(made):
         expected = f"files {', '.join(endings)}, each with a truth of its name in {truth}"
-        found = f"{len(made)}, without truth: {listed(alone)}" if made else "no file"
-        raise refusal(predictions, "pairs", expected, found)
+        raise refusal(predictions, "pairs", expected, f"{len(made)}: {listed(alone)}")
     true = [name for name, path in truths.items() if not path.stem.startswith("data_")]
     paired = made.keys() & truths.keys() | set(true)
     return [(name, made.get(name), truths[name]) for name in sorted(paired)], alone
@@ -75,14 +67,12 @@ def _by_name(folder, order, endings):
 
     Two of the same stem are refused.
     """
-    if not folder.is_dir():
-        raise refusal(folder, "path", "a folder", "a file" if folder.exists() else "nothing")
     held = [path for path in sorted(folder.glob("[!.]*")) if path.suffix in endings]
     paths = [path for path in held if not NO_LAYERS.fullmatch(path.name)]
     stems = [path.stem for path in paths]
     twice = [path.name for path in paths if stems.count(path.stem) > 1]
-    if twice:
-        raise refusal(folder, "files", "names that differ", listed(twice))
+    if twice or not folder.is_dir():
+        raise refusal(folder, "path", "a folder of files whose names differ", listed(twice))
     files = {}
     for path in sorted(paths, key=lambda path: order.index(NAME.match(path.stem)[1])):
         files.setdefault(_name(path), path)
@@ -100,8 +90,7 @@ def read_map(path):
     Whole numbers of 8 or 16 bits are divided by their largest. A NetCDF file has it as
     `probability`, `prediction` or `edges`, or as its only image.
     """
-    path = existing(path)
-    values = _grey(path) if path.suffix == ".png" else _array(path, MAPS)[1]
+    _, values = read_array(path, MAPS)
     if values.dtype in (np.uint8, np.uint16):
         largest = np.iinfo(values.dtype).max
         if values.max() == 1:
@@ -129,7 +118,6 @@ def read_picks(path, bin_s=None):
 
     Travel times become range bins of `bin_s` [s]; rows are taken where a tracked image has them.
     """
-    path = existing(path)
     is_layers = path.suffix == ".mat" or (path.suffix == ".nc" and "twtt" in names_in(path))
     if not is_layers:
         return Picks(read_labels(path)[1])
@@ -151,81 +139,59 @@ def read_labels(path, shape=None, image=None):
     `layer_bins` of a NetCDF file does; it has a mask where `shape` is given, which is that of the
     `image` that must fit the labels.
     """
-    path = existing(path)
-    if path.suffix == ".png":
-        labels = _image_labels(path)
+    if path.suffix == ".png" and path.stem.startswith("layer_"):
+        _, drawn = png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"))
     else:
-        name, values = _array(path, LABELS, smallest=(0, 1))
-        if name == "layer_bins" or not (_is_mask(values) or _is_numbers(values)):
-            return _layers(path, name, values, shape, image)
-        labels = _drawn_labels(path, values)
-    mask = labels.mask()
-    if shape is not None and mask.shape != tuple(shape):
-        raise refusal(image, "size", f"{mask.shape} as {path} has", tuple(shape))
-    return mask, labels.layer_bins()
+        name, values = read_array(path, LABELS, least_rows=0)
+        drawn = None if name == "layer_bins" else _drawn(values, path.suffix == ".png")
+        if drawn is None and (name == "mask" or values.shape == shape):
+            expected = "0 and 1, or layers (layer, range_line) in range bins"
+            raise refusal(path, "mask", expected, f"{values.min():g} to {values.max():g}")
+    if drawn is None:
+        check_layer_bins(values, str(path))
+        layers = values
+        mask = None if shape is None else layer_mask(layers, shape[0])
+    else:
+        layers = layers_of_labels(drawn, path)
+        mask = drawn > 0
+    if shape is not None and mask.shape != shape:
+        raise refusal(image, "size", f"{mask.shape} as {path} has", shape)
+    return mask, layers
 
 
-def _image_labels(path):
-    if path.stem.startswith("layer_"):
-        return png_labels(path.with_name(f"data_{NAME.match(path.name)[2]}"), None)
-    return _drawn_labels(path, _grey(path))
+def _drawn(values, is_image):
+    """Labels as `layers_of_labels` takes them of an array, None where it has layers in range bins.
 
-
-def _drawn_labels(path, values):
-    """Labels of an image that is a mask or holds layer numbers."""
-    return Labels(path, values > 0 if _is_mask(values) else values.astype(int))
-
-
-def _grey(path):
-    values, _ = read_image(path, ANY_GREY)
-    return values
-
-
-def _is_mask(values):
-    """Whether an image has two levels; layers without a row are none."""
-    return len(values) > 0 and any(np.isin(values, (0, on)).all() for on in (1, 255, 65535))
-
-
-def _is_numbers(values):
-    """Whether an image holds layer numbers: layers in range bins are never at 0 twice."""
+    Layers without a row are no mask; layers in range bins are never at 0 twice.
+    """
+    if len(values) and any(np.isin(values, (0, on)).all() for on in (1, 255, 65535)):
+        return values > 0
     twice = ((values == 0).sum(axis=0) > 1).any()
-    return twice and np.isin(values, np.arange(256)).all()
+    is_numbers = twice and np.isin(values, np.arange(256)).all()
+    return values.astype(int) if is_image or is_numbers else None
 
 
-def _layers(path, name, values, shape, image):
-    """Layers in range bins, and their mask where they must fit an image of a shape."""
-    if name == "mask" or (shape is not None and values.shape == tuple(shape)):
-        expected = "0 and 1, or layers (layer, range_line) in range bins"
-        found = f"{values.dtype} from {values.min():g} to {values.max():g}"
-        raise refusal(path, "mask", expected, found)
-    check_layer_bins(values, str(path))
-    if shape is None:
-        return None, values
-    n_range_bins, n_lines = shape
-    if values.shape[1] != n_lines:
-        raise refusal(image, "size", f"{values.shape[1]} range lines as {path} has", n_lines)
-    return layer_mask(values, n_range_bins), values
-
-
-def _array(path, names, smallest=(1, 1)):
-    """Name and values of the array in an .npy file (no name) or a NetCDF file.
+def read_array(path, names=(), least_rows=1):
+    """Name (of a variable) and values of the array in a .png, .npy or NetCDF file.
 
     Axes of length 1 beyond two, as those of a batch, are left out.
     """
-    name, values = ("", _npy(path)) if path.suffix == ".npy" else _variable(path, names)
-    what = name or "array"
+    name = ""
+    if path.suffix == ".png":
+        values, _ = read_image(path, ANY_GREY)
+    elif path.suffix == ".npy":
+        with library_errors(path, "NPY: expected a whole array of numbers"):
+            # Mapped: a header that declares more than the file has is refused before room is made.
+            values = np.array(np.load(path, mmap_mode="r", allow_pickle=False))
+    else:
+        name, values = _variable(path, names)
     alone = [axis for axis, length in enumerate(values.shape) if length == 1]
     values = np.squeeze(values, tuple(alone[: max(values.ndim - 2, 0)]))
-    if values.ndim != 2 or any(np.less(values.shape, smallest)):
-        expected = "two axes, down range and along track"
-        raise refusal(path, what, expected, f"shape {values.shape}")
-    return name, numeric(path, what, values)
-
-
-def _npy(path):
-    with library_errors(path, "NPY", "a whole array of numbers"):
-        # Mapped: a header that declares more than the file has is refused before room is made.
-        return np.array(np.load(path, mmap_mode="r", allow_pickle=False))
+    is_array = values.ndim == 2 and len(values) >= least_rows and values.shape[1] > 0
+    if not is_array or values.dtype.kind not in "fiub":
+        found = f"shape {values.shape} of {values.dtype}"
+        raise refusal(path, name or "array", "numbers, down range and along track", found)
+    return name, values
 
 
 def _variable(path, names):
@@ -240,8 +206,5 @@ def _variable(path, names):
         expected = f"one of {', '.join(names)}, or one image alone"
         raise refusal(path, "variables", expected, listed(map(str, stored.variables)))
     name = (known or images)[0]
-    variable = stored[name]
-    for axes in AXES:
-        if set(axes) == set(variable.dims):
-            variable = variable.transpose(*axes)
-    return name, variable.values
+    down = [axis for axis in stored[name].dims if axis in DOWN_FIRST]
+    return name, stored[name].transpose(*down, ...).values

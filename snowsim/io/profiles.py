@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from snowsim.echogram import check_choice
-from snowsim.io.guard import existing, library_errors, listed, refusal
+from snowsim.io.guard import library_errors, listed, refusal
 
 UNITS = {
     "depth": {"m": 1.0, "cm": 0.01, "mm": 0.001},
@@ -23,6 +23,7 @@ THICKNESS = r"\bthickness\b"
 TOP = r"\b(top|upper|from)\b"
 BOTTOM = r"\b(bottom|base|lower|to)\b"
 MIDDLE = r"\b(mid|middle|centre|center)\b"
+PLACES = {"top": TOP, "bottom": BOTTOM, "middle": MIDDLE}
 DEPTH = rf"\bdepth\b|{TOP}|{BOTTOM}|{MIDDLE}"
 NOT_MEANT = r"\b(err|error|std|stdev|sd|sigma|unc|uncertainty|flag|quality)\b"
 # A first depth up to this share of the first sample is of a middle.
@@ -58,7 +59,6 @@ def read_profile(
     Rows may run from the bottom up, numbers have a decimal comma; lines that begin with # are
     remarks.
     """
-    path = existing(path)
     table = _table(path)
     density = _column(path, table, "density", DENSITY, density_column)
     others = table.drop(columns=density)
@@ -89,7 +89,7 @@ def read_profile(
 
 def _table(path):
     """Table of texts."""
-    with library_errors(path, "table", "text with a header and columns"):
+    with library_errors(path, "table: expected text with a header and columns"):
         # Spreadsheets write a raised 3 as no UTF-8.
         how = {"encoding": "utf-8-sig", "encoding_errors": "replace", "dtype": str}
         table = pd.read_csv(path, sep=None, engine="python", comment="#", **how)
@@ -140,7 +140,7 @@ def _numbers(path, texts):
 
 
 def _unit(path, quantity, column, below, given, fitting=None):
-    """Unit as the header says, as given, or as it fits values; refused where these differ."""
+    """Unit as the header says, as given, or as it fits values."""
     words = _words(f"{column} {below.get(column, '')}").split()
     letters = "".join(words)
     told = None
@@ -150,15 +150,21 @@ def _unit(path, quantity, column, below, given, fitting=None):
         told = "kg m-3"
     elif "gcm3" in letters or "gcc" in letters:
         told = "g cm-3"
-    if given is not None:
-        check_choice(f"{quantity}_unit", given, UNITS[quantity])
-    if None not in (told, given) and told != given:
-        raise refusal(path, column, f"--{quantity}-unit {told}, as the header says", given)
-    unit = given or told or fitting
+    unit = _agreed(path, column, f"{quantity}_unit", told, given, UNITS[quantity]) or fitting
     if unit is None:
         expected = f"its unit in the header, {' or '.join(UNITS[quantity])}, or --{quantity}-unit"
         raise refusal(path, quantity, expected, column)
     return unit
+
+
+def _agreed(path, column, option, told, given, choices):
+    """One of the choices, as a header tells or an option says; refused where these differ."""
+    if given is not None:
+        check_choice(option, given, choices)
+    if None not in (told, given) and told != given:
+        option = option.replace("_", "-")
+        raise refusal(path, column, f"--{option} {told}, as the header says", given)
+    return told or given
 
 
 def _fitting(density):
@@ -172,12 +178,10 @@ def _fitting(density):
 def _place(path, column, given, depth_m, thickness_m):
     """Of which end of samples depths are: "top", "bottom" or "middle"."""
     words = _words(column)
-    places = {"top": TOP, "bottom": BOTTOM, "middle": MIDDLE}
-    told = next((place for place, said in places.items() if re.search(said, words)), None)
-    if None not in (told, given) and told != given:
-        raise refusal(path, column, f"--depth-of {told}, as the header says", given)
-    if told or given:
-        return told or given
+    told = next((place for place, said in PLACES.items() if re.search(said, words)), None)
+    place = _agreed(path, column, "depth_of", told, given, PLACES)
+    if place:
+        return place
     first_m = depth_m[0]
     sample_m = np.diff(depth_m, append=np.inf)[0] if thickness_m is None else thickness_m[0]
     if 0 < first_m <= MOST_OF_MIDDLE * sample_m:

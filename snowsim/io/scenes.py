@@ -8,6 +8,7 @@ import numpy as np
 
 from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene
+from snowsim.io.containers import check_heaps
 from snowsim.io.files import written_whole
 from snowsim.io.guard import Refused, library_errors
 
@@ -160,7 +161,8 @@ class SceneSet:
         self._files = []
         self._where = []
         for path in [paths] if isinstance(paths, str | Path) else paths:
-            with library_errors(path, "scenes", "a scene file (NetCDF-4)"):
+            with library_errors(path, "scenes: expected a scene file (NetCDF-4)"):
+                check_heaps(Path(path))
                 # Without cycles of references a file closes with its last user, not whenever Python
                 # collects garbage.
                 file = netCDF4.Dataset(path, keepweakref=True)
@@ -179,7 +181,7 @@ class SceneSet:
 
     def __getitem__(self, item):
         file, groups, index = self._where[item]
-        with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
+        with library_errors(file.filepath(), f"scene {index}: expected one that can be read"):
             values, *held = (group.read(index) for group in groups)
             for echoes in held:
                 del echoes["n_rows"]
@@ -222,4 +224,8 @@ class _Group:
         values = {name: column[index] for name, column in self._columns.items()}
         for name, (variable, ends) in self._arrays.items():
             values[name] = np.asarray(variable[ends[index] : ends[index + 1]])
+            is_float = variable.dtype.kind == "f"
+            if is_float and (values[name] == variable.get_fill_value()).any():
+                msg = f"{name}: expected numbers, found values that were never written"
+                raise Refused(msg)
         return values

@@ -38,6 +38,7 @@ FORMATS = {
     "pair": ("a benchmark pair", ("data", "layer")),
 }
 ECHOGRAMS = ("nsidc", "cresis", "opr")
+LAYERS = ("cresis_layer", "cresis_layer_data", "opr_layers")
 # A file that lost half its variables is still called by its name, and what it lacks is named.
 SMALLEST_SHARE = 0.4
 
@@ -45,9 +46,7 @@ SMALLEST_SHARE = 0.4
 def sniff(path):
     """Format of a file, a key of `FORMATS`; ValueError if it is none of them."""
     names = names_in(path)
-    share = {
-        kind: len(names.intersection(wanted)) / len(wanted) for kind, (_, wanted) in FORMATS.items()
-    }
+    share = {kind: len(names & {*held}) / len(held) for kind, (_, held) in FORMATS.items()}
     kind = max(share, key=share.get)
     if share[kind] < SMALLEST_SHARE:
         raise refusal(path, "variables", "those of an echogram or of layers", listed(names))

@@ -6,8 +6,8 @@ from importlib import resources
 from pathlib import Path
 
 from snowsim import __version__
-from snowsim.io.files import written_whole
-from snowsim.io.guard import Refused, existing, library_errors, refusal
+from snowsim.io.files import write_bytes
+from snowsim.io.guard import Refused, library_errors, refusal
 
 FORMAT = "snowsim tracker 1"
 
@@ -27,10 +27,8 @@ def write_tracker(path, content, card):
         "created_from": f"snowsim {__version__}",
     }
     text = json.dumps(head | card, indent=1, allow_nan=False)
-    with written_whole(path) as aside:
-        aside.write_bytes(content)
-    with written_whole(path.with_suffix(".json")) as aside:
-        aside.write_text(f"{text}\n")
+    write_bytes(path, content)
+    write_bytes(path.with_suffix(".json"), f"{text}\n".encode())
 
 
 def read_tracker(path):
@@ -39,12 +37,11 @@ def read_tracker(path):
     ValueError, in a line, unless the card is whole, of this format and of this very network.
     """
     path = Path(path)
-    path_to_card = existing(path.with_suffix(".json"))
-    with library_errors(path_to_card, "card", "JSON"):
+    path_to_card = path.with_suffix(".json")
+    with library_errors(path_to_card, "card: expected JSON"):
         card = json.loads(path_to_card.read_text(encoding="utf-8"))
-        made = card.get("format") if isinstance(card, dict) else card
-        if made != FORMAT:
-            msg = f"expected a card of format '{FORMAT}', got {made!r}"
+        if card["format"] != FORMAT:
+            msg = f"expected a card of format '{FORMAT}', got {card['format']!r}"
             raise Refused(msg)
     content = path.read_bytes()
     digest = hashlib.sha256(content).hexdigest()

@@ -129,8 +129,8 @@ def test_frames_that_give_no_scene_are_named_with_the_others(flight, rng):
     formats.write_mat73(flight / "c.mat", narrow | {"Time": content["Time"]})
     table = read_frames(flight / "frames.tsv").assign(role=["train", "train", "test"])
     two, three = failures(lambda: check_frames(table, blocks=True), 2, 3)
-    assert "blocks: expected at least one that is a scene, found none (two_000: rows -" in two
-    assert "a block has 256 range lines" in three
+    assert "at least one that is a scene, found none in 520 range lines (two_000: rows -" in two
+    assert "found none in 200 range lines" in three
     checked = check_frames(table[:1], blocks=True)
     assert checked[["n_scenes", "n_skipped"]].to_numpy().tolist() == [[2, 0]]
 

@@ -14,6 +14,7 @@ from formats import of_mat, refused
 from snowsim.io import read_echogram, read_layers
 from snowsim.io.containers import read_matlab
 from snowsim.io.guard import MAXIMUM_BYTES
+from snowsim.io.scenes import SceneSet, write_scenes
 
 
 def test_function_handles_among_parameters_do_no_harm_and_are_no_data(path, content, shared_data):
@@ -76,14 +77,17 @@ def test_references_in_circles_are_refused(path):
     refused(read_layers, path, "RecursionError|bytes in all, found more")
 
 
-def test_heaps_that_never_end_are_refused(path, content):
+@pytest.mark.parametrize("read", [read_echogram, SceneSet])
+def test_heaps_that_never_end_are_refused(path, content, scenes, read):
     formats.write_nsidc(path, content)
+    if read is SceneSet:
+        write_scenes(path, scenes)
     whole = path.read_bytes()
     length_at = whole.index(b"GCOL") + 24
     # A length that, rounded up to 8 and added to its header, comes to nothing in 64 bits: walked
     # for ever.
     path.write_bytes(whole[:length_at] + struct.pack("<q", -16) + whole[length_at + 8 :])
-    refused(read_echogram, path, "HDF5: expected heaps that hold their objects")
+    refused(read, path, "HDF5: expected heaps that hold their objects")
 
 
 @of_mat
@@ -121,3 +125,14 @@ def test_a_file_kept_uncompressed_is_read_as_a_compressed_one(path, content):
         echogram = read_echogram(path)
         assert np.array_equal(echogram["Data"], content["Data"])
         assert scipy.io.whosmat(path)
+
+
+def test_scenes_of_a_file_that_lost_a_part_are_refused(path, scenes):
+    write_scenes(path, scenes)
+    with netCDF4.Dataset(path, "r+") as file:
+        file.set_auto_mask(False)
+        # As it reads where a flipped bit hides a part of the file.
+        file["layer_bins"][2, 7] = netCDF4.default_fillvals["f4"]
+    with SceneSet(path) as read:
+        refused(lambda _: read[0], path, "layer_bins: expected numbers, found values that were nev")
+        assert read[1].n_range_lines == 256

@@ -73,7 +73,6 @@ def test_seconds_of_day_go_on_past_midnight(path, content):
     assert times[0] == np.datetime64("2012-03-30T23:59:59")
     assert times[-1] > np.datetime64("2012-03-31T00:00:00")
     assert_allclose(np.diff(times) / np.timedelta64(1, "ms"), 50, atol=1e-3)
-    assert echogram.attrs["midnights_passed"] == 1
 
 
 def test_gps_time_loses_the_leap_seconds_of_its_first_line():

@@ -48,6 +48,8 @@ def test_layers_are_named_by_the_organizer_and_ordered_from_the_surface(path, wr
     )
     message = "named Koenig_9, found them in Koenig_3, surface, Koenig_2"
     refused(lambda path: read_layers(path, names=["Koenig_9"]), path, message)
+    with pytest.raises(ValueError, match="^missing must be one of refuse, skip, got 'skipp'$"):
+        read_layers(path, missing="skipp")
 
 
 @of_mat
@@ -56,6 +58,15 @@ def test_names_that_come_twice_carry_their_group(path, write):
     groups = [np.empty((0, 0)), "a", "b"]
     write_with_organizer(path, [SURFACE, KOENIG_2, KOENIG_3], names, groups=groups, write=write)
     assert_array_equal(read_layers(path)["layer"], ["surface", "a:deep", "b:deep"])
+
+
+def test_a_damaged_organizer_is_named(path):
+    write_with_organizer(path, [SURFACE, KOENIG_2], ["surface", "Koenig_2"])
+    organizer = path.with_name(formats.ORGANIZER_FILE)
+    organizer.write_bytes(organizer.read_bytes()[:200])
+    with pytest.raises(ValueError, match=f"^{organizer}: ") as error:
+        read_layers(path)
+    assert str(path) not in str(error.value)
 
 
 @of_mat
