@@ -192,8 +192,8 @@ def _column(density, temperature_k, mean_m):
     if hasattr(density, "density_kg_m3"):
         found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
         check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
-        last_m = 1.5 * density.depth_m[-1] - 0.5 * density.depth_m[-2:][0]
-        depth_m = np.append(found.depth_m, last_m)
+        # The last sample goes as far below its middle as above it.
+        depth_m = np.append(found.depth_m, 2 * density.depth_m[-1] - found.depth_m[-1])
         slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
         return _Column(depth_m, np.append(0, np.cumsum(slab_m)))
     check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
