@@ -85,11 +85,10 @@ def accumulation(
         On (year, slow_time), NaN where a year is not bounded by picks: `depth_m` of its horizon,
         `thickness_m`, `accumulation_m_we` [m w.e. / yr], `low` and `high`, between which nine of
         ten lie; `n_years` that the two picks about it are apart, over which it is the mean, and
-        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure or the mass
-        below .6 or above 1.6 of what is typical there, 2 where a count above it is, so that its
-        age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above the uppermost horizon:
-        of no whole year; `depth_at` (below_s) the depth [m] at travel times below the surface.
-        `attrs` count picks below the end of a profile, `n_below_profile`.
+        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure, 2 where one
+        above it is, so that its age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above
+        the uppermost horizon, of no whole year; `depth_at` (below_s) the depth [m] at travel times
+        below the surface. `attrs` count picks below the end of a profile, `n_below_profile`.
 
     Raises
     ------
@@ -115,12 +114,11 @@ def accumulation(
     mean_m = FIRST_GUESS_M
     for _ in range(N_ROUNDS if temperature_k is not None else 1):
         column = _column(density, temperature_k, mean_m)
-        water_m = column.at(column.water_m, picks.below_s)
-        if not (np.isfinite(water_m).sum(axis=0) > 1).any():
-            msg = "layers: expected two picks on a range line above "
+        dated = _dated(column.at(column.water_m, picks.below_s), picks, year)
+        if not (dated.above >= 0).any():
+            msg = "layers: expected two horizons on a range line above "
             msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
-        dated = _dated(water_m, picks, year)
         mean_m = float(np.nanmean(dated.span_m / dated.n_years))
     return _by_year(layers, picks, column, dated, density_error)
 
@@ -154,8 +152,9 @@ def _picks(layers, least_confidence):
     layers = layers.transpose("layer", "slow_time", ...)
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
     twtt = layers["twtt"].values
-    if names[0] not in (SURFACE, "0") or not np.isfinite(twtt[0]).any():
-        msg = f"layers: expected the surface first, with travel times, found {names[0]}"
+    if names[0] not in (SURFACE, "0") or not np.isfinite(twtt[0]).any() or len(names) < 2:
+        msg = "layers: expected the surface first, with travel times, and others below it, "
+        msg += f"found {', '.join(names)}"
         raise ValueError(msg)
     below_s = np.where(np.isfinite(twtt[:1]), twtt - twtt[:1], np.nan)
     doubt = np.full(twtt.shape, USUAL_DOUBT)
@@ -165,7 +164,9 @@ def _picks(layers, least_confidence):
     error_s = 0 * twtt
     if "twtt_low" in layers:
         error_s = (layers["twtt_high"].values - layers["twtt_low"].values) / 2
+    # The uppermost stays also without a pick, so that there is one.
     kept = 1 + np.flatnonzero(np.isfinite(below_s[1:]).any(axis=1))
+    kept = kept if kept.size else np.array([1])
     doubt = np.maximum(doubt[kept], LEAST_DOUBT)
     return _Picks([names[n] for n in kept], below_s[kept], error_s[kept], doubt)
 
@@ -226,9 +227,10 @@ class _Dated:
 def _dated(water_m, picks, year):
     """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
     known = year if hasattr(year, "items") else {picks.names[0]: year}
-    given = {picks.names.index(name): known[name] for name in known if name in picks.names}
-    if not len(given) == len(known) > 0:
-        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, found {known}"
+    given = {layer: known[name] for layer, name in enumerate(picks.names) if name in known}
+    if not len(given) == len(known) > 0 or (np.diff(list(given.values())) >= 0).any():
+        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, and years "
+        msg += f"that fall from each to the next, found {known}"
         raise ValueError(msg)
     first, *_ = given
     typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
@@ -263,9 +265,9 @@ def _log_likelihood(ratio, n_years, doubt):
 
 
 def _probability(ratio, n_years, doubt):
-    """Of so many years between two picks, among all that may be."""
-    among = sum(np.exp(_log_likelihood(ratio, n, doubt)) for n in range(MOST_YEARS + 1))
-    return np.exp(_log_likelihood(ratio, n_years, doubt)) / among
+    """Of so many years between two picks, among up to two fewer and more."""
+    likelihood = [np.exp(_log_likelihood(ratio, n_years + more, doubt)) for more in range(-2, 3)]
+    return likelihood[2] / sum(likelihood)
 
 
 def _vote(water_m, doubt, typical_m, forced):
