@@ -88,7 +88,8 @@ def accumulation(
         `confidence` in that count; `flag`: 1 where the count is less than 80 % sure, 2 where one
         above it is, so that its age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above
         the uppermost horizon, of no whole year; `depth_at` (below_s) the depth [m] at travel times
-        below the surface. `attrs` count picks below the end of a profile, `n_below_profile`.
+        below the surface. `attrs`: `uppermost`, the name of that horizon, and `n_below_profile`, of
+        picks below the end of a profile.
 
     Raises
     ------
@@ -340,7 +341,8 @@ def _by_year(layers, picks, column, dated, density_error):
     within = rows.groupby(level=0).cumcount()
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
-    return _dataset(layers, rows, dated, column, picks.below_s)
+    found = _dataset(layers, rows, dated, column, picks.below_s)
+    return found.assign_attrs(uppermost=picks.names[0])
 
 
 def _dataset(layers, rows, dated, column, below_s):

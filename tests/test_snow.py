@@ -206,7 +206,7 @@ def files(tmp_path, year_m):
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
     main(["accumulation", *files, "-o", str(path), "--year", "2011", "--density", "400", "--png"])
-    assert "4000 rows of 10 years" in capsys.readouterr().out
+    assert "4000 rows of 10 years, that of 2011 below snow_1; 0 picks" in capsys.readouterr().out
     rows = pd.read_csv(path)
     columns = ("frame", "time", "lat", "lon", "year", *COLUMNS)
     assert tuple(rows.columns) == columns
