@@ -25,10 +25,9 @@ TYPICAL_LINES = 300  # to either side, whose median mass is typical
 # and by errors of picks and of what is typical.
 SPREAD = 0.3
 MISSED = 0.7  # odds of every further year between two picks
-# Odds that a pick is no horizon, as a share of the probability that no layer lies there; that where
-# picks do not tell it.
+# Odds that a pick is no horizon, as a share of the probability that no layer lies there.
 NO_HORIZON = 0.4
-USUAL_DOUBT = 0.25
+USUAL_CONFIDENCE = 0.75
 LEAST_DOUBT = 0.05
 MOST_YEARS = 12  # between two picks
 IMPOSSIBLE = -30.0  # log-likelihood
@@ -152,24 +151,19 @@ def _picks(layers, least_confidence):
     check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...)
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
-    twtt = layers["twtt"].values
-    if names[0] not in (SURFACE, "0") or not np.isfinite(twtt[0]).any() or len(names) < 2:
+    twtt = layers["twtt"]
+    if names[0] not in (SURFACE, "0") or not twtt[0].notnull().any() or len(names) < 2:
         msg = "layers: expected the surface first, with travel times, and others below it, "
         msg += f"found {', '.join(names)}"
         raise ValueError(msg)
-    below_s = np.where(np.isfinite(twtt[:1]), twtt - twtt[:1], np.nan)
-    doubt = np.full(twtt.shape, USUAL_DOUBT)
-    if "confidence" in layers:
-        doubt = 1 - layers["confidence"].values
-        below_s[~(doubt <= 1 - least_confidence)] = np.nan
-    error_s = 0 * twtt
-    if "twtt_low" in layers:
-        error_s = (layers["twtt_high"].values - layers["twtt_low"].values) / 2
-    # The uppermost stays also without a pick, so that there is one.
-    kept = 1 + np.flatnonzero(np.isfinite(below_s[1:]).any(axis=1))
-    kept = kept if kept.size else np.array([1])
-    doubt = np.maximum(doubt[kept], LEAST_DOUBT)
-    return _Picks([names[n] for n in kept], below_s[kept], error_s[kept], doubt)
+    doubt = 1 - layers.get("confidence", 0 * twtt + USUAL_CONFIDENCE)
+    error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
+    below = (twtt - twtt[0]).where(doubt <= 1 - least_confidence)
+    picked = below.notnull().any("slow_time").values
+    # One stays also without a pick.
+    kept = 1 + np.flatnonzero(picked[1:] if picked[1:].any() else [True])
+    values = (each.values[kept] for each in (below, error, doubt.clip(LEAST_DOUBT)))
+    return _Picks([names[n] for n in kept], *values)
 
 
 @dataclass(frozen=True, eq=False)
