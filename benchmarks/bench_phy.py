@@ -2,7 +2,7 @@
 
 Each group of the printed table holds the form as printed and faster ones; the numbers in brackets
 are ratios to the fastest of the group. A 256 x 256 scene of 15 layers, 100 looks; scenes include
-checks, plan and 8-bit scaling.
+checks and 8-bit scaling.
 """
 
 import numpy as np
@@ -11,10 +11,8 @@ import pytest
 from evaluation.lib.literal_phy import convolved_power, render_as_printed, waveforms_of
 from snowsim.echogram import to_uint8
 from snowsim.phy import draw_speckle, mean_power, render
-from snowsim.phy.plan import plan_power
-from snowsim.phy.power import exact_power, planned_power
+from snowsim.phy.power import exact_power, table_power
 
-TOLERANCE_DB = 0.05
 N_BINS = N_LINES = 256
 N_LAYERS = 15
 SHAPES = ("peak_power", "variance_bins2", "decay_rate")
@@ -37,11 +35,6 @@ def planted_scene(n_layers, n_range_lines, n_range_bins, rng):
     return layer_bins, parameters
 
 
-def table_power(waveforms, noise_power, tolerance_db):
-    """As `mean_power` has it by a tolerance."""
-    return planned_power(plan_power(waveforms, noise_power, tolerance_db))
-
-
 @pytest.fixture
 def rng():
     return np.random.default_rng(1)
@@ -54,7 +47,7 @@ def scene(rng):
 
 @pytest.mark.benchmark(group="whole scene, 8-bit scaling included")
 @pytest.mark.parametrize(
-    "method", ["one float32 normal per pixel", "as printed", "gamma", "quantile"]
+    "method", ["one float32 normal per pixel", "as printed", "exact", "tables"]
 )
 def test_scene(benchmark, scene, rng, method):
     layer_bins, parameters = scene
@@ -65,8 +58,8 @@ def test_scene(benchmark, scene, rng, method):
     def make():
         if method == "as printed":
             return to_uint8(render_as_printed(layer_bins, parameters, N_BINS, rng=rng))
-        options = {"tolerance_db": TOLERANCE_DB, "speckle": method}
-        return to_uint8(render(layer_bins, parameters, N_BINS, rng=rng, **options))
+        exact = method == "exact"
+        return to_uint8(render(layer_bins, parameters, N_BINS, rng=rng, exact=exact))
 
     image, _, _ = benchmark(make)
     assert image.shape == (N_BINS, N_LINES)
@@ -82,8 +75,7 @@ def test_workflow(benchmark, rng, n_looks, correlation):
         benchmark(rng.standard_normal, (N_BINS, N_LINES), dtype=np.float32)
         return
     layer_bins, parameters = planted_scene(N_LAYERS, N_LINES, N_BINS, rng)
-    # Unpicked snow: a layer for each of three e-folding depths, within a bin below the surface,
-    # with texture.
+    # Unpicked snow: a layer for each of three e-folding depths, within a bin below the surface.
     layer_bins = np.insert(layer_bins, 1, layer_bins[0] + [[0.25], [0.5], [0.75]], axis=0)
     parameters = {
         name: np.insert(parameters[name], 1, [0.01] * 3) if name in SHAPES else of
@@ -96,18 +88,12 @@ def test_workflow(benchmark, rng, n_looks, correlation):
         "n_looks": n_looks,
         "line_gain_spread_db": 0.4,
     }
-    varied["decay_rate"] = np.insert(rng.uniform(0.03, 0.15, N_LAYERS), 1, [0.03, 0.01, 0.003])
-    varied |= {
-        "texture": (0.02, 13.0, 2.0),
-        "textured_layers": np.isin(np.arange(len(layer_bins)), [1, 2, 3]),
-    }
+    varied["decay_rate"] = np.insert(rng.uniform(0.03, 0.15, N_LAYERS), 1, [0.05, 0.03, 0.01])
     if correlation == "measured":
         varied["speckle_correlation"] = [1.0, 0.54, 0.06]
 
     def make():
-        return to_uint8(
-            render(layer_bins, parameters | varied, N_BINS, rng=rng, tolerance_db=TOLERANCE_DB)
-        )
+        return to_uint8(render(layer_bins, parameters | varied, N_BINS, rng=rng))
 
     image, _, _ = benchmark(make)
     assert image.shape == (N_BINS, N_LINES)
@@ -118,10 +104,9 @@ def test_workflow(benchmark, rng, n_looks, correlation):
 def test_mean_power(benchmark, scene, way):
     layer_bins, parameters = scene
     shapes = [parameters[name] for name in SHAPES]
-    limits = (parameters["noise_power"], TOLERANCE_DB) if way is table_power else ()
     waveforms = waveforms_of(layer_bins, parameters, N_BINS)
-    power = benchmark(way, waveforms, *limits)
-    exact = mean_power(layer_bins, *shapes, N_BINS)
+    power = benchmark(way, waveforms)
+    exact = mean_power(layer_bins, *shapes, N_BINS, exact=True)
     error_db = 10 * np.log10(
         (power + parameters["noise_power"]) / (exact + parameters["noise_power"])
     )

@@ -2,7 +2,7 @@
 
 import importlib
 
-__version__ = "0.2.0"
+__version__ = "0.4.0"
 
 # What people script with, by the module it is in; loaded when asked for, so that importing the
 # package imports nothing.

@@ -129,7 +129,7 @@ def info(file):
     "--range-lines", "n_range_lines", type=click.IntRange(2, MOST_RANGE_LINES), default=256
 )
 @click.option("--range-bins", "n_range_bins", type=COUNT, help="Default: as layers need.")
-@click.option("--radiometry", type=click.Choice(["constant", "measured"]), default="measured")
+@click.option("--recipe", type=click.Choice(["measured", "paper"]), default="measured")
 @click.option(
     "--looks", "n_looks", type=click.FloatRange(1), default=16, help="Averaged into a pixel."
 )
@@ -151,12 +151,7 @@ def scenes(folder, n, statistics, form, force, seed, **settings):
     if not force:
         check_empty(folder)  # before it is drawn for seconds
     drawn = scenes(n, statistics=statistics or "reference", rng=seed, **settings)
-    counts = drawn.write(folder, form, force=force)
-    echo_counts(counts)
-    click.echo(
-        f"masks hold layers down to the deepest that shows: {counts['n_surface_alone']} of {n} "
-        "scenes are labelled at the surface alone, and layers without a label are in the images"
-    )
+    echo_counts(drawn.write(folder, form, force=force))
 
 
 @commands.command(

@@ -1,17 +1,17 @@
-"""Physical constants in SI units and the radar's fixed figures, with sources; shared names."""
+"""Physical constants in SI units and the radar's fixed figures, with their sources."""
 
 SPEED_OF_LIGHT_M_S = 299_792_458.0  # SI definition of the metre
 ICE_DENSITY_KG_M3 = 917.0  # Cuffey & Paterson (2010), The Physics of Glaciers, 4th ed.
 WATER_DENSITY_KG_M3 = 1000.0  # by convention, for metres of water equivalent
 GAS_CONSTANT_J_MOL_K = 8.31446261815324  # CODATA 2018, exact
 EARTH_RADIUS_M = 6.371e6  # mean radius; distances are taken on a sphere
-# Index of dry snow is 1 + this times density: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol.
-# 23, 245-256.
+# The refractive index of dry snow is 1 + this times its density: Kovacs, Gow & Morey (1995), Cold
+# Reg. Sci. Technol. 23, 245-256.
 KOVACS_M3_KG = 0.845e-3
 
-# What is processed of the sweep: 2012_Greenland_P3 parameter sheet of the radar's group, 2.30016 to
-# 7.449984 GHz.
+# Processed part of the sweep, 2.30016 to 7.449984 GHz: 2012_Greenland_P3 parameter sheet of CReSIS.
 PROCESSED_BANDWIDTH_HZ = 5.149824e9
 
 BLOCK_LINES = 256  # range lines of a block, and of a scene
 OUTPUTS = ("side_1", "side_2", "side_3", "side_4", "side_5", "fuse")  # of the tracker
+STATISTICS_CONTENT = "snowsim flight statistics 2"  # attribute `content` of the dataset

@@ -11,7 +11,7 @@ class Kind(IntEnum):
 
     LAYER = 0  # labelled
     BACKGROUND = 1  # snow between layers: no layer, an exponential that starts at the surface
-    BELOW = 2  # a layer below the last label
+    BELOW = 2  # an echo below the last layer, in no label
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +34,6 @@ class Echoes:
         Independent looks averaged in a pixel.
     speckle_correlation : ndarray, (lag,), or None
         Autocorrelation of speckle down range; None where range bins are independent.
-    texture : (float, float, float) or None
-        Variance, length down range [range bins] and along track [range lines] of the lognormal
-        variation of every echo that is no labelled layer.
     line_gain_spread_db : float
         Standard deviation of gain from range line to range line [dB].
     decay_factor : float
@@ -51,13 +48,8 @@ class Echoes:
     noise_power: float
     n_looks: float
     speckle_correlation: np.ndarray | None = None
-    texture: tuple | None = None
     line_gain_spread_db: float = 0.0
     decay_factor: float = 1.0
-
-    def layer_bins(self):
-        """Layers, labelled or not, without background, (layer, range_line)."""
-        return self.bins[self.kind != Kind.BACKGROUND]
 
     def parameters(self):
         """The same as `parameters` of `snowsim.phy.render`."""
@@ -68,7 +60,5 @@ class Echoes:
             "noise_power": self.noise_power,
             "n_looks": self.n_looks,
             "speckle_correlation": self.speckle_correlation,
-            "texture": self.texture,
-            "textured_layers": self.kind != Kind.LAYER,
             "line_gain_spread_db": self.line_gain_spread_db,
         }

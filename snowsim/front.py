@@ -7,6 +7,7 @@ import dataclasses
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,11 +27,9 @@ from snowsim.io.datasets import echogram_dataset
 from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_zarr
 from snowsim.io.files import read_dataset
 from snowsim.io.guard import MAXIMUM_BYTES
-from snowsim.labels import Dress, LabelModel, check_labels, draw_scene, dress, prepare
+from snowsim.labels import draw_paper_scene, draw_scene, prepare
 from snowsim.limits import check_count, check_values
 from snowsim.phy import render, render_scene
-from snowsim.phy.parameters import ALIGN, EXACT_BOUND_DB, NORMALISE
-from snowsim.phy.speckle import METHODS
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, depth_and_water, physical_parameters
 from snowsim.progress import shown
@@ -40,7 +39,6 @@ __all__ = ["Climate", "Radar", "Scenes", "Snowpack", "scenes", "simulate"]
 
 REFERENCE = Path(__file__).parent / "data" / "reference_flight.nc"
 EXPORTS = {"pairs": export_pairs, "netcdf": export_netcdf, "zarr": export_zarr}
-RENDERING = {"speckle": METHODS, "normalise": NORMALISE, "align": ALIGN}
 # Of a flight due north.
 START = np.datetime64("2000-01-01", "ns")
 SPEED_M_S = 130.0
@@ -56,7 +54,7 @@ PIXEL_BYTES = 4  # float32
 MOST_INDEX = 1.5  # of dry snow, for an estimate of size
 
 
-def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
+def simulate(snowpack, radar, *, n_range_lines=None, rng, exact=False):
     """Echogram of a snowpack as a radar sees it, and its layers.
 
     Parameters
@@ -67,7 +65,7 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
     n_range_lines : int, optional
         By default the snowpack's, whose one range line may be repeated; 256 of a climate.
     rng : int or numpy.random.Generator
-    tolerance_db : float or None, optional
+    exact : bool, optional
         See `snowsim.phy.render`.
 
     Returns
@@ -128,10 +126,9 @@ def simulate(snowpack, radar, *, n_range_lines=None, rng, tolerance_db=0.05):
         layer_bins,
         parameters,
         scene_height(layer_bins),
-        tolerance_db=tolerance_db,
         rng=rng,
-        normalise="none",
-        align="gaussian",
+        exact=exact,
+        as_printed=True,
     )
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S - surface_row * radar.bin_s
     attributes = vars(radar) | {
@@ -222,9 +219,9 @@ def _track(n_range_lines, radar):
 class _Recipe:
     """How each scene of `Scenes` is made."""
 
-    model: LabelModel
-    statistics: xr.Dataset
-    dress: Dress
+    draw: Callable  # a scene of some `name` by its `rng`
+    n_range_lines: int
+    n_looks: float | None  # None: the flight's, or the paper's
     seed: int
     n_range_bins: int | None
     renderer: Callable | None  # None: PHY
@@ -234,10 +231,8 @@ class _Recipe:
 class Scenes(Sequence):
     """Scenes drawn and rendered when requested: image and mask, uint8 (range_bin, range_line).
 
-    A mask holds the layers from the surface down to the deepest that shows: layers below it are
-    in the image but in no mask, and scenes of which none shows are labelled at the surface alone.
-    `complete_layer_bins` of `scene` are all layers, and its notes count the pixels without a label,
-    `n_pixels_unlabelled`.
+    A mask holds every drawn layer, those too faint to be seen among them; further echoes below the
+    deepest are in the image but in no mask.
 
     A slice is `Scenes` too. Where layers reach below `n_range_bins`, the notes of `scene` count
     them, `n_pixels_cut` of all `n_pixels_drawn`, and the first such scene warns.
@@ -250,7 +245,7 @@ class Scenes(Sequence):
 
     def __repr__(self):
         height = self._recipe.n_range_bins or "own number of"
-        n_lines = self._recipe.model.n_range_lines
+        n_lines = self._recipe.n_range_lines
         return f"Scenes({len(self)} of {height} range bins and {n_lines} range lines)"
 
     def __len__(self):
@@ -263,14 +258,14 @@ class Scenes(Sequence):
         return scene.image, scene.mask().astype(np.uint8)
 
     def scene(self, index):
-        """`snowsim.echogram.Scene` of the same, with its layers, labelled or not, and notes."""
+        """`snowsim.echogram.Scene` of the same, with its layers and notes."""
         recipe = self._recipe
         number = self._indices[index]
         rng = random_stream(recipe.seed, "scenes", number)
         name = f"drawn_{number:06d}"
-        scene = draw_scene(recipe.model, recipe.model.n_range_lines, name=name, rng=rng)
-        if scene.echoes is None:
-            echoes = dress(scene.layer_bins, recipe.statistics, recipe.dress, rng=rng)
+        scene = recipe.draw(name=name, rng=rng)
+        if recipe.n_looks is not None:
+            echoes = dataclasses.replace(scene.echoes, n_looks=recipe.n_looks)
             scene = dataclasses.replace(scene, echoes=echoes)
         if recipe.n_range_bins is not None:
             scene = self._cut(scene)
@@ -278,9 +273,7 @@ class Scenes(Sequence):
             rendered = render_scene(scene, rng=rng, **recipe.options)
         else:
             rendered = _rendered(scene, recipe.renderer)
-        complete = scene.complete_layer_bins
-        complete = scene.layer_bins if complete is None else complete
-        return dataclasses.replace(rendered, complete_layer_bins=complete)
+        return dataclasses.replace(rendered, complete_layer_bins=scene.layer_bins)
 
     def _cut(self, scene):
         """The scene at the height asked for, with what that cuts off its mask in its notes."""
@@ -290,7 +283,7 @@ class Scenes(Sequence):
         n_cut = int((scene.layer_bins[drawn] >= n_range_bins - 0.5).sum())
         if n_cut and not self._warned:
             self._warned = True
-            msg = f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} labelled pixels off "
+            msg = f"n_range_bins={n_range_bins} cuts {n_cut} of {n_drawn} pixels of layers off "
             msg += f"{scene.name}: notes of each scene count them (n_pixels_cut); None cuts nothing"
             warnings.warn(msg, UserWarning, stacklevel=4)
         notes = scene.notes | {"n_pixels_cut": n_cut, "n_pixels_drawn": n_drawn}
@@ -299,24 +292,15 @@ class Scenes(Sequence):
     def write(self, folder, format="pairs", *, indices=None, force=False):
         """Write all, or those of `indices`, to a folder, by `snowsim.io.export`; gives its counts.
 
-        Beside them `n_surface_alone`, scenes labelled at the surface alone, and
-        `n_pixels_unlabelled` of layers in no mask. `format` is ``pairs`` (the published layout),
-        ``netcdf`` or ``zarr``; ValueError for another. A folder that is not empty is refused,
-        unless by `force`: then files of the same name are replaced and others stay.
+        `format` is ``pairs`` (the published layout), ``netcdf`` or ``zarr``; ValueError for
+        another. A folder that is not empty is refused, unless by `force`: then files of the same
+        name are replaced and others stay.
         """
         check_choice("format", format, EXPORTS)
         if not force:
             check_empty(folder)
-        labels = {"n_surface_alone": 0, "n_pixels_unlabelled": 0}
-
-        def counted():
-            for index in shown(range(len(self)) if indices is None else indices, unit="scene"):
-                scene = self.scene(index)
-                labels["n_surface_alone"] += not np.isfinite(scene.layer_bins[1:]).any()
-                labels["n_pixels_unlabelled"] += scene.notes.get("n_pixels_unlabelled", 0)
-                yield scene
-
-        return EXPORTS[format](folder, counted()) | labels
+        indices = shown(range(len(self)) if indices is None else indices, unit="scene")
+        return EXPORTS[format](folder, (self.scene(index) for index in indices))
 
 
 def _rendered(scene, renderer):
@@ -341,8 +325,9 @@ def scenes(
     rng,
     n_range_lines=256,
     n_range_bins=None,
-    radiometry="measured",
-    **phy,
+    recipe="measured",
+    n_looks=16,
+    exact=False,
 ):
     """Training scenes, as a sequence that `torch.utils.data.DataLoader` accepts.
 
@@ -353,7 +338,7 @@ def scenes(
         Of a flight: the synthetic reference flight's, which come with the package, or others of
         `snowsim.statistics`.
     renderer : "phy" or callable, optional
-        Or any function of a `snowsim.echogram.Scene` with its layers, labelled or not, and echoes:
+        Or any function of a `snowsim.echogram.Scene` with its layers and echoes:
         it gives an image, uint8, or linear power, (range_bin, range_line). What it draws should
         come from ``snowsim.seeding.random_stream(seed, scene.name)``.
     rng : int or numpy.random.Generator
@@ -362,11 +347,13 @@ def scenes(
     n_range_lines, n_range_bins : int, optional
         Size of all images; by default each is as high as its layers require, so that images do not
         stack. Layers below `n_range_bins` are cut off, see `Scenes`.
-    radiometry : {"measured", "constant"}, optional
-        See `snowsim.labels.prepare`.
-    **phy
-        Of `snowsim.labels.Dress` and `snowsim.phy.render_scene`; by default ``n_looks=16,
-        tolerance_db=0.05``.
+    recipe : {"measured", "paper"}, optional
+        Layers as in the flight, or as Yari et al. (2021) print them, from statistics of the
+        estimator `paper`; see `snowsim.labels`.
+    n_looks : float or None, optional
+        Averaged in a pixel; None: as in the flight, or as printed.
+    exact : bool, optional
+        See `snowsim.phy.render`.
 
     Returns
     -------
@@ -375,8 +362,8 @@ def scenes(
     Raises
     ------
     ValueError
-        If a choice is unknown, statistics lack what scenes are drawn from, most scenes with layers
-        would be labelled at the surface alone, or a renderer gives no image of a scene.
+        If a choice is unknown, statistics lack what scenes are drawn from, or a renderer gives no
+        image of a scene.
 
     Examples
     --------
@@ -392,16 +379,14 @@ def scenes(
         statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
     if n_range_bins is not None:
         check_count("n_range_bins", n_range_bins)
-    choices, options = Dress.split({"n_looks": 16, "tolerance_db": 0.05} | phy)
-    for name in options:
-        check_choice("a choice of phy", name, ("tolerance_db", *RENDERING))
-    if options["tolerance_db"] is not None:
-        check_values("tolerance_db", options["tolerance_db"], EXACT_BOUND_DB)
-    for name, known in RENDERING.items():
-        if options.get(name) is not None:
-            check_choice(name, options[name], known)
-    model = prepare(statistics, n_range_lines, radiometry=radiometry, dress=choices)
+    check_choice("recipe", recipe, ("measured", "paper"))
+    if n_looks is not None:
+        check_values("n_looks", n_looks, 1)
+    options = {"exact": exact, "as_printed": recipe == "paper"}
+    draw = partial(draw_paper_scene, statistics, n_range_lines)
+    if recipe == "measured":
+        draw = partial(draw_scene, prepare(statistics, n_range_lines), n_range_lines)
     seed = int(generator(rng).integers(2**63))
-    check_labels(model, rng=random_stream(seed, "check_labels"))
     own = renderer if callable(renderer) else None
-    return Scenes(range(n), _Recipe(model, statistics, choices, seed, n_range_bins, own, options))
+    made = _Recipe(draw, n_range_lines, n_looks, seed, n_range_bins, own, options)
+    return Scenes(range(n), made)

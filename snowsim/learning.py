@@ -1,4 +1,4 @@
-"""A tracker trained on a user's own scenes, for the command `snowsim train`; needs torch."""
+"""Training of a tracker on a user's own scenes, for the command `snowsim train`; needs torch."""
 
 from pathlib import Path
 
@@ -11,11 +11,11 @@ from snowsim.tracker.card import make_card
 from snowsim.tracker.portable import network_of_onnx, to_onnx
 from snowsim.training import load_weights
 
-# Of the tracker that comes with the package.
+# Shape and range bin [s] of the tracker that comes with the package.
 WIDTH = 8
 N_AVERAGED = 2
 BIN_S = 2.886e-10
-ONE_IN = 10  # scenes is not trained on but calibrated on
+ONE_IN = 10  # scenes of which one is held out for the calibration
 
 
 def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacing_m):
@@ -26,18 +26,19 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     path : path_like
         Ends in ``.onnx``.
     scenes : sequence of Scene
-        With images; every tenth, and one at least, is held out, and the tracker calibrated on it:
-        layers without annotation there pass for background.
+        With images. Every tenth, and at least one, is held out to calibrate the tracker on; its
+        layers without annotation count as background.
     start : str, optional
-        Name of a tracker that comes with the package, or a file that this function wrote, to start
-        from; by default weights are drawn.
+        Tracker whose weights the training starts from: the name of one that comes with the package,
+        or a file that this function wrote. By default weights are drawn.
     n_steps : int
-        Gradients of four crops.
+        Number of gradients, each of four crops.
     seed : int
     bin_s : float or None
-        Range bin of the scenes [s], for the card; by default what they tell, else `BIN_S`.
+        Range bin of the scenes [s], for the card. If None, that in the notes of the scenes, or
+        `BIN_S` where these have none.
     line_spacing_m : float
-        Distance of their range lines [m], for the card.
+        Distance between range lines of the scenes [m], for the card.
 
     Returns
     -------
@@ -47,8 +48,8 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
     Raises
     ------
     ValueError
-        If there are fewer than 2 scenes, one cannot be trained on or tells another range bin, or
-        `start` is no tracker.
+        If there are fewer than 2 scenes, if one cannot be trained on or has another range bin, or
+        if `start` is no tracker.
     """
     check_count("scenes, of which one is to calibrate on,", len(scenes), 2)
     bin_s = _bin_size_s(scenes, bin_s)
@@ -85,7 +86,7 @@ def train_tracker(path, scenes, *, start=None, n_steps, seed, bin_s, line_spacin
 
 
 def _bin_size_s(scenes, bin_s):
-    """Range bin of the scenes [s], given or as their notes tell; ValueError if they differ."""
+    """Range bin [s] as given or in notes of scenes, else `BIN_S`; ValueError if two differ."""
     for place in range(len(scenes)):
         scene = scenes[place]
         own_s = scene.notes.get("bin_size_s")
@@ -93,16 +94,14 @@ def _bin_size_s(scenes, bin_s):
             continue
         bin_s = bin_s or own_s
         if abs(own_s / bin_s - 1) > 1e-6:
-            msg = (
-                f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in scenes "
-            )
-            msg += f"before it, found {own_s:.4g} s"
+            msg = f"scene {scene.name}: expected range bins of {bin_s:.4g} s, as given or in "
+            msg += f"scenes before it, found {own_s:.4g} s"
             raise ValueError(msg)
     return bin_s or BIN_S
 
 
 def network_of_tracker(name):
-    """Network of a tracker, by its name if it comes with the package, or by its file."""
+    """Network of a tracker, by the name of one that comes with the package or by its file."""
     shipped = shipped_trackers()
     path = Path(shipped.get(name, name))
     if not path.is_file():
@@ -114,7 +113,7 @@ def network_of_tracker(name):
 
 
 class Chosen:
-    """Scenes by their set and their place in it, read when they are drawn."""
+    """Scenes chosen by pairs of a set and a place in it, which are read when they are drawn."""
 
     def __init__(self, places):
         self._places = places

@@ -1,14 +1,16 @@
-"""Limits of arguments, checked where the public interface takes them."""
+"""Checks of arguments, made where the public interface takes them."""
 
 from numbers import Integral
 
 import numpy as np
 
+from snowsim.constants import STATISTICS_CONTENT
+
 
 def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=False):
-    """ValueError with the first that is not, unless all values are finite and within limits.
+    """ValueError, with the first value that fails, unless all are finite and within limits.
 
-    With `above` they must lie above `low`, with `number` be one number alone.
+    With `above` they must be greater than `low`; with `number` there must be a single number.
     """
     values = np.asarray(values)
     bad = np.ones(values.shape, dtype=bool)
@@ -30,8 +32,21 @@ def check_values(name, values, low=-np.inf, high=np.inf, *, above=False, number=
 
 
 def check_count(name, value, least=1):
-    """ValueError unless a value is a whole number of at least so much."""
+    """ValueError unless a value is a whole number and at least `least`."""
     if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
         got = value if isinstance(value, Integral) else repr(value)
         msg = f"{name} must be a whole number of at least {least}, got {got}"
         raise ValueError(msg)
+
+
+def check_content(dataset, content, remedy, where):
+    """ValueError, naming `where` and what to do, unless a dataset is of this version."""
+    found = dataset.attrs.get("content", "none")
+    if found != content:
+        msg = f"{where}: content must be '{content}', got '{found}': {remedy}"
+        raise ValueError(msg)
+
+
+def check_statistics(statistics, where="statistics"):
+    """ValueError, naming `where`, unless flight statistics are of this version."""
+    check_content(statistics, STATISTICS_CONTENT, "fit them again", where)

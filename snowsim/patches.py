@@ -1,7 +1,4 @@
-"""Scenes as network inputs.
-
-Full-resolution crops, flips, scaled copies, and 8-bit values as tensors.
-"""
+"""Inputs of networks from scenes: crops at full resolution, whole copies, and values as tensors."""
 
 from functools import lru_cache
 
@@ -9,12 +6,11 @@ import numpy as np
 import torch
 from torch.nn import functional
 
-from snowsim.echogram import layer_mask
 from snowsim.seeding import random_stream
 
 
 def check_trainable(scene, *, empty=False):
-    """ValueError unless an image has contrast, fits its layers and shows one, or is `empty`."""
+    """ValueError unless a scene has an image with contrast and a layer; it has none if `empty`."""
     image = np.empty(0) if scene.image is None else scene.image
     shape = (scene.n_range_bins, scene.n_range_lines)
     is_image = image.shape == shape and image.dtype == np.uint8 and image.min() < image.max()
@@ -26,12 +22,11 @@ def check_trainable(scene, *, empty=False):
 
 
 def draw_index(n, position, seed, *keys):
-    """Which of `n` items the draw at `position` gives.
+    """Number of the item, of `n`, that the draw at `position` gives.
 
-    Every one once, in random order, before any comes again.
-
-    `keys` say what is drawn, as for `random_stream`. A function of its arguments alone: a training
-    that resumes at a position needs no saved sampler.
+    Every item comes once, in random order, before any comes again. `keys` say what is drawn, as for
+    `random_stream`. The result depends on the arguments alone, so that a training that resumes at a
+    position needs no saved sampler.
     """
     times_through, place = divmod(position, n)
     return int(_order(n, seed, *keys, times_through)[place])
@@ -42,49 +37,13 @@ def _order(n, seed, *keys):
     return random_stream(seed, *keys).permutation(n)
 
 
-def scaled(image, layer_bins, scale):
-    """A scene at another size, its layers still one pixel thick.
-
-    The image is averaged down, layers are moved as curves: a mask resized like an image loses or
-    thickens them.
-
-    Parameters
-    ----------
-    image : ndarray of uint8, (range_bin, range_line)
-    layer_bins : ndarray, (layer, range_line)
-        Fractional range bins; NaN where absent.
-    scale : float
-        0.5 halves both sides; at most 1.
-
-    Returns
-    -------
-    image : ndarray of uint8, (range_bin, range_line)
-    layer_bins : ndarray, (layer, range_line)
-        NaN where one of the two range lines a value lies between has none.
-    """
-    if scale == 1:
-        return image, layer_bins
-    size = tuple(max(1, round(n * scale)) for n in image.shape)
-    n_range_bins, n_range_lines = size
-    tensor = torch.from_numpy(np.ascontiguousarray(image))[None, None]
-    smaller = functional.interpolate(tensor, size=size, mode="bilinear", antialias=True)
-    # Pixel centres: bin b of n lies at (b + 1/2) / n of the height, whatever n is.
-    line = (np.arange(n_range_lines) + 0.5) * (image.shape[1] / n_range_lines) - 0.5
-    left = np.floor(line).astype(int)
-    right = np.minimum(left + 1, image.shape[1] - 1)
-    weight = line - left
-    at_line = (1 - weight) * layer_bins[:, left] + weight * layer_bins[:, right]
-    bins = (at_line + 0.5) * (n_range_bins / image.shape[0]) - 0.5
-    return smaller[0, 0].numpy(), bins
-
-
 def whole_copy(scene, scale, mirrored):
-    """Image (uint8) and mask (bool) of a whole scene, resized alike or turned left to right.
+    """Image (uint8) and mask (bool) of a whole scene, both resized or mirrored left to right.
 
-    As the published tracker code does it with OpenCV: sizes are truncated, values interpolated
-    between the nearest two by two pixels without averaging (within a grey level of OpenCV's
-    integers), masks too, and on where above zero. ValueError unless `check_trainable` passes the
-    scene, with or without layers.
+    They are resized as the published tracker code does with OpenCV: sizes are truncated, values are
+    interpolated between the nearest two by two pixels without averaging (within a grey level of
+    OpenCV's integers), and the mask is true where its values are above zero. ValueError unless
+    `check_trainable` passes the scene, with or without layers.
     """
     check_trainable(scene, empty=True)
     both = np.stack([scene.image, np.uint8(255) * scene.mask()])
@@ -92,45 +51,39 @@ def whole_copy(scene, scale, mirrored):
         size = [int(n * scale) for n in both.shape[1:]]
         values = torch.from_numpy(both)[None].double()
         resized = functional.interpolate(values, size=size, mode="bilinear")[0]
-        # Half a level goes up, however it was rounded.
+        # Half a grey level goes up, also where rounding left a little less.
         both = torch.floor(resized + (0.5 + 1e-6)).to(torch.uint8).numpy()
     image, mask = both[:, :, ::-1] if mirrored else both
     return image, mask > 0
 
 
-def draw_patches(
-    scenes, n_range_bins=None, n_range_lines=None, *, scale=1.0, flip=True, known=None, rng
-):
-    """One random crop of each scene, all of one size, each holding at least one annotated pixel.
+def draw_patches(scenes, n_range_bins=None, n_range_lines=None, *, flip=True, known=None, rng):
+    """One random crop of each scene, all of one size and each with at least one annotated pixel.
 
     Parameters
     ----------
     scenes : sequence of Scene
         ValueError unless `check_trainable` passes them.
     n_range_bins, n_range_lines : int, optional
-        Size of the crops; the smallest scene bounds it, and so does None.
-    scale : float
-        Size of the scenes before they are cut, in (0, 1].
+        Size of the crops, which is at most that of the smallest scene; None: as large as that.
     flip : bool
-        Turn left and right about with probability 1/2, scene by scene.
+        Mirror each crop left to right with probability 1/2.
     known : callable, optional
-        ``known(scene, layer_bins, n_range_bins)``, layers as scaled, gives a map of bool
-        (range_bin, range_line) to be cut like the mask. It consumes nothing of `rng`.
+        ``known(scene, layer_bins, n_range_bins)`` gives a further map (range_bin, range_line) of
+        the scene, to be cut like the mask. It draws nothing from `rng`.
     rng : numpy.random.Generator
 
     Returns
     -------
-    images, masks[, known] : ndarray of uint8, of bool, of bool, (patch, range_bin, range_line)
-        The third if `known` was given.
+    images, masks[, maps] : ndarray of uint8, of bool, of any, (patch, range_bin, range_line)
+        The third only if `known` is given.
     """
     whole = []
     for scene in scenes:
         check_trainable(scene)
-        image, layer_bins = scaled(scene.image, scene.layer_bins, scale)
-        mask = layer_mask(layer_bins, image.shape[0])
-        maps = [image, mask]
+        maps = [scene.image, scene.mask()]
         if known is not None:
-            maps.append(known(scene, layer_bins, image.shape[0]))
+            maps.append(known(scene, scene.layer_bins, scene.n_range_bins))
         whole.append(maps)
     size = np.min([maps[0].shape for maps in whole], axis=0)
     if n_range_bins is not None:
@@ -142,7 +95,7 @@ def draw_patches(
 
 
 def _draw_patch(maps, size, flip, rng):
-    """Cut a window out of image, mask and so on, around a drawn pixel of the mask."""
+    """Cut a random window out of all maps that holds a drawn pixel of the mask, the second map."""
     mask = maps[1]
     annotated = np.flatnonzero(mask)
     pixel = np.unravel_index(annotated[rng.integers(annotated.size)], mask.shape)
@@ -157,7 +110,7 @@ def _draw_patch(maps, size, flip, rng):
 
 
 def to_signed(array):
-    """Float32 (patch, 1, range_bin, range_line) in [-1, 1] of images (0 to 255) or masks."""
+    """Images (0 to 255) or masks as float32 (patch, 1, range_bin, range_line) in [-1, 1]."""
     array = np.asarray(array)
     full = 1 if array.dtype == bool else 255
     signed = array.astype(np.float32) * np.float32(2 / full) - np.float32(1)
@@ -165,9 +118,6 @@ def to_signed(array):
 
 
 def from_signed(tensor):
-    """Images of uint8 of a tensor in [-1, 1], (patch, 1, range_bin, range_line).
-
-    The inverse of `to_signed`.
-    """
+    """Images of uint8 from a tensor (patch, 1, range_bin, range_line), inverse of `to_signed`."""
     grey = torch.round((tensor[:, 0].float() + 1) * 127.5)
     return grey.to(torch.uint8).cpu().numpy()

@@ -8,7 +8,7 @@ import numpy as np
 def seed_entropy(seed, *keys):
     """128 bits, as an int, that depend on `seed`, every key and their order, and on nothing else.
 
-    Keys are compared by their text: ``1`` and ``"1"`` name the same stream.
+    Keys count by their text, so that ``1`` and ``"1"`` name the same stream.
     """
     text = "\x1f".join(str(part) for part in (seed, *keys))
     return int.from_bytes(hashlib.sha256(text.encode()).digest()[:16], "little")
@@ -17,14 +17,14 @@ def seed_entropy(seed, *keys):
 def random_stream(seed, *keys):
     """numpy.random.Generator for one purpose of a run, named by keys, most general first.
 
-    ``random_stream(seed, "render_phy", scene)``: PCG64 seeded by `seed_entropy`; streams are
-    independent, whatever the order and division of work.
+    An example is ``random_stream(seed, "render_phy", scene)``. The generator is PCG64, seeded by
+    `seed_entropy`. Streams are independent of each other, and of the order and division of work.
     """
     return np.random.Generator(np.random.PCG64(seed_entropy(seed, *keys)))
 
 
 def generator(rng):
-    """The generator given or that of a seed; ValueError for anything else."""
+    """The generator `rng` or, if that is a seed, its generator; ValueError for anything else."""
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):

@@ -1,13 +1,10 @@
-"""What the trainings of both networks share.
-
-Arithmetic, and weights and moments that are kept and taken over again.
-"""
+"""Parts that the trainings of both networks share: precision, and states to keep and restore."""
 
 import warnings
 
 import torch
 
-# As torch names them: what x86-64 processors can do that lack AVX-512.
+# Names that torch gives to the capability of x86-64 processors without AVX-512.
 WITHOUT_AVX512 = ("DEFAULT", "NO AVX", "AVX", "AVX2")
 IN_FLOAT32 = (
     "bfloat16 is ten times slower than float32 on a processor without AVX-512: computing in "
@@ -18,21 +15,21 @@ IN_FLOAT32 = (
 def arithmetic(device, precision):
     """Context in which networks compute in `precision`, `float32` or `bfloat16`.
 
-    Weights are float32 in both. On a processor without AVX-512, which emulates bfloat16, `bfloat16`
-    is float32, with a UserWarning.
+    Weights are always float32. A processor without AVX-512 would emulate bfloat16: there networks
+    compute in float32, with a UserWarning.
     """
     kind = torch.device(device).type
-    short = precision == "bfloat16"
-    emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
-    if short and emulated:
+    is_bfloat16 = precision == "bfloat16"
+    is_emulated = kind == "cpu" and torch.backends.cpu.get_cpu_capability() in WITHOUT_AVX512
+    if is_bfloat16 and is_emulated:
         warnings.warn(IN_FLOAT32, stacklevel=2)
-    return torch.autocast(kind, torch.bfloat16, enabled=short and not emulated)
+    return torch.autocast(kind, torch.bfloat16, enabled=is_bfloat16 and not is_emulated)
 
 
 def load_weights(network, weights, name):
     """Copy weights (dict of arrays) into a network.
 
-    ValueError, with `name`, where names or shapes differ.
+    ValueError, naming the network, if names or shapes differ.
     """
     expected = {key: tuple(value.shape) for key, value in network.state_dict().items()}
     got = {key: tuple(value.shape) for key, value in weights.items()}
@@ -45,17 +42,14 @@ def load_weights(network, weights, name):
 
 
 def moments_of(optimiser):
-    """What an optimiser keeps of each weight, by the weight's number.
-
-    To be given to `load_moments`.
-    """
+    """Moments of an optimiser, dicts of tensors by number of the weight, for `load_moments`."""
     return optimiser.state_dict()["state"]
 
 
 def load_moments(optimiser, moments):
-    """Copy moments (by number of the weight, dicts of arrays) into an optimiser.
+    """Copy moments, dicts of arrays by number of the weight, into an optimiser.
 
-    None are there before the first step.
+    Before the first step there are none.
     """
     parameters = [parameter for group in optimiser.param_groups for parameter in group["params"]]
     for index, values in moments.items():
@@ -63,16 +57,16 @@ def load_moments(optimiser, moments):
         state = optimiser.state[parameter]
         for key, value in values.items():
             if value.ndim:
-                # Laid out in memory as the weights are.
+                # Moments are laid out in memory as the weights are.
                 state[key] = torch.empty_like(parameter)
             else:
-                # A number of steps.
+                # The number of steps is a scalar.
                 state[key] = torch.empty((), device=parameter.device)
             state[key].copy_(torch.as_tensor(value))
 
 
 def on_cpu(state):
-    """Nested dicts of tensors, brought to main memory where they are not there."""
+    """Nested dicts of tensors, moved to main memory."""
     if isinstance(state, dict):
         return {key: on_cpu(value) for key, value in state.items()}
     return state.detach().cpu()

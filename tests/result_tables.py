@@ -34,14 +34,6 @@ def table3_intervals(differences=None, half_width=0.005, outputs=OUTPUTS):
     return table
 
 
-def worth(n_replicas, **values):
-    """The tracker study's scores beside those of RD, the same for every training set and metric."""
-    rows = product(["default"], SETS[1:], ["default"], ["rd"], METRICS)
-    names = ["setting", "training_set", "base", "base_training_set", "metric"]
-    table = pd.DataFrame(rows, columns=names)
-    return table.assign(n_replicas=n_replicas, **values)
-
-
 def picks():
     """Errors of picks of two trainings a set: 0.5 and 1.5 bins, the same counts."""
     table = pd.DataFrame(product(SETS, range(2)), columns=["training_set", "replica"])

@@ -248,12 +248,11 @@ def test_info_tells_what_statistics_rest_on_and_what_an_exported_folder_holds(tm
 
 
 def test_info_counts_what_scenes_do_not_show(tmp_path, capsys):
-    notes = [{"n_pixels_cut": 5, "n_pixels_unlabelled": 70}, {"n_pixels_unlabelled": 30}]
+    notes = [{"n_pixels_cut": 5}, {"n_pixels_cut": 2}]
     scenes = [dataclasses.replace(scene, notes=notes[i]) for i, scene in enumerate(toy_scenes(2))]
     write_scenes(tmp_path / "set.nc", scenes)
     printed = described(tmp_path / "set.nc", capsys)
-    assert "5 labelled pixels lie below the images" in printed
-    assert "100 pixels of drawn layers are too faint for a label" in printed
+    assert "7 labelled pixels lie below the images" in printed
 
 
 def test_own_frames_and_scenes_are_exported(tmp_path, rng, monkeypatch, capsys):

@@ -1,5 +1,4 @@
 import re
-import subprocess
 import tomllib
 from pathlib import Path
 
@@ -18,13 +17,6 @@ def conda_pins():
     entries = yaml.safe_load(read_text("envs/cpu.yaml"))["dependencies"]
     pins = dict(entry.split("=") for entry in entries)
     return {CONDA_NAMES.get(name, name): version for name, version in pins.items()}
-
-
-def test_make_help_names_every_target():
-    targets = re.search(r"^\.PHONY: (.+)", read_text("Makefile"), flags=re.MULTILINE)[1].split()
-    done = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True)
-    told = re.findall(r"^make (\S+) ", done.stdout, flags=re.MULTILINE)
-    assert sorted([*told, "help"]) == sorted(targets)
 
 
 def test_conda_pins_equal_the_lock_file_and_hold_every_dependency():

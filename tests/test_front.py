@@ -95,9 +95,8 @@ def test_a_loader_of_torch_takes_scenes_as_they_are(drawn):
     assert set(masks.unique().tolist()) == {0, 1}
 
 
-@pytest.mark.parametrize("radiometry", ["constant", "measured"])
-def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometry):
-    some = snowsim.scenes(2, rng=2, n_range_lines=32, radiometry=radiometry)
+def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
+    some = snowsim.scenes(2, rng=2, n_range_lines=32)
     for form in ("pairs", "netcdf", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
     assert some.write(tmp_path / "zarr", "zarr", force=True)["n_scenes"] == 2
@@ -117,7 +116,6 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path, radiometr
             "^renderer must be one of phy, got 'cgan'$",
         ),
         (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
-        (lambda: snowsim.scenes(2, rng=1, nlooks=3), "a choice of phy must be .* got 'nlooks'"),
         (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite, at least 1, got"),
         (
             lambda: snowsim.scenes(2, rng=1, renderer=lambda scene: scene.image)[0],
@@ -296,22 +294,24 @@ def test_what_people_print_is_one_readable_line(drawn):
     ]
 
 
-def test_a_scene_has_the_layers_that_its_mask_lacks(tmp_path):
+def test_masks_hold_every_drawn_layer():
     drawn = snowsim.scenes(12, rng=1, n_range_lines=64)
-    scenes = [drawn.scene(number) for number in range(12)]
-    n_alone = 0
-    for scene in scenes:
-        labelled = np.isfinite(scene.layer_bins)
-        complete = scene.complete_layer_bins[: len(labelled)]
-        assert np.isfinite(complete).all()
-        assert_allclose(complete[labelled], scene.layer_bins[labelled])
-        assert (~labelled).sum() == scene.notes["n_pixels_unlabelled"]
-        n_alone += not labelled[1:].any()
-    counts = drawn.write(tmp_path / "drawn")
-    assert 0 < counts["n_surface_alone"] == n_alone
-    assert counts["n_pixels_unlabelled"] == sum(s.notes["n_pixels_unlabelled"] for s in scenes)
-    constant = snowsim.scenes(1, rng=1, n_range_lines=64, radiometry="constant").scene(0)
-    assert_array_equal(constant.complete_layer_bins, constant.layer_bins)
+    for number in range(12):
+        scene = drawn.scene(number)
+        assert np.isfinite(scene.layer_bins).all()
+        assert_array_equal(scene.complete_layer_bins, scene.layer_bins)
+        assert drawn[number][1].sum() == scene.layer_bins.size
+
+
+def test_scenes_as_printed_need_statistics_of_the_paper_s_estimator():
+    with pytest.raises(ValueError, match="flight statistics need thickness_psd"):
+        snowsim.scenes(1, rng=1, recipe="paper")[0]
+    flight = read_dataset(REFERENCE)
+    psd = (("zone", "slab", "wavenumber"), np.ones((4, flight.sizes["slab"], 129)))
+    printed = snowsim.scenes(
+        2, rng=1, statistics=flight.assign(thickness_psd=psd), recipe="paper", n_range_lines=64
+    )
+    assert_array_equal(printed.scene(0).layer_bins[0], 50)
 
 
 def test_any_function_of_a_scene_renders():

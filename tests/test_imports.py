@@ -28,9 +28,8 @@ FRONT = {"cli", "front", "learning", "scoring", "snow", "tracking"}
 ALLOWED = {
     ("io", "frames"),
     ("statistics", "phy.waveform"),
-    ("cgan", "picking"),
-    # Label sets' powers tell how bright a scene is.
-    ("cgan", "labels.dress"),
+    # PHY's mean power tells how bright a scene is.
+    ("cgan", "phy"),
     ("tracker", "metrics"),
     ("tracker", "picking"),
     # The firn's physics is written once.
@@ -38,9 +37,6 @@ ALLOWED = {
     ("physical", "reference.climate"),
     ("physical", "profile"),
     ("picking", "frames"),
-    # A layer is labelled where its mean power shows it.
-    ("labels", "phy.power"),
-    ("labels", "phy.parameters"),
 }
 # What only some stages may import.
 ONLY = {

@@ -70,7 +70,7 @@ np.savez(sys.argv[1], **found)
 def computed(folder, processor):
     """What a process on such a processor computes, arrays by name."""
     words = [sys.executable, "-W", "ignore", "-c", COMPUTED, str(folder / "found.npz")]
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "NUMBA_CACHE_DIR": str(folder)} | processor
+    environment = os.environ | {"OMP_NUM_THREADS": "1"} | processor
     subprocess.run([*words, str(N_SCENES)], cwd=ROOT, env=environment, check=True)
     with np.load(folder / "found.npz") as found:
         return dict(found)

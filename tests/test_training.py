@@ -12,14 +12,12 @@ from snowsim import cgan, tracker
 from snowsim.io.models import read_model, write_model
 from snowsim.training import arithmetic
 
-CGAN = cgan.Settings(width=4, depth=4, n_strided=2, n_steps=6, n_range_bins=64, n_range_lines=64)
+CGAN = cgan.Settings(width=4, depth=4, n_steps=6, n_range_bins=64, n_range_lines=64)
 TRACKER = tracker.Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
-PUBLISHED = tracker.published(n_steps=6, width=2, n_accumulated=4)
-L1 = replace(CGAN, adversarial="none")
-PIX2PIX = replace(CGAN, method="pix2pix", dropout=0.5)
+PUBLISHED = tracker.published_settings(n_steps=6, width=2, n_accumulated=4)
+PIX2PIX = replace(CGAN, method="pix2pix")
 NAMES = {
     "cgan": CGAN,
-    "l1": L1,
     "pix2pix": PIX2PIX,
     "tracker": TRACKER,
     "published tracker": PUBLISHED,
@@ -63,10 +61,7 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
     ("settings", "change"),
     [
         (CGAN, {"precision": "float32"}),
-        (CGAN, {"batch_size": 2}),
-        (TRACKER, {"batch_size": 2}),
-        (TRACKER, {"precision": "float32"}),
-        (TRACKER, {"n_range_bins": None, "scales": (0.5, 0.25)}),
+        (TRACKER, {"precision": "float32", "n_range_bins": None}),
     ],
 )
 def test_every_variant_takes_finite_steps(settings, change):
@@ -97,26 +92,6 @@ def test_a_state_of_other_settings_is_refused_in_one_line(settings, network, tra
     assert "\n" not in str(error.value)
     with pytest.raises(ValueError, match=f"{network}: expected"):
         trained_network({}, settings)
-
-
-@pytest.mark.parametrize(
-    ("settings", "change"),
-    [
-        (CGAN, {"n_steps": 0}),
-        (CGAN, {"dropout": 1.0}),
-        (CGAN, {"adversarial": "hinge"}),
-        (CGAN, {"precision": "int8"}),
-        (CGAN, {"learning_rate": 0.0}),
-        (TRACKER, {"n_steps": 0}),
-        (TRACKER, {"learning_rate": 0.0}),
-        (TRACKER, {"scales": ()}),
-        (TRACKER, {"scales": (2.0,)}),
-        (TRACKER, {"network": "resnet"}),
-    ],
-)
-def test_settings_out_of_range_are_refused(settings, change):
-    with pytest.raises(ValueError, match=next(iter(change))):
-        replace(settings, **change)
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,11 @@
 Bright curved layers with decaying tails and speckle, made here from nothing else.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
+from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene
 
 
@@ -33,3 +36,19 @@ def toy_scene(number, n_range_bins=96, n_range_lines=64, n_layers=4):
 def toy_scenes(n):
     """As many scenes."""
     return [toy_scene(number) for number in range(n)]
+
+
+def with_echoes(scene):
+    """The scene with echoes of its layers: each weaker than the one above, 30 dB over the noise."""
+    n_layers = len(scene.layer_bins)
+    power = np.repeat(0.5 ** np.arange(n_layers)[:, None], scene.n_range_lines, axis=1)
+    echoes = Echoes(
+        bins=scene.layer_bins,
+        power=power,
+        variance_bins2=np.full(n_layers, 2.0),
+        decay_rate=np.full(n_layers, 0.3),
+        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
+        noise_power=1e-3,
+        n_looks=16,
+    )
+    return replace(scene, echoes=echoes)

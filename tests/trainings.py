@@ -23,8 +23,8 @@ FILES = {"losses": "losses.csv", "checkpoint": "unfinished.safetensors", "events
 # Trains in a process of its own and tells every step it has taken.
 CHILD = """
 import sys, {module} as module
-def steps_shown(*given, steps=module.train_steps):
-    for step, losses in steps(*given):
+def steps_shown(*arguments, steps=module.train_steps):
+    for step, losses in steps(*arguments):
         print(step, flush=True)
         yield step, losses
 module.train_steps = steps_shown

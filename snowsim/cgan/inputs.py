@@ -1,7 +1,7 @@
-"""What a generator knows of each pixel: is a layer there, how bright, how deep, how bright is snow.
+"""What the networks know of each pixel: depth, layers and how bright they are, how bright snow is.
 
-Grey levels are decibels above 0: by that of a scene's uppermost layer they compare with decibels of
-powers, and no scale is needed.
+Levels are grey levels of an observed image, or decibels of PHY's mean power. Both count from the 0
+of an image, so that they compare once divided by the mean level of the scene's uppermost layer.
 """
 
 from dataclasses import dataclass
@@ -10,14 +10,17 @@ import numpy as np
 import torch
 from scipy.ndimage import gaussian_filter, uniform_filter1d
 
+from snowsim.echogram import DB_BELOW_NOISE_FLOOR, to_db
+from snowsim.phy import mean_power
+
 EDGE_BINS = 10.0  # about the surface, where depth counts bin by bin
 # Further down: echoes fall about so; below three of the last nothing changes.
 FALLS_BINS = (30.0, 100.0, 300.0)
-# Range lines over which the brightness of an observed layer is averaged: speckle must not tell it.
+# Range lines over which the brightness of a layer is averaged: speckle must not tell it.
 ALONG = 33
 # Standard deviations of the mean that is the level of snow: it shows no single layer.
 LEVEL_BINS, LEVEL_LINES = 10.0, 16.0
-N_CHANNELS = 3 + len(FALLS_BINS)  # of `conditions`
+N_CHANNELS = 3 + len(FALLS_BINS)  # of the inputs
 
 
 @dataclass(frozen=True)
@@ -36,48 +39,67 @@ class Batch:
         return Batch(self.inputs.to(device), self.image.to(device), self.noise)
 
 
-@dataclass(frozen=True)
-class Levels:
-    """How bright a scene is, by the mean of its uppermost layer.
+def expected_image(scene):
+    """Levels of the mean power that PHY gives the echoes of a `Scene`, (range_bin, range_line).
 
-    `of_layers` (layer, range_line); `of_snow` (range_bin, range_line), the Gaussian mean of
-    `LEVEL_BINS` and `LEVEL_LINES` over all that lies there. What a render adds to the network's
-    image: `contrast`, how many grey levels a decibel has, by the mean of observed scenes, scales
-    grain and `fades` [grey levels], of snow along track, which broadcast to (range_bin,
-    range_line).
+    Decibels above an image's 0, without speckle and gain from line to line. ValueError for a scene
+    without echoes.
     """
+    echoes = scene.echoes
+    if echoes is None:
+        msg = f"scene {scene.name}: expected echoes, which tell how bright it is, got none: "
+        msg += "snowsim.labels.dress makes them of layers and statistics"
+        raise ValueError(msg)
+    power = mean_power(
+        echoes.bins,
+        echoes.power,
+        echoes.variance_bins2,
+        echoes.decay_rate,
+        scene.n_range_bins,
+    )
+    return to_db(1 + power / echoes.noise_power) + DB_BELOW_NOISE_FLOOR
 
-    of_layers: np.ndarray
-    of_snow: np.ndarray
-    contrast: float = 1.0
-    fades: np.ndarray | float = 0.0
 
+def known_map(image, layer_bins):
+    """What is known of each pixel, float32 (range_bin, range_line, 1 + `N_CHANNELS`).
 
-def place_map(scene, layer_bins, n_range_bins, levels=None):
-    """What `conditions` takes of each pixel, float32 (row, range_line, 4).
-
-    Depth below the uppermost layer [bins], number of layers above, and `Levels`: of a layer in its
-    own pixels, else 0, and of snow. `levels` are by default those of the scene's image, or 1. Where
-    a range line lacks a layer that others have, it is straight between its neighbours. At least one
-    layer must be there.
+    First the number of layers above. Then the inputs of the networks: the level of a layer in its
+    own pixels, else -1; depth below the uppermost layer in four channels, bounded, so that deeper
+    than what was trained on looks much like the deepest that was; the level of snow, a Gaussian
+    mean over all that lies there. Levels of 0 and of the uppermost layer become -1 and 1. They are
+    those of `image`, observed or as `expected_image` gives it. Where a range line lacks a layer
+    that others have, it is straight between its neighbours. At least one layer must be there.
     """
-    if levels is None:
-        levels = observed_levels(scene.image, layer_bins, n_range_bins)
+    n_range_bins = len(image)
+    of_layers, of_snow = _levels(image, layer_bins)
     rows = np.arange(n_range_bins)[:, None]
-    whole = _without_gaps(layer_bins)
-    depth = rows - np.rint(whole.min(axis=0))
-    n_above = sum(rows >= np.rint(row) for row in whole)
+    whole = np.rint(_without_gaps(layer_bins))
+    n_above = sum(rows >= row for row in whole)
     bright = np.zeros(n_above.shape)
     inside = (layer_bins > -0.5) & (layer_bins < n_range_bins - 0.5)
     _, lines = np.nonzero(inside)
     at = np.rint(layer_bins[inside]).astype(int)
-    bright[at, lines] = levels.of_layers[inside]
-    return np.stack([depth, n_above, bright, levels.of_snow], axis=2).astype(np.float32)
+    bright[at, lines] = of_layers[inside]
+    depth = np.float32(rows - whole.min(axis=0))
+    below = np.maximum(depth, 0)
+    falls = [1 - 2 * np.exp(-below / fall) for fall in FALLS_BINS]
+    channels = [n_above, 2 * bright - 1, np.tanh(depth / EDGE_BINS), *falls, 2 * of_snow - 1]
+    return np.stack(channels, axis=2).astype(np.float32)
 
 
-def slabs_of(places):
-    """Number of layers above each pixel, from what `place_map` gives."""
-    return places[..., 1].astype(int)
+def inputs_of(known):
+    """Inputs of the networks (patch, channel, range_bin, range_line), and each pixel's slab.
+
+    Of maps of `known_map`, (patch, range_bin, range_line, channel); the slab is the number of
+    layers above, (patch, range_bin, range_line).
+    """
+    inputs = torch.from_numpy(known[..., 1:]).permute(0, 3, 1, 2)
+    return inputs, known[..., 0].astype(int)
+
+
+def is_snow(inputs):
+    """Pixels of the uppermost layer or below, of inputs."""
+    return inputs[:, 1:2] >= 0
 
 
 def _without_gaps(layer_bins):
@@ -91,42 +113,20 @@ def _without_gaps(layer_bins):
     return np.array(whole)
 
 
-def observed_levels(image, layer_bins, n_range_bins):
-    """`Levels` of an image with these layers: along a layer a mean of `ALONG` lines.
+def _levels(image, layer_bins):
+    """Levels of layers (layer, range_line) and of snow (range_bin, range_line).
 
-    1 everywhere without an image.
+    By the mean of the uppermost layer; along a layer means of `ALONG` range lines.
     """
     held = np.isfinite(layer_bins)
-    if image is None:
-        return Levels(held.astype(float), np.ones((n_range_bins, held.shape[1])))
     rows = np.rint(np.where(held, layer_bins, 0)).astype(int)
     rows = np.clip(rows, 0, len(image) - 1)
     lines = np.arange(held.shape[1])
-    grey = np.where(held, image[rows, lines], 0.0)
-    total = uniform_filter1d(grey, ALONG, axis=1, mode="constant")
+    level = np.where(held, image[rows, lines], 0.0)
+    total = uniform_filter1d(level, ALONG, axis=1, mode="constant")
     n = uniform_filter1d(held.astype(float), ALONG, axis=1, mode="constant")
-    mean = total / np.maximum(n, 1 / ALONG)
+    of_layers = total / np.maximum(n, 1 / ALONG)
     first = held.any(axis=1).argmax()
-    scale = max(mean[first][held[first]].mean(), 1.0)
+    scale = max(of_layers[first][held[first]].mean(), 1.0)
     of_snow = gaussian_filter(image.astype(float), (LEVEL_BINS, LEVEL_LINES), mode="nearest")
-    return Levels(mean / scale, of_snow / scale)
-
-
-def conditions(places):
-    """What networks know: layers and how bright these are, the depth, the level of snow.
-
-    (patch, channel, range_bin, range_line), of `places` (patch, range_bin, range_line, 4) as
-    `place_map` gives them. Depth has four channels, bounded in [-1, 1]: deeper than what was
-    trained on looks much like the deepest that was. Levels of 0 and 1 become -1 and 1: 1 is as
-    bright as the uppermost layer.
-    """
-    depth, _, bright, of_snow = (torch.from_numpy(places[..., k])[:, None] for k in range(4))
-    near = torch.tanh(depth / EDGE_BINS)
-    below = depth.clamp(min=0)
-    falls = [1 - 2 * torch.exp(-below / fall) for fall in FALLS_BINS]
-    return torch.cat([2 * bright - 1, near, *falls, 2 * of_snow - 1], dim=1)
-
-
-def is_snow(inputs):
-    """Pixels of the uppermost layer or below, of what `conditions` gives."""
-    return inputs[:, 1:2] >= 0
+    return of_layers / scale, of_snow / scale

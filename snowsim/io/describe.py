@@ -18,9 +18,7 @@ from snowsim.io.sniff import ECHOGRAMS, in_words, sniff
 MOST_ROWS = 8  # layers told one by one
 # What scenes' notes count.
 COUNTED = {
-    "outside_training": "scenes lie outside what their generator was trained on",
     "n_pixels_cut": "labelled pixels lie below the images",
-    "n_pixels_unlabelled": "pixels of drawn layers are too faint for a label",
 }
 
 

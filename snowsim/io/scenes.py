@@ -11,7 +11,7 @@ from snowsim.echogram import Scene
 from snowsim.io.files import written_whole
 from snowsim.io.guard import Refused, library_errors
 
-FORMAT = "snowsim scenes 1"
+FORMAT = "snowsim scenes 2"
 # Of every variable its type, its first dimension, `scene` or one along which scenes stand below
 # each other, and its unit.
 SCENE = {
@@ -42,12 +42,8 @@ ECHOES = {
     "n_looks": ("f8", "scene", "1"),
     "line_gain_spread_db": ("f8", "scene", "dB"),
     "decay_factor": ("f8", "scene", "1"),
-    "texture_variance": ("f8", "scene", "1"),
-    "texture_length_bins": ("f8", "scene", "bin"),
-    "texture_length_lines": ("f8", "scene", "1"),
     "speckle_correlation": ("f8", "scene", "1"),
 }
-TEXTURE = [name for name in ECHOES if name.startswith("texture_")]
 # How many rows a scene has along a dimension.
 COUNTS = {
     "pixel_row": "n_range_bins",
@@ -109,7 +105,6 @@ def _echo_values(echoes):
     """What the file holds of a scene's echoes, by name."""
     values = {name: getattr(echoes, name, None) for name in ECHOES}
     values["n_rows"] = len(echoes.kind)
-    values |= dict(zip(TEXTURE, echoes.texture or (), strict=False))
     return {name: value for name, value in values.items() if value is not None}
 
 
@@ -187,9 +182,8 @@ class SceneSet:
         with library_errors(file.filepath(), f"scene {index}", "one that can be read"):
             values, *held = (group.read(index) for group in groups)
             for echoes in held:
-                texture = tuple(echoes.pop(name) for name in TEXTURE if name in echoes)
                 del echoes["n_rows"]
-                values["echoes"] = Echoes(**echoes, texture=texture or None)
+                values["echoes"] = Echoes(**echoes)
             for name in ("layer_bins", "complete_layer_bins"):
                 if name in values:
                     values[name] = values[name].astype(float)

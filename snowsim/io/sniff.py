@@ -32,7 +32,7 @@ FORMATS = {
     "scene": ("an exported scene", ("layer_bins", "image")),
     "statistics": (
         "statistics of a flight",
-        ("peak_power", "variance_bins2", "thickness_psd", "zone_edge_bins"),
+        ("peak_power", "variance_bins2", "zone_edge_bins"),
     ),
     "png": ("a PNG image", (PIXELS,)),
     "pair": ("a benchmark pair", ("data", "layer")),

@@ -1,18 +1,18 @@
 """Synthetic layer geometries drawn from flight statistics, and the echoes of their layers."""
 
-from snowsim.labels.draw import check_labels, draw, draw_scene
-from snowsim.labels.dress import Dress, dress, redress
-from snowsim.labels.prepare import LabelModel, prepare
-from snowsim.labels.process import Nonstationary
+from snowsim.labels.dress import dress, redress
+from snowsim.labels.paper import draw_paper_scene, dress_as_printed
+from snowsim.labels.scene import LabelModel, draw, draw_scene, prepare
+from snowsim.labels.undulations import Nonstationary
 
 __all__ = [
-    "Dress",
     "LabelModel",
     "Nonstationary",
-    "check_labels",
     "draw",
+    "draw_paper_scene",
     "draw_scene",
     "dress",
+    "dress_as_printed",
     "prepare",
     "redress",
 ]

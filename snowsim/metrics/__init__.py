@@ -1,1 +1,1 @@
-"""Arrays in, numbers out: similarity of images, edge scores and picks of trackers."""
+"""Scores of arrays: similarity of images, and edges and picks of trackers."""

@@ -1,7 +1,4 @@
-"""Edge scores of two ways to train, paired by image and by replica.
-
-Difference, interval, what could be resolved.
-"""
+"""Differences between the edge scores of two training sets, paired by image and by replica."""
 
 from dataclasses import dataclass
 
@@ -13,20 +10,21 @@ from scipy.stats import t as student
 from snowsim.metrics.edges import score, stack_counts
 
 METRICS = ("ods", "ois", "ap")
-LEVEL = 0.05  # of a two-sided test, as usual
-POWER = 0.8
+LEVEL = 0.05  # significance level of two-sided tests
+POWER = 0.8  # probability with which a `detectable` difference is found
 MOST_SEEDS = 100
 
 
 def compare(counts, pairs, *, n_bootstrap, rng):
-    """Differences of edge scores between pairs of names, a row per pair and metric of `METRICS`.
+    """Table of differences between edge scores, a row for each pair (name, base) and metric.
 
-    `counts` maps a name to a list over replicas of lists over images of count dicts, in one order:
-    replica r of every name began from the same weights. `n_bootstrap` resamples of the images, the
-    same for every name, give the images' error. Columns `name, base, metric, mean, base_mean`,
-    those of `paired_difference`, and `bootstrap_low, bootstrap_high`, percentiles of resamples of
-    images and replicas at once, narrow where replicas are few. `p_holm` follows `p_value`,
-    corrected for all rows.
+    `counts` maps each name to a list over replicas of lists over images of count dicts. Replicas
+    and images of all names have the same order: replica r of every name began from the same
+    weights. `n_bootstrap` resamples of the images, the same for every name, give the error that
+    comes from the choice of images. Columns are `name, base, metric, mean, base_mean`, those of
+    `paired_difference`, and `bootstrap_low, bootstrap_high`: percentiles over resamples of images
+    and replicas at once, which are too narrow where replicas are few. `p_holm` is `p_value`
+    corrected for the number of rows.
     """
     stacked = {
         name: [stack_counts(images) for images in replicas] for name, replicas in counts.items()
@@ -61,20 +59,24 @@ def compare(counts, pairs, *, n_bootstrap, rng):
 
 
 def paired_difference(differences, image_error, n_images):
-    """Mean of paired differences, (replica,), its 95 % interval and test, and what is resolvable.
+    """Mean of paired differences (replica,), its 95 % interval and test, and what can be resolved.
 
-    `image_error` is the standard error of the mean that comes from the choice of images; of a
-    single replica it is all that is known. Returns `difference`, `low`, `high`, `p_value`
-    (two-sided: the level at which the interval just reaches zero), `outcome` (`higher`, `lower` or
-    `not resolved`), `seed_spread`, the standard deviation between replicas (NaN for one),
-    `image_error`, `detectable`, the smallest true difference found in 80 % of cases,
-    `seeds_to_resolve`, the replicas that would find a true difference as large as this one in 80 %
-    of cases (-1 where a hundred do not), `n_replicas`, `n_images`.
+    `image_error` is the standard error of the mean that comes from the choice of images. Returns
 
-    The choice of seeds and that of images err independently: ``reach^2 = (t_{n-1} s)^2 / n +
-    (t_{images-1} e)^2`` with the 0.975 quantiles of Student's t, for the detectable difference
-    ``t_0.975 + t_0.8``. Each part keeps its own degrees of freedom, so that two seeds are not taken
-    for more; the interval covers a little more than 95 %.
+    - `difference`, `low`, `high`: the mean and its interval;
+    - `p_value`: two-sided, the level at which the interval just reaches zero;
+    - `outcome`: `higher`, `lower` or `not resolved`;
+    - `seed_spread`: standard deviation between replicas, NaN for one replica;
+    - `detectable`: the smallest true difference that is found in 80 % of cases;
+    - `seeds_to_resolve`: number of replicas that would find a true difference of this size in 80 %
+      of cases, -1 if more than a hundred are needed;
+    - `image_error`, `n_replicas`, `n_images`.
+
+    The choice of seeds and the choice of images err independently: ``reach^2 = (t_{n-1} s)^2 / n +
+    (t_{images-1} e)^2``, where t are 0.975 quantiles of Student's t, or ``t_0.975 + t_0.8`` for the
+    detectable difference. Each part has its own degrees of freedom, so that two seeds do not count
+    as more; the interval covers a little more than 95 %. The error of a single replica is that of
+    images alone.
     """
     differences = np.asarray(differences, dtype=float)
     n = differences.size
@@ -103,8 +105,8 @@ def paired_difference(differences, image_error, n_images):
 def holm(p_values):
     """P values of several tests, corrected for their number: Holm (1979), Scand. J. Stat. 6, 65-70.
 
-    The k-th smallest of m, counted from 0, times m - k, at most 1, and never less than a smaller
-    one's.
+    The k-th smallest of m values, k from 0, is multiplied by m - k. It then becomes at most 1, and
+    at least what a smaller value has become.
     """
     p_values = np.asarray(p_values, dtype=float)
     order = np.argsort(p_values)
@@ -117,9 +119,9 @@ def holm(p_values):
 
 @dataclass(frozen=True)
 class Errors:
-    """What makes the mean of paired differences uncertain.
+    """Errors of the mean of paired differences: spread between replicas, and error of images.
 
-    `spread` is NaN where one replica leaves it unknown.
+    `spread` is NaN where it is unknown, that is, for one replica.
     """
 
     spread: float
@@ -127,10 +129,7 @@ class Errors:
     n_images: int
 
     def reach(self, probabilities, n):
-        """Half width of an interval for `n` replicas.
-
-        Its quantiles, added up, times both errors.
-        """
+        """Half width of an interval for `n` replicas: a sum of t quantiles times the error."""
 
         def quantiles(freedom):
             return sum(student.ppf(probability, freedom) for probability in probabilities)
@@ -156,10 +155,7 @@ def _p_value(difference, errors, n):
 
 
 def _seeds_to_resolve(difference, errors):
-    """Least number of replicas, from 2, whose detectable difference is at most `difference`.
-
-    -1 for none.
-    """
+    """Least number of replicas, from 2 on, that resolves a difference; -1 if there is none."""
     if not np.isfinite(errors.spread):
         return -1
     n = np.arange(2, MOST_SEEDS + 1)
@@ -168,7 +164,7 @@ def _seeds_to_resolve(difference, errors):
 
 
 def replica_scores(replicas, images=slice(None)):
-    """`METRICS` of every replica, given its stacked counts, on some images, (replica, metric)."""
+    """`METRICS` of each replica's stacked counts, on some images, (replica, metric)."""
     rows = []
     for replica in replicas:
         scores = score({name: values[images] for name, values in replica.items()})

@@ -27,9 +27,9 @@ def similarity(image, reference):
 
     Notes
     -----
-    RMSE eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14:
-    ``PSNR = 10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels,
-    whose windows reach over the border.
+    RMSE is eq. (9), PSNR eq. (10) and SSIM eq. (11) of Yari et al. (2021), IEEE JSTARS 14: ``PSNR =
+    10 log10(255^2 / MSE)``. SSIM is the mean of `ssim_map` without the outermost 5 pixels, whose
+    windows reach over the border.
 
     Examples
     --------
@@ -53,13 +53,13 @@ def similarity(image, reference):
 
 
 def ssim_map(image, reference):
-    """Structural similarity around every pixel of two uint8 images, float64, at most 1.
+    """Structural similarity (SSIM) around every pixel of two uint8 images, float64, at most 1.
 
-    Luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``, Wang, Bovik, Sheikh &
-    Simoncelli (2004), IEEE TIP 13: ``(2 m n + C1)(2 cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))``,
-    ``C = (K 255)^2``, K1 0.01, K2 0.03. Moments are those of the population under a Gaussian
-    window, sigma 1.5 pixels, cut at 5; within 5 pixels of the border both images are mirrored, the
-    edge pixel repeated.
+    It is luminance x contrast x structure with exponents 1 and ``C3 = C2 / 2``: ``(2 m n + C1)(2
+    cov + C2) / ((m^2 + n^2 + C1)(v + w + C2))`` with ``C = (K 255)^2``, K1 0.01, K2 0.03: Wang,
+    Bovik, Sheikh & Simoncelli (2004), IEEE TIP 13. Means m, n, variances v, w and the covariance
+    are those of the population under a Gaussian window of sigma 1.5 pixels, cut at 5. Beyond the
+    border images are mirrored, the edge pixel repeated.
     """
     _, by_pixel = structural_similarity(
         image,

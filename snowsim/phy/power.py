@@ -1,20 +1,54 @@
-"""Mean power of a scene by eq. (1): exact, or within a tolerance as planned."""
+"""Mean power of a scene by eq. (1): by one sub-bin table of each layer, or exact."""
+
+from dataclasses import dataclass
 
 import numba
 import numpy as np
 
-from snowsim.limits import check_values
-from snowsim.phy.parameters import EXACT_BOUND_DB, checked_waveforms
-from snowsim.phy.plan import plan_power
-from snowsim.phy.tables import tabulated_power
-from snowsim.phy.waveform import waveform_exact
+from snowsim.echogram import check_layer_bins
+from snowsim.limits import check_count, check_values
+from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 
-DEFAULT_RELATIVE_NOISE = 1e-4
+# Where tables hold, unpicked snow that falls off over 1000 bins included; PHY takes the closed form
+# elsewhere.
+TABLE_RANGE = {"variance_bins2": (0.1, 100.0), "decay_rate": (1e-4, 1.0)}
+TABLE_POWERS = (1e-20, 1e20)  # of the strongest echo: float32 holds all that counts beside it
+NODES_PER_BIN = 8
+# A table starts so many deviations above the centre, at 1e-12 of the waveform's peak, and ends so
+# many below ``alpha d``, where the waveform is an exponential to 3e-5.
+RISE_DEVIATIONS = 7.5
+FALL_DEVIATIONS = 4.0
+TAIL_DECAYS = 30  # the exponential's length: 1e-13
+WEAKEST = 1e-20  # of the strongest echo; what is weaker is left out
+LINES_AT_A_TIME = 16  # one cache line of float32
+
+
+@dataclass(frozen=True)
+class Waveforms:
+    """One scene's layers as the terms of eq. (1), ``P_s = sum_l amplitude_l w_l(x - centre_l)``.
+
+    (layer, range_line): `centre_bins` of the Gaussians, NaN where the layer is absent, and
+    `amplitude` [power per bin], 0 there. (layer,): `variance_bins2`, `decay_rate` [per bin] and
+    `unit_peak`, the largest value of the waveform of amplitude 1. `n_range_bins` is the height of
+    the window.
+    """
+
+    centre_bins: np.ndarray
+    amplitude: np.ndarray
+    variance_bins2: np.ndarray
+    decay_rate: np.ndarray
+    unit_peak: np.ndarray
+    n_range_bins: int
+
+    @property
+    def shape(self):
+        """(range_bin, range_line) of the window."""
+        return self.n_range_bins, self.centre_bins.shape[1]
 
 
 def mean_power(
     layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, *,
-    tolerance_db=None, noise_power=None, normalise="peak", align="peak",
+    exact=False, as_printed=False,
 ):  # fmt: skip
     """Mean power of layered snow, without noise.
 
@@ -34,18 +68,12 @@ def mean_power(
         Rate of each layer's exponential [per bin].
     n_range_bins : int
         Height of the window.
-    tolerance_db : float, optional
-        Largest error of ``P_s + noise_power`` at any pixel [dB]. By default exact to the resolution
-        of float64.
-    noise_power : float, optional
-        Noise that the tolerance includes; by default 1e-4 of the scene's largest P_s. It is not
-        added.
-    normalise : {"peak", "none"}
-        ``peak``: the convolved waveform peaks at `peak_power`; ``none``: as printed, the Gaussian
-        does, unconvolved.
-    align : {"peak", "gaussian"}
-        ``peak``: the waveform's peak lies on the layer; ``gaussian``: as printed, the Gaussian's
-        does.
+    exact : bool, optional
+        By the closed form on every pixel, to a relative error of 1e-12. By default power plus a
+        noise of 1e-8 of the scene's largest power, or more, is within 0.05 dB of that.
+    as_printed : bool, optional
+        The Gaussian, not the waveform, lies on the layer and has the height `peak_power` before it
+        is convolved.
 
     Returns
     -------
@@ -54,49 +82,100 @@ def mean_power(
     Raises
     ------
     ValueError
-        If a power is negative or not finite, a variance, rate or tolerance not positive, a shape
-        wrong, layers cross.
+        If a power is negative or not finite, a variance or rate not positive, a shape wrong, layers
+        cross.
 
     Notes
     -----
     ``P_s(x) = sum_l m_l exp(-(x - mu_l)^2 / 2 d_l) (*) u(x) exp(-alpha_l x)``, convolved
-    continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). How a tolerance is kept:
-    `snowsim.phy.tables`.
+    continuously in bins: Yari et al. (2021), IEEE JSTARS 14, eq. (1). The closed form is taken by
+    itself for scenes with a variance outside 0.1 to 100 bins^2, a rate outside 1e-4 to 1 a bin, or
+    the strongest layer outside the window.
 
     Examples
     --------
     >>> layer_bins = np.array([[50.0, 50.0], [70.0, 72.0]])
     >>> scene = layer_bins, [1.0, 0.1], [2.0, 2.0], [0.3, 0.1], 120
-    >>> power = mean_power(*scene)
-    >>> power.shape
+    >>> exact = mean_power(*scene, exact=True)
+    >>> exact.shape
     (120, 2)
-    >>> power[50].round(3)  # the waveform of the surface peaks at 1
+    >>> exact[50].round(3)  # the waveform of the surface peaks at 1
     array([1., 1.])
-    >>> rough = mean_power(*scene, tolerance_db=0.05, noise_power=1e-3)
-    >>> bool(np.abs(10 * np.log10((rough + 1e-3) / (power + 1e-3))).max() < 0.05)
+    >>> bool(np.abs(10 * np.log10((mean_power(*scene) + 1e-8) / (exact + 1e-8))).max() < 0.05)
     True
     """
     waveforms = checked_waveforms(
-        layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, normalise, align
+        layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, as_printed=as_printed
     )
-    if tolerance_db is not None:
-        check_values("tolerance_db", tolerance_db, EXACT_BOUND_DB)
-    if noise_power is not None:
-        check_values("noise_power", noise_power, 0, number=True)
-    elif tolerance_db is None:
-        noise_power = 0.0
+    return power_of(waveforms, exact=exact).astype(float, copy=False)
+
+
+def checked_waveforms(
+    layer_bins, peak_power, variance_bins2, decay_rate, n_range_bins, *, as_printed=False
+):
+    """`Waveforms` from the arguments of `mean_power`.
+
+    ValueError with name, value and position for values of wrong shape or sign and layers that
+    cross.
+    """
+    layer_bins = np.asarray(layer_bins, dtype=float)
+    check_layer_bins(layer_bins)
+    check_count("n_range_bins", n_range_bins)
+    peak_power = np.asarray(peak_power, dtype=float)
+    varies = peak_power.shape == layer_bins.shape
+    if varies:
+        peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
     else:
-        noise_power = DEFAULT_RELATIVE_NOISE * _least_largest_power(waveforms)
-    power = planned_power(plan_power(waveforms, float(noise_power), tolerance_db))
-    return power.astype(float, copy=False)
+        _check_by_layer("peak_power", peak_power, len(layer_bins))
+    check_values("peak_power", peak_power, 0)
+    if not varies:
+        peak_power = peak_power[:, None]
+    variance = np.asarray(variance_bins2, dtype=float)
+    decay = np.asarray(decay_rate, dtype=float)
+    for name, values in (("variance_bins2", variance), ("decay_rate", decay)):
+        _check_by_layer(name, values, len(layer_bins))
+        check_values(name, values, *SAFE_RANGE[name])
+    offset_bins, unit_peak = waveform_peak(variance, decay)
+    with np.errstate(over="ignore"):
+        amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
+        largest = amplitude.max(axis=1, initial=0) * np.maximum(unit_peak, 1)
+    check_values("peak_power: the sum over layers", largest.sum())
+    return Waveforms(
+        centre_bins=layer_bins if as_printed else layer_bins - offset_bins[:, None],
+        amplitude=np.where(np.isfinite(layer_bins), amplitude, 0),
+        variance_bins2=variance,
+        decay_rate=decay,
+        unit_peak=unit_peak,
+        n_range_bins=int(n_range_bins),
+    )
 
 
-@np.errstate(under="ignore")
-def planned_power(scene_plan, added_power=0.0):
-    """Mean power of a planned scene plus `added_power`, (range_bin, range_line), in its type."""
-    if scene_plan.supports is None:
-        return exact_power(scene_plan.waveforms) + added_power
-    return tabulated_power(scene_plan.waveforms, scene_plan.supports, added_power)
+def _check_by_layer(name, values, n_layers):
+    if values.shape != (n_layers,):
+        msg = f"{name}: expected one value for each of {n_layers} layers, got shape {values.shape}"
+        raise ValueError(msg)
+
+
+def power_of(waveforms, *, exact=False):
+    """Mean power, (range_bin, range_line): float32 by tables, float64 by the closed form."""
+    if exact or not tables_hold(waveforms):
+        return exact_power(waveforms)
+    return table_power(waveforms)
+
+
+def tables_hold(waveforms):
+    """Whether tables are as close as `mean_power` says."""
+    for name, (low, high) in TABLE_RANGE.items():
+        values = getattr(waveforms, name)
+        if not np.all((values >= low) & (values <= high)):
+            return False
+    # What tables leave out is small beside the strongest echo: that must be one in the window.
+    peak_power = waveforms.amplitude * waveforms.unit_peak[:, None]
+    centre = waveforms.centre_bins
+    in_window = (centre >= 0) & (centre <= waveforms.n_range_bins - 1)
+    strongest = peak_power.max(initial=0)
+    low, high = TABLE_POWERS
+    return low < strongest < high and strongest == peak_power.max(initial=0, where=in_window)
 
 
 @np.errstate(under="ignore")
@@ -106,69 +185,116 @@ def exact_power(waveforms):
     rows = np.arange(waveforms.n_range_bins)[:, None]
     for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
         x_bins = rows - waveforms.centre_bins[layer, lines]
-        power[:, lines] += _layer_power(waveforms, layer, lines, x_bins)
+        one = waveform_exact(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
+        power[:, lines] += waveforms.amplitude[layer, lines] * one
     return power
 
 
-@np.errstate(under="ignore")
-def tail_power(waveforms, layers, least=0.0):
-    """Power of some layers below their peak, all of it tail, float32 (range_bin, range_line).
+# Tables of narrow layers underflow above where they are read.
+@np.errstate(under="ignore", divide="ignore", invalid="ignore")
+def table_power(waveforms, nodes_per_bin=NODES_PER_BIN):
+    """Mean power by a table of each layer's waveform, float32 (range_bin, range_line).
 
-    Eq. (1) far below, ``a sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``, falls by one factor from bin
-    to bin. A layer ends where it is below `least` on all range lines.
+    About the nearest node ``log w`` is a parabola: it has the value and slope of the node, and half
+    the Gaussian's curvature, ``-1 / 2d``. The true curvature lies between ``-1 / d`` far above the
+    peak and 0 far below, so with h bins from node to node the relative error is at most ``h^2 /
+    16 d``. Below its table a waveform is ``sqrt(2 pi d) exp(alpha^2 d / 2 - alpha x)``.
     """
-    variance = waveforms.variance_bins2[layers, None]
-    decay = waveforms.decay_rate[layers, None]
-    centre = waveforms.centre_bins[layers]
-    n_range_bins = waveforms.n_range_bins
-    peak = np.ceil(centre + waveforms.peak_offset_bins[layers, None])
-    first = np.clip(np.nan_to_num(peak, nan=np.inf), 0, n_range_bins).astype(int)
-    share = 1.0 if waveforms.line_share is None else waveforms.line_share[layers]
-    scale = waveforms.amplitude[layers, None] * np.sqrt(2 * np.pi * variance)
-    scale = scale * np.exp(decay**2 * variance / 2)
-    start = scale * share * np.exp(decay * (np.nan_to_num(centre) - first))
-    start = np.where(np.isfinite(centre), start, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        n_rows = np.log(start.max(axis=1, initial=0) / least) / decay[:, 0]
-    n_rows = np.clip(np.nan_to_num(n_rows), 0, n_range_bins).astype(int)
-    factor = np.exp(-decay[:, 0]).astype(np.float32)
-    power = np.zeros(waveforms.shape, dtype=np.float32)
-    _add_tails(first, n_rows, start.astype(np.float32), factor, power)
+    variance = waveforms.variance_bins2[:, None]
+    decay = waveforms.decay_rate[:, None]
+    deviation = np.sqrt(variance)
+    tail = decay * variance + FALL_DEVIATIONS * deviation
+    start = int(np.floor(-RISE_DEVIATIONS * deviation.max()))
+    n_bins = int(np.ceil(tail.max())) - start + 2
+    # By sub-bin position, then bin: neighbouring range bins of a line read neighbouring nodes.
+    phase = np.arange(nodes_per_bin)[:, None] / nodes_per_bin
+    x_bins = (start + phase + np.arange(n_bins)).ravel()
+    value = waveform_exact(x_bins, variance, decay)
+    slope = np.exp(-(x_bins**2) / (2 * variance)) / value - decay  # w' = exp(-x^2 / 2d) - a w
+    n_tail = int(min(np.ceil(TAIL_DECAYS / decay.min()), waveforms.n_range_bins))
+    exponential = np.exp(-decay * np.arange(n_tail)).astype(np.float32)
+    largest = (waveforms.amplitude * waveforms.unit_peak[:, None]).max()
+    log_tail = np.log(np.sqrt(2 * np.pi * variance)) + decay**2 * variance / 2
+    shapes = np.hstack([-RISE_DEVIATIONS * deviation, tail, variance, decay, log_tail])
+    power = np.empty(waveforms.shape, dtype=np.float32)
+    by_phase = (len(decay), nodes_per_bin, n_bins)
+    _add_layers(
+        waveforms.centre_bins,
+        waveforms.amplitude / largest,
+        shapes,
+        start,
+        value.astype(np.float32).reshape(by_phase),
+        slope.astype(np.float32).reshape(by_phase),
+        exponential,
+        np.float32(largest),
+        power,
+    )
     return power
 
 
-@numba.njit(cache=True, nogil=True)
-def _add_tails(first, n_rows, value, factor, power):
-    """Add to `power` tails of layers from row `first`, of `value`, down by `factor` a row.
+@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_layers(centre_bins, share, shapes, start, value, slope, exponential, unit, power):
+    """Fill `power`, (range_bin, range_line), with all layers, each `share` of `unit`.
 
-    `first` and `value` are (layer, range_line), `value` is overwritten.
+    Of a layer, `shapes` are where its table starts and ends [bins below the centre], its variance,
+    decay and the logarithm of its tail at the centre.
     """
     n_range_bins, n_lines = power.shape
-    for layer in range(first.shape[0]):
-        last = -1
-        for line in range(n_lines):
-            if value[layer, line] > 0:
-                last = max(last, first[layer, line])
-        stop = min(last + n_rows[layer] + 1, n_range_bins)
-        for row in range(first[layer].min(), stop):
-            for line in range(n_lines):
-                on = row >= first[layer, line]
-                power[row, line] += value[layer, line] if on else np.float32(0)
-                value[layer, line] *= factor[layer] if on else np.float32(1)
+    n_nodes = value.shape[1]
+    lines = np.empty((LINES_AT_A_TIME, n_range_bins), dtype=np.float32)
+    for at in range(0, n_lines, LINES_AT_A_TIME):
+        stop = min(at + LINES_AT_A_TIME, n_lines)
+        for line in range(at, stop):
+            column = lines[line - at]
+            column[:] = 0
+            for layer in range(len(shapes)):
+                centre = centre_bins[layer, line]
+                scale = share[layer, line]
+                rise, tail, variance, decay, log_tail = shapes[layer]
+                first = max(np.ceil(centre + rise), 0.0)
+                if not first < n_range_bins or scale < WEAKEST:  # below the window, or NaN
+                    continue
+                tail_row = min(max(np.ceil(centre + tail), first), float(n_range_bins))
+                if tail_row > first:
+                    place = (first - centre - start) * n_nodes
+                    nearest = int(np.floor(place + 0.5))
+                    away = (place - nearest) / n_nodes
+                    node = nearest // n_nodes
+                    phase = nearest - node * n_nodes
+                    _add_head(
+                        column[int(first) : int(tail_row)],
+                        value[layer, phase, node:],
+                        slope[layer, phase, node:],
+                        np.float32(away),
+                        np.float32(scale * np.exp(-(away**2) / (4 * variance))),
+                    )
+                last = min(tail_row + exponential.shape[1], float(n_range_bins))
+                if last > tail_row:
+                    scale *= np.exp(log_tail - decay * (tail_row - centre))
+                    _add_tail(
+                        column[int(tail_row) : int(last)], exponential[layer], np.float32(scale)
+                    )
+        for row in range(n_range_bins):
+            for line in range(at, stop):
+                power[row, line] = unit * lines[line - at, row]
 
 
-@np.errstate(under="ignore")
-def _least_largest_power(waveforms):
-    """Lower bound of the scene's largest power: a layer alone, at the pixel nearest to its peak."""
-    peak_bins = waveforms.centre_bins + waveforms.peak_offset_bins[:, None]
-    nearest = np.clip(np.rint(peak_bins), 0, waveforms.n_range_bins - 1)
-    layer, line = np.nonzero(np.isfinite(peak_bins))
-    x_bins = nearest[layer, line] - waveforms.centre_bins[layer, line]
-    return float(_layer_power(waveforms, layer, line, x_bins).max(initial=0))
+@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_head(column, value, slope, away, scale):
+    """Add a table's waveform `away` from its nodes; the series of exp is off by 7e-4 at 1.2."""
+    for row in range(column.size):
+        y = away * slope[row]
+        series = np.float32(1 / 120) + y * np.float32(1 / 720)
+        series = np.float32(1 / 24) + y * series
+        series = np.float32(1 / 6) + y * series
+        series = np.float32(1 / 2) + y * series
+        series = np.float32(1) + y * series
+        series = np.float32(1) + y * series
+        column[row] += scale * value[row] * series
 
 
-def _layer_power(waveforms, layer, line, x_bins):
-    """Power of layers on range lines, at `x_bins` below their centres."""
-    share = 1.0 if waveforms.line_share is None else waveforms.line_share[layer, line]
-    one = waveform_exact(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-    return waveforms.amplitude[layer] * share * one
+@numba.njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_tail(column, exponential, scale):
+    """Add an exponential, scaled."""
+    for row in range(column.size):
+        column[row] += scale * exponential[row]

@@ -1,6 +1,17 @@
-"""The synthetic reference flight: firn physics and a radar, no code of what is scored on it."""
+"""The synthetic reference flight: firn physics and a radar, which share no code with PHY."""
+
+import importlib
 
 from snowsim.reference.settings import Settings, checked_settings
+
+# Functions that draw, by their module. They are loaded at first use, since starting the workflow
+# only checks settings.
+DRAWING = {
+    "draw_climate": "climate",
+    "draw_complex_segment": "flight",
+    "draw_frame": "flight",
+    "draw_scene": "benchmark",
+}
 
 __all__ = [
     "Settings",
@@ -13,16 +24,8 @@ __all__ = [
 
 
 def __getattr__(name):
-    """Functions that draw, imported at first use: starts of the workflow only check settings."""
-    if name == "draw_climate":
-        from snowsim.reference.climate import draw_climate as found
-    elif name == "draw_complex_segment":
-        from snowsim.reference.flight import draw_complex_segment as found
-    elif name == "draw_frame":
-        from snowsim.reference.flight import draw_frame as found
-    elif name == "draw_scene":
-        from snowsim.reference.benchmark import draw_scene as found
-    else:
+    """A function of `DRAWING`."""
+    if name not in DRAWING:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)
-    return found
+    return getattr(importlib.import_module(f"{__name__}.{DRAWING[name]}"), name)

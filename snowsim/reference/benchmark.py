@@ -1,4 +1,4 @@
-"""Scenes of the synthetic benchmark: 8-bit blocks from tracks beside the sample flight's."""
+"""Scenes of the synthetic benchmark: 8-bit images from tracks parallel to the sample flight's."""
 
 from snowsim.echogram import (
     ROWS_BELOW_LAST_LAYER,
@@ -8,25 +8,26 @@ from snowsim.echogram import (
     scene_height,
     to_uint8,
 )
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_values
 from snowsim.reference.echo import draw_stretch
 from snowsim.reference.line import line_length_km
 from snowsim.reference.picks import pick_peaks, visible_layers
 
 SPLITS = ("train", "validation", "test")
-SLOTS = 160  # scenes of one track
-# Of a track's scenes, in the last part of the line: more than the flight has.
+SLOTS = 160  # places for scenes on one track
+# Share of a track's scenes in the part of the line where firn percolates; the flight has fewer.
 PERCOLATION_SHARE = 0.12
-PERCOLATION_START = 0.95  # of the line
-STRIDE = 61  # coprime to SLOTS, near its golden section: any number of scenes spreads over the line
-SPARE_KM = 1.0
+PERCOLATION_START = 0.95  # where that part begins, as a share of the line
+# Coprime to SLOTS and near its golden section, so that any number of scenes spreads over the line.
+STRIDE = 61
+SPARE_KM = 1.0  # end of the line that is left free
 
 
 def scene_position(index, split, length_km):
     """Track and start [km] of a scene on a line of `length_km`.
 
-    It is disjoint from every other and from the sample flight. Each split (`train`, `validation`,
-    `test`) flies tracks of its own, parallel to the flight's, of 160 places each.
+    No two scenes overlap, nor does one overlap the sample flight: each split (`train`,
+    `validation`, `test`) has tracks of its own, parallel to the flight's, with `SLOTS` places each.
     """
     track, place = divmod(index, SLOTS)
     slot = (place * STRIDE + SLOTS // 4) % SLOTS
@@ -40,23 +41,23 @@ def scene_position(index, split, length_km):
 
 
 def draw_scene(index, split, *, climate, settings, n_looks, n_range_lines=256, rng):
-    """One scene of the benchmark, a `Scene`; `rng` is of this scene alone.
+    """Draw one `Scene` of the benchmark; `rng` is for this scene alone.
 
-    Complete layers are all autumn horizons down to where they fade: where their expected rise over
-    the snow above them falls below `visible_db`, see `n_visible_layers`. In `train`, `layer_bins`
-    is what a semi-automatic picker found on the image, else the complete layers. Surface near row
-    50, cropped 100 rows below the deepest layer, at least 300 rows. ValueError if the split is
-    unknown or a scene would not fit its place.
+    Its complete layers are all autumn horizons down to where they fade, that is, where their
+    expected rise over the snow above them falls below `visible_db`, see `n_visible_layers`. Scenes
+    of `train` have as `layer_bins` what a semi-automatic picker found on the image, others the
+    complete layers. The surface lies near row 50; the image ends 100 rows below the deepest layer
+    and has at least 300 rows. ValueError if the split is unknown or a scene would not fit its
+    place.
     """
     check_choice("split", split, SPLITS)
-    check_count("index", index, 0)
-    check_count("n_range_lines", n_range_lines)
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
     track, start_km = scene_position(index, split, line_length_km())
     percolation_km = (1 - PERCOLATION_START) * (line_length_km() - SPARE_KM)
     room_km = percolation_km / round(SLOTS * PERCOLATION_SHARE)
-    check_values(f"kilometres of {n_range_lines} range lines", length_km, 0, room_km)
+    what = f"kilometres of {n_range_lines} range lines"
+    check_values(what, length_km, 0, room_km, above=True)
     n_rows = SURFACE_ROW + radar.n_range_bins - radar.surface_bin
     stretch = draw_stretch(
         climate, settings, track, start_km, n_range_lines, SURFACE_ROW, n_rows, rng=rng

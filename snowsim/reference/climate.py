@@ -18,20 +18,20 @@ MOST_CRUSTS = 4
 
 @dataclass(frozen=True)
 class Waves:
-    """A smooth random function of position of zero mean and unit variance: a sum of cosines."""
+    """A smooth random function of position, a sum of cosines of zero mean and unit variance."""
 
     wavenumber_rad_km: np.ndarray
     phase: np.ndarray
 
     def __call__(self, position_km):
-        """Value at positions [km], of their shape."""
+        """Values at positions [km], in an array of the same shape."""
         position_km = np.asarray(position_km, dtype=float)
         angle = np.multiply.outer(position_km, self.wavenumber_rad_km) + self.phase
         return np.sqrt(2 / self.phase.size) * np.cos(angle).sum(axis=-1)
 
 
 def draw_waves(shortest_km, longest_km, *, rng):
-    """Unit-variance `Waves`, wavelengths spread evenly in their logarithm."""
+    """`Waves` whose wavelengths are spread evenly in their logarithm."""
     edges = np.linspace(np.log(shortest_km), np.log(longest_km), N_WAVES + 1)
     wavelength_km = np.exp(rng.uniform(edges[:-1], edges[1:]))
     return Waves(2 * np.pi / wavelength_km, rng.uniform(0, 2 * np.pi, N_WAVES))
@@ -39,12 +39,12 @@ def draw_waves(shortest_km, longest_km, *, rng):
 
 @dataclass(frozen=True)
 class Climate:
-    """What all frames and scenes share; see `draw_climate`.
+    """The years of snow that all frames and scenes share; see `draw_climate`.
 
-    Standard normal: `anomaly` (2, year) of accumulation at either end of the line, last year first;
-    `horizon_strength` (year,), how marked each autumn is; `crust_strength` (year, crust).
-    `crust_age` (year, crust): where in the year crusts lie, in (0, 1), NaN for none. `track_seed`
-    seeds all that differs between parallel tracks.
+    Three arrays are standard normal: `anomaly` (2, year), of accumulation at the two ends of the
+    line, last year first; `horizon_strength` (year,), of the density step of each autumn; and
+    `crust_strength` (year, crust). `crust_age` (year, crust) says where in its year a crust lies,
+    in (0, 1), NaN where there is none. `track_seed` seeds what differs between parallel tracks.
     """
 
     anomaly: np.ndarray
@@ -61,7 +61,7 @@ class Climate:
         return float(1 / (1 + np.exp(above_m / firn.percolation_width_m)))
 
     def fade_depth_m(self, track, place):
-        """Depth over which density steps fall to 1/e at a place of a track."""
+        """Depth [m] over which density steps fall to 1/e at a place of a track."""
         firn = self.settings.firn
         waves = track_waves(self.track_seed, track, "fade", *FADE_WAVELENGTHS_KM)
         factor = np.exp(firn.fade_sd * waves(place.position_km))
@@ -70,9 +70,9 @@ class Climate:
     def draw_accumulation(self, track, position_km, n_years, *, rng):
         """Water equivalent of the slabs between autumn horizons, (slab, range_line) [m w.e.].
 
-        Youngest first; positive because every factor is an exponential. Undulations differ between
-        tracks, years do not. `position_km` (range_line,) is evenly spaced along the line; the first
-        of `n_years` slabs is the open year.
+        The youngest slab comes first; it is the open year, which no autumn has ended. Water is
+        positive because every factor is an exponential. Undulations differ between tracks, years do
+        not. `position_km` (range_line,) is evenly spaced along the line.
         """
         settings = self.settings.climate
         wavelengths_km = (settings.undulation_min_km, settings.undulation_max_km)
@@ -99,9 +99,9 @@ class Climate:
 
 
 def draw_climate(settings, *, rng):
-    """`Climate` of a flight and its benchmark, which share it.
+    """Draw the `Climate` that a flight and its benchmark share.
 
-    `rng` is always ``random_stream(seed, "climate")``.
+    For frames and scenes of one run `rng` is always ``random_stream(seed, "climate")``.
     """
     anomaly = rng.standard_normal((2, N_YEARS))
     horizon_strength = rng.standard_normal(N_YEARS)
@@ -116,20 +116,21 @@ def draw_climate(settings, *, rng):
 
 @lru_cache(maxsize=64)
 def track_waves(track_seed, track, what, shortest_km, longest_km):
-    """`Waves` of one track, the same at every call."""
+    """`Waves` of one track: equal arguments always give the same ones."""
     return draw_waves(shortest_km, longest_km, rng=random_stream(track_seed, what, track))
 
 
 def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
-    """Smooth stationary series of zero mean and unit variance, (series, range_line).
+    """Draw smooth stationary series of zero mean and unit variance, (series, range_line).
 
-    Gaussian correlation ``exp(-(lag / correlation_lines)^2)``; white where the length is below half
-    a range line.
+    Their correlation is Gaussian, ``exp(-(lag / correlation_lines)^2)``. Series are white if that
+    length is below half a range line.
     """
-    width = correlation_lines / 2  # white noise smoothed by a Gaussian of this s.d. correlates so
+    # White noise that a Gaussian of standard deviation s smooths has the correlation length 2 s.
+    width = correlation_lines / 2
     margin = int(np.ceil(4 * width))
     noise = rng.standard_normal((n_series, n_lines + 2 * margin))
-    if n_series == 0:  # which oaconvolve does not return in its shape
+    if n_series == 0:  # oaconvolve would lose the number of range lines
         return noise[:, :n_lines]
     taps = gaussian_taps(width, margin)
     unit = taps / np.sqrt((taps**2).sum())
@@ -137,7 +138,7 @@ def draw_along_track(n_series, n_lines, correlation_lines, *, rng):
 
 
 def gaussian_taps(sd, reach):
-    """Weights of a Gaussian mean, (2 reach + 1,), centred."""
+    """Weights of a Gaussian mean over `reach` samples to either side, (2 reach + 1,)."""
     impulse = np.zeros(2 * reach + 1)
     impulse[reach] = 1
     return gaussian_filter1d(impulse, sd, mode="constant")

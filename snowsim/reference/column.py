@@ -1,4 +1,4 @@
-"""The firn under a stretch of range lines: where interfaces lie in fast time and how strong."""
+"""The firn under a stretch of range lines: travel time and reflected power of its interfaces."""
 
 from dataclasses import dataclass
 
@@ -16,17 +16,17 @@ from snowsim.reference.firn import (
 )
 from snowsim.reference.line import Place, place_at
 
-BROKEN_SHARE = 0.15  # what is left of a horizon's step where percolation broke it
-# Additional spread of the horizons' strength in full percolation: whole years melt away.
+BROKEN_SHARE = 0.15  # of a horizon's step that is left where percolation broke it
+# Spread that full percolation adds to the strength of horizons, since it melts whole years away.
 MERGED_SD = 0.6
-PERCOLATION_FADE = 0.6  # depth of fading in full percolation, relative to dry firn
+PERCOLATION_FADE = 0.6  # fading depth in full percolation, relative to that of dry firn
 
 
 @dataclass(frozen=True)
 class Interfaces:
-    """Interfaces of one kind, (interface, range_line).
+    """Interfaces of one kind, two arrays (interface, range_line).
 
-    `bins` below the surface; `power` reflected at nadir, 0 for none.
+    `bins` are range bins below the surface, `power` is the share of power reflected at nadir.
     """
 
     bins: np.ndarray
@@ -37,9 +37,10 @@ class Interfaces:
 class Column:
     """Firn under a stretch of range lines; see `draw_column`.
 
-    `place` is its middle; `percolation` 0 (dry) to 1; density steps fall to 1/e over
-    `fade_depth_m`. Autumn `horizons` are the layers; `crusts` and `lenses` look like them.
-    `table_*` (node,): mean depth, density by bins below.
+    `place` is the middle of the stretch and `percolation` its degree, 0 in dry firn to 1. Density
+    steps fall to 1/e over `fade_depth_m`. Autumn `horizons` are the layers; `crusts` and `lenses`
+    look like them but are none. The three `table_*` (node,) give mean depth and density for range
+    bins below the surface.
     """
 
     place: Place
@@ -53,14 +54,14 @@ class Column:
     table_density_kg_m3: np.ndarray
 
     def layer_bins(self, surface_row):
-        """Rows of surface and horizons, (layer, range_line), where the surface lies at these."""
+        """Rows of surface and horizons, (layer, range_line), for a surface at `surface_row`."""
         surface = np.zeros_like(surface_row)
         return surface_row + np.vstack([surface, self.horizons.bins])
 
 
 @dataclass(frozen=True)
 class Years:
-    """Where years end, (year, range_line): `bins` and `depth_m` below the surface, density there.
+    """Ends of years, (year, range_line): `bins` and `depth_m` below the surface, and density there.
 
     Density steps fall to 1/e over `fade_depth_m`.
     """
@@ -71,7 +72,7 @@ class Years:
     fade_depth_m: float
 
     def inside(self, year, age):
-        """Bins and depth [m] below the surface at these shares, (piece, 1), of these years."""
+        """Bins and depth [m] below the surface at shares `age`, (piece, 1), of some years."""
         found = []
         for ends in (self.bins, self.depth_m):
             # The youngest year begins at the surface.
@@ -81,12 +82,12 @@ class Years:
 
 
 def draw_column(climate, track, position_km, n_bins_below, *, rng):
-    """`Column` of a stretch of a track.
+    """Draw the `Column` of a stretch of a track.
 
-    It has every horizon that lies above `n_bins_below` in some range line. Snow is dry, the pulse
-    goes straight down, and the density profile that gives depth is the steady one of the stretch's
-    middle (Sorge's law): years with more snow are thicker, not denser. `position_km` (range_line,)
-    is evenly spaced along the line; `n_bins_below` counts range bins from the surface.
+    It holds every horizon that in some range line lies less than `n_bins_below` range bins below
+    the surface. Snow is dry and the pulse goes straight down. Depth follows from the steady density
+    profile in the middle of the stretch (Sorge's law), so that years with more snow are thicker,
+    not denser. `position_km` (range_line,) is evenly spaced along the line.
     """
     firn = climate.settings.firn
     radar = climate.settings.radar
@@ -105,8 +106,10 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
     )
     horizon_power = _draw_horizons(climate, years, percolation, rng=rng)
     seen = years.bins.min(axis=1) < n_bins_below
-    what = f"years below range bin {n_bins_below} at {place.position_km:.1f} km, which fill it,"
-    check_count(what, (~seen).sum())
+    # Else the climate has too few years to fill the window.
+    check_count(
+        f"years below range bin {n_bins_below} at {place.position_km:.1f} km", (~seen).sum()
+    )
     node_water_m = np.linspace(0, water_m.max(), 400)
     node_depth_m = depth_herron_langway80(node_water_m, *profile)
     return Column(
@@ -123,7 +126,7 @@ def draw_column(climate, track, position_km, n_bins_below, *, rng):
 
 
 def _draw_horizons(climate, years, percolation, *, rng):
-    """Power that autumn horizons reflect, (year, range_line)."""
+    """Draw the power that autumn horizons reflect, (year, range_line)."""
     firn = climate.settings.firn
     n_years, n_lines = years.bins.shape
     local_lines = _local_lines(climate.settings)
@@ -138,12 +141,13 @@ def _draw_horizons(climate, years, percolation, *, rng):
 
 
 def _local_lines(settings):
+    """Correlation length of local strength [range lines]."""
     return settings.firn.local_length_m / settings.radar.line_spacing_m
 
 
 def _n_years(travel_time_below_s, accumulation_m, settings):
-    """Number of years certain to reach a travel time: least accumulation, densest firn."""
-    # c t / 2 = z + 0.845 w, and w <= 0.7 z in the upper tens of metres: no more mass than this.
+    """Number of years that reach a travel time even at least accumulation and in densest firn."""
+    # c t / 2 = z + 0.845 w, and w <= 0.7 z in the upper tens of metres, which bounds the mass w.
     optical_m = travel_time_below_s / travel_time_s(1.0, 0.0)
     water_m = optical_m / (1 / 0.7 + KOVACS_M3_KG * WATER_DENSITY_KG_M3)
     spread = np.hypot(settings.undulation_sd, settings.anomaly_sd / 3)
@@ -152,7 +156,7 @@ def _n_years(travel_time_below_s, accumulation_m, settings):
 
 
 def _draw_gaps(n_series, n_lines, correlation_lines, share, *, rng):
-    """Factor of a horizon's step, (series, range_line): `BROKEN_SHARE` over a `share`, else 1."""
+    """Draw a factor of steps, (series, range_line): `BROKEN_SHARE` on a `share` of lines, or 1."""
     field = draw_along_track(n_series, n_lines, correlation_lines, rng=rng)
     if share == 0:
         return np.ones_like(field)
@@ -162,7 +166,7 @@ def _draw_gaps(n_series, n_lines, correlation_lines, share, *, rng):
 
 
 def _draw_crusts(climate, years, *, rng):
-    """Crusts inside the years, which follow the horizons around them."""
+    """Draw crusts inside the years; they follow the horizons above and below them."""
     firn = climate.settings.firn
     n_years, n_lines = years.bins.shape
     year, crust = np.nonzero(np.isfinite(climate.crust_age[:n_years]))
@@ -177,7 +181,7 @@ def _draw_crusts(climate, years, *, rng):
 
 
 def _draw_lenses(settings, years, percolation, *, rng):
-    """Ice lenses: short bright pieces between the horizons, none in dry firn."""
+    """Draw ice lenses: short bright pieces between the horizons, none in dry firn."""
     firn = settings.firn
     spacing_m = settings.radar.line_spacing_m
     n_years, n_lines = years.bins.shape
@@ -190,7 +194,7 @@ def _draw_lenses(settings, years, percolation, *, rng):
     spread = np.exp(0.6 * rng.standard_normal((n_lenses, 1)))
     length_lines = firn.lens_length_m / spacing_m * spread
     across = 2 * (np.arange(n_lines) - centre) / length_lines
-    # Thin towards the rim: a lens ends without an edge.
+    # A lens is thin towards its rim, so that it ends without an edge.
     thickness = np.sqrt(np.maximum(1 - across**2, 0))
     bins, depth_m = years.inside(year, age)
     jump = firn.lens_jump_kg_m3 * thickness * np.exp(-depth_m / years.fade_depth_m)

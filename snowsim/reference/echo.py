@@ -1,4 +1,4 @@
-"""From a column of firn to the mean power of its scatterers, as the radar will receive it."""
+"""Mean power of the scatterers in a column of firn, as the radar receives them."""
 
 from dataclasses import dataclass, replace
 
@@ -27,16 +27,16 @@ from snowsim.reference.radar import (
 )
 
 FOOTPRINT_M = 14.5  # along track, Table I of Yari et al. (2021), IEEE JSTARS 14
-SURFACE_LENGTH_M = 120.0  # correlation of the surface echo's strength
+SURFACE_LENGTH_M = 120.0  # correlation length of the surface echo's strength
 
 
 @dataclass(frozen=True)
 class Echo:
-    """Mean power of the scatterers of a stretch.
+    """Mean power of the scatterers under some range lines.
 
-    `sub_bin_power` float32 (range_line, sub_bin): relative to the peak of a mean surface, `margin`
-    sub-bins more at either end, `noise_power` its thermal part. `without_echo` bool (range_line,):
-    missing range lines.
+    `sub_bin_power`, float32 (range_line, sub_bin), is relative to the echo's peak at a mean
+    surface; it has `margin` sub-bins more than the window at either end. `noise_power` is its
+    thermal part. `without_echo`, bool (range_line,), marks missing range lines.
     """
 
     sub_bin_power: np.ndarray
@@ -46,7 +46,7 @@ class Echo:
     radar: object
 
     def cropped(self, n_range_bins):
-        """The same with fewer range bins."""
+        """The first range bins of this echo."""
         end = n_range_bins * self.radar.n_sub_bins + 2 * self.margin
         return replace(self, sub_bin_power=self.sub_bin_power[:, :end])
 
@@ -62,7 +62,7 @@ class Echo:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Range lines at positions [km] of a track: the surface's row, the firn below it, its echo."""
+    """Range lines at positions [km] of a track: row of the surface, firn below it, and its echo."""
 
     position_km: np.ndarray
     surface_row: np.ndarray
@@ -75,7 +75,7 @@ class Stretch:
 
 
 def draw_stretch(climate, settings, track, start_km, n_lines, surface_bin, n_range_bins, *, rng):
-    """`Stretch` of a track from `start_km` on, its surface near row `surface_bin` of a window."""
+    """Draw a `Stretch` from `start_km` of a track on, its surface near row `surface_bin`."""
     radar = settings.radar
     position_km = start_km + np.arange(n_lines) * radar.line_spacing_m / 1e3
     surface_row = draw_surface_row(n_lines, surface_bin, radar, rng=rng)
@@ -85,19 +85,19 @@ def draw_stretch(climate, settings, track, start_km, n_lines, surface_bin, n_ran
 
 
 def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
-    """`Echo` of a stretch: surface, horizons, crusts, lenses, fine layering, thermal noise.
+    """Draw the `Echo` of a stretch: surface, horizons, crusts, lenses, fine layering, noise.
 
-    Interfaces scatter incoherently: over a footprint of 14.5 m their height varies by more than a
-    wavelength. Multiple reflections are left out; they are of the order of reflectivity squared, 40
-    dB down. `surface_row` is (range_line,).
+    Interfaces scatter incoherently, since their height varies by more than a wavelength over a
+    footprint of 14.5 m. Multiple reflections are neglected; they are of the order of reflectivity
+    squared, 40 dB lower. `surface_row` is (range_line,).
     """
     margin = range_response(radar).size // 2 + radar.n_sub_bins
     n_sub = n_range_bins * radar.n_sub_bins + 2 * margin
     at_surface = surface_row * radar.n_sub_bins + margin
     surface = interface_waveform(radar, radar.surface_slope, radar.roughness_m)
     power = _buried(column, at_surface, n_sub, firn, radar, rng=rng)
-    # The radar is calibrated on a mean surface: its echo peaks at 1, and at the surface's own
-    # travel time.
+    # The radar is calibrated on a mean surface, whose echo peaks at 1 and at the travel time of the
+    # surface.
     mean_surface = surface_reflectivity(firn.surface_density_kg_m3)
     power *= np.float32(1 / (mean_surface * surface.peak))
     length_lines = SURFACE_LENGTH_M / radar.line_spacing_m
@@ -109,7 +109,7 @@ def draw_echo(column, surface_row, n_range_bins, firn, radar, *, rng):
 
 
 def _buried(column, at_surface, n_sub, firn, radar, *, rng):
-    """Reflected power of all that lies below the surface, after losses, float32."""
+    """Power that reaches the radar from below the surface, float32 (range_line, sub_bin)."""
     blur_m = column.percolation * firn.percolation_blur_m
     roughness_m = float(np.hypot(radar.roughness_m, blur_m))
     waveform = interface_waveform(radar, radar.horizon_slope, roughness_m)
@@ -119,7 +119,7 @@ def _buried(column, at_surface, n_sub, firn, radar, *, rng):
     power = _scatterers(column, at_surface, waveform.lead, n_sub, radar)
     power += _layering(at_surface, depth_m, density, firn, radar, rng=rng)
     power = _spread(power, waveform.power)
-    # Two-way loss of the firn and of the greater range.
+    # Two-way losses: attenuation in the firn, and spreading over a longer range.
     spreading = (radar.height_m / (radar.height_m + depth_m)) ** 2
     loss = spreading * 10 ** (-radar.attenuation_db_m * depth_m / 10)
     power *= loss.astype(np.float32)
@@ -127,15 +127,15 @@ def _buried(column, at_surface, n_sub, firn, radar, *, rng):
 
 
 def _received(power, margin, radar, *, rng):
-    """`Echo` of scatterers with the receiver's noise, gain and faults; `power` is changed."""
+    """`Echo` of scatterers with the receiver's noise, gain and faults; changes `power`."""
     n_lines, n_sub = power.shape
     noise_db = radar.surface_to_noise_db + radar.sensitivity_sd_db * rng.standard_normal()
     noise_power = 10 ** (-noise_db / 10)
     gain = draw_receiver_gain(n_lines, radar, rng=rng)
     missing = rng.random(n_lines) < radar.missing_rate
     saturated = rng.random(n_lines) < radar.saturated_rate
-    seen = draw_roll_gain(n_lines, radar, rng=rng) * ~missing
-    power *= seen.astype(np.float32)[:, None]
+    roll_gain = draw_roll_gain(n_lines, radar, rng=rng) * ~missing
+    power *= roll_gain.astype(np.float32)[:, None]
     power[saturated] = np.minimum(power[saturated], np.float32(SATURATION_LEVEL))
     thermal = np.where(saturated, SATURATION_NOISE * noise_power, noise_power)
     power += thermal.astype(np.float32)[:, None]
@@ -145,9 +145,10 @@ def _received(power, margin, radar, *, rng):
 
 
 def _scatterers(column, at_surface, lead, n_sub, radar):
-    """Reflected power of all interfaces, float32 (range_line, sub_bin).
+    """Reflected power of all buried interfaces, float32 (range_line, sub_bin).
 
-    They lie `lead` sub-bins above where they are seen. One between two sub-bins is split linearly.
+    Each is placed `lead` sub-bins above its own row, so that its echo will peak on that row. An
+    interface between two sub-bins is shared linearly by both.
     """
     kinds = (column.horizons, column.crusts, column.lenses)
     bins = np.concatenate([kind.bins for kind in kinds])
@@ -167,9 +168,10 @@ def _scatterers(column, at_surface, lead, n_sub, radar):
 def _layering(at_surface, depth_m, mean_density, firn, radar, *, rng):
     """Reflected power of the fine layering of density below the surface, float32.
 
-    The footprint averages over patches smaller than itself. Of a layering with lateral scale l and
-    standard deviation s, ``s l / r`` is left, r being the footprint's radius. It is correlated
-    between range lines whose footprints overlap. `depth_m` and `mean_density` are (sub_bin,).
+    The footprint averages over patches smaller than itself: of a layering with lateral scale l and
+    standard deviation s it leaves ``s l / r``, r being the footprint's radius. The layering is
+    correlated between range lines whose footprints overlap. `depth_m` and `mean_density` are
+    (sub_bin,).
     """
     index = refractive_index_kovacs95(firn.surface_density_kg_m3)
     step_m = radar.sub_bin_s * SPEED_OF_LIGHT_M_S / 2 / index
@@ -181,7 +183,7 @@ def _layering(at_surface, depth_m, mean_density, firn, radar, *, rng):
     kept = np.sqrt((taps**2).sum())
     density = gaussian_filter1d(density, overlap_lines, axis=0, mode="wrap", truncate=3)
     jump = np.diff(density, axis=1, prepend=density[:, :1])
-    # As `reflectivity`, of a step that fades with depth.
+    # The square of this is `reflectivity` of a step that fades with depth.
     amplitude = KOVACS_M3_KG / (2 * (1 + KOVACS_M3_KG * mean_density))
     fading = np.exp(-depth_m / firn.layering_fade_m)
     jump *= (amplitude * fading / kept).astype(np.float32)
@@ -191,9 +193,9 @@ def _layering(at_surface, depth_m, mean_density, firn, radar, *, rng):
 
 
 def _spread(power, waveform, *, centred=False):
-    """Convolution of every range line with a waveform, cut at both ends.
+    """Convolution of every range line with a waveform, cut to the length of the line.
 
-    The waveform begins, or is centred, at zero delay.
+    The waveform begins at zero delay or, if `centred`, has its middle there.
     """
     n_sub = power.shape[1]
     length = fft.next_fast_len(n_sub + waveform.size - 1, real=True)
@@ -201,13 +203,12 @@ def _spread(power, waveform, *, centred=False):
     spectrum *= fft.rfft(waveform, length)
     first = waveform.size // 2 if centred else 0
     spread = fft.irfft(spectrum, length, axis=1)[:, first : first + n_sub]
-    # Rounding of the transform leaves about 1e-7 of the strongest echo, of either sign, where there
-    # is none.
+    # Where there is no echo, rounding leaves about 1e-7 of the strongest one, of either sign.
     return np.maximum(spread, 0, dtype=np.float32)
 
 
 def _add_surface(power, first, waveform, strength):
-    """Add the surface's waveform, its first sample at sub-bins `first`, (range_line,)."""
+    """Add the surface's waveform in place; `first`, (range_line,), is the sub-bin it begins at."""
     whole = np.floor(first).astype(np.int64)
     share = (first - whole)[:, None]
     shape = np.pad(waveform, 1)
@@ -220,11 +221,11 @@ def _add_surface(power, first, waveform, strength):
 
 
 def draw_layering(n_profiles, n_samples, spacing_m, sd_kg_m3, length_m, *, rng):
-    """Fine layering of density about its trend, as in logs, (profile, sample) [kg m-3].
+    """Draw the fine layering of density about its trend, as logs show it, (profile, sample).
 
-    Gaussian of standard deviation `sd_kg_m3`, autocorrelation exponential with 1/e length
-    `length_m`, samples `spacing_m` apart. float32: its rounding is 1e-7 of a field known to a few
-    percent.
+    It is Gaussian with standard deviation `sd_kg_m3`, and its autocorrelation is exponential with
+    the 1/e length `length_m`; samples are `spacing_m` apart. float32 rounds by 1e-7 of a field that
+    is known to a few percent.
     """
     persistence = np.float32(np.exp(-spacing_m / length_m))
     noise = rng.standard_normal((n_profiles, n_samples), dtype=np.float32)

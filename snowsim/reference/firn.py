@@ -26,12 +26,14 @@ def rates_herron_langway80(temperature_k):
 
 
 def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Steady-state density [kg m-3] under a mass of snow, `water_m` [m w.e.].
+    """Steady-state density [kg m-3] under a mass of snow `water_m` [m w.e.].
 
-    That is accumulation times age. ``d rho / d age = k0 A (rho_ice - rho)`` below 550 kg m-3, ``k1
-    A^1/2 (rho_ice - rho)`` above, A the mean accumulation [m w.e. / yr]: Herron & Langway (1980),
-    J. Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice.
-    The surface must be below the critical density.
+    That mass is accumulation times age.
+
+    ``d rho / d age = k0 A (rho_ice - rho)`` below the critical density of 550 kg m-3 and ``k1 A^1/2
+    (rho_ice - rho)`` above, A the mean accumulation [m w.e. / yr]: Herron & Langway (1980), J.
+    Glaciol. 25, 373-385. With water = A age both integrate to an exponential approach to ice. The
+    surface must be less dense than the critical density.
     """
     water_m = np.asarray(water_m, dtype=float)
     stages = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
@@ -43,11 +45,11 @@ def density_herron_langway80(water_m, accumulation_m, temperature_k, surface_den
 
 
 def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_density_kg_m3):
-    """Depth [m] below a mass of snow, the closed depth-age relation; arguments as for the density.
+    """Depth [m] below a mass of snow; arguments as for `density_herron_langway80`.
 
-    Herron & Langway (1980), eqs for stage 1 and 2: ``ln(rho / (rho_ice - rho))`` grows linearly
-    with depth, at ``rho_ice k0`` above the critical density and ``rho_ice k1 / A^1/2`` below,
-    densities in Mg m-3.
+    The closed depth-age relation of Herron & Langway (1980): ``ln(rho / (rho_ice - rho))`` grows
+    linearly with depth, at the rate ``rho_ice k0`` where the density is below the critical one and
+    ``rho_ice k1 / A^1/2`` where it is above, densities in Mg m-3.
     """
     stages = _stages(accumulation_m, temperature_k, surface_density_kg_m3)
     density = density_herron_langway80(
@@ -64,7 +66,7 @@ def depth_herron_langway80(water_m, accumulation_m, temperature_k, surface_densi
 
 @dataclass(frozen=True)
 class Stages:
-    """Of densification: rate constants, A^-1/2, and the mass above the critical density."""
+    """Both stages of densification: rate constants, A^-1/2, and the mass [m w.e.] in the first."""
 
     k0: float
     k1: float
@@ -84,10 +86,10 @@ def _logit(density_kg_m3):
 
 
 def refractive_index_kovacs95(density_kg_m3):
-    """Refractive index of dry snow, of the shape of the densities [kg m-3].
+    """Refractive index of dry snow, an array of the shape of the densities [kg m-3].
 
-    ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in
-    g cm-3: Kovacs, Gow & Morey (1995), Cold Reg. Sci. Technol. 23, 245-256.
+    ``n = 1 + 0.845 rho``, the square root of the permittivity, rho in g cm-3: Kovacs, Gow & Morey
+    (1995), Cold Reg. Sci. Technol. 23, 245-256.
     """
     return 1 + KOVACS_M3_KG * np.asarray(density_kg_m3, dtype=float)
 
@@ -95,25 +97,25 @@ def refractive_index_kovacs95(density_kg_m3):
 def travel_time_s(depth_m, water_m):
     """Two-way travel time [s] straight down from the snow surface to a depth [m].
 
-    The mass above that is `water_m` [m w.e.]. ``(2 / c) integral n dz`` with the n of Kovacs et al.
-    (1995), linear in density, is ``(2 / c) (depth + 0.845 water)`` for any profile: no step size,
-    and fine layering of zero mean changes nothing.
+    The mass above that depth is `water_m` [m w.e.]. The index n of Kovacs et al. (1995) is linear
+    in density, so ``(2 / c) integral n dz`` is ``(2 / c) (depth + 0.845 water)`` for any profile.
+    No integration step is needed, and fine layering of zero mean changes nothing.
     """
     optical_m = np.asarray(depth_m) + KOVACS_M3_KG * WATER_DENSITY_KG_M3 * np.asarray(water_m)
     return 2 * optical_m / SPEED_OF_LIGHT_M_S
 
 
 def reflectivity(jump_kg_m3, density_kg_m3):
-    """Power reflected by a small density step, seen straight down; broadcasts.
+    """Share of power that a small density step reflects, seen straight down; broadcasts.
 
-    Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995): the next term is a
-    factor ``1 - dn / n``, below 0.3 dB for steps up to 100 kg m-3.
+    Fresnel at normal incidence, ``(dn / 2n)^2``, n from Kovacs et al. (1995). The neglected factor
+    ``1 - dn / n`` is below 0.3 dB for steps up to 100 kg m-3.
     """
     index = 1 + KOVACS_M3_KG * density_kg_m3
     return (KOVACS_M3_KG * jump_kg_m3 / (2 * index)) ** 2
 
 
 def surface_reflectivity(density_kg_m3):
-    """Power reflected where air meets snow of this density, Fresnel at normal incidence."""
+    """Share of power that snow of this density reflects to air, Fresnel at normal incidence."""
     index = refractive_index_kovacs95(density_kg_m3)
     return ((index - 1) / (index + 1)) ** 2

@@ -1,4 +1,4 @@
-"""Frames of the synthetic reference flight and its segment, as Open Polar Radar datasets."""
+"""Frames and the complex segment of the reference flight, as Open Polar Radar datasets."""
 
 import numpy as np
 import xarray as xr
@@ -13,23 +13,23 @@ from snowsim.reference.radar import draw_look
 SYNTHETIC = "synthetic reference flight, not observed data"
 TAKE_OFF = np.datetime64("2012-04-29T12:00:00", "ns")
 FLIGHT_TRACK = "flight"
-WINDOW_LINES = 64  # over which the rise of a layer is averaged
+WINDOW_LINES = 64  # range lines over which the rise of a layer is averaged
 SEGMENT_M = 5000.0  # as in Fig. 8 of the paper
 SEGMENT_ROWS = 600
-SEGMENT_CANDIDATES = np.linspace(0.1, 0.9, 161)  # of the line
+SEGMENT_CANDIDATES = np.linspace(0.1, 0.9, 161)  # positions, as shares of the line
 GOOD = 1  # quality in CReSIS layer files
 AUTOMATIC = 2  # type in CReSIS layer files
 
 
 def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
-    """Echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`.
+    """Draw echogram and layers of one frame of the sample flight, datasets of `snowsim.echogram`.
 
-    `rng` is its own. Frames 0 ... n_frames - 1 lie evenly along the line, in the middle of its
-    equal parts. Layers are those of the same semi-automatic picker as of train scenes; or, by an
-    oracle, lie where the mean echo of their horizon peaks, NaN where it hardly rises over the snow
-    above. NaN where the range line is missing; layers too deep to be seen are left out.
-    Attributes say that they are synthetic, their looks and position. ValueError if there is no such
-    frame, or the frames do not fit on the line.
+    Frame `frame` lies in the middle of its part of the line, which is divided into `n_frames` equal
+    parts; `rng` is for this frame alone. Layers are picked by the semi-automatic picker that also
+    picks train scenes. With `picks.of_flight: oracle` they instead lie where the mean echo of their
+    horizon peaks, NaN where it hardly rises over the snow above. Missing range lines have no picks;
+    layers too deep to be seen are left out. Attributes say that the data are synthetic, their looks
+    and their position. ValueError if there is no such frame, or the frames do not fit on the line.
     """
     radar = settings.radar
     length_km = n_range_lines * radar.line_spacing_m / 1e3
@@ -56,7 +56,7 @@ def draw_frame(frame, n_frames, n_range_lines, *, climate, settings, rng):
 
 
 def _picked(stretch, power, settings, *, rng):
-    """Layers that can be seen, (layer, range_line) [range bins], NaN where they are not picked."""
+    """Picks of the layers that can be seen, (layer, range_line) [range bins], NaN in gaps."""
     mean_power = stretch.echo.mean()
     layer_bins = visible_layers(mean_power, stretch.layer_bins(), settings.visible_db)
     if settings.of_flight == "oracle":
@@ -65,20 +65,20 @@ def _picked(stretch, power, settings, *, rng):
         picked = pick_visible(rise, layer_bins, settings.gap_db)
     else:
         picked = pick_peaks(power, layer_bins, settings, rng=rng)
-        # The product's own, which people pick below.
+        # The surface is the product's own; people pick the layers below it.
         picked[0] = stretch.surface_row
     picked[:, stretch.echo.without_echo] = np.nan
     return picked
 
 
 def draw_complex_segment(*, climate, settings, rng):
-    """A 5 km segment of the flight, complex and elevation-compensated, for the Doppler spectrum.
+    """Draw a complex, elevation-compensated segment of 5 km, for the Doppler spectrum.
 
-    It lies where the firn shows most years, away from the ends of the line. Variables: `Real` and
-    `Imaginary` (twtt, slow_time) float32, the looks of a range line as range lines of their own;
+    It lies where the firn shows most years, away from the ends of the line. Variables are `Real`
+    and `Imaginary` (twtt, slow_time) float32, in which each look is a range line of its own, and
     `layer_twtt` (layer, slow_time) [s] of all layers in the window, surface first. Scatterers are
-    independent from look to look: the Doppler spectrum is flat by construction, here as in the
-    paper's claim, and proves nothing.
+    independent from look to look, so that the Doppler spectrum is flat by construction; that it is
+    flat, as the paper claims, proves nothing.
     """
     radar = settings.radar
     n_lines = round(SEGMENT_M / radar.line_spacing_m)
@@ -118,7 +118,7 @@ def draw_complex_segment(*, climate, settings, rng):
 
 
 def _clearest_km(climate, settings):
-    """Where on the flight's line the firn shows most years."""
+    """Position [km] on the flight's line at which the firn shows most years."""
     n_years_seen = []
     candidates_km = SEGMENT_CANDIDATES * line_length_km()
     for position_km in candidates_km:
@@ -129,7 +129,7 @@ def _clearest_km(climate, settings):
 
 
 def _attributes(stretch, settings):
-    """Attributes that frames, layers and segment have in common."""
+    """Attributes that frames, layers and the segment have in common."""
     column = stretch.column
     return {
         "synthetic": SYNTHETIC,
@@ -143,7 +143,7 @@ def _attributes(stretch, settings):
 
 
 def _window(position_km, surface_row, radar, n_range_bins):
-    """Fast time of a window, and the along-track variables, as a dataset."""
+    """Dataset of a window's fast time and of the variables along track."""
     first_s = 2 * radar.height_m / SPEED_OF_LIGHT_M_S
     below_surface = np.arange(n_range_bins) - radar.surface_bin
     twtt_s = first_s + below_surface * radar.bin_size_s
@@ -168,7 +168,7 @@ def _window(position_km, surface_row, radar, n_range_bins):
 
 
 def _layers_dataset(picked, window, radar, attributes):
-    """Layer dataset of picks in range bins, down to the deepest layer with a pick."""
+    """Layer dataset of picks [range bins], down to the deepest layer that has one."""
     deepest = int(np.flatnonzero(np.isfinite(picked).any(axis=1)).max(initial=0))
     picked = picked[: deepest + 1]
     twtt_s = window.twtt.values[0] + picked * radar.bin_size_s

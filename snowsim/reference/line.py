@@ -1,4 +1,4 @@
-"""The line over Greenland: where it runs, and the mean climate along it."""
+"""The line over Greenland that the reference flight follows, and the mean climate along it."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ SECONDS_PER_KM = 1 / 0.12  # at 120 m/s
 
 @dataclass(frozen=True)
 class Place:
-    """Climate at one point: ice surface, mean accumulation [m w.e. / yr], mean temperature."""
+    """A point of the line: height of the ice, mean accumulation [m w.e. / yr], mean temperature."""
 
     position_km: float
     latitude: float
@@ -36,7 +36,7 @@ class Place:
 def place_at(position_km, accumulation_factor=1.0):
     """`Place` at a position along the line; ValueError outside it.
 
-    `accumulation_factor` as in `ClimateSettings`.
+    `accumulation_factor` is that of `ClimateSettings`.
     """
     length_km = line_length_km()
     latitude, longitude = map(float, line_coordinates(position_km))
@@ -52,19 +52,19 @@ def place_at(position_km, accumulation_factor=1.0):
 
 
 def accumulation_m(position_km):
-    """Long-term mean accumulation at positions along the line [m w.e. / yr], of their shape."""
+    """Long-term mean accumulation [m w.e. / yr] at positions along the line, of their shape."""
     return _profile(ACCUMULATION_M, np.asarray(position_km) / line_length_km())
 
 
 def _profile(values, fraction):
-    # Slow to import, and the plan of a run needs no profile.
+    # SciPy's interpolation is slow to import, and planning a run needs no profile.
     from scipy.interpolate import PchipInterpolator
 
     return PchipInterpolator(PROFILE_FRACTION, values)(fraction)
 
 
 def temperature_fausto09(elevation_m, latitude, longitude):
-    """Annual mean air temperature over Greenland [K], from metres, degrees north and east.
+    """Annual mean air temperature over Greenland [K]; latitude and longitude in degrees N and E.
 
     ``41.83 - 6.309e-3 z - 0.7189 lat + 0.0672 lon_west`` in degrees Celsius, Fausto, Ahlstrom, van
     As, Boggild & Johnsen (2009), J. Glaciol. 55, 95-105.
@@ -73,7 +73,7 @@ def temperature_fausto09(elevation_m, latitude, longitude):
 
 
 def line_length_km():
-    """Length of the great circle from `LINE_START` to `LINE_END` on a sphere."""
+    """Length [km] of the great circle from `LINE_START` to `LINE_END` on a sphere."""
     start = _unit_vector(*LINE_START)
     end = _unit_vector(*LINE_END)
     sine = np.linalg.norm(np.cross(start, end))

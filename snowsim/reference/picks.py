@@ -1,4 +1,4 @@
-"""Annotation: how deep horizons can be seen, and an emulated semi-automatic picker."""
+"""Annotation of the reference flight: layers that can be seen, and a semi-automatic picker."""
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -6,21 +6,21 @@ from scipy.ndimage import uniform_filter1d
 from snowsim.echogram import crossing_layers
 from snowsim.rounding import on_grid
 
-STEPS_BETWEEN = 10  # samples between a layer and the one above it, where its valley is sought
-REACH_BINS = 4  # how far from a layer the picker looks for its peak
-# A pick further off follows something else; the person who checks removes it.
+STEPS_BETWEEN = 10  # samples between a layer and the one above, among which its valley is sought
+REACH_BINS = 4  # distance from a layer within which the picker looks for its peak
+# A pick farther from its layer follows something else, and the person who checks removes it.
 LAST_TRUSTED_BINS = 3.0
-AGAIN_DB = 0.5  # a lost layer is picked again only where it rises this much more
-N_BITS = 16  # behind the point of a power in dB: 1.5e-5, on which all processors agree
+AGAIN_DB = 0.5  # additional rise from which on a lost layer is picked again
+N_BITS = 16  # binary places of a power in dB, 1.5e-5: all processors agree on them
 
 
 def rise_db(mean_power, layer_bins, n_windows):
-    """How much each layer rises over the snow above it in mean power, (layer, window) [dB].
+    """Rise of each layer over the snow above it in mean power, (layer, window) [dB].
 
-    Power on the layer over the minimum between it and the layer above, each averaged along the
-    layers over `n_windows` pieces, so that no single minimum decides; infinite for the surface, NaN
-    where the layer leaves the record. `mean_power` (range_bin, range_line) is free of speckle, with
-    noise; `layer_bins` (layer, range_line) complete.
+    It is the power on the layer over the least power between it and the layer above. Both are
+    averaged along the layers in `n_windows` pieces, so that no single minimum decides. The surface
+    has an infinite rise; a layer that leaves the record has NaN. `mean_power` (range_bin,
+    range_line) holds noise but no speckle; `layer_bins` (layer, range_line) are complete.
     """
     n_bins, n_lines = mean_power.shape
     edges = np.linspace(0, n_lines, n_windows + 1).astype(int)
@@ -29,7 +29,7 @@ def rise_db(mean_power, layer_bins, n_windows):
     between = layer_bins[:-1, None] + step * slab_bins  # (slab, step, range_line)
     whole = np.floor(between).astype(int)
     inside = (whole >= 0) & (whole < n_bins - 1)
-    whole = np.clip(whole, 0, n_bins - 2)  # read anywhere, then discarded
+    whole = np.clip(whole, 0, n_bins - 2)  # values read outside are discarded below
     share = between - whole
     lines = np.arange(n_lines)
     above = mean_power[whole, lines]
@@ -43,23 +43,24 @@ def rise_db(mean_power, layer_bins, n_windows):
 
 
 def n_visible_layers(rise, visible_db):
-    """Number of layers, surface included and at least 1, down to where horizons fade.
+    """Number of layers down to where horizons fade, surface included, at least 1.
 
-    The deepest horizon whose own rise (layer,) over the whole stretch, see `rise_db`, reaches
-    `visible_db` decides: weaker ones between are counted, as a reader who follows the years would.
+    The last one is the deepest horizon whose `rise` (layer,) over the whole stretch, see `rise_db`,
+    reaches `visible_db`. Weaker horizons above it count, as a reader who follows the years would
+    count them.
     """
     seen = np.flatnonzero(rise[1:] >= visible_db)  # NaN compares false
     return 2 + int(seen[-1]) if seen.size else 1
 
 
 def visible_layers(mean_power, layer_bins, visible_db):
-    """Complete layers (layer, range_line) down to where they fade, see `n_visible_layers`."""
+    """Layers (layer, range_line), without gaps, down to where they fade; see `n_visible_layers`."""
     rise = rise_db(mean_power, layer_bins, 1)[:, 0]
     return layer_bins[: n_visible_layers(rise, visible_db)]
 
 
 def pick_visible(rise, layer_bins, gap_db):
-    """Layers, NaN where their own rise, straight between windows' centres, is below `gap_db`."""
+    """Layers, NaN where their rise is below `gap_db`; it is linear between centres of windows."""
     n_windows = rise.shape[1]
     n_lines = layer_bins.shape[1]
     centres = (np.arange(n_windows) + 0.5) * n_lines / n_windows - 0.5
@@ -73,13 +74,13 @@ def pick_visible(rise, layer_bins, gap_db):
 def pick_peaks(power, layer_bins, settings, *, rng):
     """Layers as a semi-automatic picker finds them, (layer, range_line): whole bins, NaN if lost.
 
-    A person marks a layer where it is clearest; from there the picker follows its peak to both
-    sides, line by line, at most one bin per line, on an image averaged along track. It loses a
-    layer that rises too little over the snow above and below (weak layers, and steep ones, which
-    the averaging blurs), picks it up again behind the gap, and drops short pieces. The person who
-    checks removes pieces that follow something between the layers, but takes the layer above or
-    below for the one sought in `wrong_share` of the pieces behind a gap. `power` is linear; the
-    complete `layer_bins` lie inside it.
+    A person marks a layer where it is clearest. From there the picker follows its peak to both
+    sides, line by line and by at most one bin a line, on an image averaged along track. It loses a
+    layer that rises too little over the snow above and below: a weak one, or a steep one, which the
+    averaging blurs. Behind a gap it picks the layer up again; short pieces are dropped. The person
+    who checks removes pieces between layers, but in `wrong_share` of the pieces behind a gap takes
+    the layer above or below for the one sought. `power` (range_bin, range_line) is linear and holds
+    all of the complete `layer_bins`.
     """
     n_bins, n_lines = power.shape
     power_db = on_grid(10 * np.log10(power), N_BITS)
@@ -90,7 +91,7 @@ def pick_peaks(power, layer_bins, settings, *, rng):
     outside = (rows < 0) | (rows >= n_bins)
     strip = smooth_db[np.clip(rows, 0, n_bins - 1), np.arange(n_lines)]  # (layer, offset, line)
     strip[outside] = -np.inf
-    # Half of the thinner slab beside it: beyond lies another layer.
+    # A peak is sought within half of the thinner slab beside its layer: beyond is another layer's.
     slab_bins = np.diff(layer_bins, axis=0).mean(axis=1)
     reach = np.minimum(np.append(slab_bins, np.inf), np.insert(slab_bins, 0, np.inf)) / 2
     searched_bins = np.clip(np.floor(reach), 1, REACH_BINS)
@@ -106,10 +107,10 @@ def pick_peaks(power, layer_bins, settings, *, rng):
 
 
 def _mistaken(picked, wrong_share, *, rng):
-    """Picks of which some pieces behind a gap follow the layer above or below, which then has none.
+    """Picks of which some pieces behind a gap follow the layer above or below instead.
 
-    The surface is never mistaken. Where the layer followed has no pick itself, a piece keeps its
-    own.
+    That layer then has no pick there. Where it had none before, the piece keeps its own picks. The
+    surface is never mistaken.
     """
     mistaken = picked.copy()
     for layer in range(1, len(picked)):
@@ -125,13 +126,16 @@ def _mistaken(picked, wrong_share, *, rng):
     return mistaken
 
 
-def _pieces(held):
-    """First line of each stretch that is held, and the line after its last, (piece, 2)."""
-    return np.flatnonzero(np.diff(np.pad(held.astype(int), 1))).reshape(-1, 2)
+def _pieces(mask):
+    """First line of each stretch of true values, and the line after its last, (piece, 2)."""
+    return np.flatnonzero(np.diff(np.pad(mask.astype(int), 1))).reshape(-1, 2)
 
 
 def _follow(strip, near):
-    """Index of the followed peak, (layer, range_line), from each layer's clearest line sideways."""
+    """Offset of the peak that the picker follows from each layer's clearest line on, as an index.
+
+    (layer, range_line); `near` are the whole rows that the middle of `strip` stands for.
+    """
     n_layers, n_offsets, n_lines = strip.shape
     layers = np.arange(n_layers)
     usable = np.where(np.isfinite(strip), strip, np.nan)
@@ -139,12 +143,12 @@ def _follow(strip, near):
     seed = clearness.argmax(axis=1)
     followed = np.zeros((n_layers, n_lines), dtype=int)
     for side in (1, -1):
-        # One sweep for all layers: a layer sits on its seed's peak until the sweep has passed the
-        # seed.
+        # One sweep serves all layers: until it passes a layer's seed, the layer keeps the peak
+        # there.
         at = strip[layers, :, seed].argmax(axis=1)
         for line in range(n_lines)[::side]:
-            # The strip moves with the rounded layer: the same row is another offset on the next
-            # line. No layer is past its seed on the first.
+            # The strip moves with the rounded layer, so the same row has another offset on the next
+            # line. On the first line of the sweep no layer is past its seed.
             before = np.clip(line - side, 0, n_lines - 1)
             moved = at + near[:, before] - near[:, line]
             candidates = np.clip(moved[:, None] + [0, -1, 1], 0, n_offsets - 1)
@@ -157,7 +161,7 @@ def _follow(strip, near):
 
 
 def _rise_of_peak(strip, followed, reach):
-    """Peak over the mean of the lowest values above and below it [dB], (layer, range_line)."""
+    """Peak over the mean of the least values above and below it [dB], (layer, range_line)."""
     index = np.arange(strip.shape[1])[None, :, None]
     distance = index - followed[:, None, :]
     width = np.clip(np.ceil(reach), 2, 2 * REACH_BINS)[:, None, None]
@@ -173,7 +177,7 @@ def _rise_of_peak(strip, followed, reach):
 
 
 def _kept(rise, settings):
-    """Where a layer is found, bool (range_line,): hysteresis on smoothed rise, no short pieces."""
+    """Whether a layer is found, bool (range_line,): pieces of some rise, long and clear enough."""
     smooth = uniform_filter1d(rise, settings.picker_lines, mode="nearest")
     weak = smooth > settings.picker_db
     clear = smooth > settings.picker_db + AGAIN_DB

@@ -10,32 +10,32 @@ from scipy.signal import lfilter, upfirdn
 from snowsim.constants import SPEED_OF_LIGHT_M_S
 from snowsim.rounding import rounded
 
-# Half-length of the tabulated range response in 1 / bandwidth: side lobes beyond are below -50 dB.
+# Half-length of the tabulated range response in 1 / bandwidth; side lobes beyond are below -50 dB.
 RESPONSE_WIDTH = 4
-PEDESTAL_FALLS = 6  # sidelobes are computed over this many 1/e delays, to 26 dB below their level
-TAIL_END = 1e-4  # the off-nadir tail is cut where it falls below this share of its peak
-SATURATION_NOISE = 10.0  # an overloaded receiver's noise, relative to a sound one's
-SATURATION_LEVEL = 0.3  # and the power it clips at, relative to a mean surface
+PEDESTAL_FALLS = 6  # 1/e delays over which sidelobes are computed, to 26 dB below their level
+TAIL_END = 1e-4  # share of its peak below which the off-nadir tail is cut
+SATURATION_NOISE = 10.0  # noise of an overloaded receiver, relative to that of a sound one
+SATURATION_LEVEL = 0.3  # power at which it clips, relative to the echo of a mean surface
 
 
 def hann_response(delay_s, bandwidth_hz):
     """Amplitude of an FMCW radar's response to a point, 1 at zero delay.
 
-    Its beat signal is weighted by a Hann window. Fourier transform of the Hann window over the
-    sweep, ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B delay`` and sinc(x) = sin(pi
-    x) / (pi x): Harris (1978), Proc. IEEE 66, 51-83. Nulls at x = +-2 and an equivalent width of
-    1.5 / B: for 6 GHz 0.200 m and 0.075 m of path there and back, half of that in range.
+    A Hann window weights the beat signal, so the response is that window's Fourier transform,
+    ``sinc(x) + (sinc(x - 1) + sinc(x + 1)) / 2`` with ``x = B delay`` and sinc(x) = sin(pi x) / (pi
+    x): Harris (1978), Proc. IEEE 66, 51-83. Its nulls lie at x = +-2 and its equivalent width is
+    1.5 / B: for 6 GHz 0.200 m between nulls and 0.075 m, of path there and back.
     """
     x = np.asarray(delay_s, dtype=float) * bandwidth_hz
     return np.sinc(x) + 0.5 * (np.sinc(x - 1) + np.sinc(x + 1))
 
 
 def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
-    """Angular pattern of the backscatter of a gently rough interface, not normalised, 1 at nadir.
+    """Backscatter of a gently rough interface by angle of incidence, relative to nadir.
 
     Geometric optics with Gaussian slopes, ``exp(-tan^2 / 2 s^2) / cos^4``, s the slope along one
-    axis: Ulaby, Moore & Fung (1982), Microwave Remote Sensing II, section 12-5; plus a diffuse
-    share that follows the cosine.
+    axis: Ulaby, Moore & Fung (1982), Microwave Remote Sensing II, section 12-5. To this a diffuse
+    share is added, which follows the cosine of the angle.
     """
     angle_rad = np.asarray(angle_rad, dtype=float)
     cosine = np.cos(angle_rad)
@@ -46,13 +46,14 @@ def backscatter_geometric_optics(angle_rad, rms_slope, diffuse_share):
 def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
     """Power from the annulus seen at a delay [s] after the nadir point, relative to zero delay.
 
-    Radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per delay
-    ``2 pi R dR/dt``, spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``; the flat-plane
-    form of Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, before his convolution with pulse
-    and heights. `height_m`: antenna over interface; `beamwidth_deg`: two-sided, 3 dB, of one
-    antenna, Gaussian. Refraction in the firn above a buried interface is neglected: over 20 m it
-    moves the annuli by 1 %. It also turns rays towards the normal: the slope of a buried interface
-    is the one seen from the air, n times its own.
+    The radar equation over a plane: range ``R = H + c t / 2``, ``cos theta = H / R``, area per
+    delay ``2 pi R dR/dt``, spreading ``R^-4``, hence ``G(theta)^2 sigma0(theta) / R^3``. This is
+    the flat-plane form of Brown (1977), IEEE Trans. Antennas Propag. 25, 67-74, before his
+    convolution with pulse and heights. `height_m` is that of the antenna over the interface. One
+    antenna's beam is Gaussian, `beamwidth_deg` wide between its 3 dB points. Refraction in the firn
+    above a buried interface is neglected; over 20 m it moves the annuli by 1 %. Since it also turns
+    rays towards the normal, the slope of a buried interface is the one seen from the air, n times
+    its own.
     """
     range_m = height_m + SPEED_OF_LIGHT_M_S * np.asarray(delay_s, dtype=float) / 2
     angle = np.arccos(height_m / range_m)
@@ -66,9 +67,9 @@ def annulus_power(delay_s, height_m, rms_slope, diffuse_share, beamwidth_deg):
 class Waveform:
     """Mean echo of one interface on the sub-bin grid, before the range response.
 
-    `power` float32 (sub_bin,) sums to 1: a rougher interface spreads its power, it does not add
-    any. `lead`: sub-bins from its first sample to the peak of the waveform as received; `peak`:
-    height of that peak.
+    `power`, float32 (sub_bin,), sums to 1, since a rougher interface spreads its power and adds
+    none. `lead` counts sub-bins from its first sample to the peak of the received waveform; `peak`
+    is the height of that peak.
     """
 
     power: np.ndarray
@@ -87,7 +88,7 @@ def range_response(radar):
 
 @lru_cache(maxsize=256)
 def interface_waveform(radar, rms_slope, roughness_m):
-    """`Waveform` of an interface: annuli of the off-nadir tail, spread by its roughness.
+    """`Waveform` of an interface: the off-nadir tail of its annuli, spread by its roughness.
 
     `roughness_m` is the standard deviation of height; the refractive index of snow is taken as 1.3.
     """
@@ -115,19 +116,19 @@ def interface_waveform(radar, rms_slope, roughness_m):
 def received_mean(sub_bin_power, radar, margin):
     """Mean detected power at range bins, (range_line, range_bin).
 
-    `sub_bin_power` is the variance of scatterers (range_line, sub_bin). `margin` sub-bins, at least
-    half the length of `range_response`, come before bin 0 and after the last.
+    `sub_bin_power`, (range_line, sub_bin), is the variance of scatterers. It has `margin` sub-bins,
+    at least half the length of `range_response`, before the first range bin and after the last.
     """
     return _filtered(sub_bin_power, range_response(radar) ** 2, radar.n_sub_bins, margin)
 
 
 def draw_look(amplitude, radar, margin, *, rng):
-    """Complex echo of one look at range bins, complex64 (range_line, range_bin).
+    """Draw the complex echo of one look at range bins, complex64 (range_line, range_bin).
 
-    Scatterers are independent between looks, range lines and sub-bins, circular complex Gaussian;
-    the range response correlates neighbouring bins. `amplitude` float32 (range_line, sub_bin):
-    square root of half their mean power. float32: rounding is 1e-7 of a quantity that is itself
-    random.
+    Scatterers are circular complex Gaussian and independent between looks, range lines and
+    sub-bins; the range response correlates neighbouring bins. `amplitude`, float32 (range_line,
+    sub_bin), is the square root of half their mean power. float32 rounds by 1e-7 of a quantity that
+    is itself random.
     """
     parts = rng.standard_normal((2, *amplitude.shape), dtype=np.float32)
     parts *= amplitude
@@ -137,7 +138,7 @@ def draw_look(amplitude, radar, margin, *, rng):
 
 
 def draw_detected(sub_bin_power, radar, margin, n_looks, *, rng):
-    """Power of `n_looks` looks averaged, float32 (range_line, range_bin); see `draw_look`."""
+    """Draw the mean power of `n_looks` looks, float32 (range_line, range_bin); see `draw_look`."""
     amplitude = np.sqrt(sub_bin_power / 2)
     total = np.float32(0)
     response = range_response(radar)
@@ -161,27 +162,26 @@ def _filtered(field, taps, n_sub_bins, margin):
 
 
 def sidelobes(radar):
-    """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred.
+    """Power of one echo's sidelobes on the sub-bin grid, float32 (tap,), centred on the echo.
 
-    To be added to the scatterers. Deconvolution leaves a pedestal on both sides of every echo that
-    falls exponentially with delay; within the main lobe, 2 / B to either side, there is none.
-    `sidelobe_db` is its level at zero delay relative to the echo's peak.
+    Imperfect deconvolution leaves a pedestal on both sides of every echo, which falls exponentially
+    with delay; the main lobe, 2 / B to either side, has none. `sidelobe_db` is the pedestal's level
+    at zero delay relative to the echo's peak.
     """
     half = int(np.ceil(PEDESTAL_FALLS * radar.sidelobe_fall_s / radar.sub_bin_s))
     delay_s = np.abs(np.arange(-half, half + 1)) * radar.sub_bin_s
     level = 10 ** (radar.sidelobe_db / 10) * np.exp(-delay_s / radar.sidelobe_fall_s)
     level[delay_s < 2 / radar.bandwidth_hz] = 0
-    # The range response that follows has a peak of 1 / its equivalent width, a Hann window's being
-    # 1.5 / B.
+    # The range response is applied after this. Its peak is 1 / its equivalent width, which for a
+    # Hann window is 1.5 / B.
     return (level * radar.sub_bin_s * radar.bandwidth_hz / 1.5).astype(np.float32)
 
 
 def draw_coherent_noise(n_sub_bins, radar, *, rng):
-    """Power of horizontal bands of coherent noise over thermal noise, float32 (sub_bin,).
+    """Draw the power of coherent noise, relative to thermal noise, float32 (sub_bin,).
 
-    Residual after removal of coherent noise: bands at fixed travel times, one every
-    `band_spacing_s` on average, of exponentially distributed power about `band_noise_db` and
-    Gaussian shape.
+    What is left after its removal are horizontal bands at fixed travel times, `band_spacing_s`
+    apart on average, of Gaussian shape and exponentially distributed power of mean `band_noise_db`.
     """
     n_bands = rng.poisson(n_sub_bins * radar.sub_bin_s / radar.band_spacing_s)
     centre = rng.uniform(0, n_sub_bins, n_bands)[:, None]
@@ -192,7 +192,7 @@ def draw_coherent_noise(n_sub_bins, radar, *, rng):
 
 
 def quantised(power, step_db):
-    """Power in whole steps of decibels, as a product stores it; 0: as it is. No power stays so."""
+    """Power in whole steps of decibels, as products store it; a step of 0 changes nothing."""
     if step_db == 0:
         return power
     # In float64, and rounded: single logarithms and powers differ between processors.
@@ -202,7 +202,7 @@ def quantised(power, step_db):
 
 
 def draw_roll_gain(n_lines, radar, *, rng):
-    """Power gain of roll fades, (range_line,): a two-state Markov chain that starts level."""
+    """Draw the power gain of roll fades, (range_line,): a two-state Markov chain, first level."""
     uniform = rng.random(n_lines)
     gain = np.ones(n_lines)
     rolled = False
@@ -214,7 +214,7 @@ def draw_roll_gain(n_lines, radar, *, rng):
 
 
 def draw_receiver_gain(n_lines, radar, *, rng):
-    """Receiver gain, (range_line,), linear power: jumps, each until the next, and line by line."""
+    """Draw the receiver's gain of power, (range_line,): jumps that last, and a spread by line."""
     is_jump = rng.random(n_lines) < radar.jump_rate
     jumps_db = np.where(is_jump, radar.jump_sd_db * rng.standard_normal(n_lines), 0)
     of_line_db = radar.line_gain_sd_db * rng.standard_normal(n_lines)
@@ -222,10 +222,10 @@ def draw_receiver_gain(n_lines, radar, *, rng):
 
 
 def draw_surface_row(n_lines, surface_bin, radar, *, rng):
-    """Row of the surface after elevation compensation, (range_line,).
+    """Draw the row of the surface after elevation compensation, (range_line,).
 
-    The aircraft's movement is removed in whole range bins, as in the product, which leaves its
-    fraction; the tracker that steers the compensation adds a slow error.
+    Compensation removes the aircraft's movement in whole range bins, as in the product, and leaves
+    the fraction of a bin. The tracker that steers it adds a slow error.
     """
     bin_m = radar.bin_size_s * SPEED_OF_LIGHT_M_S / 2
     persistence = np.exp(-radar.line_spacing_m / 200)

@@ -15,30 +15,30 @@ DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & La
 
 @dataclass(frozen=True)
 class ClimateSettings:
-    """Accumulation along the line; spreads are standard deviations of its logarithm."""
+    """Accumulation along the line. Every spread is a standard deviation of its logarithm."""
 
-    # Below half, a window holds more years than a climate has; above three, years are thicker than
-    # anywhere there.
+    # Below 0.5 a window would hold more years than are drawn; above 3 years would be thicker than
+    # anywhere on the ice sheet.
     accumulation_factor: float = limited(
         0.85,
         0.5,
         3,
-        "[1] times the accumulation along the line, 0.20-0.55 m w.e.; frames of 2012: .18 +- .05",
+        "[1] times the mean accumulation of the line, 0.20-0.55 m w.e.; frames of 2012: .18 +- .05",
     )
     anomaly_sd: float = limited(
-        0.18, 0, 1, "[1, of log] year-to-year anomalies, shared along the flight"
+        0.18, 0, 1, "[1, of log] anomalies from year to year, shared along the flight"
     )
     undulation_sd: float = limited(
-        0.07, 0, 1, "[1, of log] undulations that stay in place from year to year"
+        0.07, 0, 1, "[1, of log] undulations, which stay in place from year to year"
     )
-    undulation_min_km: float = limited(3.0, about="[km] their shortest wavelength")
-    undulation_max_km: float = limited(20.0, about="[km] their longest")
+    undulation_min_km: float = limited(3.0, about="[km] shortest wavelength of undulations")
+    undulation_max_km: float = limited(20.0, about="[km] longest wavelength of undulations")
     drift_sd: float = limited(
         0.085, 0, 1, "[1, of log] accumulation of one year from place to place"
     )
-    drift_length_m: float = limited(3000.0, about="[m] its correlation length")
+    drift_length_m: float = limited(3000.0, about="[m] correlation length of drift")
     relief_sd: float = limited(0.045, 0, 1, "[1, of log] wind relief, filled by the year above")
-    relief_length_m: float = limited(45.0, about="[m] its correlation length")
+    relief_length_m: float = limited(45.0, about="[m] correlation length of relief")
     open_year: float = limited(
         0.8, 0.05, 1, "[years] of accumulation above the youngest autumn horizon"
     )
@@ -51,7 +51,7 @@ class ClimateSettings:
 
 @dataclass(frozen=True)
 class FirnSettings:
-    """Density contrasts in the firn; spreads are standard deviations of their logarithm."""
+    """Density steps in the firn. Every spread is a standard deviation of their logarithm."""
 
     surface_density_kg_m3: float = limited(
         340.0, 50, DENSEST_SURFACE_KG_M3, "[kg m-3] near-surface logs: 310-370"
@@ -59,16 +59,16 @@ class FirnSettings:
     horizon_jump_kg_m3: float = limited(
         160.0, 0, ICE_DENSITY_KG_M3, "[kg m-3] median density step of an autumn horizon"
     )
-    horizon_year_sd: float = limited(0.42, 0, 3, "[1, of log] from year to year")
-    horizon_local_sd: float = limited(0.3, 0, 3, "[1, of log] from place to place")
-    local_length_m: float = limited(900.0, about="[m] correlation length of the latter")
+    horizon_year_sd: float = limited(0.42, 0, 3, "[1, of log] horizon's step from year to year")
+    horizon_local_sd: float = limited(0.3, 0, 3, "[1, of log] horizon's step from place to place")
+    local_length_m: float = limited(900.0, about="[m] correlation length from place to place")
     crusts_per_year: float = limited(
         1.2, 0, 20, "[per year] wind and melt crusts between horizons, which look like horizons"
     )
     crust_jump_kg_m3: float = limited(
         40.0, 0, ICE_DENSITY_KG_M3, "[kg m-3] median density step of a crust"
     )
-    crust_sd: float = limited(0.45, 0, 3, "[1, of log] its spread")
+    crust_sd: float = limited(0.45, 0, 3, "[1, of log] spread of a crust's step")
     layering_sd_kg_m3: float = limited(
         50.0, 0, ICE_DENSITY_KG_M3, "[kg m-3] detrended near-surface logs: 46-56"
     )
@@ -77,15 +77,17 @@ class FirnSettings:
     layering_fade_m: float = limited(
         60.0, about="[m] depth over which the layering falls to 1/e, deeper than horizons"
     )
-    fade_least_m: float = limited(0.9, about="[m] least depth over which steps fall to 1/e")
+    fade_least_m: float = limited(0.9, about="[m] least depth over which density steps fall to 1/e")
     fade_depth_m: float = setting(
-        2.4, "[m] median of that depth: 47 % of test scenes have fewer than 6 layers, paper: 57 %"
+        2.4, "[m] its median: 47 % of test scenes then have fewer than 6 layers; paper: 57 %"
     )
-    fade_sd: float = limited(1.2, 0, 3, "[1, of log] from place to place")
+    fade_sd: float = limited(1.2, 0, 3, "[1, of log] spread of that depth from place to place")
     percolation_elevation_m: float = setting(
-        1800.0, "[m] elevation of half the effect of percolation"
+        1800.0, "[m] elevation at which percolation has half its effect"
     )
-    percolation_width_m: float = limited(60.0, about="[m] how fast it sets in below")
+    percolation_width_m: float = limited(
+        60.0, about="[m] difference of elevation over which percolation sets in"
+    )
     percolation_gap_share: float = limited(
         0.5, 0, 1, "[1] share of a horizon that percolation breaks"
     )
@@ -93,7 +95,7 @@ class FirnSettings:
     lens_jump_kg_m3: float = limited(
         180.0, 0, ICE_DENSITY_KG_M3, "[kg m-3] density step of an ice lens"
     )
-    lens_length_m: float = limited(50.0, about="[m] its median length")
+    lens_length_m: float = limited(50.0, about="[m] median length of an ice lens")
     lenses_per_km_m: float = limited(
         4.0, 0, 20, "[per km of track and m of depth] number of lenses"
     )
@@ -101,7 +103,7 @@ class FirnSettings:
     def __post_init__(self):
         check_settings(self, "firn.")
         check_values("firn.fade_depth_m", self.fade_depth_m, self.fade_least_m, above=True)
-        # Snow of the surface's density plus the step is no denser than ice.
+        # Snow as dense as the surface, with the step added, is no denser than ice.
         most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
         for name in ("horizon_jump_kg_m3", "crust_jump_kg_m3", "lens_jump_kg_m3"):
             check_values(f"firn.{name} on snow of the surface", getattr(self, name), high=most)
@@ -118,8 +120,8 @@ class RadarSettings:
     )
     n_range_bins: int = setting(800, "[range bins] of a frame", minimum=200)
     surface_bin: int = setting(100, "[range bin] of the surface in a frame", minimum=10)
-    n_sub_bins: int = setting(4, "[per range bin] scatterers of a look", minimum=1)
-    n_looks: int = setting(5, "[looks] of a flight line: 20 lines have 100", minimum=1)
+    n_sub_bins: int = setting(4, "[per range bin] scatterers in one look", minimum=1)
+    n_looks: int = setting(5, "[looks] of a range line: 20 range lines have 100", minimum=1)
     bandwidth_hz: float = limited(
         PROCESSED_BANDWIDTH_HZ,
         about="[Hz] processed, 2.30016 to 7.449984 GHz, 2012 sheet; nominal sweep, paper: 6.0e+9",
@@ -127,26 +129,34 @@ class RadarSettings:
     response_widening: float = limited(
         1.15, 1, 3, "[1] of the range response over that of a Hann window on the band: sea ice 2016"
     )
-    height_m: float = limited(500.0, about="[m] over the snow")
-    beamwidth_deg: float = limited(40.0, 1, 180, "[degrees] two-sided, 3 dB, one antenna")
+    height_m: float = limited(500.0, about="[m] of the antenna over the snow")
+    beamwidth_deg: float = limited(
+        40.0, 1, 180, "[degrees] of one antenna, between its 3 dB points"
+    )
     surface_slope: float = limited(0.022, 0.005, 1, "[1] rms slope of the snow surface")
     horizon_slope: float = limited(0.029, 0.005, 1, "[1] rms slope of buried horizons")
-    diffuse_share: float = limited(0.0007, 0, 1, "[1] of backscatter, at any angle")
+    diffuse_share: float = limited(
+        0.0007, 0, 1, "[1] share of backscatter that follows the cosine of the angle"
+    )
     roughness_m: float = limited(0.02, 0, 0.2, "[m] spread of an interface within one footprint")
     attenuation_db_m: float = limited(0.2, 0, 10, "[dB per m] two-way")
     surface_to_noise_db: float = limited(27.0, 0, 80, "[dB] mean surface peak over noise")
-    sensitivity_sd_db: float = limited(2.0, 0, 10, "[dB] its spread from place to place")
+    sensitivity_sd_db: float = limited(
+        2.0, 0, 10, "[dB] spread of surface_to_noise_db from place to place"
+    )
     surface_sd_db: float = limited(1.0, 0, 10, "[dB] spread of the surface's echo along track")
-    jitter_m: float = limited(0.4, 0, 10, "[m] movement of the aircraft, compensated in whole bins")
-    tracking_sd_bins: float = limited(0.8, 0, 5, "[range bins] slow error of the compensation")
+    jitter_m: float = limited(
+        0.4, 0, 10, "[m] movement of the aircraft, which is compensated in whole bins"
+    )
+    tracking_sd_bins: float = limited(0.8, 0, 5, "[range bins] slow error of that compensation")
     roll_enter: float = limited(
         0.0005,
         0,
         1,
         "[per range line] probability that a roll fade begins: a two-state Markov chain",
     )
-    roll_leave: float = limited(0.005, 0, 1, "[per range line] probability that it ends")
-    roll_gain: float = limited(0.7, about="[1] power while rolled")
+    roll_leave: float = limited(0.005, 0, 1, "[per range line] probability that a roll fade ends")
+    roll_gain: float = limited(0.7, about="[1] factor of power during a roll fade")
     sidelobe_db: float = limited(
         -34.0,
         -200,
@@ -154,25 +164,28 @@ class RadarSettings:
         "[dB] pedestal of imperfect deconvolution at zero delay, relative to an echo: sea ice 2016",
     )
     sidelobe_fall_s: float = limited(
-        1.8e-09, about="[s] two-way delay over which it falls to 1/e: sea ice 2016"
+        1.8e-09, about="[s] two-way delay over which the pedestal falls to 1/e: sea ice 2016"
     )
     band_spacing_s: float = limited(
         2.5e-8, about="[s] mean distance of horizontal bands of coherent noise: sea ice 2016"
     )
     band_noise_db: float = limited(
-        -4.0, -200, 20, "[dB] their mean power over thermal noise: sea ice 2016"
+        -4.0, -200, 20, "[dB] mean power of bands over thermal noise: sea ice 2016"
     )
     band_width_s: float = limited(
         5e-10, about="[s] standard deviation of a band's shape: sea ice 2016"
     )
     line_gain_sd_db: float = limited(
-        0.4, 0, 3, "[dB] gain from range line to range line: sea ice 2016"
+        0.4, 0, 3, "[dB] spread of gain from range line to range line: sea ice 2016"
     )
     quantisation_db: float = limited(
-        0.25, 0, 3, "[dB] step of stored power: grey step of the pictures of 2016 and 2017; 0: none"
+        0.25,
+        0,
+        3,
+        "[dB] step of stored power: grey level of the pictures of 2016 and 2017; 0: none",
     )
     jump_rate: float = limited(0.0001, 0, 1, "[per range line] probability of a brightness jump")
-    jump_sd_db: float = limited(1.0, 0, 10, "[dB] its standard deviation")
+    jump_sd_db: float = limited(1.0, 0, 10, "[dB] standard deviation of brightness jumps")
     saturated_rate: float = limited(
         0.0002, 0, 1, "[per range line] probability of an overloaded receiver"
     )
@@ -180,21 +193,21 @@ class RadarSettings:
 
     @property
     def sub_bin_s(self):
-        """Spacing of the grid on which echoes are drawn [s]."""
+        """Spacing [s] of the grid on which echoes are drawn."""
         return self.bin_size_s / self.n_sub_bins
 
     def __post_init__(self):
         check_settings(self, "radar.")
         most = self.n_range_bins - 100
         check_values("radar.surface_bin with 100 rows below it", self.surface_bin, high=most)
-        # A sample every 1 / bandwidth is the coarsest that holds the response of the sweep.
+        # Samples 1 / bandwidth apart are the coarsest that hold the response of the sweep.
         least = self.bin_size_s * self.bandwidth_hz
         check_values("radar.n_sub_bins that sample the sweep", self.n_sub_bins, least)
 
 
 @dataclass(frozen=True)
 class PickSettings:
-    """Annotation: what can be seen, and what the picker finds."""
+    """Annotation: which layers can be seen, and which the picker finds."""
 
     visible_db: float = limited(
         1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
@@ -232,26 +245,27 @@ class Settings:
     picks: PickSettings = field(default_factory=PickSettings)
 
 
-# Versioned: a changed value is another profile.
+# A profile never changes: other values get another name.
 PROFILES = {"greenland_2012": Settings()}
 
 
 def checked_settings(reference):
-    """Settings from the `reference` section of a configuration.
+    """Settings from the section `reference` of a configuration, a dict of dicts.
 
-    That has dicts `climate`, `firn`, `radar`, `picks`. Missing keys keep their defaults.
-    ValueError, naming the key, if one is unknown or a value out of range.
+    Its keys are `climate`, `firn`, `radar` and `picks`; what is missing keeps its default.
+    ValueError, naming the key, if one is unknown or a value is out of range.
     """
     settings = replaced(Settings(), reference)
-    # The default's holds them, and starts of the workflow are spared what the check imports.
+    # The default's window is large enough (tested), and its check imports an interpolator slowly.
     if settings != Settings():
         check_window(settings)
     return settings
 
 
 def check_window(settings):
-    """ValueError unless the window holds the first year's horizon at its deepest, and room."""
+    """ValueError unless the window holds the youngest horizon at its deepest, and rows below it."""
     climate, radar = settings.climate, settings.radar
+    # Accumulation is largest at the end of the line.
     wettest = place_at(line_length_km(), climate.accumulation_factor)
     water_m = climate.open_year * wettest.accumulation_m
     density = settings.firn.surface_density_kg_m3

@@ -1,7 +1,7 @@
-"""Settings as fields of dataclasses: default, limits, and unit, meaning and source, each once.
+"""Settings as fields of dataclasses, each with its default, its limits, its unit and its meaning.
 
-Limits have the names that JSON Schema gives them. Modules beside this one hold the settings of a
-stage and its recipes; every start of the workflow imports them, so they import no stage.
+Limits have the names that JSON Schema gives them. The modules beside this one hold the settings and
+recipes of one stage each. Every start of the workflow imports them, so they import no stage.
 """
 
 import math
@@ -17,28 +17,28 @@ WORDS = {
 
 
 def setting(default, about, **limits):
-    """A setting with its default, `[unit] meaning, source`, and what JSON Schema says limits it."""
+    """A setting with its default, `[unit] meaning, source`, and limits named as in JSON Schema."""
     return field(default=default, metadata={"about": about, **limits})
 
 
 def limited(default, low=None, high=None, about=""):
-    """A number with its default and its limits; without any it is positive."""
+    """A number with its default and its least and greatest value; without limits it is positive."""
     if low is None:
         return setting(default, about, exclusiveMinimum=0)
     return setting(default, about, minimum=low, maximum=high)
 
 
-def replaced(settings, given, where=""):
-    """Settings with what is given in the place of some, by name; groups of settings alike.
+def replaced(settings, values, where=""):
+    """Settings with some values replaced, a dict by name; a group of settings is a dict in it.
 
     ValueError, naming the setting, if one is unknown or not within its limits.
     """
-    if not isinstance(given, dict):
-        msg = f"{where.rstrip('.') or 'settings'}: expected names with values, got {given!r}"
+    if not isinstance(values, dict):
+        msg = f"{where.rstrip('.') or 'settings'}: expected names with values, got {values!r}"
         raise ValueError(msg)
     known = [each.name for each in fields(settings)]
     changes = {}
-    for name, value in given.items():
+    for name, value in values.items():
         if name not in known:
             msg = f"{where}{name}: unknown key, expected some of {', '.join(known)}"
             raise ValueError(msg)
@@ -50,7 +50,7 @@ def replaced(settings, given, where=""):
 
 
 def check_settings(settings, group=""):
-    """ValueError, naming the setting, unless each is of its kind and within its limits."""
+    """ValueError, naming the setting, unless each has the right type and is within its limits."""
     for each in fields(settings):
         value = getattr(settings, each.name)
         if value is None and type(None) in get_args(each.type):
@@ -62,7 +62,7 @@ def check_settings(settings, group=""):
 
 
 def _expected(value, each):
-    """What a value had to be, in words; None if it is that."""
+    """What the value of a field must be, in words; None if it is valid."""
     limits = each.metadata
     kinds = get_args(each.type) or (each.type,)
     if "enum" in limits:
@@ -82,12 +82,13 @@ def _expected(value, each):
         return "be positive and finite"
     if "minimum" in limits and "maximum" in limits:
         return f"lie in [{limits['minimum']:g}, {limits['maximum']:g}]"
-    said = [f"{words} {limits[name]:g}" for name, words in WORDS.items() if name in limits]
-    return f"be {'an integer' if int in kinds else 'a finite number'} {' and '.join(said)}".rstrip()
+    bounds = [f"{words} {limits[name]:g}" for name, words in WORDS.items() if name in limits]
+    kind = "an integer" if int in kinds else "a finite number"
+    return f"be {kind} {' and '.join(bounds)}".rstrip()
 
 
 def _is_list(value, limits):
-    """Whether a value is a list of as many numbers as there may be, each within the limits."""
+    """Whether a value is a list of numbers that keeps the limits of its length and its numbers."""
     if not isinstance(value, list | tuple):
         return False
     if not limits["minItems"] <= len(value) <= limits.get("maxItems", math.inf):

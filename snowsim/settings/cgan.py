@@ -10,17 +10,14 @@ class Settings:
     """Networks and training of the conditional GAN."""
 
     method: str = setting(
-        "depth",
-        "both networks know depths and how bright layers are; pix2pix: the mask alone, paper",
-        enum=("pix2pix", "depth"),
+        "measured",
+        "networks know depths and how bright PHY expects layers and snow; pix2pix: the mask alone, "
+        "paper",
+        enum=("measured", "pix2pix"),
     )
     width: int = setting(16, "[channels] of the outermost stage; paper scale 64", minimum=1)
     depth: int = setting(5, "[halvings] of the generator; pix2pix: 8", minimum=2, maximum=10)
-    n_strided: int = setting(
-        3, "[halvings] of the discriminator: patches of 70 pixels", minimum=1, maximum=6
-    )
     n_steps: int = setting(2000, "[gradient steps] paper scale: 200 epochs", minimum=1)
-    batch_size: int = setting(1, "[patches]", minimum=1)
     n_range_bins: int | None = setting(
         256,
         "[range bins] of a random crop; null: whole scenes; pix2pix: 256 of scenes resized to 286",
@@ -33,15 +30,6 @@ class Settings:
         0.0005,
         "Adam; constant for half the steps, then linearly to zero; pix2pix: 2e-4, constant",
         exclusiveMinimum=0,
-    )
-    l1_weight: float = setting(100, "paper, eq. (7)", minimum=0)
-    adversarial: str = setting(
-        "bce",
-        "loss: binary cross-entropy; none: the L1 term alone, to learn what the discriminator adds",
-        enum=("bce", "none"),
-    )
-    dropout: float = setting(
-        0.0, "[1] share of values; pix2pix: 0.5, its only noise", minimum=0, exclusiveMaximum=1
     )
     precision: str = setting(
         "bfloat16",
@@ -57,9 +45,6 @@ class Settings:
             msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "
             msg += f"got {sizes[0]} and {sizes[1]}"
             raise ValueError(msg)
-        if self.method == "pix2pix" and self.adversarial == "none":
-            msg = "pix2pix: adversarial must be bce, got none"
-            raise ValueError(msg)
 
 
 PAPER = Settings(
@@ -68,7 +53,6 @@ PAPER = Settings(
     n_range_bins=256,
     n_range_lines=256,
     learning_rate=2e-4,
-    dropout=0.5,
     precision="float32",
 )
 RECIPES = {"measured": Settings(), "paper": PAPER}

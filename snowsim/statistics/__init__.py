@@ -8,16 +8,15 @@ from snowsim.progress import shown
 from snowsim.statistics.doubts import FAR_BINS, looks_like_amplitude, surface_away_bins
 from snowsim.statistics.estimate import ESTIMATORS, estimate
 from snowsim.statistics.speckle import doppler_spectra
-from snowsim.statistics.summaries import merge, summarise, summary_from_dataset, summary_to_dataset
+from snowsim.statistics.summaries import merge, summarise
+from snowsim.statistics.thickness import MINIMUM_BLOCKS
 from snowsim.statistics.varied import Ranges, Variation, changed, varied
-from snowsim.statistics.zones import MINIMUM_BLOCKS
 
 __all__ = ["ESTIMATORS", "Ranges", "Variation", "changed", "doppler_spectra", "estimate", "fit"]
-__all__ += ["merge", "summarise", "summary_from_dataset", "summary_to_dataset", "varied"]
-__all__ += ["warn_of_little"]
+__all__ += ["merge", "summarise", "varied", "warn_of_little"]
 
 
-def fit(frames, *, estimator="deblended", finest_lines=None):
+def fit(frames, *, estimator="deblended"):
     """Statistics of a flight.
 
     Frames are read one at a time, in any order; each leaves a summary of about 0.4 kB per range
@@ -31,8 +30,6 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
     estimator : {"deblended", "paper"}
         `deblended` solves for overlapping layers and noise jointly; `paper` is Yari et al. (2021)
         as printed.
-    finest_lines : float, optional
-        See `estimate`; 32 for picks of a picker that averages 9 range lines.
 
     Returns
     -------
@@ -56,8 +53,8 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
     >>> common = {"climate": climate, "settings": settings}
     >>> frames = (draw_frame(i, 2, 512, **common, rng=np.random.default_rng(i)) for i in range(2))
     >>> statistics = fit(frames, estimator="paper")
-    >>> statistics["thickness_psd"].dims
-    ('zone', 'slab', 'wavenumber')
+    >>> statistics["thickness_mean_bins"].dims
+    ('zone', 'slab')
     >>> statistics.attrs["n_frames"]
     2
     >>> bool(statistics["peak_power"][0] > statistics["peak_power"][1])
@@ -70,7 +67,7 @@ def fit(frames, *, estimator="deblended", finest_lines=None):
         msg = f"layer 0 lies {np.median(far_bins):.0f} range bins from the echogram's Surface in "
         msg += f"{len(far_bins)} of {len(away_bins)} frames: is it the snow surface?"
         warnings.warn(msg, UserWarning, stacklevel=2)
-    statistics = estimate(summary, estimator=estimator, finest_lines=finest_lines)
+    statistics = estimate(summary, estimator=estimator)
     warn_of_little(statistics)
     return statistics
 

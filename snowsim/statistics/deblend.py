@@ -1,61 +1,85 @@
-"""Layers solved for jointly: powers and a shared waveform of eq. (1) on averaged range lines."""
+"""Layers solved for jointly: powers and shared waveforms of eq. (1) on averaged range lines."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dpotrs
+from scipy.linalg.lapack import dposv, dpotrs
+from scipy.ndimage import uniform_filter1d
+from scipy.optimize import least_squares
 
+from snowsim.phy.waveform import waveform_exact, waveform_peak, waveform_width
 from snowsim.progress import shown
-from snowsim.statistics.departures import clustered, departing, lasting_misfit
-from snowsim.statistics.lines import describe, prepare_line, rescale, solve_powers, waveform_columns
-from snowsim.statistics.moments import nan_moments
 from snowsim.statistics.summaries import FIRST_ROW
 
 # Averaged lines per layer to fit its shape: 100 looks each give decay rates to about 1.5 %.
 SHAPE_GROUPS = 60
-# Residuals so many standard deviations above the model have half weight, as of Cauchy's law; those
-# below it keep it.
-CAUCHY = 1.0
+OPEN_END_BINS = 40  # below the pick of a layer without another, where its line ends
+RISE_DEVIATIONS = 7.0  # of its Gaussian: a waveform is cut at 1e-10 of the peak above
+FALL_NEPERS = 12.0  # and below these, by its decay, at 1e-5
+SMOOTH_ROWS = 9  # of the moving mean that the weights follow
+# [bins] e-folding depths of unpicked scatter; sums of them fit most declines.
+BACKGROUND_FALLS = np.array([30.0, 100.0, 1000.0])
+# [per bin] how fast it sets in below the surface: about a waveform's decay.
+BACKGROUND_RISE = 0.1
+# [bins] between two picks from which on snow between them has an echo of its own, halfway.
+ECHO_ROOM = 14.0
+ECHO_VARIANCE = 0.6  # [bins^2] of its Gaussian: about that of the range response
 NORMAL_MEDIAN = 0.6745  # of the magnitude of a standard normal variable
 LEAST_DEVIATION = 1e-6  # of relative residuals, where lines are free of speckle
-CLUSTER_GROUPS = 13  # averaged lines, about a block, within which misfit is taken as constant
-FEWEST_CLUSTERS = 8  # of a flight; a short flight has shorter clusters
-MAX_STEPS = 25
-STEPS_TRIED = 4  # from each start; the better one goes on
-STEPS_ALONE = 6  # with a shape for every layer, to find the misfit that no shape explains
-MAX_ROUNDS = 4  # of letting layers depart from the shared shape
-# Of log decay, log variance and bins: a tenth of the smallest bound asked of them.
-STEP_TOLERANCE = 5e-3
-LONGEST_STEP = np.array([0.5, 0.7, 2.0])
-# [bins^2] starts: of a waveform as narrow as the range response, and of a wide one.
-FIRST_VARIANCES = (0.7, 8.0)
-FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
-# Of log decay and log variance about their start, and of the peak's offset [bins].
-PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])
-# Relative change of the loss: what still moves then, the data do not constrain.
-RESIDUAL_TOLERANCE = 2e-4
+# Of log decay rate, log variance and the peak's offset [bins].
 LOWER = np.array([np.log(2e-3), np.log(0.25), -15.0])
 UPPER = np.array([np.log(2.0), np.log(200.0), 15.0])
-RIDGE = 1e-12  # of the matrix's trace, without which it may be singular
+PRIOR_DEVIATION = np.array([1.0, 1.5, 4.0])  # about their start
+FIRST_DECAY = np.log([0.05, 0.5])  # range of starts, log of per bin
+# [bins^2] starts: of a waveform as narrow as the range response, and of a wide one.
+FIRST_VARIANCES = (0.7, 8.0)
+MISFIT_LAGS = np.arange(-4, 17)  # [bins] from a pick, over which lasting misfit is looked for
+MISFIT_LINES = 10  # averaged lines needed to estimate it
+MOST_STEPS = 3  # between changes of weights
+MOST_ROUNDS = 4  # of weights from residuals, and of layers that depart
+# Of log decay, log variance and bins: a tenth of the smallest bound asked of them.
+SETTLED = 5e-3
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Averaged range lines of a flight with the layers in them."""
+
+    # (group, row), rows from `FIRST_ROW` below the surface; NaN outside the record:
+    power: np.ndarray
+    # (group, layer, part), NaN where absent: equal parts of a layer's lines in order of depth.
+    position: np.ndarray  # mean row
+    spread: np.ndarray  # variance of the rows [bins^2]
+    present: np.ndarray  # (group, layer), bool
+    noise_power: float
+
+
+@dataclass
+class Line:
+    """One averaged line, ready to fit."""
+
+    rows: np.ndarray  # those used, (row,)
+    signal: np.ndarray  # power above noise, (row,)
+    layers: np.ndarray  # numbers of its layers, (layer,)
+    position: np.ndarray  # (layer, part)
+    spread: np.ndarray  # (layer, part)
+    picked: np.ndarray  # (layer,), False for unpicked layers between picked ones
+    background: np.ndarray  # columns of unpicked snow, (column, row)
+    noise_power: float
+    smooth: np.ndarray  # smoothed power, (row,)
+    scale: np.ndarray  # residuals are weighted by 1 / scale^2, (row,)
 
 
 @dataclass(frozen=True)
 class Deblended:
-    """Joint solution for all layers of a flight.
+    """Joint solution for all layers of a flight."""
 
-    The three numbers of a shape are log decay rate, log variance and distance of the waveform's
-    peak below the pick [bins].
-    """
-
-    shape: np.ndarray  # (layer, 3)
-    shape_error: np.ndarray  # standard errors, (layer, 3)
+    decay_rate: np.ndarray  # (layer,) [per bin]
+    variance: np.ndarray  # of the Gaussian, (layer,) [bins^2]
+    offset: np.ndarray  # of the waveform's peak below the pick, (layer,) [bins]
     # Above noise, background and neighbours, (group, layer), NaN where absent:
     powers: np.ndarray
-    # Standard error of their mean, from their scatter and the errors of the shapes, (layer,):
-    power_error: np.ndarray
-    own_shape: np.ndarray  # which layers have a shape of their own, bool (layer,)
-    # The fitted lines with their noise, (group, row), NaN where no row was used:
-    modelled: np.ndarray
+    own_shape: np.ndarray  # which buried layers do not share their shape, bool (layer,)
 
 
 def deblend(groups, decay_rate):
@@ -68,55 +92,41 @@ def deblend(groups, decay_rate):
     eq. (1) of Yari et al. (2021), averaged over the parts of a group: within a part, a layer's rows
     have a variance v_l, which to second order only widens the Gaussian. Powers and
     `Line.background` are free in every group and linear, so they are eliminated (variable
-    projection, Kaufman 1975, BIT 15, 49-57). Decay rate, variance and offset are found by
-    Gauss-Newton steps: one set for the surface, one shared by all buried layers; a layer departs
-    from it only if the Bayesian information criterion favours it, see `departing`. Residuals are
-    weighted by 1 / P^2 because of speckle, and positive ones less (`CAUCHY`), because unpicked
-    echoes only add to the waveforms. A broad prior (`PRIOR_DEVIATION`) holds what the data do not
-    constrain. An unpicked layer between two picked ones is kept as a nuisance at an interpolated
-    row; below the last pick nothing is annotated.
-
-    Standard errors include misfit, which is taken as constant within `CLUSTER_GROUPS` groups, and
-    for each layer along the whole flight (scores are summed by either, and the two variances
-    added).
+    projection, Kaufman 1975, BIT 15, 49-57). A shape - log decay rate, log variance and distance of
+    the waveform's peak below the pick - follows by least squares: one for the surface, one for all
+    buried layers; a layer departs from it only if the Bayesian information criterion favours it,
+    see `departing`. Residuals are weighted by 1 / P^2 because of speckle, and positive ones
+    less, as of Cauchy's law, because unpicked echoes only add to the waveforms. A broad prior
+    (`PRIOR_DEVIATION`) holds what the data do not constrain. An unpicked layer between two picked
+    ones is kept as a nuisance at an interpolated row; below the last pick nothing is annotated.
     """
-    n_groups, n_layers = groups.present.shape
-    prepared = {group: prepare_line(groups, group) for group in _spread_out(groups.present)}
-    prepared = {group: line for group, line in prepared.items() if line is not None}
-    lines = list(prepared.values())
-    cluster_groups = np.clip(n_groups // FEWEST_CLUSTERS, 1, CLUSTER_GROUPS)
-    cluster = np.array(list(prepared)) // cluster_groups
+    lines = [prepare_line(groups, group) for group in _spread_out(groups.present)]
+    lines = [line for line in lines if line is not None]
     # The surface is of kind 0, buried layers are of kind 1 until one departs.
-    kind = np.minimum(np.arange(n_layers), 1)
-    tried = [_solve(start, kind, lines, STEPS_TRIED) for start in _starts(decay_rate, kind)]
-    better = min(tried, key=lambda solution: solution.equations.loss)
-    solution = _solve(better.shape_of_kind, kind, lines, MAX_STEPS)
-    # Misfit that no shape explains is estimated with a shape for every layer.
-    every = np.arange(n_layers)
-    alone = _solve(solution.shape_of_kind[kind], every, lines, STEPS_ALONE)
-    lasting = lasting_misfit(alone.shape_of_kind, lines)
-    for _ in range(MAX_ROUNDS):
-        own = departing(solution.equations, cluster, kind, lasting)
+    kind = np.minimum(np.arange(groups.present.shape[1]), 1)
+    start = np.tile([FIRST_DECAY.mean(), 0.0, 0.0], (kind.max() + 1, 1))
+    for k, shape in enumerate(start):
+        measured = decay_rate[:, kind == k]
+        measured = measured[measured > 0]
+        if measured.size:
+            shape[0] = np.clip(np.log(np.median(measured)), *FIRST_DECAY)
+    starts = [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
+    # A quarter of the lines tells which start is the better one.
+    tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
+    shape, _ = min(tried, key=lambda fitted: fitted[1])
+    shape, _ = _fit_shapes(shape, kind, lines)
+    for _ in range(MOST_ROUNDS):
+        own = departing(shape, kind, lines)
         if not own.any():
             break
-        shared = solution.shape_of_kind[kind[own]]
-        start = np.concatenate([solution.shape_of_kind, shared])
+        shape = np.concatenate([shape, shape[kind[own]]])
         kind = np.where(own, kind.max() + np.cumsum(own), kind)
-        solution = _solve(start, kind, lines, MAX_STEPS)
-    shape = solution.shape_of_kind[kind]
-    covariance = _covariance(solution.equations, cluster, kind)
-    powers, modelled = _powers(shape, groups)
-    scatter = nan_moments(powers).standard_error
-    leverage = solution.equations.leverage
-    by_shape = np.einsum("li,ij,lj->l", leverage, covariance, leverage)
-    return Deblended(
-        shape=shape,
-        shape_error=np.sqrt(np.diag(covariance)).reshape(n_layers, 3),
-        powers=powers,
-        power_error=np.sqrt(scatter**2 + by_shape),
-        own_shape=kind > 1,
-        modelled=modelled,
-    )
+        shape, _ = _fit_shapes(shape, kind, lines)
+    shape = shape[kind]
+    decay_rate, variance = np.exp(shape[:, :2].T)
+    _, height = waveform_peak(variance, decay_rate)
+    powers = _powers(shape, groups) * height / np.sqrt(variance)
+    return Deblended(decay_rate, variance, shape[:, 2], powers, kind > 1)
 
 
 def _spread_out(present):
@@ -128,193 +138,257 @@ def _spread_out(present):
     for layer in reversed(range(present.shape[1])):
         missing = SHAPE_GROUPS - int((chosen & present[:, layer]).sum())
         spare = np.flatnonzero(present[:, layer] & ~chosen)
-        n_taken = min(missing, spare.size)
-        if n_taken > 0:
-            taken = np.linspace(0, spare.size - 1, n_taken).round().astype(int)
-            chosen[spare[taken]] = True
+        n_taken = max(min(missing, spare.size), 0)
+        taken = np.linspace(0, spare.size - 1, n_taken).round().astype(int)
+        chosen[spare[taken]] = True
     return np.flatnonzero(chosen)
 
 
-def _starts(decay_rate, kind):
-    """First guesses (kind, 3): the decay rates of eq. (2), narrow and wide."""
-    start = np.tile([np.mean(FIRST_DECAY), 0.0, 0.0], (kind.max() + 1, 1))
-    for k, shape in enumerate(start):
-        measured = decay_rate[:, kind == k]
-        measured = measured[measured > 0]
-        if measured.size:
-            shape[0] = np.clip(np.log(np.median(measured)), *FIRST_DECAY)
-    return [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
+def prepare_line(groups, group):
+    """The group as `Line`, down to half a slab below its last pick.
 
-
-@dataclass(frozen=True)
-class NormalEquations:
-    """What a Gauss-Newton step needs, at the shapes of all layers."""
-
-    hessian: np.ndarray  # (3 layer, 3 layer)
-    scores: np.ndarray  # gradient of each line, (line, 3 layer)
-    leverage: np.ndarray  # mean change of the powers with the shapes, (layer, 3 layer)
-    deviation: float  # standard deviation of the residuals, from their median
-    loss: float  # mean over the residuals
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Shapes by kind of layer (kind, 3), and the equations of the last step."""
-
-    shape_of_kind: np.ndarray
-    equations: NormalEquations
-
-
-def _solve(start, kind, lines, n_steps):
-    """`Solution` from a start (kind, 3), by Gauss-Newton steps that each reweight the residuals."""
-    for line in lines:
-        line.scale = line.smooth
-    shape = start
-    last = np.inf
-    deviation = np.inf
-    for _ in shown(range(n_steps), unit="step"):
-        equations = _normal_equations(shape[kind], lines, deviation)
-        deviation = equations.deviation
-        step = _step(equations, kind, shape - start)
-        moved = np.clip(shape + step, LOWER, UPPER) - shape
-        shape = shape + moved
-        gained = abs(last - equations.loss)
-        if np.abs(moved).max() < STEP_TOLERANCE or gained < RESIDUAL_TOLERANCE * last:
-            break
-        last = equations.loss
-    return Solution(shape, equations)
-
-
-def _of_kind(kind):
-    """Matrix from shapes by kind to shapes by layer, (3 layer, 3 kind)."""
-    return np.kron(np.eye(kind.max() + 1)[kind], np.eye(3))
-
-
-def _step(equations, kind, departure):
-    """Gauss-Newton step of the shapes (kind, 3), held by a prior about their start."""
-    spread = _of_kind(kind)
-    prior = np.tile(PRIOR_DEVIATION, len(departure))
-    information = equations.deviation**2 / prior**2
-    matrix = spread.T @ equations.hessian @ spread
-    matrix[np.diag_indices_from(matrix)] += information
-    gradient = spread.T @ equations.scores.sum(axis=0) - information * departure.ravel()
-    step = np.linalg.solve(matrix, gradient).reshape(-1, 3)
-    # Scaled as a whole, a step keeps its direction; by kind, so that one bad layer does not slow
-    # the others.
-    excess = (np.abs(step) / LONGEST_STEP).max(axis=1, keepdims=True)
-    return step / np.maximum(1, excess)
-
-
-def _covariance(equations, cluster, kind):
-    """Covariance of the shapes of all layers, (3 layer, 3 layer), misfit included."""
-    spread = _of_kind(kind)
-    by_line = equations.scores @ spread
-    by_cluster = clustered(by_line, cluster)
-    n_clusters = len(by_cluster)
-    # Correlation within clusters, as a mean over shapes: there are too few clusters to estimate it
-    # for each.
-    independent = np.maximum((by_line**2).sum(axis=0), 1e-300)
-    lasting = np.mean((by_cluster**2).sum(axis=0) / independent)
-    inflation = max(lasting * n_clusters / max(n_clusters - 1, 1), 1)
-    by_layer = np.zeros((kind.size, kind.max() + 1, 3))
-    by_layer[np.arange(kind.size), kind] = equations.scores.sum(axis=0).reshape(-1, 3)
-    by_layer = by_layer.reshape(kind.size, -1)
-    scatter = by_line.T @ by_line * inflation + by_layer.T @ by_layer
-    matrix = spread.T @ equations.hessian @ spread
-    matrix[np.diag_indices_from(matrix)] += RIDGE * np.trace(matrix)
-    inverse = np.linalg.inv(matrix)
-    return spread @ inverse @ scatter @ inverse @ spread.T
-
-
-def _normal_equations(shape, lines, deviation):
-    """`NormalEquations` at shapes (layer, 3).
-
-    The residuals' weights follow from the `deviation` of the step before.
+    None without a picked layer to fit.
     """
-    n_layers = len(shape)
-    described = describe(shape)
-    hessian = np.zeros((3 * n_layers, 3 * n_layers))
-    scores = np.zeros((len(lines), 3 * n_layers))
-    leverage = np.zeros((n_layers, 3 * n_layers))
-    n_lines = np.zeros(n_layers)
-    residuals = []
-    for score, line in zip(scores, lines, strict=True):
-        fit = _fit_line(described, line, deviation)
-        layers = line.layers[line.picked]
-        at = (3 * layers[:, None] + np.arange(3)).ravel()
-        hessian[at[:, None], at] += fit.hessian
-        leverage[layers[:, None], at] += fit.leverage
-        n_lines[layers] += 1
-        score[at] = fit.score
-        residuals.append(fit.residual)
-        rescale(line, fit.model)
-    leverage /= np.maximum(n_lines, 1)[:, None]
-    residuals = np.concatenate(residuals)
-    deviation = max(np.median(np.abs(residuals)) / NORMAL_MEDIAN, LEAST_DEVIATION)
-    in_deviations = residuals / (CAUCHY * deviation)
-    above = np.maximum(in_deviations, 0)
-    below = np.maximum(-in_deviations, 0)
-    loss = (np.log1p(above**2) + below**2).mean() * deviation**2
-    return NormalEquations(hessian, scores, leverage, deviation, loss)
-
-
-@dataclass(frozen=True)
-class LineFit:
-    """One line solved for its powers, and what it says of the shapes of its picked layers."""
-
-    model: np.ndarray  # power above noise, (row,)
-    residual: np.ndarray  # over the line's scale, (row,)
-    hessian: np.ndarray  # (3 picked, 3 picked)
-    score: np.ndarray  # (3 picked,)
-    leverage: np.ndarray  # (picked, 3 picked)
-
-
-def _fit_line(described, line, deviation):
-    columns = waveform_columns(described, line, with_slopes=True)
-    linear = np.concatenate([columns[0], line.background])
-    powers, _ = solve_powers(linear, line, line.scale)
-    relative = (line.signal - powers @ linear) / line.scale
-    # Solved again with less weight on residuals above the model.
-    above = np.maximum(relative, 0) / (CAUCHY * deviation)
-    scale = line.scale * np.sqrt(1 + above**2)
-    powers, factor = solve_powers(linear, line, scale)
-    model = powers @ linear
-    left = line.signal - model
-    # Unpicked layers between picks help to explain the line, but at guessed rows do not constrain
-    # their shape.
-    n_layers = line.layers.size
-    slopes = (columns[1:] * powers[:n_layers, None] / scale)[:, line.picked]
-    slopes = slopes.transpose(1, 0, 2).reshape(-1, line.rows.size)
-    mixed = linear / scale @ slopes.T
-    # How the powers follow the shapes: eliminated from the matrix.
-    by_shape = dpotrs(factor, mixed)[0]
-    return LineFit(
-        model=model,
-        residual=left / line.scale,
-        hessian=slopes @ slopes.T - mixed.T @ by_shape,
-        score=slopes @ (left / scale),
-        leverage=-by_shape[:n_layers][line.picked],
+    picked = np.flatnonzero(groups.present[group])
+    if picked.size == 0:
+        return None
+    layers = np.arange(picked[0], picked[-1] + 1)
+    parts = [values[group, picked].T for values in (groups.position, groups.spread)]
+    # Linear between picked layers for those between.
+    position, spread = (
+        np.column_stack([np.interp(layers, picked, part) for part in values]) for values in parts
+    )
+    pick = position.mean(axis=1)
+    below = (pick[-1] - pick[-2]) / 2 if layers.size > 1 else OPEN_END_BINS
+    rows = np.arange(groups.power.shape[1]) + FIRST_ROW
+    used = (rows <= pick[-1] + below) & np.isfinite(groups.power[group])
+    signal = groups.power[group, used].astype(float) - groups.noise_power
+    if signal.size <= 2 * layers.size:
+        return None
+    rows = rows[used]
+    smooth = uniform_filter1d(signal, SMOOTH_ROWS, mode="nearest")
+    smooth = np.maximum(smooth, 0) + groups.noise_power
+    # Unpicked snow has no free shape. Scatterers of density exp(-z / fall) give that exponential
+    # less the waveform's: it keeps a decline that continues below a layer's own decay from being
+    # taken for the layer's. So does an echo halfway between two picks with the power of crusts
+    # there. One is enough: many could stand for a slower decay.
+    depth = np.maximum(rows - (pick[0] if layers[0] == 0 else 0.0), 0)
+    declines = np.exp(-depth / BACKGROUND_FALLS[:, None]) - np.exp(-BACKGROUND_RISE * depth)
+    slab = np.diff(pick)
+    echo = (pick[:-1] + slab / 2)[slab >= ECHO_ROOM]
+    echoes = waveform_exact(rows - echo[:, None], ECHO_VARIANCE, BACKGROUND_RISE)
+    return Line(
+        rows=rows,
+        signal=signal,
+        layers=layers,
+        position=position,
+        spread=spread,
+        picked=np.isin(layers, picked),
+        background=np.concatenate([declines, echoes]),
+        noise_power=groups.noise_power,
+        smooth=smooth,
+        scale=smooth,
     )
 
 
-def _powers(shape, groups):
-    """Peak powers of all groups, (group, layer), NaN where a layer was not picked.
+def _fit_shapes(start, kind, lines, n_rounds=MOST_ROUNDS):
+    """Shapes by kind of layer (kind, 3) from a start, and their loss."""
+    shape = start
+    slopes_of = {}
 
-    And their lines as first fitted, (group, row), with the noise, in the rows the fit used; NaN
-    elsewhere.
+    def residuals(unknown):
+        parts = [separate(unknown.reshape(-1, 3)[kind], kind, line) for line in lines]
+        departure = (unknown - start.ravel()) / prior
+        slopes_of["last"] = np.concatenate([part[1].T for part in parts] + [np.diag(1 / prior)])
+        return np.concatenate([part[0] for part in parts] + [departure])
+
+    deviation, loss = _weigh(shape[kind], lines)
+    for _ in shown(range(n_rounds), unit="round"):
+        prior = np.tile(PRIOR_DEVIATION, len(start)) / deviation
+        # Where shapes change, the residuals of all lines were evaluated last.
+        solution = least_squares(
+            residuals,
+            np.clip(shape, LOWER + SETTLED, UPPER - SETTLED).ravel(),
+            lambda _: slopes_of["last"],
+            bounds=(np.tile(LOWER, len(start)), np.tile(UPPER, len(start))),
+            xtol=SETTLED / 4,
+            ftol=1e-5,
+            max_nfev=MOST_STEPS,
+        )
+        moved = np.abs(solution.x.reshape(-1, 3) - shape).max()
+        shape = solution.x.reshape(-1, 3)
+        deviation, loss = _weigh(shape[kind], lines)
+        if moved < SETTLED:
+            break
+    return shape, loss
+
+
+def _weigh(shape, lines):
+    """Set the scale of lines by residuals; their standard deviation and mean loss.
+
+    The scale is larger where power is above the model by more than the deviation: Cauchy's weights.
     """
+    relative = []
+    for line in lines:
+        _, model = _explained(shape, line)
+        relative.append((line.signal - model) / line.scale)
+    together = np.concatenate(relative)
+    deviation = max(np.median(np.abs(together)) / NORMAL_MEDIAN, LEAST_DEVIATION)
+    for line, residual in zip(lines, relative, strict=True):
+        line.scale = line.scale * np.hypot(1, np.maximum(residual, 0) / deviation)
+    above = np.log1p(np.maximum(together / deviation, 0) ** 2)
+    below = np.minimum(together / deviation, 0) ** 2
+    return deviation, (above + below).mean() * deviation**2
+
+
+def _explained(shape, line):
+    """Powers of a line's columns, and the power that they explain, without one-sided weights.
+
+    Sets the line's scale to the mean power expected, never below the smoothed one.
+    """
+    waveforms = waveform_columns(shape, line, with_slopes=False)
+    columns = np.concatenate([waveforms[0], line.background])
+    for _ in range(2):
+        powers, _ = solve_powers(columns, line)
+        model = powers @ columns
+        line.scale = np.maximum(model + line.noise_power, line.smooth)
+    return powers, model
+
+
+def separate(shape, kind, line):
+    """Weighted residuals of a line (row,), and their slopes by the shapes of kinds (3 kind, row).
+
+    At shapes (layer, 3), by kind of layer, with powers eliminated from both. Unpicked layers
+    between picks help to explain the line, but at guessed rows do not constrain their shape.
+    """
+    columns = waveform_columns(shape, line)
+    linear = np.concatenate([columns[0], line.background])
+    powers, factor = solve_powers(linear, line)
+    residual = (line.signal - powers @ linear) / line.scale
+    slopes = np.zeros((kind.max() + 1, 3, line.rows.size))
+    for i in np.flatnonzero(line.picked):
+        slopes[kind[line.layers[i]]] -= powers[i] * columns[1:, i] / line.scale
+    slopes = slopes.reshape(-1, line.rows.size)
+    linear = linear / line.scale
+    return residual, slopes - dpotrs(factor, linear @ slopes.T)[0].T @ linear
+
+
+def solve_powers(columns, line):
+    """Least-squares powers of the columns of a line, (column,).
+
+    And the upper Cholesky factor of the normal matrix.
+    """
+    weighted = columns / line.scale
+    normal = weighted @ weighted.T
+    # Coincident layers cannot be separated: 1e-9 of the diagonal keeps the matrix invertible, far
+    # below the noise.
+    diagonal = np.einsum("ii->i", normal)  # a view
+    diagonal *= 1 + 1e-9
+    diagonal += 1e-300
+    # SciPy's own checks cost as much as the solution.
+    factor, powers, refused = dposv(normal, weighted @ (line.signal / line.scale))
+    assert not refused, "the normal matrix is positive definite"
+    return powers, factor
+
+
+def waveform_columns(shape, line, *, with_slopes=True):
+    """Waveforms of a line for shapes (layer, 3), and their slopes by these, (4, layer, row).
+
+    A waveform is that of eq. (1) for a Gaussian of unit area but for a constant, wide enough for
+    the spread of its part. With Gaussian g, ``dw/dx = g - a w`` and ``dw/da = -((x - a d) w + d
+    g)``; ``dw/dd = w'' / 2``, as the Gaussian obeys the heat equation. By w' = 0 the peak moves
+    with a and d; shapes hold its place, since one held at the Gaussian's would be a curved valley.
+    """
+    log_decay, log_variance, offset = shape[line.layers].T
+    decay, variance = np.exp(log_decay), np.exp(log_variance)
+    peak, _ = waveform_peak(variance, decay)
+    lag = line.rows - (line.position.T + offset - peak)[:, :, None]
+    wide = variance[:, None] + line.spread.T[:, :, None]
+    reach = RISE_DEVIATIONS * np.sqrt(wide)
+    reached = (lag > -reach) & ((lag - reach) * decay[:, None] < FALL_NEPERS)
+    # From here on only the samples that the waveform reaches, of all parts and layers.
+    part, layer, _ = np.nonzero(reached)
+    lag, wide = lag[reached], wide[part, layer, 0]
+    decay, variance, peak = decay[layer], variance[layer], peak[layer]
+    wave = waveform_exact(lag, wide, decay)
+    columns = np.zeros((4 if with_slopes else 1, *reached.shape))
+    columns[0, reached] = wave / np.sqrt(wide)
+    if not with_slopes:
+        return columns.mean(axis=1)
+    gaussian = np.exp(-(lag**2) / (2 * wide))
+    along = gaussian - decay * wave
+    by_decay = -((lag - decay * wide) * wave + wide * gaussian)
+    bend = -lag / wide * gaussian - decay * along
+    peak_by_decay = -variance * (1 - decay * peak) / peak
+    peak_by_variance = (peak**2 - variance + decay * variance * peak) / (2 * peak)
+    by_decay = decay * by_decay + along * peak_by_decay
+    by_variance = variance * bend / 2 + along * peak_by_variance
+    columns[1:, reached] = [by_decay, by_variance, -along] / np.sqrt(wide)
+    return columns.mean(axis=1)
+
+
+def departing(shape, kind, lines):
+    """Buried layers whose residuals favour a shape of their own, bool (layer,).
+
+    ``s' B^-1 s`` is what a layer gains by its own shape: s its score at the shared one, the sum
+    over lines, and B its variance: the squares of the lines' scores, and what unpicked echoes that
+    last along track add to it, see `_lasting`. The Bayesian information criterion requires 3 log(n)
+    of n lines.
+    """
+    every = np.arange(kind.size)
+    scores = np.zeros((len(lines), kind.size, 3))
+    hessian = np.zeros((kind.size, 3, 3))
+    profiles = [[] for _ in every]
+    for score, line in zip(scores, lines, strict=True):
+        residual, slopes = separate(shape[kind], every, line)
+        slopes = slopes.reshape(-1, 3, line.rows.size)
+        score[:] = slopes @ residual
+        hessian += slopes @ slopes.swapaxes(1, 2)
+        for i in np.flatnonzero(line.picked):
+            layer = line.layers[i]
+            rows = np.rint(line.position[i].mean()) + MISFIT_LAGS
+            at = np.searchsorted(line.rows, rows)
+            if at[-1] < line.rows.size and (line.rows[at] == rows).all():
+                profiles[layer].append(np.vstack([residual[at], slopes[layer][:, at]]))
+    log_decay, log_variance, _ = shape[-1]
+    width = waveform_width(np.exp(log_variance), np.exp(log_decay))
+    n_lines = scores.any(axis=2).sum(axis=0)
+    variance = np.einsum("lki,lkj->kij", scores, scores)
+    variance += (n_lines * _lasting(profiles) * width)[:, None, None] * hessian
+    score = scores.sum(axis=0)[:, :, None]
+    gain = (score * (np.linalg.pinv(variance) @ score)).sum(axis=(1, 2))
+    return (kind == 1) & (gain > 3 * np.log(np.maximum(n_lines, 2)))
+
+
+def _lasting(profiles):
+    """Variance of misfit that lasts along track, of a row in the lines' scale.
+
+    From residuals and slopes at `MISFIT_LAGS` (4, lag) of each layer's lines. It is what mean
+    residuals have beyond a layer's own shape and a constant, which one-sided weights leave, and
+    beyond chance; the median over layers. Such misfit is as wide as a waveform.
+    """
+    left, chance = [0.0], [0.0]
+    n_free = MISFIT_LAGS.size - 4
+    for profile in map(np.array, profiles):
+        if len(profile) < MISFIT_LINES:
+            continue
+        residual, *slopes = profile.mean(axis=0)
+        basis = np.linalg.qr(np.transpose([*slopes, np.ones(MISFIT_LAGS.size)]))[0]
+        beyond = residual - basis @ (basis.T @ residual)
+        chance.append(profile[:, 0].var(axis=0, ddof=1).mean() / len(profile))
+        left.append((beyond**2).sum() / n_free - chance[-1])
+    # Of the mean over layers, by two standard deviations.
+    uncertain = 2 * np.mean(chance) * np.sqrt(2 / n_free / len(left))
+    return max(np.median(left) - uncertain, 0.0)
+
+
+def _powers(shape, groups):
+    """Powers of `waveform_columns` in all groups, (group, layer), NaN where not picked."""
     powers = np.full(groups.present.shape, np.nan)
-    modelled = np.full(groups.power.shape, np.nan)
-    described = describe(shape)
     for group in shown(range(len(powers)), unit="averaged line"):
         line = prepare_line(groups, group)
         if line is None:
             continue
-        columns = np.concatenate([waveform_columns(described, line), line.background])
-        first, _ = solve_powers(columns, line, line.scale)
-        model = first @ columns
-        modelled[group, line.rows - FIRST_ROW] = model + groups.noise_power
-        rescale(line, model)
-        second, _ = solve_powers(columns, line, line.scale)
-        powers[group, line.layers] = second[: line.layers.size]
-    return np.where(groups.present, powers, np.nan), modelled
+        solved, _ = _explained(shape, line)
+        powers[group, line.layers] = solved[: line.layers.size]
+    return np.where(groups.present, powers, np.nan)

@@ -3,23 +3,22 @@
 Fading of layers along track.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import betaincinv
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
 from snowsim.rounding import rounded
-from snowsim.statistics.blocks import BLOCK_LINES
-from snowsim.statistics.moments import SPECTRUM_BITS, TO_THE_LAST_DIGITS, decibels
-from snowsim.statistics.summaries import GROUP_LINES, stacked
+from snowsim.statistics.moments import TO_THE_LAST_DIGITS, decibels
+from snowsim.statistics.summaries import GROUP_LINES
 
 MOST_LOOKS = 1e6  # stands for power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
 MINIMUM_PAIRS = 10_000  # of bins in the air at every lag: they give a correlation to 0.01
 TAIL = np.array([0.001, 0.002, 0.005])
 QUANTILES = np.concatenate([TAIL, np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
+SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
 # Fading: autocovariance of power in dB, extrapolated from lags of one line and more to zero.
 # Of power on a pick that must be the layer's own, or noise and tails hide its fading.
@@ -29,19 +28,55 @@ ALL_LAGS = np.append(0, FADING_LAGS)
 FEWEST_BLOCKS = 4
 
 
-@dataclass(frozen=True)
-class Looks:
-    """Looks that fit tracked power, and its quantiles beside those of the law."""
+def tracked_by_group(summary, n_layers):
+    """Power under the picks of whole groups, (group, layer, line of the group), NaN in gaps."""
+    n_lines, n_groups = summary["n_lines"].values, summary["n_groups"].values
+    line = np.arange(n_lines.sum()) - np.repeat(n_lines.cumsum() - n_lines, n_lines)
+    in_group = line < np.repeat(n_groups * GROUP_LINES, n_lines)
+    tracked = summary["tracked_power"].values[in_group, :n_layers].astype(float)
+    return tracked.reshape(-1, GROUP_LINES, n_layers).swapaxes(1, 2)
 
-    n_looks: float
-    standard_error: float
-    probability: np.ndarray
-    tracked_quantile: np.ndarray
-    gamma_quantile: np.ndarray
+
+def looks(summary, n_layers):
+    """Variables of speckle, and the looks that fit tracked power.
+
+    `tracked_power_quantile` and `gamma_quantile (probability)`, see `compare_with_gamma`;
+    `speckle_correlation (speckle_lag)`, see `range_correlation`; and along-track spectra of
+    detected power under the picks, for files without phase, `detected_power_spectrum_layer_1` and
+    `_layer_mean (wavenumber)`, on average over layers 1 to `SPECTRUM_LAYERS`: density of power over
+    its block mean, about the mean, over its own mean: 1 everywhere where lines are independent.
+    Blocks with a gap are left out for that layer, and a spectrum without a block.
+    """
+    n_looks, tracked_quantile, gamma_quantile = compare_with_gamma(
+        tracked_by_group(summary, n_layers)
+    )
+    correlation = range_correlation(summary["air_products"].values, summary["air_pairs"].values)
+    variables = {
+        "tracked_power_quantile": ("probability", tracked_quantile),
+        "gamma_quantile": ("probability", gamma_quantile),
+        "speckle_correlation": ("speckle_lag", correlation),
+    }
+    tracked = summary["tracked_power"].values.astype(float)
+    blocks = np.array([tracked[lines].T for lines, _ in whole_blocks(summary)])
+    spectra = {}
+    for layer in range(1, min(SPECTRUM_LAYERS + 1, tracked.shape[1]) if blocks.size else 1):
+        power = blocks[:, layer]
+        power = power[np.isfinite(power).all(axis=1) & (power > 0).any(axis=1)]
+        relative = power / power.mean(axis=1, keepdims=True)
+        density = np.abs(np.fft.rfft(relative)[:, 1:]) ** 2
+        if density.any():
+            mean = density.mean(axis=0)
+            spectra[layer] = np.append(0, mean / mean.mean())
+    if 1 in spectra:
+        variables["detected_power_spectrum_layer_1"] = "wavenumber", spectra[1]
+    if spectra:
+        mean = np.mean(list(spectra.values()), axis=0)
+        variables["detected_power_spectrum_layer_mean"] = "wavenumber", mean
+    return variables, n_looks
 
 
 def compare_with_gamma(tracked):
-    """`Looks` of tracked power.
+    """Looks that fit tracked power, its quantiles, and those of the law, at `QUANTILES`.
 
     `tracked (group, layer, line of the group)` is linear, NaN in gaps; only layers picked in every
     line of a group count, and fewer than two are refused. Yari et al. (2021) call tracked peak
@@ -55,64 +90,45 @@ def compare_with_gamma(tracked):
     check_count(f"groups of {GROUP_LINES} lines without gaps in a layer", len(whole), 2)
     ratio = whole / whole.mean(axis=1, keepdims=True)
     others = GROUP_LINES - 1
-    by_group = ratio.var(axis=1)
-    error = by_group.std(ddof=1) / np.sqrt(len(by_group))
     # Without speckle the variance is rounding alone; the law is then a single value.
-    variance = max(by_group.mean(), others / (GROUP_LINES * MOST_LOOKS + 1))
+    variance = max(ratio.var(axis=1).mean(), others / (GROUP_LINES * MOST_LOOKS + 1))
     n_looks = max(others / variance - 1, 1e-3) / GROUP_LINES
-    return Looks(
-        n_looks,
-        standard_error=others / variance**2 * error / GROUP_LINES,
-        probability=QUANTILES,
-        tracked_quantile=np.quantile(ratio, QUANTILES),
-        gamma_quantile=GROUP_LINES * betaincinv(n_looks, others * n_looks, QUANTILES),
-    )
+    law = GROUP_LINES * betaincinv(n_looks, others * n_looks, QUANTILES)
+    return n_looks, np.quantile(ratio, QUANTILES), law
 
 
-@dataclass(frozen=True)
-class RangeCorrelation:
-    """Autocorrelation of speckle down range, its standard error, and its source."""
+def range_correlation(products, pairs):
+    """Autocorrelation of speckle down range (speckle_lag,), from power in the air.
 
-    correlation: np.ndarray  # (speckle_lag,), from lag 0
-    standard_error: np.ndarray
-    source: str
-
-
-def range_correlation(summary):
-    """`RangeCorrelation` of power in the air.
-
-    Noise and echoes pass the same range response, so speckle has the correlation of noise.
-    Subtracting means leaves an offset that is the same at every lag, read off lags from
-    `SPECKLE_LAGS` on. The error is from the scatter of groups. With fewer than `MINIMUM_PAIRS`
+    From sums of products and numbers of pairs (group, air_lag). Noise and echoes pass the same
+    range response, so speckle has the correlation of noise. Subtracting means leaves an offset that
+    is the same at every lag, read off lags from `SPECKLE_LAGS` on. With fewer than `MINIMUM_PAIRS`
     pairs at a lag, as in few images, or without speckle, bins are taken as independent: zero from
-    lag 1 on, without an error; the source says ``none``.
+    lag 1 on.
     """
-    products = stacked(summary, "air_products").astype(float)
-    pairs = stacked(summary, "air_pairs").astype(float)
     n_pairs = pairs.sum(axis=0)
-    if n_pairs.min() < MINIMUM_PAIRS:
-        return _independent(f"fewer than {MINIMUM_PAIRS} pairs of range bins in the air")
-    covariance = products.sum(axis=0) / n_pairs
+    covariance = products.sum(axis=0) / np.maximum(n_pairs, 1)
     common = covariance[SPECKLE_LAGS:].mean()
     variance = covariance[0] - common
-    if variance < 1 / MOST_LOOKS:
-        return _independent("no speckle in the air")
-    correlation = (covariance[:SPECKLE_LAGS] - common) / variance
-    # What each group adds to the estimate, linearised: to covariances, then to their ratio.
-    by_group = (products - covariance * pairs) / n_pairs
-    offset = by_group[:, SPECKLE_LAGS:].mean(axis=1, keepdims=True)
-    by_group = by_group[:, :SPECKLE_LAGS] - offset
-    by_group = (by_group - correlation * by_group[:, :1]) / variance
-    n_groups = int((pairs[:, -1] > 0).sum())
-    squares = (by_group**2).sum(axis=0)
-    error = np.sqrt(squares * n_groups / max(n_groups - 1, 1))
-    return RangeCorrelation(correlation, error, "air")
+    if n_pairs.min() < MINIMUM_PAIRS or variance < 1 / MOST_LOOKS:
+        return np.eye(1, SPECKLE_LAGS)[0]
+    return (covariance[:SPECKLE_LAGS] - common) / variance
 
 
-def _independent(reason):
-    """Range bins that share no speckle."""
-    independent = np.eye(1, SPECKLE_LAGS)[0]
-    return RangeCorrelation(independent, np.zeros(SPECKLE_LAGS), f"none: {reason}")
+def whole_blocks(summary):
+    """Slices of range lines and of groups of every whole block of all frames, a list of pairs."""
+    blocks = []
+    first_line = first_group = 0
+    frames = zip(summary["n_lines"].values, summary["n_groups"].values, strict=True)
+    for n_lines, n_groups in frames:
+        for start in range(0, n_lines - BLOCK_LINES + 1, BLOCK_LINES):
+            line = first_line + start
+            group = first_group + start // GROUP_LINES
+            last_group = min(group + BLOCK_LINES // GROUP_LINES, first_group + n_groups)
+            blocks.append((slice(line, line + BLOCK_LINES), slice(group, last_group)))
+        first_line += n_lines
+        first_group += n_groups
+    return blocks
 
 
 def doppler_spectra(amplitude, layer_bins, line_spacing_m):
@@ -138,122 +154,60 @@ def doppler_spectra(amplitude, layer_bins, line_spacing_m):
     return wavenumber, rounded(spectra[0], SPECTRUM_BITS), rounded(mean, SPECTRUM_BITS)
 
 
-def detected_power_spectra(summary):
-    """Along-track spectrum of detected power under the picks, for files without phase.
+def fading_products(summary, powers):
+    """Products of dB power along track by lag, (surface or buried, lag, 2).
 
-    Two (wavenumber,) or None, of layer 1 and on average over layers 1 to `SPECTRUM_LAYERS`: power
-    spectral density of power over its block mean, about the mean, over its own mean [1]: 1
-    everywhere where lines are independent. Blocks with a gap are left out for that layer; None
-    where no block is whole.
+    Sums and numbers. From tracked power in whole blocks, about its mean, and powers (group, layer)
+    above noise and neighbours. Noise and tails do not
+    fade with a layer: blocks in which it has less than `CLEAR_SHARE` of the power on its picks are
+    left out; in the others, products at lags of one and more are divided by the square of that
+    share.
     """
-    first, spectra = None, []
-    n_layers = max(len(frame.tracked_power) for frame in summary)
-    for layer in range(1, min(SPECTRUM_LAYERS + 1, n_layers)):
-        frames = [frame for frame in summary if len(frame.tracked_power) > layer]
-        blocks = np.concatenate([_whole_blocks(frame.tracked_power[layer]) for frame in frames])
-        relative = blocks / blocks.mean(axis=1, keepdims=True)
-        density = np.abs(np.fft.rfft(relative)[:, 1:]) ** 2
-        if not density.any():
-            continue
-        mean = density.mean(axis=0)
-        spectrum = np.append(0, mean / mean.mean())
-        spectra.append(spectrum)
-        first = spectrum if layer == 1 else first
-    return first, np.mean(spectra, axis=0) if spectra else None
-
-
-def _whole_blocks(power):
-    """Blocks of power (range_line,) without gaps, float64 (block, line of the block)."""
-    n_blocks = power.size // BLOCK_LINES
-    blocks = power[: n_blocks * BLOCK_LINES].reshape(n_blocks, BLOCK_LINES).astype(float)
-    return blocks[np.isfinite(blocks).all(axis=1) & (blocks > 0).any(axis=1)]
-
-
-def fading_products(summary, powers, frame_of):
-    """Products of dB power along track by lag.
-
-    By (frame, surface or buried, lag 0 and others, sum and weights). From whole blocks of tracked
-    power about their mean, without gaps. Noise and tails do not fade with a layer: blocks in which
-    it has less than `CLEAR_SHARE` of the power on its picks are left out; in the others, products
-    at lags of one and more are divided by the square of that share. The last weight is the sum of
-    those squares.
-    """
-    products = np.zeros((len(summary), 2, ALL_LAGS.size, 3))
-    groups_in_block = BLOCK_LINES // GROUP_LINES
-    for i, frame in enumerate(summary):
-        of_frame = powers[frame_of == i]
-        n_lines = frame.tracked_power.shape[1]
-        for layer in range(min(len(frame.tracked_power), powers.shape[1])):
-            interface = min(layer, 1)
-            for start in range(0, n_lines - BLOCK_LINES + 1, BLOCK_LINES):
-                tracked = frame.tracked_power[layer, start : start + BLOCK_LINES].astype(float)
-                first = start // GROUP_LINES
-                own = of_frame[first : first + groups_in_block, layer]
-                products[i, interface] += _block_products(tracked, own)
+    products = np.zeros((2, ALL_LAGS.size, 2))
+    all_tracked = summary["tracked_power"].values
+    for lines, groups in whole_blocks(summary):
+        own = powers[groups]
+        for layer in np.flatnonzero(np.isfinite(own).any(axis=0)):
+            tracked = all_tracked[lines, layer].astype(float)
+            known = tracked > 0
+            if 2 * known.sum() < BLOCK_LINES:
+                continue
+            share = np.nanmean(own[:, layer]) / tracked[known].mean()
+            if share < CLEAR_SHARE:
+                continue
+            power_db = decibels(tracked)
+            deviation = np.where(known, power_db - power_db[known].mean(), 0)
+            square = min(share, 1.0) ** 2
+            for row, lag in zip(products[min(layer, 1)], ALL_LAGS, strict=True):
+                product = deviation[: BLOCK_LINES - lag] @ deviation[lag:]
+                n = (known[: BLOCK_LINES - lag] & known[lag:]).sum()
+                row += [product / (square if lag else 1), n]
     return products
-
-
-def _block_products(tracked, own):
-    """Products of one layer in one block by lag, (lag, sum and weights).
-
-    They are 0 where its fading is not seen.
-    """
-    known = tracked > 0
-    seen = np.isfinite(own)
-    if 2 * known.sum() < BLOCK_LINES or not seen.any():
-        return 0.0
-    share = np.nanmean(own) / tracked[known].mean()
-    if share < CLEAR_SHARE:
-        return 0.0
-    power_db = decibels(tracked)
-    deviation = np.where(known, power_db - power_db[known].mean(), 0)
-    square = min(share, 1.0) ** 2
-    products = np.empty((ALL_LAGS.size, 3))
-    for row, lag in zip(products, ALL_LAGS, strict=True):
-        product = deviation[: BLOCK_LINES - lag] @ deviation[lag:]
-        n = (known[: BLOCK_LINES - lag] & known[lag:]).sum()
-        row[:] = product / (square if lag else 1), n, n * square
-    return products
-
-
-@dataclass(frozen=True)
-class Fading:
-    """Standard deviation, 1/e length and exponent of fading, and nugget.
-
-    By default there is none.
-    """
-
-    fading_spread_db: float = 0.0
-    fading_length_lines: float = 1.0
-    fading_exponent: float = 1.0
-    fading_nugget_db2: float = 0.0
 
 
 def fading(products, speckle):
-    """`Fading` of one kind of interface, from its products by lag (lag, sum and weights).
+    """Standard deviation [dB], 1/e length [lines] and exponent of fading, (3,), or NaN.
 
-    ``C(h) = s^2 exp(-(h / l)^p)`` at lags of one line and more, less what subtracting a block's
-    mean removes: at lag h twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i,
-    less its mean over all n lines of a block. The excess at lag 0 is the nugget: speckle.
+    Of one kind of interface, from its products by lag (lag, sum and number). ``C(h) = s^2 exp(-(h
+    / l)^p)`` at lags of one line and more, less what subtracting a block's mean removes: at lag h
+    twice the mean of ``c_i = sum_j C(i - j) / n`` over the pairs' lines i, less its mean over all n
+    lines of a block. The excess at lag 0 is `speckle` [dB^2].
     """
-    total, n, n_clear = products.T
+    total, n = products.T
     if n.min() < BLOCK_LINES * FEWEST_BLOCKS or total[0] <= 0:
-        return Fading(np.nan, np.nan, np.nan, np.nan)
+        return np.full(3, np.nan)
     covariance = total / n
 
-    def expected(parameters):
+    def misfit(parameters):
         variance, length = np.exp(parameters[:2])
-        exponent = parameters[2]
-        shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** exponent))
+        shape = np.exp(-((np.arange(1, BLOCK_LINES) / length) ** parameters[2]))
         kernel = variance * np.insert(shape, 0, 1.0)
         above = np.cumsum(kernel)
         with_mean = (above + above[::-1] - kernel[0]) / BLOCK_LINES
         below = np.cumsum(with_mean[::-1])[::-1]
         removed = 2 * below[ALL_LAGS] / (BLOCK_LINES - ALL_LAGS) - with_mean.mean()
-        return kernel[ALL_LAGS] - removed - speckle / BLOCK_LINES
-
-    def misfit(parameters):
-        return (expected(parameters) - covariance)[1:] * np.sqrt(n[1:] / n[1])
+        expected = kernel[ALL_LAGS] - removed - speckle / BLOCK_LINES
+        return (expected - covariance)[1:] * np.sqrt(n[1:] / n[1])
 
     lower = [np.log(1e-4), 0.0, 0.3]
     upper = [np.log(1e3), np.log(4.0 * BLOCK_LINES), 2.0]
@@ -261,10 +215,4 @@ def fading(products, speckle):
     guess = np.clip(guess, lower, upper)
     fit = least_squares(misfit, guess, bounds=(lower, upper), **TO_THE_LAST_DIGITS)
     log_variance, log_length, exponent = fit.x
-    explained = expected(fit.x)[0] * n_clear[0] / n[0]
-    return Fading(
-        fading_spread_db=np.exp(log_variance / 2),
-        fading_length_lines=np.exp(log_length),
-        fading_exponent=exponent,
-        fading_nugget_db2=covariance[0] - explained,
-    )
+    return np.array([np.exp(log_variance / 2), np.exp(log_length), exponent])

@@ -3,98 +3,74 @@
 import numpy as np
 
 from snowsim.constants import BLOCK_LINES
-from snowsim.statistics.blocks import (
-    for_trends,
-    on_wavenumbers,
-    periodogram,
-    rises,
-    taper_of,
-    without_noise,
-)
+from snowsim.statistics.moments import mean_where
 
 # Of the steps that whole-bin levelling makes, above which a product is taken to do so.
-ROUNDED_SHARE = 0.5
-# Of the fraction; the next adds less than 1 / 300 of its variance.
-HARMONICS = np.arange(1, 9)[:, None]
+LEVELLED_SHARE = 0.5
+LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
+LAGS = 2 ** np.arange(8)  # [range lines]
+LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)  # [range lines] of the slow error
 
 
-def surface_statistics(summary, minimum):
-    """Statistics of the surface's row in stretches without gaps.
+def surface_statistics(summary):
+    """Three numbers of the surface's row, name to (dimensions, values).
 
-    By name (dimensions, values), with standard errors. A product levels the aircraft's movement m
-    in whole bins, which leaves ``m - round(m)``; a slow error comes on top. As increments of m
-    change by less than half a bin per line, they are those of the row less whole bins:
-    `surface_movement_psd (wavenumber)` is their spectrum. `surface_fraction` is the number of
-    whole-bin steps over the number that rounding such a movement makes: 1 if a product does so,
-    else 0. `surface_psd (wavenumber)` is that of the slow error about its trend, less the
-    fraction's, `surface_trend_variance_bins2` the variance of the trend.
+    A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow
+    error comes on top, of standard deviation `surface_error_bins` and Gaussian correlation
+    ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. of m from one
+    range line to the next, 0 where a product does not level in whole bins.
     """
     whole = []
     for frame in summary:
         n_blocks = frame.surface_bins.size // BLOCK_LINES
         whole.append(frame.surface_bins[: n_blocks * BLOCK_LINES])
-    blocks = np.concatenate(whole).astype(float).reshape(-1, 1, BLOCK_LINES)
-    rows = for_trends(blocks, minimum)[:, 0]
-    rows = rows[np.isfinite(rows).all(axis=1)]
-    step = np.diff(rows, axis=1)
-    movement = _movement(step)
-    jumps = np.abs(np.rint(step - movement)).sum(axis=1)
-    expected = np.sqrt(2 / np.pi * (movement**2).mean()) * movement.shape[1]
-    rise2 = rises(rows) ** 2 * (BLOCK_LINES / rows.shape[1])
-    values = {
-        "surface_fraction": jumps / expected if expected > 0 else 0 * jumps,
-        "surface_movement_psd": _density(movement[:, 1:]),
-        "surface_psd": _density(rows),
-        "surface_trend_variance_bins2": rise2,
+    rows = np.concatenate(whole).astype(float).reshape(-1, BLOCK_LINES)
+    movement = _movement(rows[np.isfinite(rows).all(axis=1)])
+    steps = [rows[:, lag:] - rows[:, :-lag] for lag in LAGS]
+    change = np.array([mean_where(np.isfinite(step), step**2, axis=None) for step in steps])
+    left = LEVELLED_CHANGE * (movement > 0)
+    deviation, length_lines = _slow_error(change, left)
+    spacing_m = float(np.median([frame.line_spacing_m for frame in summary]))
+    return {
+        "surface_error_bins": ((), deviation),
+        "surface_error_length_m": ((), length_lines * spacing_m),
+        "surface_movement_bins": ((), movement),
     }
-    result = {}
-    for name, part in values.items():
-        dims = ("wavenumber",) if part.ndim == 2 else ()
-        error = part.std(axis=0) / np.sqrt(max(len(part) - 1, 1))
-        result[name] = dims, part.mean(axis=0)
-        result[f"{name}_standard_error"] = dims, error
-    if result["surface_fraction"][1] > ROUNDED_SHARE:
-        dims, density = result["surface_psd"]
-        result["surface_psd"] = dims, without_noise(density, fraction_density(movement))
-    return result
 
 
-def _movement(step):
-    """Increments of the aircraft's movement (stretch, line), from those of the row.
+def _slow_error(change, left):
+    """Deviation and length of an error that changes by `change` (lag,), less what levelling left.
 
-    Those of the row less whole bins, see `surface_statistics`.
+    By least squares of relative residuals; the length is one of `LENGTHS`.
     """
+    known = np.flatnonzero(change > 0)
+    if known.size == 0:
+        return 0.0, 1.0
+    measured = change[known]
+    shape = 2 * (1 - np.exp(-((LAGS[known] / LENGTHS[:, None]) ** 2))) / measured
+    target = 1 - left / measured
+    product = np.maximum((shape * target).sum(axis=1), 0)
+    square = (shape**2).sum(axis=1)
+    best = (product**2 / square).argmax()
+    return np.sqrt(product[best] / square[best]), LENGTHS[best]
+
+
+def _movement(rows):
+    """R.m.s. movement between range lines that was levelled in whole bins; 0 if none was.
+
+    Increments of the movement change by less than half a bin per line: they are those of the row
+    (block, range_line) less whole bins, and rounding such a movement makes as many steps.
+    """
+    step = np.diff(rows, axis=1)
+    if step.size == 0:
+        return 0.0
     first = step[:, :1] - np.rint(step[:, :1])
     bend = np.diff(step, axis=1)
     change = np.cumsum(bend - np.rint(bend), axis=1)
     movement = np.concatenate([first, first + change], axis=1)
     # Moving every line by whole bins does not change the fraction.
-    return movement - np.rint(movement.mean(axis=1, keepdims=True))
-
-
-def _density(series):
-    return on_wavenumbers(periodogram(series, tapered=True), BLOCK_LINES)
-
-
-def fraction_density(movement):
-    """Expected tapered density of ``m - round(m)`` at a block's wavenumbers.
-
-    From increments of m (stretch, line). The fraction is ``sum_n (-1)^(n+1) sin(2 pi n m) / (pi
-    n)``; where m wanders over bins its covariance is ``sum_n exp(-2 pi^2 n^2 D) / (2 pi^2 n^2)``
-    with D the structure function of m, taken as Gaussian.
-    """
-    row = np.cumsum(np.pad(movement, [(0, 0), (1, 0)]), axis=1)
-    n_lines = row.shape[1]
-    structure = np.zeros(n_lines)
-    for lag in range(1, n_lines):
-        structure[lag] = ((row[:, lag:] - row[:, :-lag]) ** 2).mean()
-    rate = 2 * np.pi**2 * HARMONICS**2
-    taper, _ = taper_of(n_lines)
-    overlap = np.correlate(taper, taper, "full")[n_lines - 1 :] / (taper @ taper)
-    covariance = (np.exp(-rate * structure) / rate).sum(axis=0) * overlap
-    wavenumber = np.arange(n_lines // 2 + 1) / n_lines
-    turns = np.cos(2 * np.pi * np.outer(wavenumber, np.arange(1, n_lines)))
-    density = 2 * (covariance[0] + 2 * turns @ covariance[1:])
-    density[0] = 0
-    density[-1] /= 2
-    return on_wavenumbers(density, BLOCK_LINES)
+    movement -= np.rint(movement.mean(axis=1, keepdims=True))
+    n_steps = np.abs(np.rint(step - movement)).sum()
+    rms = np.sqrt((movement**2).mean())
+    levelled = n_steps > LEVELLED_SHARE * np.sqrt(2 / np.pi) * rms * movement.size
+    return rms if levelled else 0.0

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from snowsim.echogram import check_choice
+from snowsim.limits import check_statistics
 from snowsim.seeding import generator
 
 # By which power of the factor of thickness, and of pulse length, a statistic grows.
@@ -13,10 +14,13 @@ OF_THICKNESS = {
     "first_thickness_quantile_bins": 1,
     "thickness_mean_bins": 1,
     "thickness_variance_bins2": 2,
-    "thickness_trend_variance_bins2": 2,
+    "relief_variance_bins2": 2,
+    "slab_change_bins2": 2,
     "thickness_psd": 2,
     "further_spacing_bins": 1,
 }
+# Of these, each estimator has its own.
+OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd")
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
     "width_bins": 1,
@@ -123,8 +127,8 @@ def varied(statistics, *, rng, ranges=None):
     line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What
     no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
     and the distance of range lines. What label sets and PHY read changes consistently: a factor of
-    thickness moves means, zones and spectra alike. Neglected: numbers of layers, powers of layers
-    relative to the surface, fading and texture stay the flight's, and so do, in range bins, the
+    thickness moves means, zones and relief alike. Neglected: numbers of layers, powers of layers
+    relative to the surface and fading stay the flight's, and so do, in range bins, the
     depths over which the power of unpicked snow falls and the movement of the surface. Correlation
     of speckle follows the size of bins, not the pulse. Statistics that nothing is drawn from, as
     measured waveforms, stay, too.
@@ -145,7 +149,7 @@ def varied(statistics, *, rng, ranges=None):
     Raises
     ------
     ValueError
-        If the statistics lack thickness, waveforms or noise.
+        If the statistics lack thickness, waveforms or noise, or are of an earlier version.
 
     Examples
     --------
@@ -163,6 +167,7 @@ def varied(statistics, *, rng, ranges=None):
 
 def changed(statistics, variation):
     """Statistics of a flight changed by a `Variation`; ValueError where they lack what changes."""
+    check_statistics(statistics)
     thickness = variation.thickness / variation.bin_size
     pulse_length = variation.pulse_length / variation.bin_size
     factors = {name: thickness**power for name, power in OF_THICKNESS.items()}
@@ -172,7 +177,10 @@ def changed(statistics, variation):
     factors["background_power"] = 10 ** (variation.background_db / 10)
     new = {}
     for name, factor in factors.items():
-        new |= _scaled(statistics, name, factor)
+        if name in OF_ONE_ESTIMATOR and name not in statistics:
+            continue
+        check_choice("a flight statistic", name, list(map(str, statistics.variables)))
+        new[name] = statistics[name].copy(data=statistics[name].values * factor)
     gain_db = variation.line_gain_spread_db
     # Statistics of images hold neither gain nor correlation.
     if gain_db is not None and "line_gain_spread_db" in statistics:
@@ -186,17 +194,6 @@ def changed(statistics, variation):
     if variation.n_looks is not None:
         attributes["n_looks"] = variation.n_looks
     return statistics.assign(new).assign_attrs(attributes)
-
-
-def _scaled(statistics, name, factor):
-    """A statistic times a factor, and its standard error where that has its unit, by name."""
-    check_choice("a flight statistic", name, list(map(str, statistics.variables)))
-    values = statistics[name]
-    scaled = {name: values.copy(data=values.values * factor)}
-    error = f"{name}_standard_error"
-    if error in statistics and statistics[error].attrs.get("units") == values.attrs.get("units"):
-        scaled[error] = statistics[error].copy(data=statistics[error].values * factor)
-    return scaled
 
 
 def _stretched(correlation, variation):

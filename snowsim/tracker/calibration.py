@@ -1,4 +1,4 @@
-"""How sure a tracker may be: two numbers and a threshold, fitted on fully annotated scenes."""
+"""Calibration of a tracker on fully annotated scenes: offset, temperature and threshold."""
 
 from dataclasses import dataclass
 
@@ -11,17 +11,16 @@ from snowsim.limits import check_count
 from snowsim.metrics.edges import THRESHOLDS, match_counts, score, suppress
 from snowsim.tracker.network import check_image
 
-WITHIN_BINS = 2.0  # of a layer a pick is a hit
-LEAST_PROBABILITY = 0.02  # of a pixel that may be a pick, before calibration
+WITHIN_BINS = 2.0  # distance to a layer within which a pick is a hit
+LEAST_PROBABILITY = 0.02  # probability, before calibration, from which on a pixel may be a pick
 N_CLASSES = 10  # of the reliability curve
-# Of the offset, and of the logarithm of the temperature.
-LIMITS = (-10.0, 10.0)
-LOG_LIMITS = (-2.3, 2.3)
+OFFSET_LIMITS = (-10.0, 10.0)
+LOG_TEMPERATURE_LIMITS = (-2.3, 2.3)
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """What annotated scenes say of a network: probabilities, a threshold, and what they are worth.
+    """How to read the logits of a network, and its scores on the scenes that showed this.
 
     Attributes
     ----------
@@ -29,11 +28,11 @@ class Calibration:
         The probability of a layer is ``sigmoid((logit - offset) / temperature)``. The loss makes
         layers weigh as much as background, so that logits are too high: the offset takes that back.
     threshold : float
-        Of the probability, with the best F of the scenes, `snowsim.metrics.edges.score`.
+        Probability with the best F on the scenes, see `snowsim.metrics.edges.score`.
     ods, ois, ap : float
-        Its scores.
+        Scores on the scenes.
     deviation : float
-        Largest difference of the reliability curve, `Reliability.deviation`.
+        Largest difference between probability and share of hits, `Reliability.deviation`.
     """
 
     offset: float
@@ -45,13 +44,13 @@ class Calibration:
     deviation: float
 
     def probability(self, logits):
-        """Probability of a layer, of logits of any shape."""
+        """Probability of a layer from logits, an array of their shape."""
         return expit((np.asarray(logits, dtype=float) - self.offset) / self.temperature)
 
 
 @dataclass(frozen=True, eq=False)
 class Ridges:
-    """Pixels that may be picks: their logits, and whether each lies near a layer, both (pixel,)."""
+    """Pixels that may be picks: their logits, and whether each is a hit, both (pixel,)."""
 
     logits: np.ndarray
     hits: np.ndarray
@@ -59,24 +58,24 @@ class Ridges:
 
 @dataclass(frozen=True, eq=False)
 class Reliability:
-    """Mean probability, share of hits and number of pixels in even classes, (class,) each.
+    """Mean probability, share of hits and number of pixels in classes of probability, (class,).
 
-    NaN in a class without pixels.
+    Probability and share are NaN in a class without pixels.
     """
 
-    said: np.ndarray
-    seen: np.ndarray
+    probability: np.ndarray
+    hit_share: np.ndarray
     n_pixels: np.ndarray
 
     @property
     def deviation(self):
-        """Largest difference of what is said and seen, in classes of a hundredth of the pixels."""
+        """Largest difference between both, over classes that hold a hundredth of the pixels."""
         filled = 100 * self.n_pixels >= self.n_pixels.sum()
-        return float(np.abs(self.said - self.seen)[filled].max())
+        return float(np.abs(self.probability - self.hit_share)[filled].max())
 
 
 def fused_logits(network, image):
-    """Fused logits of an image of uint8, float32 (range_bin, range_line), without calibration."""
+    """Fused logits of a uint8 image before calibration, float32 (range_bin, range_line)."""
     check_image(image)
     device = next(network.parameters()).device
     with torch.inference_mode():
@@ -85,9 +84,9 @@ def fused_logits(network, image):
 
 
 def calibrate(logits, scenes):
-    """`Calibration` of a network by its `fused_logits` of scenes whose every layer is annotated.
+    """Calibrate a network by its `fused_logits` of scenes in which every layer is annotated.
 
-    ValueError if there is no scene, or nothing that may be a pick.
+    ValueError if no pixel may be a pick.
     """
     ridges = ridges_of(logits, scenes)
     offset, temperature = fit_logistic(ridges)
@@ -106,7 +105,7 @@ def calibrate(logits, scenes):
 
 
 def edge_scores(probability, scenes):
-    """`snowsim.metrics.edges.score` of fused maps of probability of some scenes."""
+    """`snowsim.metrics.edges.score` of maps of probability of some scenes."""
     counts = [
         match_counts(suppress(each), scene.mask(), THRESHOLDS, where=scene.name)
         for each, scene in zip(probability, scenes, strict=True)
@@ -114,8 +113,8 @@ def edge_scores(probability, scenes):
     return score(counts, THRESHOLDS)
 
 
-def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
-    """`Ridges` of the fused logits (range_bin, range_line) of scenes with every layer annotated."""
+def ridges_of(logits, scenes):
+    """`Ridges` of fused logits (range_bin, range_line) of scenes with every layer annotated."""
     found = []
     near = []
     for each, scene in zip(logits, scenes, strict=True):
@@ -123,13 +122,13 @@ def ridges_of(logits, scenes, *, within_bins=WITHIN_BINS):
         distance = np.abs(scene.layer_bins[:, line] - row)
         nearest = np.where(np.isfinite(distance), distance, np.inf).min(axis=0, initial=np.inf)
         found.append(each[row, line].astype(float))
-        near.append(nearest <= within_bins)
+        near.append(nearest <= WITHIN_BINS)
     check_count("picks to calibrate on", sum(hits.size for hits in near))
     return Ridges(np.concatenate(found), np.concatenate(near))
 
 
 def fit_logistic(ridges):
-    """Offset and temperature by which ``sigmoid((logit - offset) / T)`` makes hits most likely.
+    """Offset and temperature T for which ``sigmoid((logit - offset) / T)`` makes hits most likely.
 
     Platt (1999), Advances in Large Margin Classifiers, 61-74.
     """
@@ -139,17 +138,18 @@ def fit_logistic(ridges):
         offset, log_temperature = parameters
         return np.logaddexp(0, sign * (ridges.logits - offset) * np.exp(-log_temperature)).mean()
 
-    # Where all are hits, or none, the best offset lies at infinity: limits keep it finite.
-    found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=[LIMITS, LOG_LIMITS])
+    # If all pixels are hits, or none is, the best offset lies at infinity: limits keep it finite.
+    limits = [OFFSET_LIMITS, LOG_TEMPERATURE_LIMITS]
+    found = minimize(surprise, np.zeros(2), method="L-BFGS-B", bounds=limits)
     offset, log_temperature = found.x
     return float(offset), float(np.exp(log_temperature))
 
 
 def reliability(probability, hits):
-    """`Reliability` of the probabilities of some pixels, (pixel,), given which are hits."""
-    place = np.minimum((probability * N_CLASSES).astype(int), N_CLASSES - 1)
-    n_pixels = np.bincount(place, minlength=N_CLASSES)
-    some = np.where(n_pixels > 0, n_pixels, np.nan)
-    said = np.bincount(place, weights=probability, minlength=N_CLASSES) / some
-    seen = np.bincount(place, weights=hits, minlength=N_CLASSES) / some
-    return Reliability(said, seen, n_pixels)
+    """`Reliability` of the probabilities of some pixels and whether each is a hit, (pixel,)."""
+    number = np.minimum((probability * N_CLASSES).astype(int), N_CLASSES - 1)
+    n_pixels = np.bincount(number, minlength=N_CLASSES)
+    n_or_nan = np.where(n_pixels > 0, n_pixels, np.nan)
+    mean_probability = np.bincount(number, weights=probability, minlength=N_CLASSES) / n_or_nan
+    hit_share = np.bincount(number, weights=hits, minlength=N_CLASSES) / n_or_nan
+    return Reliability(mean_probability, hit_share, n_pixels)

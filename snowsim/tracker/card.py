@@ -1,4 +1,4 @@
-"""The card of a tracker: what it was trained for and within, in terms that a reader understands."""
+"""The card of a tracker: its input and output, what it was trained on, its limits and scores."""
 
 import numpy as np
 
@@ -25,12 +25,12 @@ def make_card(
     limits,
     confidence=None,
 ):
-    """Card of a tracker with its `Calibration`, as a dict of what JSON holds.
+    """Card of a tracker with its `Calibration`, a dict that JSON can hold.
 
-    `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of the scenes it was trained on, or of
-    most of them; `ranges` span them, (least, most) by name and unit, `scores` are those of unseen
-    flights, `confidence` the coefficients of `snowsim.picking.confidence`, None: those of the
-    package. What else is not known is None.
+    `bin_s` [s], `line_spacing_m` [m] and `n_looks` are those of most scenes it was trained on;
+    `ranges` gives the (least, most) of all scenes by name and unit. `scores` are those on unseen
+    flights. `confidence` has the coefficients of `snowsim.picking.confidence`; with None the
+    package's own apply. Other arguments are None where they are not known.
     """
     card = {
         "name": name,
@@ -55,12 +55,15 @@ def make_card(
 
 
 def ranges_of(statistics, ranges):
-    """What `snowsim.statistics.varied` scenes of a flight span, (least, most) by name and unit."""
+    """Ranges of `snowsim.statistics.varied` scenes of a flight, (least, most) by name and unit.
+
+    `ranges` are the `snowsim.statistics.Ranges` that these scenes are drawn from.
+    """
     edges = statistics["zone_edge_bins"].values
     width_bins = float(statistics["width_bins"].values[0])
     surface_db = 10 * np.log10(float(statistics["peak_power"][0] / statistics["noise_power"]))
     quietest, loudest = ranges.noise_db
-    # Two standard deviations from place to place.
+    # Two standard deviations of the spread from place to place.
     spread_db = 2 * float(statistics["surface_to_noise_spread_db"])
     weakest_db = surface_db - loudest - spread_db
     strongest_db = surface_db - quietest + spread_db
@@ -75,9 +78,9 @@ def ranges_of(statistics, ranges):
     rounded = {name: [round(float(value), 1) for value in span] for name, span in spans.items()}
     shortest, longest = ranges.pulse_length
     bin_s = statistics.attrs["bin_size_s"]
-    # Range bins are brought to those of the training: a pulse shown in fewer bins was in it.
+    # Images are resampled to the range bins of the training, which saw pulses of as many bins.
     rounded["bin_s"] = [float(f"{bin_s / longest:.3g}"), float(f"{bin_s / shortest:.3g}")]
-    # Lines nearer to each other are averaged.
+    # Closer range lines are averaged, so that there is no least spacing.
     farthest_m = ranges.line_spacing[1] * float(statistics.attrs["line_spacing_m"])
     rounded["line_spacing_m"] = [0.0, round(farthest_m, 1)]
     return rounded

@@ -1,4 +1,4 @@
-"""The loss of the tracker: class-balanced cross-entropy, of the pixels that picks tell of."""
+"""The loss of the tracker: class-balanced cross-entropy over pixels whose class is known."""
 
 import numpy as np
 import torch
@@ -6,18 +6,17 @@ from torch.nn import functional
 
 from snowsim.echogram import layer_mask
 
-# So far a picked layer wanders along a gap; half the least first layer of the paper.
+# How far a picked layer may wander along a gap: half of the thinnest first layer in the paper.
 REACH_BINS = 8.0
 
 
-def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
-    """Where the picks of a scene tell layers from background, bool (`n_range_bins`, range_line).
+def annotated_pixels(scene, layer_bins, n_range_bins):
+    """Pixels whose class the picks of a scene tell, bool (`n_range_bins`, range_line).
 
-    Unknown is what lies within `reach_bins` of the continuation of a picked layer across its gaps
-    (straight between picks, level beyond the first and the last), and all deeper than the deepest
-    pick or continuation by more than that. A layer between two picked ones that has no pick at all
-    goes unnoticed. `layer_bins` (layer, range_line) are the scene's, scaled or not; a scene without
-    `complete_layer_bins` is known everywhere.
+    A picked layer is continued across its gaps, linearly between picks and level beyond the first
+    and the last. Pixels within `REACH_BINS` of a continuation are unknown, and so are all deeper
+    than the deepest pick or continuation by more than that. A layer without any pick, between two
+    that have some, counts as background. A scene without `complete_layer_bins` is known everywhere.
     """
     known = np.ones((n_range_bins, layer_bins.shape[1]), dtype=bool)
     if scene.complete_layer_bins is None:
@@ -30,25 +29,26 @@ def annotated_pixels(scene, layer_bins, n_range_bins, reach_bins=REACH_BINS):
         if not picked.any():
             continue
         continued = np.interp(lines, lines[picked], layer[picked])
-        known &= picked | (np.abs(bins - continued) > reach_bins)
+        known &= picked | (np.abs(bins - continued) > REACH_BINS)
         deepest = np.maximum(deepest, continued)
-    known &= bins <= deepest + reach_bins
-    # A pick is known even where it lies near the gap of another layer.
+    known &= bins <= deepest + REACH_BINS
+    # A pick counts even where it lies near the gap of another layer.
     return known | layer_mask(layer_bins, n_range_bins)
 
 
 def cost_of_logits(logits, layer):
-    """Cross-entropy of each pixel, ``log(1 + exp((1 - 2 y) z))`` for y of 0 or 1."""
+    """Cross-entropy of each pixel of logit z and class y, 0 or 1: ``log(1 + exp((1 - 2 y) z))``."""
     return functional.softplus((1 - 2 * layer) * logits.float())
 
 
 def balanced_cross_entropy(logits, masks, known=None, *, layer_share=None, cost=cost_of_logits):
-    """Class-balanced cross-entropy of each output, summed over pixels, mean of images, (output,).
+    """Class-balanced cross-entropy of each output, a sum over pixels and mean of images, (output,).
 
-    `logits` (output, patch, 1, range_bin, range_line), `masks` and, optionally, `known` of bool
-    (patch, range_bin, range_line): pixels that count. Layers weigh by the share of background,
-    background by that of layers: Xie & Tu (2015), ICCV, eq. (2), by `layer_share` in every image,
-    or if None by the image's own. `cost` gives ``-y log s(z) - (1 - y) log(1 - s(z))``.
+    `logits` are (output, patch, 1, range_bin, range_line), `masks` bool (patch, range_bin,
+    range_line). If `known`, of the same shape, is given, only its pixels count. Layers are weighted
+    by the share of background and background by the share of layers: Xie & Tu (2015), ICCV, eq.
+    (2). That share is `layer_share` in every image, or each image's own if None. `cost` is the
+    cross-entropy of each pixel, ``-y log s(z) - (1 - y) log(1 - s(z))``.
     """
     layer = masks[:, None].float()
     counts = torch.ones_like(layer) if known is None else known[:, None].float()
@@ -56,5 +56,5 @@ def balanced_cross_entropy(logits, masks, known=None, *, layer_share=None, cost=
         n_pixels = counts.sum(dim=(1, 2, 3), keepdim=True)
         layer_share = (layer * counts).sum(dim=(1, 2, 3), keepdim=True) / n_pixels
     weight = counts * torch.where(masks[:, None], 1 - layer_share, layer_share)
-    # A product of matrices: nothing of the size of `logits` is made but the cost.
+    # As a product of matrices it needs no array of the size of `logits` but the cost.
     return cost(logits, layer).flatten(1) @ weight.flatten() / masks.shape[0]

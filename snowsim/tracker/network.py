@@ -1,6 +1,6 @@
 """The multi-scale network, and tracking with it.
 
-A VGG16-shaped encoder with a side output per stage, and their fusion.
+It is an encoder shaped like VGG16 with a side output at each stage, and a fusion of these.
 """
 
 import numpy as np
@@ -11,18 +11,19 @@ from torch.nn import functional
 from snowsim.patches import to_signed
 from snowsim.training import arithmetic
 
-# Channels in units of the width, and number of convolutions: VGG16.
+# Channels, as multiples of the width, and number of convolutions of each stage, as in VGG16.
 STAGES = ((1, 2), (2, 2), (4, 3), (8, 3), (8, 3))
 
 
 class MultiScaleNetwork(nn.Module):
-    """Maps of layer logits at five scales and fused, from one image; `width` is 64 as published.
+    """Maps of layer logits at five scales, and fused, from one image; `width` is 64 as published.
 
-    Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16 without its
-    classifier and without batch normalisation, a 1x1 convolution on each stage, brought to the size
-    of the image, a 1x1 convolution over the five. Pooling keeps odd edges (ceil mode); what is then
-    too large by up to 15 pixels is cut, so that pixel (0, 0) stays where it is at any image size.
-    Not published: `n_averaged` range lines may be averaged first; maps are then as much wider.
+    The network of Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67(261): VGG16
+    without its classifier and without batch normalisation; a 1x1 convolution on each stage, whose
+    map is enlarged to the image; and a 1x1 convolution over the five maps. Pooling keeps odd edges
+    (ceil mode), and enlarged maps are cut on the right and below, so that pixel (0, 0) stays in its
+    place at any image size. Not published: `n_averaged` range lines may be averaged first, for
+    which maps are enlarged as well.
     """
 
     def __init__(self, width=64, n_averaged=1):
@@ -54,12 +55,12 @@ class MultiScaleNetwork(nn.Module):
             factors = (2**number, 2**number * self.n_averaged)
             logits.append(self.enlarged(side(x).float(), factors, image.shape[2:]))
         sides = torch.stack(logits)
-        # The 1x1 convolution, over maps that are stacked and not side by side.
+        # The 1x1 convolution as a product, since maps are stacked in front and not as channels.
         fused = torch.tensordot(self.fuse.weight.flatten(), sides, 1).float() + self.fuse.bias
         return torch.cat([sides, fused[None]])
 
     def averaged(self, image):
-        """Images of which every `n_averaged` range lines are one; the last may be of fewer."""
+        """Images with every `n_averaged` range lines averaged; the last mean may have fewer."""
         if self.n_averaged == 1:
             return image
         size = (1, self.n_averaged)
@@ -67,19 +68,16 @@ class MultiScaleNetwork(nn.Module):
 
     @staticmethod
     def to_input(images):
-        """Float32 (patch, 1, range_bin, range_line) of a stack of images of uint8."""
+        """Input of the network, float32 (patch, 1, range_bin, range_line), from uint8 images."""
         return to_signed(images)
 
     @staticmethod
     def enlarged(logit, factors, size):
-        """A side map as many times as large, about pixel centres, cut on the right and below."""
+        """A side map enlarged by `factors` about pixel centres, then cut to the image's `size`."""
         return enlarge(logit, factors)[:, :, : size[0], : size[1]]
 
     def initialise(self, *, rng):
-        """Draw the weights.
-
-        He et al. (2015) for the stages, N(0, 0.01) for the sides, a mean for the fuse.
-        """
+        """Draw the weights: stages as He et al. (2015), sides N(0, 0.01); the fuse is a mean."""
         with torch.no_grad():
             for name, parameter in self.named_parameters():
                 if name.endswith("bias"):
@@ -94,7 +92,7 @@ class MultiScaleNetwork(nn.Module):
 
 
 def enlarge(x, factors, *, align_corners=False):
-    """Maps (patch, 1, row, column) as many times as high and wide, bilinear."""
+    """Maps (patch, 1, row, column), bilinearly enlarged by `factors` (row, column)."""
     if factors == (1, 1):
         return x
     scale = tuple(float(factor) for factor in factors)
@@ -106,8 +104,9 @@ def enlarge(x, factors, *, align_corners=False):
 def track(network, image, *, precision="float32"):
     """Probability of a layer by each of `OUTPUTS`, float32 (output, range_bin, range_line).
 
-    `network` is that of a training, `image` uint8 (range_bin, range_line) of any size; ValueError
-    if it has no contrast. `precision` is that of the arithmetic, `float32` or `bfloat16`.
+    `network` is one that `trained_network` gives, `image` uint8 (range_bin, range_line) of any
+    size; ValueError if it has no contrast. `precision` is that of the arithmetic, `float32` or
+    `bfloat16`.
     """
     image = np.asarray(image)
     check_image(image)

@@ -1,4 +1,4 @@
-"""The network as ONNX, which runs without torch, and read back."""
+"""Networks written as ONNX, which runs without torch, and read from it."""
 
 import copy
 import io
@@ -14,9 +14,8 @@ from snowsim.training import load_weights
 
 INPUT = "image"
 OUTPUT = "logit"
-# That the export is traced with; any other goes, too.
-TRACED_SHAPE = (1, 1, 64, 48)
-PREFIX = "network."  # of names of weights
+TRACED_SHAPE = (1, 1, 64, 48)  # of the image that the export runs; the network takes any other
+PREFIX = "network."  # of names of weights in the file
 
 
 class FusedLogits(nn.Module):
@@ -34,9 +33,9 @@ class FusedLogits(nn.Module):
 def to_onnx(network, offset=0.0):
     """A `MultiScaleNetwork` as ONNX (bytes): the same network always gives the same bytes.
 
-    Input ``image``, float32 (n, 1, range_bin, range_line) of any size: ``2 / 255 * grey - 1`` of an
-    image of uint8, as `snowsim.patches.to_signed`. Output ``logit``, of the same shape: the fused
-    logits less `offset`, which the bias of the fuse takes in.
+    The input ``image``, float32 (n, 1, range_bin, range_line) of any size, is ``2 / 255 * grey -
+    1`` of a uint8 image, see `snowsim.patches.to_signed`. The output ``logit``, of the same shape,
+    are the fused logits less `offset`, which is subtracted from the bias of the fuse.
     """
     sizes = {0: "n", 2: "range_bin", 3: "range_line"}
     content = io.BytesIO()
@@ -44,7 +43,7 @@ def to_onnx(network, offset=0.0):
     with torch.no_grad():
         network.fuse.bias -= offset
     with warnings.catch_warnings():
-        # The exporter that scripts a network is old, but the new one fixes sizes.
+        # torch warns that this exporter is old, but the new one would fix the size of images.
         warnings.simplefilter("ignore")
         torch.onnx.export(
             FusedLogits(network),
@@ -60,19 +59,19 @@ def to_onnx(network, offset=0.0):
 
 
 def network_of_onnx(content):
-    """The `MultiScaleNetwork` in what `to_onnx` gave (bytes); its bias holds the offset.
+    """The `MultiScaleNetwork` that `to_onnx` wrote (bytes); the offset stays in its bias.
 
-    ValueError where this is no such network.
+    ValueError if the bytes are no such network.
     """
     try:
         model = onnx.load_model_from_string(content)
-    except Exception as error:  # of protobuf, which has several
+    except Exception as error:  # protobuf has several kinds
         msg = f"expected a network as ONNX, cannot be read: {error}"
         raise ValueError(msg) from error
     held = {each.name: numpy_helper.to_array(each).copy() for each in model.graph.initializer}
     n_averaged = 1
     for node in model.graph.node:
-        # Weights that are equal are kept once.
+        # The file holds equal weights once.
         if node.op_type == "Identity" and node.input[0] in held:
             held[node.output[0]] = held[node.input[0]]
         if node.op_type == "AveragePool":
@@ -80,7 +79,7 @@ def network_of_onnx(content):
             n_averaged = sizes["kernel_shape"][1]
     expected = MultiScaleNetwork(1).state_dict().keys()
     weights = {name: held[PREFIX + name] for name in expected if PREFIX + name in held}
-    # Of a file without weights, a network of one channel, which they do not fit.
+    # For a file without weights it is 1, and the error below names the first one missing.
     width = len(weights.get("stages.0.0.bias", [0]))
     network = MultiScaleNetwork(width, n_averaged)
     load_weights(network, weights, "tracker")

@@ -1,6 +1,7 @@
-"""The published tracker: network, copies of scenes, loss and updates of its code.
+"""The tracker as published: network, copies of scenes, loss and updates of its code.
 
-github.com/BinaLab/MultiScale: Rahnemoonfar, Yari, Paden, Koenig & Ibikunle (2021), J. Glaciol. 67.
+The code is github.com/BinaLab/MultiScale, the paper Rahnemoonfar, Yari, Paden, Koenig & Ibikunle
+(2021), J. Glaciol. 67.
 """
 
 import numpy as np
@@ -15,12 +16,13 @@ from snowsim.tracker.sampling import copy_shown
 from snowsim.training import arithmetic
 
 MOMENTUM = 0.9
-# Rate multipliers of the last stage, the sides and the fuse; biases have twice their weights' rate,
-# and no decay, but for those of the last stage, where the key is misspelt.
+# Factors of the learning rate of the last stage, the sides and the fuse. Biases learn at twice the
+# rate of their weights and do not decay. In the last stage they do: the published code misspells
+# the key that should prevent it.
 MULTIPLIERS = {"stages.4": 100.0, "sides": 0.01, "fuse": 0.001}
 DECAYING_BIASES = "stages.4"
-# Mean grey level that the published code takes off: its means of red, green and blue, weighted as
-# for luminance.
+# Grey level that the published code subtracts: its means of red, green and blue, weighted as for
+# luminance.
 MEAN_GREY = 0.299 * 104.00698793 + 0.587 * 116.66876762 + 0.114 * 122.67891434
 
 
@@ -35,10 +37,10 @@ class PublishedNetwork(MultiScaleNetwork):
 
     @staticmethod
     def enlarged(logit, factors, size):
-        """A side map as many times as large, corners on corners, and the middle of it."""
+        """The middle part, of `size`, of a side map enlarged by `factors`, corners on corners."""
         logit = enlarge(logit, factors, align_corners=True)
         n_rows, n_lines = size
-        # Half a pixel goes to the even one, as Python rounds.
+        # Python rounds half a pixel to the even one, as the published code does.
         top = round((logit.shape[2] - n_rows) / 2)
         left = round((logit.shape[3] - n_lines) / 2)
         return logit[:, :, top : top + n_rows, left : left + n_lines]
@@ -51,17 +53,17 @@ class PublishedNetwork(MultiScaleNetwork):
                 if name.startswith("fuse"):
                     parameter.fill_(0 if is_bias else 1 / len(STAGES))
                     continue
-                if not is_bias:  # a bias follows its weights, and has their number of inputs
+                if not is_bias:  # a bias comes after its weights and has the same number of inputs
                     n_inputs = parameter[0].numel()
                 drawn = rng.uniform(-1, 1, tuple(parameter.shape)) / np.sqrt(n_inputs)
                 parameter.copy_(torch.from_numpy(drawn.astype(np.float32)))
 
 
 def published_optimiser(network, settings):
-    """Stochastic gradient descent with one group per rate and decay.
+    """Stochastic gradient descent with one group for each rate and decay.
 
-    A call a group costs more than the step of a small network. ValueError for settings of what
-    copies of whole scenes cannot be.
+    Groups are few because each costs a call, which takes longer than the step of a small network.
+    ValueError for settings that do not apply to copies of whole scenes.
     """
     cut = settings.n_range_bins or settings.n_range_lines
     if settings.batch_size > 1 or cut or settings.mask_unannotated:
@@ -84,14 +86,14 @@ def published_optimiser(network, settings):
 
 
 def published_rate(settings, n_updates, epoch):
-    """Rate, of the highest, of the update after so many others and so many whole epochs."""
+    """Rate relative to the highest, after `n_updates` updates and `epoch` whole epochs."""
     if settings.n_epochs_per_tenth is not None:
         return 0.1 ** (epoch // settings.n_epochs_per_tenth)
     return 0.1 ** (n_updates // settings.n_steps_per_tenth)
 
 
 def copy_at(step, scenes, settings, seed):
-    """The scene of a gradient, whole, and its mask, as stacks of one.
+    """Image and mask of the copy of a whole scene that a gradient is taken of, as stacks of one.
 
     An epoch shows every scene once at each scale and once mirrored, in random order.
     """
@@ -103,17 +105,18 @@ def copy_at(step, scenes, settings, seed):
 
 
 def cost_of_probabilities(logits, layer):
-    """Cross-entropy of each pixel: probabilities are float32, logarithms cut at -100."""
+    """Cross-entropy of each pixel from float32 probabilities; logarithms are cut at -100."""
     probability = torch.sigmoid(logits.float())
     truth = layer.expand_as(probability)
     return functional.binary_cross_entropy(probability, truth, reduction="none")
 
 
 def published_gradient(training, scenes):
-    """Add the gradient of the next copy, and update when enough are there; the losses before.
+    """Add the gradient of the next copy, and update the weights when `n_accumulated` are summed.
 
-    (output,), summed over pixels. Gradients are counted anew in every epoch; those that filled no
-    update stay in the sum. ValueError if an epoch never fills one.
+    Gradients are counted anew in every epoch; those that are too few for an update stay in the sum.
+    Returns the losses before the update, (output,), per pixel. ValueError if an epoch has too few
+    gradients for one update.
     """
     settings = training.settings
     n_per_epoch = settings.n_copies * scenes.n_per_epoch

@@ -1,4 +1,4 @@
-"""Training sets: real scenes mixed with synthetic sets in the proportion of the paper."""
+"""Training sets of the tracker: real scenes mixed with synthetic ones."""
 
 import dataclasses
 from functools import lru_cache
@@ -6,12 +6,12 @@ from functools import lru_cache
 from snowsim.limits import check_count
 from snowsim.patches import draw_index
 
-PAPER_SCENES_PER_REAL = 1500 / 2360  # of each added set; Yari et al. (2021)
+PAPER_SCENES_PER_REAL = 1500 / 2360  # synthetic scenes of each set; Yari et al. (2021)
 N_SCENES_HELD = 256  # real scenes kept in memory, about 50 MB
 
 
 class Completed:
-    """Scenes whose `complete_layer_bins`, where they hold them, are their layers."""
+    """Scenes whose layers are their `complete_layer_bins`, if they have these."""
 
     def __init__(self, scenes):
         self._scenes = scenes
@@ -29,25 +29,25 @@ class Completed:
 
 
 class TrainingSet:
-    """The scene of every draw of a training, for positions counted from 0 without end.
+    """The scene of every draw of a training: ``scenes[position]``, from position 0 without end.
 
-    An epoch, `n_per_epoch` scenes, shows each real one once and `added_per_real` times as many of
-    each added set, in random order. Those of an added set are drawn without replacement from all of
-    it, through the epochs. Draws are a function of seed and position: a resumed training sees what
-    it would have seen.
+    An epoch of `n_per_epoch` draws shows each real scene once, and from each added set
+    `added_per_real` times as many, in random order. Scenes of an added set are drawn without
+    replacement until all were shown, through the epochs. A draw is a function of seed and position
+    alone, so that a resumed training sees what it would have seen.
 
     Parameters
     ----------
     real : sequence of Scene
-        Read when drawn, and kept: they return soonest.
+        Scenes are read when they are drawn. Real ones are then kept, since they return soonest.
     added : sequence of sequence of Scene
         Synthetic sets; none for training on real scenes alone.
     added_per_real : float
         Scenes of each added set per real scene; ValueError if it rounds to no scene, or a set is
         empty.
     n_draws_synthetic_first : int, optional
-        Draws of the whole training, to show as many synthetic scenes as otherwise but all of them
-        first, real ones last; by default both are mixed in every epoch.
+        Number of draws of the whole training. If given, it shows as many synthetic scenes as
+        otherwise, but all of them before the real ones; by default every epoch mixes both.
     seed : int
     """
 
@@ -75,10 +75,7 @@ class TrainingSet:
             self._n_first = round(n_synthetic / self.n_per_epoch)
 
     def source(self, position):
-        """Which scene the draw at `position` shows, as (set, scene).
-
-        Set 0 is real, then the added ones.
-        """
+        """Numbers (set, scene) of the scene at `position`; set 0 is the real one."""
         if self._n_first is not None:
             return self._source_in_turn(position)
         epoch = position // self.n_per_epoch
@@ -92,7 +89,7 @@ class TrainingSet:
         return number, self._drawn(len(self._sets[number]), draw, number)
 
     def _source_in_turn(self, position):
-        """Source where synthetic scenes come first, one of each set in turn, then real ones."""
+        """The same where synthetic scenes come first, from each set in turn, then real ones."""
         if position >= self._n_first:
             return 0, self._drawn(len(self._sets[0]), position - self._n_first, "real")
         draw, before = divmod(position, len(self._sets) - 1)
@@ -108,9 +105,9 @@ class TrainingSet:
 
 
 def copy_shown(position, n_per_epoch, n_copies, seed):
-    """What a training on copies shows at `position`.
+    """Draw of a `TrainingSet` and number of the copy that a training shows at `position`.
 
-    A draw of its `TrainingSet`, and which copy, in random order.
+    Every epoch shows all copies of its draws in random order.
     """
     n_gradients = n_copies * n_per_epoch
     slot = draw_index(n_gradients, position, seed, "training set", "copies")

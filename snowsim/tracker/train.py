@@ -1,4 +1,4 @@
-"""Training of the tracker, resumable to the byte: a small modern recipe, and the published one."""
+"""Training of the tracker by the small recipe or the published one, resumable to the byte."""
 
 import math
 
@@ -12,18 +12,18 @@ from snowsim.tracker.network import MultiScaleNetwork
 from snowsim.tracker.published import PublishedNetwork, published_gradient, published_optimiser
 from snowsim.training import arithmetic, load_moments, load_weights, moments_of, on_cpu
 
-WARM_UP = 0.1  # share of the steps in which the rate rises
+WARM_UP = 0.1  # share of the steps during which the learning rate rises
 
 
 def network_of(settings):
-    """Network of `Settings`, its weights not yet drawn."""
+    """A network by its `Settings`; its weights are not yet drawn."""
     if settings.network == "published":
         return PublishedNetwork(settings.width)
     return MultiScaleNetwork(settings.width, settings.n_averaged)
 
 
 def trained_network(weights, settings, *, device="cpu"):
-    """Network for `track`, of weights (dict of arrays) and the `Settings` of their training."""
+    """Network for `track` from weights (dict of arrays) and the `Settings` of their training."""
     network = network_of(settings)
     load_weights(network, weights, "tracker")
     return network.to(device=device, memory_format=torch.channels_last).eval()
@@ -32,8 +32,8 @@ def trained_network(weights, settings, *, device="cpu"):
 class Training:
     """The network, its optimiser and the number of gradients taken.
 
-    What a step draws depends on the seed and the step alone, so these and `seed` are all there is
-    to resume from.
+    A training resumes from these and its seed, since what a step draws depends on seed and step
+    alone.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Training:
         self._optimiser = make(self.network, settings)
 
     def state(self):
-        """All that a step changes but `step`, as nested dicts of CPU tensors, for `restore`."""
+        """All that a step changes, except `step` itself, as nested dicts of CPU tensors."""
         gradients = {name: weights.grad for name, weights in self.network.named_parameters()}
         state = {
             "network": self.network.state_dict(),
@@ -72,14 +72,14 @@ class Training:
         return on_cpu(state)
 
     def update(self, rate):
-        """Change the weights by the gradients there are, at a rate relative to the highest."""
+        """Change the weights by the summed gradients, at a rate relative to the highest."""
         for group in self._optimiser.param_groups:
             group["lr"] = group["highest"] * rate
         self._optimiser.step()
         self._optimiser.zero_grad(set_to_none=True)
 
     def restore(self, state, step):
-        """Take over a `state`, read back as arrays, after `step` steps.
+        """Go on from a `state`, as arrays, that was kept after `step` steps.
 
         ValueError if other settings made it.
         """
@@ -100,17 +100,17 @@ def train_steps(training, scenes):
     training : Training
         Changed in place; between two steps its `state` may be saved.
     scenes : TrainingSet
-        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end,
-        and, for the published recipe, `n_per_epoch`; ValueError if a scene has no image, no
-        contrast or, but for the published recipe, no layer.
+        Or anything else that gives the scene of each draw, `scenes[position]`, from 0 without end;
+        the published recipe also needs `n_per_epoch`. ValueError if a scene has no image or no
+        contrast, or no layer, which the published recipe allows.
 
     Yields
     ------
     step : int
         Gradients taken, counted from 1.
     losses : dict of float
-        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and `total`; FloatingPointError
-        if not finite.
+        Class-balanced cross-entropy per pixel of each of `OUTPUTS`, and their sum `total`;
+        FloatingPointError if it is not finite.
     """
     settings = training.settings
     take = published_gradient if settings.network == "published" else gradient
@@ -125,7 +125,7 @@ def train_steps(training, scenes):
 
 
 def gradient(training, scenes):
-    """Update by the gradient of crops of the next scenes; the losses before, a pixel (output,)."""
+    """Update by the gradient of crops of the next scenes; the losses per pixel before (output,)."""
     settings = training.settings
     first = training.step * settings.batch_size
     images, *maps = draw_patches(
@@ -147,7 +147,7 @@ def gradient(training, scenes):
 
 
 def rate_factor(settings, step):
-    """Rate, of the highest, of the step after `step` others: linear rise, cosine fall."""
+    """Rate relative to the highest, after `step` steps: a linear rise and a cosine fall."""
     done = (step + 1) / settings.n_steps
     if done < WARM_UP:
         return done / WARM_UP
@@ -155,7 +155,7 @@ def rate_factor(settings, step):
 
 
 def optimiser_of(network, settings):
-    """AdamW, all weights alike."""
+    """AdamW with one rate and one decay for all weights."""
     rate = settings.learning_rate
     group = {"params": list(network.parameters()), "highest": rate}
     decay = settings.weight_decay

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_allclose, assert_array_equal
-from toy_scenes import toy_scene, toy_scenes
+from toy_scenes import toy_scene
 from trainings import trained
 
-from snowsim.cgan import Settings, Training, networks_of, render
+from snowsim.cgan import Training, networks_of, render
 from snowsim.cgan.inputs import Batch
-from snowsim.cgan.pix2pix import Pix2PixGenerator, draw_batch, jittered, update
+from snowsim.cgan.pix2pix import Generator, draw_batch, jittered, take_step
 from snowsim.settings.cgan import PAPER
 
 FULL = replace(PAPER, width=64)
-SMALL = replace(PAPER, width=3, depth=4, n_strided=2, n_range_bins=32, n_range_lines=32)
+SMALL = replace(PAPER, width=3, depth=4, n_range_bins=32, n_range_lines=32)
 
 
 def test_networks_have_the_published_numbers_of_weights():
@@ -29,10 +29,10 @@ def test_an_update_follows_the_equation_of_the_paper(rng):
     training = Training(SMALL, seed=1)
     for network in (training.generator, training.discriminator):
         network.double()
-    batch = draw_batch(training.generator, toy_scenes(2), SMALL, rng=rng)
+    batch = draw_batch(training.generator, toy_scene(2), SMALL, rng=rng)
     batch = Batch(batch.inputs.double(), batch.image.double(), batch.noise)
     generator, discriminator = map(copy.deepcopy, (training.generator, training.discriminator))
-    found = update(training, batch)
+    found = take_step(training, batch)
 
     def step(network, loss):
         weights = list(network.parameters())
@@ -78,7 +78,7 @@ def test_jitter_cuts_every_window_of_the_enlarged_scene_and_mirrors_half_of_them
 
 
 def test_three_stages_drop_out_from_the_innermost_on(rng):
-    noise = Pix2PixGenerator(width=1, depth=8).draw_noise((1, 1, 256, 256), rng=rng)
+    noise = Generator(width=1, depth=8).draw_noise((1, 1, 256, 256), rng=rng)
     shapes = {stage: tuple(factor.shape) for stage, factor in noise.items()}
     assert shapes == {7: (1, 8, 2, 2), 6: (1, 8, 4, 4), 5: (1, 8, 8, 8)}
     values = torch.cat([factor.flatten() for factor in noise.values()])
@@ -102,8 +102,3 @@ def test_it_learns_at_a_constant_rate_and_renders_scenes_of_any_size_with_noise(
 def test_sizes_that_the_networks_cannot_halve_are_refused(sizes):
     with pytest.raises(ValueError, match=r"pix2pix: .* multiples of 2\*\*4, got"):
         replace(SMALL, n_range_bins=sizes[0], n_range_lines=sizes[1])
-
-
-def test_it_has_a_discriminator():
-    with pytest.raises(ValueError, match="pix2pix: adversarial must be bce, got none"):
-        Settings(method="pix2pix", adversarial="none")

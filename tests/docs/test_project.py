@@ -2,12 +2,15 @@
 
 import importlib
 import re
+import shlex
 from pathlib import Path
 
+import click
 import pytest
 import yaml
 
 import snowsim
+from snowsim.cli import commands
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -55,6 +58,23 @@ def test_readme_names_targets_and_files_that_are_there(rule_names):
         assert (ROOT / link).exists(), link
 
 
+def test_readme_is_short():
+    readme = (ROOT / "README.md").read_text()
+    assert len(readme.splitlines()) <= 150
+    assert max(map(len, readme.splitlines())) <= 120
+    assert len(readme.split()) <= 1400
+
+
+def test_commands_in_readme_are_commands_with_their_options():
+    readme = (ROOT / "README.md").read_text()
+    lines = re.findall(r"^snowsim (\w+) (.*)$", readme, flags=re.MULTILINE)
+    assert lines
+    for name, words in lines:
+        command = commands.commands[name]
+        parser = command.make_parser(click.Context(command))
+        parser.parse_args(shlex.split(words, comments=True))
+
+
 def test_every_file_that_a_page_names_is_there():
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
     for page in pages:
@@ -64,8 +84,8 @@ def test_every_file_that_a_page_names_is_there():
             assert (ROOT / name).exists(), f"{page.name}: {name}"
 
 
-def test_the_page_of_the_concept_names_rules_and_functions_that_are_there(rule_names):
-    page = (ROOT / "docs/start/concept.md").read_text()
+def test_the_first_page_names_rules_and_functions_that_are_there(rule_names):
+    page = (ROOT / "docs/index.md").read_text()
     rows = re.findall(r"^\| `[\w.]+` \| `(\w+)` \| `([\w.]+)` \|", page, flags=re.MULTILINE)
     assert rows
     for rule, name in rows:

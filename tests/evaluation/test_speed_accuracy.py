@@ -11,9 +11,16 @@ from scipy.stats import kstest
 
 from evaluation.lib.figures import charts
 from evaluation.lib.literal_phy import largest_error_db, planted_scene
-from evaluation.lib.speed_accuracy import DEFAULT_DB, quantile_distance, scene_ways, waveform_ways
+from evaluation.lib.speed_accuracy import (
+    NODES,
+    quantile_distance,
+    scene_ways,
+    table_error_db,
+    waveform_ways,
+)
 from snowsim.echogram import check_layer_bins
 from snowsim.phy import draw_speckle
+from snowsim.phy.power import NODES_PER_BIN
 
 
 @pytest.mark.parametrize(("n_layers", "n_range_bins"), [(1, 64), (15, 256), (80, 1024)])
@@ -41,17 +48,24 @@ def test_distance_is_that_of_drawn_values(rng):
     assert from_gamma < 1.95 / np.sqrt(quantile.size) + quantile_distance(16)
 
 
-def test_tables_keep_their_tolerance_and_the_literal_convolution_nears_the_closed_form(rng):
+def test_default_is_the_table_of_fewest_nodes_within_the_bound():
+    errors_db = {nodes: table_error_db(nodes) for nodes in NODES}
+    assert min(nodes for nodes in NODES if errors_db[nodes] <= 0.05) == NODES_PER_BIN
+    # A parabola's error falls with the square of the distance of nodes.
+    assert_allclose(errors_db[8] / errors_db[32], 16, rtol=0.3)
+
+
+def test_tables_and_the_literal_convolution_near_the_closed_form(rng):
     scene = planted_scene(5, 16, 256)
     errors_db = {(way.method, way.setting): way.error_db for way in waveform_ways(*scene)}
-    for (method, setting), error_db in errors_db.items():
-        if method == "table":
-            assert 0 < error_db <= float(setting.removesuffix(" dB"))
+    assert [setting for method, setting in errors_db if method == "table"] == [
+        f"{nodes} a bin" for nodes in NODES
+    ]
     # Trapezoids: four times as fine, a sixteenth of the error.
     ratio = errors_db["convolution", "1 a bin"] / errors_db["convolution", "4 a bin"]
     assert_allclose(ratio, 16, rtol=0.1)
     ways = {way.method: way for way in scene_ways(*scene, {"width": 8}, rng)}
-    assert ways["PHY"].error_db <= DEFAULT_DB < ways["PHY, as printed"].error_db
+    assert ways["PHY"].error_db <= 0.05 < ways["PHY, as printed"].error_db
     assert np.isnan(ways["cGAN"].error_db)
     image = ways.pop("cGAN").work()
     assert image.shape == (256, 16)
@@ -62,11 +76,11 @@ def test_tables_keep_their_tolerance_and_the_literal_convolution_nears_the_close
 
 def test_points_are_the_fastest_runs_per_pixel_and_what_has_no_error_is_a_line():
     rows = [
-        ("mean power", "table", "0.05 dB", 0, 1e-6, 0.01, np.nan),
-        ("mean power", "table", "0.05 dB", 1, 9e-6, 0.01, np.nan),
+        ("mean power", "table", "8 a bin", 0, 1e-6, 0.01, np.nan),
+        ("mean power", "table", "8 a bin", 1, 9e-6, 0.01, np.nan),
         ("mean power", "closed form", "every pixel", 0, 5e-6, 0.0, np.nan),
         ("speckle", "quantile", "M = 16", 0, 1e-6, np.nan, 1e-5),
-        ("whole scenes", "PHY", "0.05 dB", 0, 1e-6, 0.01, np.nan),
+        ("whole scenes", "PHY", "8 nodes a bin", 0, 1e-6, 0.01, np.nan),
         ("whole scenes", "cGAN", "width 16", 0, 7e-6, np.nan, np.nan),
     ]
     columns = ["panel", "method", "setting", "repeat", "seconds", "error_db", "distance"]

@@ -6,7 +6,7 @@ from numpy.testing import assert_array_equal
 from test_cut_blocks import make_level_frame
 
 from snowsim.frames import count_flagged, cut_blocks, flatten, leave_out_flagged
-from snowsim.statistics import summarise, summary_to_dataset
+from snowsim.statistics import summarise
 
 N_LINES = 1024
 FLAGGED = slice(300, 312)
@@ -68,7 +68,7 @@ def test_what_flagged_lines_hold_enters_no_statistics(frame):
         3e-9  # ten bins, surface included: it must not level the frame either
     )
     found, expected = (
-        summary_to_dataset(summarise(*flatten(*leave_out_flagged(*given))))
+        summarise(*flatten(*leave_out_flagged(*given)))
         for given in ((spoiled, moved), (echogram, layers))
     )
     assert found.identical(expected)

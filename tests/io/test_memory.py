@@ -52,8 +52,7 @@ def frames(folder, n_frames):
         slab = (28 + rng.normal()) * rng.uniform(0.8, 1.2, size=(N_LAYERS - 1, 1))
         slab = slab + np.cumsum(rng.normal(0, 0.05, size=(N_LAYERS - 1, N_LINES)), axis=1)
         layer_bins = 100.3 + np.cumsum(np.vstack([np.zeros(N_LINES), slab]), axis=0)
-        options = {"noise_power": NOISE_POWER, "normalise": "peak", "align": "peak"}
-        power = mean_power(layer_bins, *shapes, N_BINS, tolerance_db=0.05, **options)
+        power = mean_power(layer_bins, *shapes, N_BINS)
         power = draw_speckle(power + NOISE_POWER, 5, method="gamma", rng=rng).astype(np.float32)
         echogram, layers = made_up_frame(power, layer_bins, minute=index)
         write_dataset(row.echogram, echogram)

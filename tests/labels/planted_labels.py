@@ -1,46 +1,65 @@
-"""Statistics of a flight with known spectra."""
+"""Statistics of a flight with known thickness, relief and radiometry."""
 
 import numpy as np
 import xarray as xr
 
-from snowsim.labels import prepare
-
 N_LINES = 256
-WAVENUMBER = np.fft.rfftfreq(N_LINES)
+SPACING_M = 5.0
+RELIEF = {
+    "relief_variance_bins2": [0.4, 0.6, 0.8, 1.0],
+    "relief_length_m": [30.0, 40.0, 50.0, 60.0],
+    "relief_exponent": [1.8, 1.5, 1.0, 2.0],
+    "slab_change_bins2": [4.0, 3.0, 2.0, 1.0],
+    "slab_exponent": [1.5, 1.2, 1.0, 0.8],
+}
+SURFACE = {
+    "surface_error_bins": 0.8,
+    "surface_error_length_m": 200.0,
+    "surface_movement_bins": 0.4,
+}
+SPREADS = {
+    "noise_spread_db": 1.5,
+    "surface_to_noise_spread_db": 2.0,
+    "common_spread_db": 3.0,
+    "layer_spread_db": 2.0,
+    "decay_spread": 0.1,
+    "background_spread_db": 1.0,
+    "further_spacing_bins": 30.0,
+    "further_rise_db": 1.0,
+}
+FADING = {
+    "fading_spread_db": [1.0, 2.0],
+    "fading_length_lines": [20.0, 40.0],
+    "fading_exponent": [1.0, 2.0],
+}
+PLAIN_RELIEF = dict.fromkeys(("relief_variance_bins2", "slab_change_bins2"), np.zeros(4))
 
 
-def planted(n_slabs=20, scale=40.0):
-    """Statistics of a flight with a red spectrum, four zones and slabs that thin with depth."""
-    psd = np.zeros((4, n_slabs, WAVENUMBER.size))
-    psd[:, :, 1:] = (
-        scale * np.array([0.7, 0.9, 1.1, 1.3])[:, None, None] / (1 + (WAVENUMBER[1:] / 0.01) ** 2)
-    )
+def planted(n_slabs=20, n_layers=(3, 8), **changes):
+    """Statistics of four zones whose slabs thin with depth; variables may be changed."""
     separation = np.arange(n_slabs)
-    return xr.Dataset(
-        {
-            "thickness_psd": (("zone", "slab", "wavenumber"), psd),
-            "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
-            "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
-            "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
-            "thickness_correlation": (
-                ("band", "separation"),
-                np.array([0.9, 0.6, 0.3, 0])[:, None] ** separation,
-            ),
-            "relative_thickness_correlation": ("separation", 0.5**separation),
-        },
-        coords={
-            "wavenumber": WAVENUMBER,
-            "band_edge_wavenumber": ("band_edge", np.array([1, 3, 9, 27, 129]) / N_LINES),
-        },
-    )
-
-
-def paper_model(statistics, n_range_lines=N_LINES, **choices):
-    """Label model by the paper's choices where others are not named."""
-    paper = {
-        "n_layers": (5, 40),
-        "first_slab": "uniform",
-        "surface": "flat",
-        "radiometry": "constant",
+    by_layers = np.zeros((4, n_slabs + 1))
+    by_layers[:, n_layers[0] : n_layers[1] + 1] = 10
+    peak_power = 0.3 * 0.8 ** np.arange(8)
+    peak_power[0] = 1
+    variables = {
+        "zone_edge_bins": ("edge", [15.0, 20, 25, 30, 40]),
+        "first_thickness_quantile_bins": ("quantile", np.linspace(15, 40, 33)),
+        "relative_thickness_mean": (("zone", "slab"), np.tile(1 - 0.02 * separation, (4, 1))),
+        "relative_thickness_variance": (("zone", "slab"), np.full((4, n_slabs), 0.01)),
+        "relative_thickness_correlation": ("separation", 0.5**separation),
+        "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
+        "peak_power": ("layer", peak_power),
+        "variance_bins2": ("layer", np.full(8, 0.6)),
+        "decay_rate": ("layer", np.full(8, 0.1)),
+        "width_bound_bins": ("bound", [10.0, 15.0]),
+        "background_power": ("fall", [0.0, 5e-3, 1e-3]),
     }
-    return prepare(statistics, n_range_lines, **paper | choices)
+    variables |= {name: ("zone", values) for name, values in RELIEF.items()}
+    variables |= {name: ("interface", values) for name, values in FADING.items()}
+    numbers = SURFACE | SPREADS | {"noise_power": 1e-3}
+    variables |= {name: ((), value) for name, value in numbers.items()}
+    dataset = xr.Dataset(variables, coords={"fall": [30.0, 100.0, 1000.0]})
+    for name, values in changes.items():
+        dataset[name] = dataset[name].dims, values
+    return dataset.assign_attrs(n_looks=1000.0, line_spacing_m=SPACING_M)

@@ -6,7 +6,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.echoes import Kind
-from snowsim.labels import Dress, dress
+from snowsim.labels import dress
 from snowsim.phy import mean_power
 
 
@@ -39,18 +39,14 @@ def test_a_scene_takes_the_uppermost_layers_and_deeper_ones_look_like_the_last_v
     assert_array_equal(echoes.kind, [Kind.LAYER] * 5)
     assert echoes.noise_power == 1e-3
     assert echoes.n_looks == 100
-    # A shallow scene takes the uppermost layers; looks may be given.
-    echoes = dress(flat(2), statistics, Dress(n_looks=16))
-    assert_array_equal(echoes.power[:, 0], [1, 0.3])
-    assert echoes.n_looks == 16
+    # A shallow scene takes the uppermost layers.
+    assert_array_equal(dress(flat(2), statistics).power[:, 0], [1, 0.3])
 
 
-def test_speckle_is_correlated_as_measured_unless_none_is_asked_for_or_known(statistics):
+def test_speckle_is_correlated_as_measured_where_that_is_known(statistics):
     assert dress(flat(2), statistics).speckle_correlation is None
     statistics["speckle_correlation"] = ("speckle_lag", [1.0, 0.1])
     assert_array_equal(dress(flat(2), statistics).speckle_correlation, [1, 0.1])
-    independent = dress(flat(2), statistics, Dress(speckle_correlation="none"))
-    assert independent.speckle_correlation is None
 
 
 def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics):
@@ -62,33 +58,18 @@ def test_the_background_lies_below_the_surface_and_adds_its_own_power(statistics
     assert echoes.bins.shape == (5, 8)
     assert (np.diff(echoes.bins[:4, :4], axis=0) > 0).all()
     assert_array_equal(np.flatnonzero(echoes.kind == Kind.BACKGROUND), [1, 2])
-    assert_array_equal(echoes.layer_bins(), layer_bins)
+    assert_array_equal(echoes.bins[echoes.kind == Kind.LAYER], layer_bins)
     added = power_of(echoes) - power_of(without)
     # From 90 bins below the surface on the exponentials alone. Each has its power at its peak, up
     # to 5 bins below the row's Gaussian of 11 bins^2: up to exp(5 / 30) more than the law.
     depth = np.arange(140, 300) - 50.0
     law = 0.01 * np.exp(-depth / 30) + 0.002 * np.exp(-depth / 1000)
     assert_allclose(added[140:], np.tile(law[:, None], 8), rtol=0.25)
-    printed = dress(layer_bins, statistics, Dress(background="none"))
-    assert_array_equal(printed.bins, layer_bins)
 
 
 def power_of(echoes):
     shape = echoes.variance_bins2, echoes.decay_rate
     return mean_power(echoes.bins, echoes.power, *shape, 300)
-
-
-@pytest.mark.parametrize("width_bounds", [None, [10, 15]])
-def test_paper_width_is_uniform_between_the_flight_s_or_given_bounds(statistics, width_bounds, rng):
-    if width_bounds is not None:
-        statistics["width_bound_bins"] = "bound", [1.0, 2.0]
-    choices = Dress(width="paper", width_bounds=width_bounds)
-    variance = choices.variance_bins2(statistics, 100_000, rng=rng)
-    assert 10 <= variance.min() < variance.max() <= 15
-    # Standard errors of mean and deviation of U(10, 15), 1.44 / sqrt(n): allow four.
-    tolerance = 4 * 1.44 / np.sqrt(variance.size)
-    assert_allclose(variance.mean(), 12.5, atol=tolerance)
-    assert_allclose(variance.std(), 5 / np.sqrt(12), atol=tolerance)
 
 
 @pytest.mark.parametrize(
@@ -102,15 +83,3 @@ def test_bad_statistics_are_refused(statistics, name, value, message):
     statistics[name] = value
     with pytest.raises(ValueError, match=message):
         dress(flat(3), statistics)
-
-
-@pytest.mark.parametrize(
-    ("choices", "message"),
-    [
-        ({"width": "narrow"}, "width must be one of paper, fitted, got 'narrow'"),
-        ({"n_looks": -3}, "n_looks must be finite, at least 1, got -3"),
-    ],
-)
-def test_unknown_choices_are_refused(choices, message):
-    with pytest.raises(ValueError, match=message):
-        Dress(**choices)

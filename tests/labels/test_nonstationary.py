@@ -1,34 +1,32 @@
-import hashlib
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from planted_labels import N_LINES, paper_model, planted
+from planted_labels import N_LINES, PLAIN_RELIEF, planted
 
-from snowsim.labels import Nonstationary, draw_scene
+from snowsim.labels import Nonstationary, draw_scene, prepare
 
-
-def smooth(n_slabs=12):
-    """Statistics without undulations and spread of means: trend and fold alone bend layers."""
-    statistics = planted(n_slabs)
-    for name in ("thickness_psd", "relative_thickness_variance"):
-        statistics[name] = 0 * statistics[name]
-    return statistics
+SMOOTH = PLAIN_RELIEF | {
+    "relative_thickness_variance": np.zeros((4, 20)),
+    "surface_movement_bins": 0.0,
+    "surface_error_bins": 0.0,
+}
 
 
 def scenes(statistics, nonstationary, n=200, seed=7):
-    model = paper_model(statistics, N_LINES, n_layers=(5, 12), nonstationary=nonstationary)
+    model = prepare(statistics, N_LINES, nonstationary=nonstationary)
     rng = np.random.default_rng(seed)
     return [draw_scene(model, N_LINES, name=f"{i}", rng=rng) for i in range(n)]
 
 
-def test_off_draws_the_same_bytes_as_ever():
+def smooth():
+    """Statistics without undulations and spread of means: trend and fold alone bend layers."""
+    return planted(n_layers=(5, 12), **SMOOTH)
+
+
+def test_off_draws_the_same_bytes():
     drawn = [scene.layer_bins for scene in scenes(planted(), None, n=5)]
     off = [scene.layer_bins for scene in scenes(planted(), Nonstationary(0, 0, 30, (1,)), n=5)]
     assert [one.tobytes() for one in drawn] == [one.tobytes() for one in off]
-    # Frozen, to the nearest hundredth.
-    rounded = np.concatenate([np.rint(1e2 * one).astype("<i8").ravel() for one in drawn])
-    assert hashlib.sha256(rounded.tobytes()).hexdigest()[:16] == "8b41b8a54073f5b1"
 
 
 def test_a_trend_is_found_again_and_leaves_the_mean():
@@ -37,10 +35,10 @@ def test_a_trend_is_found_again_and_leaves_the_mean():
     for scene in with_trend:
         thickness = np.diff(scene.layer_bins, axis=0)
         slope = thickness @ line / (line @ line) / thickness.mean(axis=1)
-        # Thickness is drawn to 2^-16 bins, notes hold 20 binary digits.
-        assert_allclose(slope, scene.notes["trend"], atol=2**-16)
+        # Thickness is a multiple of 2^-12 bins, of 15 or more.
+        assert_allclose(slope, scene.notes["trend"], atol=2**-14)
         first_bins = scene.notes["first_thickness_bins"]
-        assert_allclose(thickness[0].mean(), first_bins, rtol=2**-20, atol=2**-17)
+        assert_allclose(thickness[0].mean(), first_bins, atol=2**-12)
     trends = np.array([scene.notes["trend"] for scene in with_trend])
     # 200 normal values: their s.d. to 5 %; allow four of those.
     assert_allclose(trends.std(), 0.2, rtol=0.2)
@@ -54,17 +52,17 @@ def test_a_fold_bends_layers_in_proportion_to_their_depth():
         wave = np.column_stack([np.sin(phase), np.cos(phase), np.ones(N_LINES)])
         amplitude = np.hypot(*np.linalg.lstsq(wave, bend.T, rcond=None)[0][:2])
         expected = abs(scene.notes["fold_bins"])
-        assert_allclose(amplitude[-1], expected, atol=len(amplitude) * 2**-16)
+        assert_allclose(amplitude[-1], expected, atol=len(amplitude) * 2**-12)
         assert_array_equal(bend[0], 0)
         depth = scene.layer_bins.mean(axis=1) - 50
         # The thickness of a slab holds a little of the fold in its mean, 48 lines do not divide
         # 256: to 10 %.
-        assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=1e-9)
+        assert_allclose(amplitude, expected * depth / depth[-1], rtol=0.1, atol=2**-9)
         curvature = np.abs(np.diff(scene.layer_bins[-1], 2)).max()
         # Second differences of a sine: (2 pi / L)^2 to (2 pi / L)^2 / 12 of itself; the peak lies
         # between two lines.
-        # Of each of three rows, layers sum up to 8 slabs drawn to 2^-16 bins.
-        grid = 4 * 8 * 2**-17
+        # Of each of three rows, layers sum up to 12 slabs drawn to 2^-12 bins.
+        grid = 4 * 12 * 2**-13
         assert_allclose(curvature, expected * (2 * np.pi / length) ** 2, rtol=0.01, atol=grid)
 
 

@@ -1,12 +1,15 @@
 """What the shipped tracker is trained on: scenes of variants of the flight."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from runs import CONFIG
 
-from lib.pretraining import on_lines, scores_for_card, varied_scenes
+from lib.pretraining import labelled, on_lines, scores_for_card, varied_scenes
 from lib.resizing import in_bins
+from snowsim.echoes import Kind
 from snowsim.echogram import Scene
 from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
@@ -35,13 +38,30 @@ def test_scenes_of_a_variant_do_not_depend_on_which_others_are_drawn(flight):
         check_trainable(scene)
 
 
-def test_lines_farther_apart_are_lines_left_out_with_texture_as_much_shorter(flight):
+def test_lines_farther_apart_are_lines_left_out(flight):
     scene = draw_scene(flight, 64, name="whole", rng=np.random.default_rng(1))
     thinned = on_lines(scene, np.arange(0, 64, 2))
     assert_array_equal(thinned.layer_bins, scene.layer_bins[:, ::2])
     assert_array_equal(thinned.echoes.bins, scene.echoes.bins[:, ::2])
     assert_array_equal(thinned.echoes.power, scene.echoes.power[:, ::2])
-    assert thinned.echoes.texture == (*scene.echoes.texture[:2], scene.echoes.texture[2] / 2)
+
+
+def test_layers_that_stand_above_noise_and_background_are_labelled(flight):
+    rng = np.random.default_rng(1)
+    scene = draw_scene(flight, 64, name="", rng=rng)
+    n_layers = len(scene.layer_bins)
+    assert n_layers > 2
+    power = scene.echoes.power.copy()
+    is_layer = np.flatnonzero(scene.echoes.kind == Kind.LAYER)
+    behind = scene.echoes.noise_power + power[scene.echoes.kind == Kind.BACKGROUND].sum()
+    power[is_layer] = 10 * behind
+    power[is_layer[1]] = 1e-3 * scene.echoes.noise_power
+    given = replace(scene, echoes=replace(scene.echoes, power=power))
+    seen = labelled(given)
+    assert np.isnan(seen.layer_bins[1]).all()
+    others = np.delete(np.arange(n_layers), 1)
+    assert_array_equal(seen.layer_bins[others], scene.layer_bins[others])
+    assert_array_equal(seen.complete_layer_bins, scene.layer_bins)
 
 
 def test_layers_lie_on_the_same_snow_after_resampling_to_larger_bins():

@@ -1,4 +1,3 @@
-import numpy as np
 import pandas as pd
 from edge_counts import image_counts
 from numpy.testing import assert_allclose
@@ -44,15 +43,3 @@ def test_intervals_hold_the_mean_and_equal_sets_differ_by_nothing(rng):
     assert_allclose(same[["difference", "difference_low", "difference_high"]], 0)
     ods = intervals[(intervals["training_set"] == "rd_pd") & (intervals["metric"] == "ods")]
     assert (ods["difference_low"] > 0).all()
-
-
-def test_images_without_truth_are_reported_beside_the_scores(rng):
-    images = image_counts(0.6, 3, rng=rng)
-    for name in ("matched_truth", "n_truth", "matched_prediction"):
-        images[1][name] = np.zeros(3, dtype=int)
-    intervals = tracker_intervals(
-        {("rd", "fuse"): [images]}, ["rd"], outputs=["fuse"], n_bootstrap=5, rng=rng
-    )
-    assert (intervals["n_images"] == 3).all()
-    assert (intervals["n_without_truth"] == 1).all()
-    assert set(intervals["output"]) == {"fuse"}

@@ -39,18 +39,6 @@ def counted(path, counter, made_of=7):
     return run
 
 
-def test_losses_survive_an_interruption(tmp_path):
-    path = tmp_path / "unfinished.safetensors"
-    whole = counted(tmp_path / "other.safetensors", Counter())
-    with pytest.raises(KeyboardInterrupt):
-        counted(path, Counter(fails_after=38))
-    resumed = counted(path, Counter())
-    assert list(resumed.losses().columns) == ["step", "zeta", "alpha"]
-    assert resumed.losses().equals(whole.losses())
-    assert resumed.losses()["step"].tolist() == list(range(1, 51))
-    assert not path.exists()
-
-
 @pytest.fixture
 def unfinished(tmp_path):
     path = tmp_path / "unfinished.safetensors"

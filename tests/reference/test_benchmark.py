@@ -19,7 +19,7 @@ def scene(climate, index, split, **options):
 @pytest.fixture(scope="module")
 def scenes(climate):
     return {
-        split: [scene(climate, index, split) for index in range(8)] for split in ("train", "test")
+        split: [scene(climate, index, split) for index in range(6)] for split in ("train", "test")
     }
 
 
@@ -66,10 +66,10 @@ def test_training_picks_miss_pixels_and_few_follow_another_layer(scenes):
 
 
 def test_scenes_differ_in_how_deep_layers_are_seen(climate, scenes):
-    more = [scene(climate, index, "test") for index in range(8, 20)]
+    more = [scene(climate, index, "test") for index in range(6, 18)]
     n_layers = [len(one.layer_bins) - 1 for one in scenes["test"] + more]
     few = np.mean(np.array(n_layers) < 6)
-    assert 0.25 < few < 0.8  # 57 % in the paper; 20 scenes leave 0.11 of standard error
+    assert 0.25 < few < 0.8  # 57 % in the paper; 18 scenes leave 0.12 of standard error
     assert max(n_layers) > 15
 
 
@@ -81,8 +81,6 @@ def test_scene_does_not_depend_on_what_was_drawn_before(climate, scenes):
     assert again.notes == one.notes
 
 
-def test_a_scene_unknown_or_too_long_for_its_place_is_refused(climate):
-    with pytest.raises(ValueError, match="split must be one of train"):
-        scene(climate, 0, "dev")
+def test_a_scene_too_long_for_its_place_is_refused(climate):
     with pytest.raises(ValueError, match="kilometres of 2000 range lines must"):
         scene(climate, 0, "test", n_range_lines=2000)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from flights import BARE, climate_of, column_at, peak_rows
+from flights import BARE, climate_of, column_at
 from numpy.testing import assert_allclose, assert_array_equal
 
 from snowsim.constants import SPEED_OF_LIGHT_M_S
@@ -36,13 +36,6 @@ def echo_of(reference, surface_row, n_range_bins, rng):
         column, surface_row, n_range_bins, climate.settings.firn, climate.settings.radar, rng=rng
     )
     return column.layer_bins(surface_row), echo
-
-
-def test_layers_lie_where_the_mean_echo_of_their_horizon_peaks(bare):
-    layer_bins, echo = bare
-    for line, rows in enumerate(layer_bins[:8].T):
-        # The tails of the layers above pull a peak upwards, by least where it rises most.
-        assert np.abs(peak_rows(echo, line, rows) - rows).max() < 0.15
 
 
 def profile_of(column, climate):
@@ -117,15 +110,6 @@ def test_missing_lines_are_noise_and_positive_saturated_ones_noisy_and_clipped(r
     assert mean.max() < 0.32 + mean[0, 0]
 
 
-def test_rendered_speckle_has_the_looks_of_the_flight(bare, rng):
-    _, echo = bare
-    mean_power = echo.mean()
-    ratio = np.stack([echo.draw(5, rng=rng) / mean_power for _ in range(3)])
-    assert_allclose(ratio.mean(), 1, atol=4 / np.sqrt(5 * ratio.size / 1.2))
-    # The mean power changes across a range cell where a horizon lies: looks stay Gamma there too.
-    assert_allclose(1 / ratio.var(), 5, rtol=4 * np.sqrt(3.2 / (ratio.size / 1.2)))
-
-
 def test_a_frame_follows_the_data_model_and_its_surface_is_its_first_layer(frame, climate):
     echogram, layers = frame
     check_echogram(echogram)
@@ -153,13 +137,9 @@ def test_same_seed_gives_the_same_frame_and_another_frame_differs(climate, frame
     assert not np.array_equal(other["Data"], frame[0]["Data"])
 
 
-@pytest.mark.parametrize(
-    ("frame", "n_frames", "message"),
-    [(20, 20, "frame must be .* at most 19"), (0, 900, "kilometres of 900 frames")],
-)
-def test_frames_that_do_not_exist_are_refused(climate, rng, frame, n_frames, message):
-    with pytest.raises(ValueError, match=message):
-        draw_frame(frame, n_frames, 1024, climate=climate, settings=climate.settings, rng=rng)
+def test_frames_that_do_not_fit_on_the_line_are_refused(climate, rng):
+    with pytest.raises(ValueError, match="kilometres of 900 frames"):
+        draw_frame(0, 900, 1024, climate=climate, settings=climate.settings, rng=rng)
 
 
 def test_segment_is_5_km_of_complex_looks_with_a_flat_spectrum_and_fifteen_layers(climate):

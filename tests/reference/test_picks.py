@@ -3,10 +3,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.echogram import check_layer_bins
-from snowsim.reference import checked_settings, draw_climate, draw_frame
 from snowsim.reference.picks import n_visible_layers, pick_peaks, pick_visible, rise_db
 from snowsim.reference.settings import PickSettings
-from snowsim.statistics import fit
 
 SETTINGS = PickSettings(picker_db=1.6, wrong_share=0)
 
@@ -73,16 +71,6 @@ def test_steep_layer_is_lost_before_a_level_one(rng):
     assert found[1.2] < found[0.0]
 
 
-def test_layer_that_breaks_off_is_picked_up_to_the_break(rng):
-    power, layer_bins = planted()
-    without, _ = planted(peaks_db=(30, 20, -20, 20))
-    power[:, 100:] = without[:, 100:]
-    picked = speckled_picks(power, layer_bins, rng)
-    found = np.isfinite(picked[2])
-    assert found[:85].mean() > 0.95
-    assert found[115:].mean() < 0.2
-
-
 @pytest.mark.parametrize("threshold_db", [0.0, 2.0, 6.0])
 def test_picks_are_a_part_of_the_truth_in_order_and_near_it(rng, threshold_db):
     power, layer_bins = planted(peaks_db=(30, 12, 9, 6), slope=0.1)
@@ -112,35 +100,3 @@ def test_a_share_of_pieces_behind_a_gap_follows_the_layer_above_or_below(rng):
     # Of 39 pieces a quarter: 0.25 +- 0.07, and what was lost to others; four of those.
     assert 0 < wrong[0.25] < 0.55
     assert_allclose(wrong[0.25], 0.25, atol=0.28)
-
-
-@pytest.mark.slow
-def test_statistics_by_the_picker_s_picks_are_near_those_by_exact_ones():
-    fitted = {}
-    for picks in ("oracle", "picker"):
-        settings = checked_settings({"picks": {"of_flight": picks}})
-        climate = draw_climate(settings, rng=np.random.default_rng(1))
-        common = {"climate": climate, "settings": settings}
-        # Picks are drawn last: both see the same echograms.
-        frames = [
-            draw_frame(4 * i, 20, 1024, **common, rng=np.random.default_rng(i)) for i in range(5)
-        ]
-        fitted[picks] = fit(frames)
-    exact, by_picker = fitted["oracle"], fitted["picker"]
-    # What needs no picks is the same.
-    assert_allclose(by_picker["noise_power"], exact["noise_power"], rtol=1e-5)
-    assert_allclose(by_picker["line_gain_spread_db"], exact["line_gain_spread_db"], rtol=1e-2)
-    # Picks follow speckle: lines aligned on their peaks fall faster, and vary less on the picks.
-    # Of the default flight 17 % and 11 %.
-    ratio = by_picker["decay_rate"].values[1] / exact["decay_rate"].values[1]
-    assert 1 < ratio < 1.3
-    assert 1 < by_picker.attrs["n_looks"] / exact.attrs["n_looks"] < 1.25
-    n_layers = min(exact.sizes["layer"], by_picker.sizes["layer"])
-    power_db = [10 * np.log10(one["peak_power"].values[1:n_layers]) for one in (by_picker, exact)]
-    # On the default flight the median differs by .2 dB, two layers by more than 1 dB.
-    assert abs(np.median(power_db[0] - power_db[1])) < 0.5
-    thickness = [one["thickness_mean_bins"].values[:, 0] for one in (by_picker, exact)]
-    # Each of four zones holds five blocks: one that a picker places in the next, whose mean differs
-    # by a quarter, moves a mean by a tenth or more, the mean over zones by a quarter of that.
-    assert_allclose(thickness[0], thickness[1], rtol=0.2)
-    assert_allclose(thickness[0].mean(), thickness[1].mean(), rtol=0.05)

@@ -96,9 +96,7 @@ def test_looks_range_lines_and_phases_are_independent(rng):
     assert abs(np.mean(look**2)) < bound * 1.5  # circular
 
 
-def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_lies_between_bins(
-    rng,
-):
+def test_received_mean_is_that_of_many_looks_and_does_not_depend_on_the_window(rng):
     field = flat_field(1, 60, 1e-3)
     field[0, 130] = 5
     mean = rd.received_mean(field, RADAR, MARGIN)
@@ -112,11 +110,6 @@ def test_received_mean_is_that_of_many_looks_does_not_depend_on_the_window_and_l
     part = rd.received_mean(field[:, :n_sub], RADAR, MARGIN)
     assert whole.shape == (3, 50)
     assert_allclose(part, whole[:, :30], rtol=1e-6)  # float32
-    field = flat_field(1, 40, 0)
-    field[0, MARGIN + 20 * RADAR.n_sub_bins + 2] = 1  # half a bin below bin 20
-    mean = rd.received_mean(field, RADAR, MARGIN)[0]
-    assert_allclose(mean[20], mean[21], rtol=1e-5)
-    assert mean.argmax() in (20, 21)
 
 
 def test_gain_jumps_and_rolls_as_often_as_asked(rng):

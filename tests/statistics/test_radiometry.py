@@ -1,17 +1,13 @@
 """Radiometry that varies: planted spreads, fading, background and ends of picks come back."""
 
-from dataclasses import astuple
-
 import numpy as np
 import pytest
 from made_up import made_up_frame
 from numpy.testing import assert_allclose
 
-from snowsim.phy.texture import draw_gain, draw_texture
 from snowsim.statistics import fit, merge, summarise
 from snowsim.statistics.radiometry import common_and_own_spread
 from snowsim.statistics.speckle import FADING_LAGS, fading
-from snowsim.statistics.texture import texture as fit_texture
 
 N_FRAMES, N_LINES, N_LAYERS, N_BINS, SPACING = 12, 1024, 6, 480, 60
 POWER, NOISE, DECAY = 10 ** -np.arange(0, 0.3 * N_LAYERS, 0.3), 1e-3, 0.1
@@ -75,17 +71,12 @@ def test_planted_spreads_of_power_and_noise_come_back_within_15_percent(planted_
     }
     for name, value in planted.items():
         assert_allclose(fitted[name], value, rtol=0.15, err_msg=name)
-        assert 0 < fitted[f"{name}_standard_error"] < 0.3 * value
 
 
-def test_planted_fading_comes_back_within_15_percent_and_its_nugget_is_the_speckle(
-    planted_radiometry,
-):
+def test_planted_fading_comes_back_within_15_percent(planted_radiometry):
     fading = planted_radiometry.isel(interface=1)
     assert_allclose(fading["fading_spread_db"], FADING_DB, rtol=0.15)
     assert_allclose(fading["fading_length_lines"], FADING_LINES, rtol=0.15)
-    # 5 looks: (10 / ln 10)^2 psi1(5) = 4.17 dB^2; some 40,000 independent lines tell it to 1 %.
-    assert_allclose(fading["fading_nugget_db2"], 4.17, rtol=0.05)
     assert planted_radiometry.isel(interface=0)["fading_spread_db"] < 0.3
 
 
@@ -98,22 +89,22 @@ def test_fading_longer_than_half_a_block_comes_back():
     covariance = centred @ planted @ centred
     means = np.array([np.diagonal(covariance, lag).mean() for lag in (0, *FADING_LAGS)])
     n = 40 * (256 - np.append(0, FADING_LAGS))
-    fitted = fading(np.stack([means * n, n, n], axis=1), 4.0)
-    assert_allclose(astuple(fitted), [2.4, 150, 1.5, 4], rtol=1e-3)
+    fitted = fading(np.stack([means * n, n], axis=1), 4.0)
+    assert_allclose(fitted, [2.4, 150, 1.5], rtol=1e-3)
 
 
-def test_planted_texture_and_gain_come_back(rng):
-    """Within 10 %: of a seventh of a default flight, whose jackknife errors are 6 % and less."""
+def test_planted_gain_comes_back(rng):
+    """300 groups of 20 lines tell a variance to 3 %."""
     frames = []
     for minute in range(3):
-        mean = np.where(np.arange(420)[:, None] < 60, 0, 0.02) + np.zeros((420, 2000))
-        mean *= draw_texture(*mean.shape, (0.03, 12.0, 2.0), rng=rng)
-        mean = (mean + 1e-3) * draw_gain(2000, 0.5, rng=rng)
-        surface = np.full((1, 2000), 60.0)
+        mean = np.where(np.arange(420)[:, None] < 60, 1e-3, 0.02)
+        mean = mean * 10 ** (0.05 * rng.standard_normal(2000))
+        surface = np.full((2, 2000), [[60.0], [90.0]])
         frames.append(made_up_frame(rng.gamma(5, mean / 5), surface, minute=minute))
     summary = merge(summarise(*frame) for frame in frames)
-    fitted = fit_texture(np.concatenate([frame.texture_terms for frame in summary]))
-    assert_allclose(astuple(fitted), [0.5, 0.03, 12, 2], rtol=0.1)
+    gain_db = 10 / np.log(10) * np.sqrt(np.nanmean(summary["gain_variance"]))
+    # Half of the samples are beyond the median, those beyond 6 deviations hardly any.
+    assert_allclose(gain_db, 0.5, rtol=0.1)
 
 
 def test_layers_that_share_nothing_have_no_common_spread(rng):
@@ -126,4 +117,4 @@ def test_what_a_short_flight_cannot_tell_does_not_vary_and_is_named(planted):
     fitted = fit(planted.flight(np.random.default_rng(1), n_frames=1))
     missing = fitted.attrs["radiometry_missing"].split(", ")
     assert {"noise_spread_db", "common_spread_db"} <= set(missing)
-    assert fitted["common_spread_db"] == fitted["common_spread_db_standard_error"] == 0
+    assert fitted["common_spread_db"] == 0

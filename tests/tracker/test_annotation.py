@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 import torch
 from numpy.testing import assert_array_equal
-from toy_scenes import toy_scene, toy_scenes
+from toy_scenes import toy_scene
 
-from snowsim.echogram import layer_mask
-from snowsim.patches import draw_patches
 from snowsim.tracker import Settings, Training, TrainingSet, annotated_pixels, train_steps
 from snowsim.tracker.loss import balanced_cross_entropy
 
@@ -25,7 +23,7 @@ def picked():
 
 
 def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer_is_picked(picked):
-    known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
+    known = annotated_pixels(picked, picked.layer_bins, 96)
     expected = np.ones((96, 64), dtype=bool)
     expected[59:] = False  # deeper than 50 + 8
     expected[42:59, :10] = expected[42:59, 40:] = False
@@ -34,22 +32,9 @@ def test_gaps_and_all_below_the_deepest_pick_are_unknown_but_where_another_layer
     scene = dataclasses.replace(picked, complete_layer_bins=None)
     assert annotated_pixels(scene, scene.layer_bins, 96).all()
     picked.layer_bins[1, 10:40] = 25
-    known = annotated_pixels(picked, picked.layer_bins, 96, reach_bins=8)
+    known = annotated_pixels(picked, picked.layer_bins, 96)
     assert known[20].all()
     assert not known[25, :10].any()
-
-
-def test_a_third_map_is_cut_and_mirrored_like_the_mask(rng):
-    for scale in (1.0, 0.5):
-        _, masks, known = draw_patches(
-            toy_scenes(3),
-            40,
-            20,
-            scale=scale,
-            known=lambda _, *layers: layer_mask(*layers),
-            rng=rng,
-        )
-        assert_array_equal(known, masks)
 
 
 def test_unknown_pixels_neither_cost_nor_count(rng):

@@ -33,9 +33,9 @@ def test_reliability_counts_every_pixel_in_its_class():
     probability = np.array([0.05, 0.08, 0.95, 1.0])
     curve = reliability(probability, np.array([False, True, True, True]))
     assert curve.n_pixels.tolist() == [2, 0, 0, 0, 0, 0, 0, 0, 0, 2]
-    assert_allclose(curve.said[[0, 9]], [0.065, 0.975])
-    assert_allclose(curve.seen[[0, 9]], [0.5, 1.0])
-    assert np.isnan(curve.seen[1:9]).all()
+    assert_allclose(curve.probability[[0, 9]], [0.065, 0.975])
+    assert_allclose(curve.hit_share[[0, 9]], [0.5, 1.0])
+    assert np.isnan(curve.hit_share[1:9]).all()
     # .5 - .065, against .025 in the other.
     assert_allclose(curve.deviation, 0.435)
 

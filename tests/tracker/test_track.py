@@ -12,15 +12,6 @@ def network():
     return Training(SETTINGS, seed=1).network
 
 
-@pytest.mark.parametrize("size", [(300, 64), (77, 33), (2000, 8)])
-def test_probabilities_have_the_size_of_the_image(network, size, rng):
-    probability = track(network, rng.integers(0, 256, size, dtype=np.uint8))
-    assert (probability.shape, probability.dtype) == ((6, *size), np.float32)
-    assert probability.min() >= 0
-    assert probability.max() <= 1
-    assert probability.std() > 0
-
-
 def test_a_network_read_back_tracks_the_same_and_half_precision_nearly(network, rng):
     image = rng.integers(0, 256, (60, 40), dtype=np.uint8)
     weights = {name: value.numpy().copy() for name, value in network.state_dict().items()}

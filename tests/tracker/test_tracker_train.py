@@ -7,9 +7,8 @@ from numpy.testing import assert_allclose
 from toy_scenes import toy_scene
 from trainings import trained
 
-from snowsim.tracker import OUTPUTS, Settings, Training, published, track
+from snowsim.tracker import OUTPUTS, Settings, track
 from snowsim.tracker.loss import balanced_cross_entropy
-from snowsim.tracker.published import published_rate
 from snowsim.tracker.train import rate_factor
 
 TINY = Settings(width=2, n_steps=6, n_range_bins=64, n_range_lines=48)
@@ -53,32 +52,7 @@ def test_the_loss_is_the_textbook_sum(share, rng):
     assert_allclose(got.numpy(), expected, rtol=1e-5)  # float32 sums of 72 terms
 
 
-def test_published_rates_are_multiplied_as_in_the_published_code():
-    training = Training(published(n_steps=6, width=2, n_accumulated=4), seed=1)
-    groups = {
-        id(parameter): group
-        for group in training._optimiser.param_groups
-        for parameter in group["params"]
-    }
-    of_each = {
-        name: groups[id(parameter)] for name, parameter in training.network.named_parameters()
-    }
-    rates = {name: (group["lr"], group["weight_decay"]) for name, group in of_each.items()}
-    assert rates["stages.0.0.weight"] == (1e-6, 2e-4)
-    assert rates["stages.0.0.bias"] == (2e-6, 0)
-    assert rates["stages.4.2.weight"][0] == pytest.approx(1e-4)
-    assert rates["stages.4.2.bias"] == pytest.approx((2e-4, 2e-4))  # its key is misspelt there
-    assert rates["sides.3.weight"][0] == pytest.approx(1e-8)
-    assert rates["fuse.bias"][0] == pytest.approx(2e-9)
-
-
-def test_schedules_are_the_stated_ones():
-    steps = published(n_steps=300_000)
-    rates = [published_rate(steps, update, epoch=14) for update in (0, 9_999, 10_000, 20_000)]
-    assert rates == pytest.approx([1, 1, 0.1, 0.01])
-    by_epoch = replace(steps, n_epochs_per_tenth=3)
-    rates = [published_rate(by_epoch, 20_000, epoch) for epoch in (0, 2, 3, 6)]
-    assert rates == pytest.approx([1, 1, 0.1, 0.01])
+def test_the_rate_rises_over_a_tenth_of_the_steps_and_falls_to_zero():
     cycle = [rate_factor(replace(TINY, n_steps=1000), step) for step in range(1000)]
     assert_allclose(cycle[:100], np.arange(1, 101) / 100, rtol=1e-12)
     assert (np.diff(cycle[99:]) < 0).all()

@@ -32,15 +32,11 @@ def layer_names(n_layers):
     return ["surface", *[f"Koenig_{number + 1}" for number in range(1, n_layers)]]
 
 
-def write_layers(folder, name, layers, content, *, old=False):
+def write_layers(folder, name, layers, content):
     """Layer file beside its organizer; ids do not tell the order, and one layer has no pick."""
     twtt = layers["twtt"].transpose("layer", "slow_time").values
     names = layer_names(len(twtt))
     path = folder / f"Data_{name}.mat"
-    if old:
-        values = formats.old_layer_content(twtt, content["GPS_time"], names)
-        formats.write_mat5(path, values | {"Elevation": content["Elevation"]})
-        return path
     no_picks = np.full((1, twtt.shape[1]), np.nan)
     twtt = np.vstack([twtt, no_picks])[::-1]
     ids_of_names = SURFACE_ID - np.arange(len(names))
@@ -56,24 +52,17 @@ def write_layers(folder, name, layers, content, *, old=False):
     return path
 
 
-def write_echogram(folder, name, content, kind):
-    """One echogram file: "nsidc" crosses midnight, "mat5" has rows; the others are compensated."""
+def write_echogram(folder, name, content):
+    """One echogram file of NSIDC, elevation-compensated; the second frame crosses midnight."""
     n_bins, n_lines = content["Data"].shape
     # Range bins a compressed file inserted above each line: steps of a slow climb.
     correction = (np.arange(n_lines) // 64) % 7
     made = formats.compensated(content, correction, n_kept=n_bins + correction.max())
-    if kind == "nsidc":
-        seconds = content["GPS_time"] - formats.GPS_START
-        # Seconds of day fall back at midnight; a frame begun after it counts on.
-        if seconds[0] < 86_400:
-            seconds %= 86_400
-        extra = {"Elevation_Correction": made.pop("Elevation_Correction")}
-        made.pop("Truncate_Bins")
-        formats.write_nsidc(folder / name, made, seconds=seconds, extra=extra)
-    elif kind == "mat5":
-        formats.write_mat5(folder / name, content | {"Time": content["Time"][None]})
-    else:
-        for attitude in ("Roll", "Pitch", "Heading"):
-            del made[attitude]
-        formats.write_mat73(folder / name, made)
+    seconds = content["GPS_time"] - formats.GPS_START
+    # Seconds of day fall back at midnight; a frame begun after it counts on.
+    if seconds[0] < 86_400:
+        seconds %= 86_400
+    extra = {"Elevation_Correction": made.pop("Elevation_Correction")}
+    made.pop("Truncate_Bins")
+    formats.write_nsidc(folder / name, made, seconds=seconds, extra=extra)
     return folder / name

@@ -106,14 +106,14 @@ def run_snakemake(folder, *arguments, fails=False, timeout=540, env=None, source
     return done
 
 
-def parsed(folder, configs=TINY, targets=(), **config):
+def parsed(folder, configs=TINY, targets=(), snakefile="Snakefile", **config):
     """The workflow as Snakemake reads it for a run in `folder`; targets are planned."""
     files = [ROOT / "config" / name for name in configs]
     with SnakemakeApi(OutputSettings(dryrun=True, quiet={Quietness.ALL})) as api:
         workflow = api.workflow(
             ResourceSettings(cores=1),
             ConfigSettings(config=config, configfiles=files),
-            snakefile=ROOT / "Snakefile",
+            snakefile=ROOT / snakefile,
             workdir=folder,
         )
         dag = workflow.dag(DAGSettings(targets=set(targets)))

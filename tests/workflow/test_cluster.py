@@ -54,6 +54,6 @@ def test_rules_that_use_a_gpu_ask_for_one(load_rules, device):
     n_gpus = {rule.name: dict(rule.resources.items()).get("gpu") for rule in rules}
     asking = {name for name, resource in n_gpus.items() if resource is not None and resource.value}
     # Exactly the rules that are given a device.
-    given = {rule.name for rule in rules if "device" in dict(rule.params.items())}
-    assert given >= {"train_cgan", "train_tracker"}
-    assert asking == (given if device == "cuda" else set())
+    with_device = {rule.name for rule in rules if "device" in dict(rule.params.items())}
+    assert with_device >= {"train_cgan", "train_tracker"}
+    assert asking == (with_device if device == "cuda" else set())

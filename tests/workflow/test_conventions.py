@@ -3,8 +3,6 @@
 import re
 import shutil
 
-import pytest
-import yaml
 from runs import (
     ROOT,
     SNAKEMAKE,
@@ -17,17 +15,7 @@ from runs import (
     text_of,
 )
 
-TARGETS = {
-    "all",
-    "flight",
-    "labels",
-    "renders",
-    "similarity",
-    "trackers",
-    "export",
-    "report",
-}
-SNAKEFILES = ("Snakefile", "workflow/Snakefile")
+TARGETS = {"all", "flight", "labels", "renders", "similarity", "trackers", "export", "report"}
 
 
 def test_lint_finds_nothing(tmp_path):
@@ -53,27 +41,13 @@ def test_every_target_is_named_and_described_by_help_in_its_group(rules, tmp_pat
     assert all(len(text.split()) > 2 for text in listed.values()), listed
 
 
-def test_targets_can_be_planned_by_name(tmp_path):
-    parsed(tmp_path, targets=TARGETS)
-
-
-def test_the_catalogue_knows_how_to_run_the_workflow():
-    catalogue = yaml.safe_load((ROOT / ".snakemake-workflow-catalog.yml").read_text())
-    usage = catalogue["usage"]
-    deployment = usage["software-stack-deployment"]
-    assert deployment["conda"] is True
-    assert usage["report"] is deployment["report"] is True
-    assert (ROOT / "config/README.md").is_file()
-
-
 def test_both_snakefiles_plan_the_same_jobs(tmp_path):
-    # How many jobs of each rule, and every file that they make or are made anew for.
     def plan(snakefile):
-        text = run_snakemake(tmp_path, "--dry-run", snakefile=snakefile).stdout
-        return sorted(re.findall(r"^\w+ +\d+$|\bresults/[\w./]+", text, flags=re.MULTILINE))
+        jobs = parsed(tmp_path, targets=["all"], snakefile=snakefile).dag.jobs
+        return sorted((job.rule.name, *job.input, *job.output) for job in jobs)
 
-    ours, theirs = map(plan, SNAKEFILES)
-    assert len(ours) > 100
+    ours, theirs = map(plan, ("Snakefile", "workflow/Snakefile"))
+    assert len(ours) > 40
     assert ours == theirs
 
 
@@ -85,13 +59,12 @@ def test_the_main_path_plans_both_tables_without_what_judges_it(tmp_path):
     assert not {name for name in planned if name.startswith(("plot_", "measure_", "compare_"))}
 
 
-@pytest.mark.parametrize("snakefile", SNAKEFILES)
-def test_another_workflow_can_use_this_one_as_a_module(tmp_path, snakefile):
+def test_another_workflow_can_use_this_one_as_a_module(tmp_path):
     shutil.copy2(ROOT / "config/config.yaml", tmp_path / "config.yaml")
     (tmp_path / "Snakefile").write_text(f"""\
 configfile: "config.yaml"
 module snowsim:
-    snakefile: "{source_tree()}/{snakefile}"
+    snakefile: "{source_tree()}/workflow/Snakefile"
     config: config
 use rule * from snowsim as snow_*
 rule mine:
@@ -104,10 +77,3 @@ rule mine:
     assert done.returncode == 0, done.stderr[-3000:]
     for job in ("mine", "snow_tabulate_similarity", "snow_train_cgan"):
         assert job in text_of(done)
-
-
-def test_the_plan_of_the_default_is_built_from_few_jobs(tmp_path):
-    # Few enough to follow, and a job takes about a second to start.
-    done = run_snakemake(tmp_path, "--dry-run", configs=("config.yaml",))
-    n_jobs = int(re.search(r"^total\s+(\d+)$", text_of(done), flags=re.MULTILINE)[1])
-    assert 40 < n_jobs <= 55

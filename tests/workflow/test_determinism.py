@@ -28,12 +28,6 @@ def test_what_one_core_makes_again_has_the_bytes_of_two(tiny_run, tmp_path):
 
 
 @pytest.mark.slow
-def test_one_core_gives_the_same_bytes_as_two(tiny_run, reproducible_targets, tmp_path):
-    run_snakemake(tmp_path, "--", *reproducible_targets, cores=1, timeout=3600)
-    assert reproducible.digests(tmp_path / "results") == reproducible.digests(tiny_run / "results")
-
-
-@pytest.mark.slow
 def test_other_shards_in_another_order_give_the_same_tables_and_figures(
     tiny_run, reproducible_targets, tmp_path
 ):

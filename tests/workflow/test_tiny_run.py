@@ -3,8 +3,6 @@
 import re
 import shutil
 import subprocess
-import time
-from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,7 +10,7 @@ import pandas as pd
 import pytest
 from PIL import Image
 from result_tables import OUTPUTS, SETS
-from runs import call, command, made_once
+from runs import call, command
 
 from snowsim.echogram import crossing_layers
 from snowsim.io.scenes import SceneSet
@@ -94,16 +92,3 @@ def test_the_report_needs_no_network(tiny_run, tiny_source, tmp_path):
     text = page.read_text()
     assert "table3.csv" in text
     assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']https?:", text)
-
-
-def test_what_workers_share_is_made_once_and_the_others_wait(tmp_path):
-    made = []
-
-    def make(folder):
-        time.sleep(0.2)  # for the others to come meanwhile
-        folder.mkdir()
-        made.append(folder)
-
-    with ThreadPoolExecutor(3) as workers:
-        found = workers.map(lambda _: made_once(tmp_path / "run", make).is_dir(), range(3))
-    assert (list(found), made) == ([True] * 3, [tmp_path / "run"])

@@ -1,21 +1,20 @@
-"""Checks before the first job: space for results, and edits of code that no result has seen."""
+"""Checks before the first job: space for results, and code that is newer than results."""
 
 import logging
 import os
 import shutil
 from pathlib import Path
 
-# Frames and scenes take nearly all of a run's disk: their rules say how much, by the sizes in
-# docs/scale.md.
+# Nearly all of a run's disk holds frames and scenes, whose rules state it; this is for the rest.
 SMALL_FILES_MB = 20
-# Results that show the way from the flight to both tables.
+# First and last results on the way from the flight to both tables.
 LANDMARKS = ("statistics.nc", "tables/table2.csv", "tables/table3.csv")
 
 
 def warn_of_edits(root, results):
     """Warn, in one line, of code that was edited after results were made.
 
-    Rules do not name the code that their scripts import, so that an edit of it reruns nothing.
+    An edit of the code that scripts import reruns nothing, since rules do not name it.
     """
     made = [Path(results, name) for name in LANDMARKS]
     made = [path for path in made if path.exists()]
@@ -35,7 +34,7 @@ def _time(path):
 
 
 def check_folders(*names):
-    """Refuse folders that cannot be written; root may write anywhere but on a read-only disk."""
+    """ValueError if a folder cannot be written."""
     for name in names:
         folder = Path(name).absolute()
         while not folder.exists():
@@ -46,7 +45,7 @@ def check_folders(*names):
 
 
 def check_disk(scenes_mb, name="results"):
-    """Refuse a run whose results do not fit on the disk of a folder; of frames and scenes [MB]."""
+    """ValueError unless results fit on a folder's disk; `scenes_mb`: frames and scenes [MB]."""
     needed_bytes = 1e6 * (scenes_mb + SMALL_FILES_MB)
     folder = Path(name).absolute()
     folder = folder if folder.exists() else folder.parent

@@ -1,6 +1,6 @@
-"""The configuration as rules read it: checked, recipes and the profile of the flight filled in.
+"""The configuration as rules read it: checked, and with every setting of its recipes filled in.
 
-Settings of the package are defined by its dataclasses alone, all others by config.schema.yaml.
+The package defines its settings by dataclasses; all other settings stand in config.schema.yaml.
 """
 
 from dataclasses import asdict, fields
@@ -12,53 +12,51 @@ import yaml
 from snowsim.reference.settings import PROFILES
 from snowsim.settings import replaced
 from snowsim.settings.cgan import RECIPES as CGAN
-from snowsim.settings.labels import RECIPES as LABELS
 from snowsim.settings.phy import RECIPES as PHY
 from snowsim.settings.tracker import RECIPES as TRACKER
 
 SCHEMA = Path(__file__).resolve().parents[1] / "schemas/config.schema.yaml"
-# By stage; the first is the default.
-RECIPES = {"reference": PROFILES, "labels": LABELS, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
+# Recipes of each stage by name; the first is the default.
+RECIPES = {"reference": PROFILES, "phy": PHY, "cgan": CGAN, "tracker": TRACKER}
 
 
 def filled(config):
-    """A configuration with all settings of its recipes; single ones that it names win.
+    """A configuration with all settings of its recipes; a setting that it names replaces them.
 
-    ValueError, one line, for unknown keys, wrong types and impossible values.
+    ValueError of one line for unknown keys, wrong types and impossible values.
     """
     check(config)
     whole = dict(config)
-    for stage in ("labels", "phy"):
-        others = dict(config[stage])
-        named = {name: others.pop(name) for name in names_of(stage) if name in others}
-        recipe = chosen(stage, others.pop("recipe", None))
-        whole[stage] = others | asdict(built(stage, recipe, named))
+    others = dict(config["phy"])
+    recipe = others.pop("recipe", "measured")
+    settings = settings_from("phy", recipe_of("phy", recipe), others)
+    whole["phy"] = {"recipe": recipe, **asdict(settings)}
     trained = {}
     for stage in ("cgan", "tracker"):
         others = dict(config[stage])
-        recipe = chosen(stage, others.pop("recipe", None))
-        trained[stage] = built(f"{stage}.training", recipe, others.get("training", {}))
+        recipe = recipe_of(stage, others.pop("recipe", None))
+        trained[stage] = settings_from(f"{stage}.training", recipe, others.get("training", {}))
         whole[stage] = others | {"training": asdict(trained[stage])}
     pretrained = config["pretrained"]
-    training = built("pretrained.training", trained["tracker"], pretrained["training"])
+    training = settings_from("pretrained.training", trained["tracker"], pretrained["training"])
     whole["pretrained"] = pretrained | {"training": asdict(training)}
     named = config["reference"]
     if isinstance(named, str):
         named = {"recipe": named}
-    profile = chosen("reference", named.get("recipe"))
+    profile = recipe_of("reference", named.get("recipe"))
     groups = {name: group for name, group in named.items() if name != "recipe"}
-    whole["reference"] = asdict(built("reference", profile, groups))
+    whole["reference"] = asdict(settings_from("reference", profile, groups))
     return whole
 
 
 def names_of(stage):
-    """Names of a stage's settings that the package holds."""
+    """Names of the settings of a stage that the package defines."""
     [default, *_] = RECIPES[stage].values()
     return [each.name for each in fields(default)]
 
 
-def chosen(stage, name):
-    """The recipe that a stage names; the default where it names none."""
+def recipe_of(stage, name):
+    """The recipe of a stage by its name, or the default if that is None."""
     recipes = RECIPES[stage]
     if name is None:
         return next(iter(recipes.values()))
@@ -69,8 +67,8 @@ def chosen(stage, name):
     return recipes[name]
 
 
-def built(section, recipe, named):
-    """Settings of a recipe with those that a section of the configuration names."""
+def settings_from(section, recipe, named):
+    """Settings of a recipe, some replaced by those that a section of the configuration names."""
     try:
         return replaced(recipe, named)
     except ValueError as error:
@@ -79,15 +77,14 @@ def built(section, recipe, named):
 
 
 def read_schema():
-    """JSON Schema of a configuration; settings of the package are known to it by name."""
+    """JSON Schema of a configuration; it knows settings of the package by name, not by limits."""
     schema = yaml.load(SCHEMA.read_text(), Loader=yaml.CSafeLoader)
-    for stage in ("labels", "phy"):
-        schema["properties"][stage]["properties"] |= dict.fromkeys(names_of(stage), {})
+    schema["properties"]["phy"]["properties"] |= dict.fromkeys(names_of("phy"), {})
     return schema
 
 
 def check(config):
-    """ValueError for unknown keys, and for values outside their limits of all other settings."""
+    """ValueError unless the schema accepts a configuration and it holds out few enough scenes."""
     validator = jsonschema.Draft202012Validator(read_schema())
     error = jsonschema.exceptions.best_match(validator.iter_errors(config))
     if error is not None:
@@ -98,9 +95,8 @@ def check(config):
         hint = f" (expected: {expected})" if expected else ""
         msg = f"config: {key}: {error.message}{hint}"
         raise ValueError(msg)
-    n_held = config["cgan"]["n_held"]
-    n_train = config["benchmark"]["n_scenes"]["train"]
-    if config["source"] == "reference" and n_held >= n_train:
-        wanted = f"fewer than benchmark.n_scenes.train = {n_train}"
-        msg = f"config: cgan.n_held: expected {wanted}, got {n_held}"
+    wanted = {"measured": "deblended", "paper": "paper"}[config["labels"]["recipe"]]
+    if config["statistics"]["estimator"] != wanted:
+        msg = f"config: labels.recipe: {config['labels']['recipe']} needs statistics.estimator: "
+        msg += f"{wanted}, got {config['statistics']['estimator']}"
         raise ValueError(msg)

@@ -1,13 +1,24 @@
-"""Scenes rendered by PHY with the settings of the configuration."""
+"""Scenes rendered by PHY with the recipe of the configuration."""
 
-from snowsim.labels import Dress, dress
+import dataclasses
+
+from snowsim.labels import dress, dress_as_printed
 from snowsim.phy import render_scene
 
 
-def render_by_phy(scene, flight, phy, *, rng, added_power=None):
+def is_printed(phy):
+    """Whether the configuration's section `phy` asks for the paper's recipe."""
+    return phy["recipe"] == "paper"
+
+
+def render_by_phy(scene, flight, phy, *, rng, added_power=0.0):
     """The scene with its image; one without echoes of its own has the flight's mean powers."""
-    choices, options = Dress.split(phy)
     echoes = scene.echoes
-    if echoes is None:
-        echoes = dress(scene.layer_bins, flight, choices, rng=rng)
-    return render_scene(scene, echoes=echoes, rng=rng, added_power=added_power, **options)
+    printed = is_printed(phy)
+    if echoes is None and printed:
+        echoes = dress_as_printed(scene.layer_bins, flight, rng=rng)
+    elif echoes is None:
+        echoes = dress(scene.layer_bins, flight)
+    if phy["n_looks"] is not None:
+        echoes = dataclasses.replace(echoes, n_looks=phy["n_looks"])
+    return render_scene(scene, echoes=echoes, rng=rng, added_power=added_power, as_printed=printed)

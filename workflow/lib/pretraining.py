@@ -7,13 +7,18 @@ import pandas as pd
 
 from lib.phy_renders import render_by_phy
 from lib.resizing import in_bins
-from snowsim.labels import Dress, draw_scene, prepare
+from snowsim.echoes import Kind
+from snowsim.labels import draw_scene, prepare
 from snowsim.labels.clutter import Clutter, bands, with_crusts
+from snowsim.labels.dress import background_below
 from snowsim.seeding import random_stream
 from snowsim.statistics import Variation, changed, varied
 
 # One in so many variants is the flight itself.
 EVERY = 5
+# Mean power of a layer, over that of noise and background at its depth, from which it is labelled
+# [dB]: with both it rises by 1 dB.
+SEEN_DB = -6.0
 
 
 def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
@@ -24,21 +29,20 @@ def varied_scenes(flight, variants, n_scenes, *, n_range_lines, phy, seed):
     lines, and the range bins that a scene is drawn in before it is resampled to the flight's. One
     variant in `EVERY` is the flight itself.
     """
-    phy = phy | {"n_looks": None, "speckle_correlation": "measured"}
-    choices, _ = Dress.split(phy)
+    phy = phy | {"n_looks": None}
     for variant in variants:
         statistics = variant_of(flight, variant, rng=random_stream(seed, "varied", variant))
         # Lines farther apart are lines left out.
         spacing = statistics.attrs["varied_line_spacing"]
         lines = (np.arange(n_range_lines) * spacing).astype(int)
         n_drawn = int(lines[-1]) + 1
-        model = prepare(statistics, n_drawn, dress=choices)
+        model = prepare(statistics, n_drawn)
         clutter = clutter_of(statistics)
         for number in range(n_scenes):
             name = f"variant_{variant:03d}_{number:03d}"
             # By scene, never by shard: how scenes are divided must not change them.
             rng = random_stream(seed, "varied_scenes", name)
-            drawn = on_lines(draw_scene(model, n_drawn, name=name, rng=rng), lines)
+            drawn = labelled(on_lines(draw_scene(model, n_drawn, name=name, rng=rng), lines))
             echoes = with_crusts(drawn.echoes, clutter, rng=rng)
             shape = (drawn.n_range_bins, n_range_lines)
             coherent = bands(shape, echoes.noise_power, clutter, rng=rng)
@@ -57,21 +61,23 @@ def variant_of(flight, variant, *, rng):
 def on_lines(scene, lines):
     """A drawn scene on some of its range lines, (range_line,)."""
     echoes = scene.echoes
-    texture = echoes.texture
-    if texture is not None:
-        every = max(1, (lines[-1] - lines[0]) / (len(lines) - 1))
-        variance, length_bins, length_lines = texture
-        texture = (variance, length_bins, length_lines / every)
-    kept = dataclasses.replace(
-        echoes, bins=echoes.bins[:, lines], power=echoes.power[:, lines], texture=texture
-    )
-    complete = scene.complete_layer_bins
+    kept = dataclasses.replace(echoes, bins=echoes.bins[:, lines], power=echoes.power[:, lines])
+    layer_bins = scene.layer_bins[:, lines]
     return dataclasses.replace(
-        scene,
-        layer_bins=scene.layer_bins[:, lines],
-        complete_layer_bins=None if complete is None else complete[:, lines],
-        echoes=kept,
+        scene, layer_bins=layer_bins, complete_layer_bins=layer_bins, echoes=kept
     )
+
+
+def labelled(scene):
+    """The scene with those layers labelled that stand above noise and background, see `SEEN_DB`."""
+    echoes = scene.echoes
+    power = echoes.power[echoes.kind == Kind.LAYER].mean(axis=1)
+    depth_bins = (scene.layer_bins - scene.layer_bins[0]).mean(axis=1)
+    behind = background_below(echoes, depth_bins) + echoes.noise_power
+    seen = power >= 10 ** (SEEN_DB / 10) * behind
+    seen[0] = True  # the surface
+    layer_bins = np.where(seen[:, None], scene.layer_bins, np.nan)
+    return dataclasses.replace(scene, layer_bins=layer_bins)
 
 
 def clutter_of(statistics):

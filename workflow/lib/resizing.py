@@ -1,4 +1,4 @@
-"""Images and scenes at other numbers of range bins and range lines."""
+"""Images and scenes resampled to other numbers of range bins and range lines."""
 
 import dataclasses
 
@@ -8,26 +8,29 @@ from torch.nn import functional
 from snowsim.io.scenes import SceneSet
 
 AS_THEY_ARE = (1, 1)
-LEAST_SIZE = 16  # of an image that the tracker takes
+LEAST_SIZE = 16  # least number of range bins, and of range lines, after resampling
 
 
 def resized(image, scale):
-    """An image with so many times the range bins and range lines, `scale` (bin, line)."""
+    """An image resampled by the factors `scale` (range bins, range lines)."""
     if tuple(scale) == AS_THEY_ARE:
         return image
     sizes = zip(image.shape, scale, strict=True)
     size = tuple(max(LEAST_SIZE, round(n * factor)) for n, factor in sizes)
-    given = torch.from_numpy(image)[None, None]
-    return functional.interpolate(given, size=size, mode="bilinear", antialias=True)[0, 0].numpy()
+    batch = torch.from_numpy(image)[None, None]
+    return functional.interpolate(batch, size=size, mode="bilinear", antialias=True)[0, 0].numpy()
 
 
 def resized_rows(row, n_rows, n_resized):
-    """Rows of an image of `n_rows` in one of `n_resized`: middles of pixels are counted."""
+    """Rows of an image of `n_rows`, as rows of the image resampled to `n_resized`.
+
+    A whole number is the middle of a pixel.
+    """
     return (row + 0.5) * n_resized / n_rows - 0.5
 
 
 def in_bins(scene, share):
-    """An annotated scene with its image in fewer range bins, a `share` of its own."""
+    """An annotated scene resampled to a `share` of its range bins."""
     if share == 1:
         return scene
     image = resized(scene.image, (share, 1))
@@ -46,7 +49,7 @@ def in_bins(scene, share):
 
 
 def scenes_in_bins(paths, shares):
-    """Scenes of some files, those of each file in a share of their range bins."""
+    """Scenes of some files, resampled to a share of their range bins, one share for each file."""
     scenes = []
     for path, share in zip(paths, shares, strict=True):
         with SceneSet([path]) as annotated:

@@ -1,7 +1,4 @@
-"""Scores of images and trainings to the paper's tables.
-
-Table II, SSIM against depth, Table III with intervals.
-"""
+"""The paper's tables from scores: Table II, SSIM against depth, and Table III with intervals."""
 
 from itertools import product
 
@@ -14,10 +11,10 @@ from snowsim.metrics.edges import COUNTS, score, stack_counts
 
 
 def similarity_table(images):
-    """Table II: minimum, mean and maximum of each metric over the images, a column a method.
+    """Table II: minimum, mean and maximum of each metric over the images.
 
-    `images` has columns `scene, method, rmse, psnr, ssim`; the table has `metric, statistic` and
-    the methods.
+    `images` has columns `scene, method, rmse, psnr, ssim`; the table has columns `metric,
+    statistic` and one for each method.
     """
     by_method = images.groupby("method")
     rows = []
@@ -28,11 +25,11 @@ def similarity_table(images):
 
 
 def ssim_against_depth(rows, window_rows):
-    """Mean SSIM of every row that all images share, and its moving average (Fig. 12).
+    """Mean SSIM of every row that all images have, and its moving average (Fig. 12).
 
-    `rows` has columns `scene, method, range_bin, ssim`, row means of SSIM maps; the average is
-    centred over `window_rows` range bins, fewer at the two ends. Columns `method, range_bin, ssim,
-    ssim_smooth`.
+    `rows` has columns `scene, method, range_bin, ssim`, with means of SSIM maps over range lines.
+    The moving average is centred and takes `window_rows` range bins, fewer at the two ends. The
+    table has columns `method, range_bin, ssim, ssim_smooth`.
     """
     common_depth = rows.groupby(["method", "scene"])["range_bin"].max().min()
     common = rows[rows["range_bin"] <= common_depth]
@@ -46,15 +43,16 @@ def ssim_against_depth(rows, window_rows):
 
 
 def counts_by_image(table):
-    """Counts of one output as `snowsim.metrics.edges.score` takes them, images sorted by name."""
+    """Counts of one output for `snowsim.metrics.edges.score`, a dict an image, sorted by name."""
     by_scene = table.sort_values(["scene", "threshold"]).groupby("scene", sort=True)
     return [{name: group[name].to_numpy() for name in COUNTS} for _, group in by_scene]
 
 
 def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
-    """Counts of trainings for `tracker_intervals`, replicas of the first training set first.
+    """Counts of trainings for `tracker_intervals`.
 
-    Each table has columns `scene, output, threshold` and the counts.
+    `tables` holds one table for each training, all replicas of the first training set first, with
+    columns `scene, output, threshold` and the counts.
     """
     counts = {(training_set, output): [] for training_set in training_sets for output in outputs}
     keys = [training_set for training_set in training_sets for _ in range(n_replicas)]
@@ -65,10 +63,7 @@ def counts_of_runs(tables, training_sets, n_replicas, outputs=OUTPUTS):
 
 
 def tracker_table(intervals):
-    """Table III in the paper's layout from the long table of `tracker_intervals`.
-
-    A row per output.
-    """
+    """Table III as the paper prints it, a row for each output, from `tracker_intervals`."""
     columns = intervals["training_set"] + "_" + intervals["metric"]
     wide = intervals.assign(column=columns).pivot_table(
         index="output", columns="column", values="mean"
@@ -80,12 +75,12 @@ def tracker_table(intervals):
 def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rng):
     """Scores of every training set and output, with intervals, and differences to the first set.
 
-    `counts` maps (training set, output) to a list over replicas of lists over images, in one order,
-    of count dicts. Intervals are the 2.5 and 97.5 percentiles of a paired bootstrap: images, and
-    replicas, are drawn `n_bootstrap` times with replacement, the same for every set. Columns
-    `output, training_set, metric, mean, low, high, difference, difference_low, difference_high,
-    n_replicas, n_images, n_without_truth`; images without truth put their false positives into OIS
-    at the lowest threshold, see `snowsim.metrics.edges.score`.
+    `counts` maps (training set, output) to a list over replicas of lists over images of count
+    dicts; images always have the same order. Intervals are the 2.5 and 97.5 percentiles of a paired
+    bootstrap: images and replicas are drawn `n_bootstrap` times with replacement, the same ones for
+    every training set. Columns are `output, training_set, metric, mean, low, high, difference,
+    difference_low, difference_high, n_replicas, n_images, n_without_truth`. How images without
+    truth count is said at `snowsim.metrics.edges.score`.
     """
     stacked = {
         key: [stack_counts(images) for images in replicas] for key, replicas in counts.items()
@@ -131,10 +126,10 @@ def tracker_intervals(counts, training_sets, *, outputs=OUTPUTS, n_bootstrap, rn
 def _means(replicas, images=slice(None)):
     """Mean over replicas of each of `METRICS`, on some images, (metric,)."""
     scores = replica_scores(replicas, images)
-    # By metric: how sums are rounded depends on how values lie in memory.
+    # Metric by metric, since the rounding of a sum depends on how its values lie in memory.
     return np.array([scores[:, index].mean() for index in range(len(METRICS))])
 
 
 def _resampled(replicas, draws):
-    """Those means for each draw of replicas and images, (draw, metric)."""
-    return np.array([_means([replicas[i] for i in chosen], images) for chosen, images in draws])
+    """Means as from `_means` for each draw of replicas and images, (draw, metric)."""
+    return np.array([_means([replicas[i] for i in drawn], images) for drawn, images in draws])

@@ -1,16 +1,16 @@
-"""Where flight and benchmark come from; ValueErrors say what is wrong before the first job.
+"""Sources of flight and benchmark, checked before the first job.
 
-Readers are imported where they are used: every start of the workflow comes by here, and needs those
-of one source.
+Readers are imported where they are used, since every start of the workflow runs this module but
+needs the readers of one source only.
 """
 
 from pathlib import Path
 
-ROLES = ("statistics", "train", "test")  # each needs a frame; validation may have none
+ROLES = ("statistics", "train", "test")  # roles that need a frame; validation may have none
 
 
 def observed(config):
-    """Rows of own frames, or pairs of images, by their role; none of the reference flight."""
+    """Own frames (rows of their table) or pairs of images, by role; empty for the reference."""
     source = config["source"]
     own = config["import"]
     if source == "reference":
@@ -23,7 +23,7 @@ def observed(config):
 
 
 def check_reference(reference, flight):
-    """Refuse settings of the reference flight that contradict each other, or too many frames."""
+    """ValueError if settings of the reference flight contradict each other or frames do not fit."""
     from snowsim.reference import checked_settings
     from snowsim.reference.line import line_length_km
 
@@ -37,15 +37,13 @@ def check_reference(reference, flight):
     length_km = n_frames * n_range_lines * reference["radar"]["line_spacing_m"] / 1e3
     longest_km = line_length_km()
     if length_km > longest_km:
-        msg = (
-            f"config: flight.n_frames: expected frames that fit on the line of {longest_km:.0f} km"
-        )
-        msg += f", got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
+        msg = "config: flight.n_frames: expected frames that fit on the line of "
+        msg += f"{longest_km:.0f} km, got {n_frames} of {n_range_lines} lines, {length_km:.0f} km"
         raise ValueError(msg)
 
 
 def own_frames(path_to_table):
-    """Rows of the table of frames by role, each a dict."""
+    """Rows of the table of frames, dicts in lists by role; ValueError if a role lacks a frame."""
     from snowsim.io.frame_table import read_frames
 
     table = read_frames(path_to_table)
@@ -58,10 +56,10 @@ def own_frames(path_to_table):
 
 
 def frames_to_track(path_to_table, per_job):
-    """Rows of the table of frames to be tracked, by job: lists of dicts, each of whole segments.
+    """Rows of the table of frames that are to be tracked, a list of dicts for each job.
 
-    Layers keep their names along a segment, so that it is not divided, however long it is; a frame
-    whose file names none is one by itself.
+    A job has about `per_job` frames. A segment is never divided between jobs, however long it is,
+    since layers keep their names along it. A frame whose file names no segment is one by itself.
     """
     from snowsim.io.frame_table import TRACK, read_frames
     from snowsim.io.layer_files import named_frame
@@ -83,7 +81,7 @@ def frames_to_track(path_to_table, per_job):
 
 
 def frame_files(row, source):
-    """Files of a row: echogram, layers, the names of layers and NSIDC's quality flags, if any."""
+    """Files of a row: echogram, layers and, where there are any, names of layers and flags."""
     from snowsim.io.layers import find_organizer
     from snowsim.io.nsidc import find_supplement
 
@@ -96,13 +94,13 @@ def frame_files(row, source):
 
 
 def frame_inputs(row, source):
-    """Inputs of a rule that imports the frame of a row; `files` are all that it is read from."""
+    """Inputs of a rule that imports the frame of a row; `files` lists all files it is read from."""
     files = frame_files(row, source)
     return {"echogram": row["echogram"], "layers": row["layers"], "files": files}
 
 
 def own_pairs(folder, lists, data_scale):
-    """A `PairSet` for each split with a list file; no scene may be in two lists."""
+    """A `PairSet` for each split that has a list; ValueError if a scene is in two lists."""
     from snowsim.io.png_pairs import PairSet
 
     if folder is None:
@@ -125,10 +123,10 @@ def own_pairs(folder, lists, data_scale):
 
 
 def check_lists(lists, *, data_scale, contrast_db):
-    """Table of every scene of the lists, by split; one ValueError names all that cannot be read.
+    """Table of every scene in the lists, with its split.
 
-    All scenes must be of one width; without `contrast_db` train scenes must tell what their grey
-    levels stand for.
+    One ValueError names all scenes that cannot be read. All scenes must have the same number of
+    range lines; without `contrast_db`, train scenes must say what their grey levels stand for.
     """
     import pandas as pd
 
@@ -145,10 +143,11 @@ def check_lists(lists, *, data_scale, contrast_db):
     if failed:
         raise ValueError("\n".join(failed))
     table = pd.DataFrame(rows)
-    mute = table.loc[(table["split"] == "train") & ~table["tells_db"], "name"]
-    if contrast_db is None and len(mute):
-        msg = f"{len(mute)} train scenes, {mute.iloc[0]} the first, do not hold their decibels: "
-        msg += "import.pairs.contrast_db: expected decibels from the noise floor to 255, got null"
+    without_db = table.loc[(table["split"] == "train") & ~table["tells_db"], "name"]
+    if contrast_db is None and len(without_db):
+        scenes = f"{len(without_db)} train scenes, {without_db.iloc[0]} the first,"
+        msg = f"{scenes} do not hold their decibels: import.pairs.contrast_db: "
+        msg += "expected decibels from the noise floor to 255, got null"
         raise ValueError(msg)
     widths = table.groupby("split")["n_range_lines"].first()
     if widths.nunique() > 1:

@@ -1,4 +1,4 @@
-"""What people can ask the workflow for by name, in words."""
+"""The list of targets that ``snakemake help`` prints."""
 
 GROUPS = {
     "main": "from the flight to Tables II and III",
@@ -10,7 +10,7 @@ GROUPS = {
 
 
 def group_of(target):
-    """The group of a target, by where its rule stands."""
+    """Group of a target, by the file of its rule."""
     if target.name.startswith("stud"):
         return "studies"
     if target.snakefile.endswith(("/pretrained.smk", "/picks.smk")):
@@ -19,7 +19,7 @@ def group_of(target):
 
 
 def described(targets):
-    """Rules that are targets with a line each, in groups."""
+    """Targets in groups, a line of text for each."""
     width = max(len(target.name) for target in targets)
     lines = ["snakemake --cores N TARGET; targets are:"]
     for group, about in GROUPS.items():

@@ -1,4 +1,4 @@
-"""Edge counts of a trained tracker on a set of scenes, and picks from its fused output."""
+"""Edge counts and picks of a trained tracker on a set of scenes."""
 
 from dataclasses import dataclass
 
@@ -24,19 +24,19 @@ class Tracker:
     settings: Settings
 
     def track(self, image):
-        """Probabilities of a layer, `snowsim.tracker.track`, in the precision of the training."""
+        """Probabilities of layers as from `snowsim.tracker.track`, in the training's precision."""
         return track(self.network, image, precision=self.settings.precision)
 
 
 def read_tracker(path, device="cpu"):
-    """The `Tracker` of a file of weights."""
+    """The `Tracker` whose weights a file holds."""
     weights, metadata = read_model(path, {"kind": "tracker"})
     settings = Settings(**metadata["settings"])
     return Tracker(trained_network(weights, settings, device=device), settings)
 
 
 def read_calibration(path):
-    """The `Calibration` in a table of one row."""
+    """The `Calibration` that a table of one row holds."""
     return Calibration(**read_table(path).iloc[0].to_dict())
 
 
@@ -47,9 +47,9 @@ def read_confidence(path):
 
 
 def count_edges(tracker, scenes, outputs=OUTPUTS):
-    """Edge counts of some outputs, and the probabilities of the fused one, a scene each.
+    """Table of edge counts of some outputs, and a list of the fused output's probabilities.
 
-    Counts have columns `scene, output, threshold` and those of `match_counts`.
+    The table has columns `scene, output, threshold` and the counts of `match_counts`.
     """
     tables = []
     fused = []
@@ -62,7 +62,7 @@ def count_edges(tracker, scenes, outputs=OUTPUTS):
 
 
 def count_output(probability, scene, output):
-    """Edge counts of one output on a scene, as from `count_edges`."""
+    """Table of edge counts of one output on one scene."""
     edges = suppress(probability, where=scene.name)
     counts = match_counts(edges, scene.mask(), THRESHOLDS, where=scene.name)
     keys = {"scene": scene.name, "output": output, "threshold": THRESHOLDS}
@@ -70,10 +70,10 @@ def count_output(probability, scene, output):
 
 
 def pick_scenes(scenes, fused, counts):
-    """Rows of every layer of every scene, `layer_rows`, at the threshold of the best F of the set.
+    """Table of `layer_rows` of all scenes, picked at the threshold with the best F of the set.
 
-    `fused` and `counts` are those of `count_edges`. Further columns: `scene`,
-    `first_thickness_bins`, mean thickness of its first slab, and `threshold`.
+    `fused` and `counts` come from `count_edges`. Three columns are added: `scene`,
+    `first_thickness_bins`, the mean thickness of its first slab, and `threshold`.
     """
     of_fused = counts_by_image(counts[counts["output"] == "fuse"])
     threshold = score(of_fused, THRESHOLDS)["ods_threshold"]

@@ -1,7 +1,4 @@
-"""Scores and picks of all trackers to tables.
-
-Curves, tests, scores by accumulation zone, errors of picks.
-"""
+"""Tables of all trackers: curves, tests, scores by accumulation zone, and errors of picks."""
 
 import numpy as np
 import pandas as pd
@@ -19,7 +16,7 @@ RUN = ["training_set", "replica"]
 def fused_curves(counts, training_sets):
     """Precision and recall of the fused output at every threshold, means over replicas.
 
-    Counts of `counts_of_runs`.
+    `counts` come from `counts_of_runs`.
     """
     frames = []
     for training_set in training_sets:
@@ -36,7 +33,7 @@ def fused_curves(counts, training_sets):
 
 
 def paired_tests(counts, pairs, *, n_bootstrap, rng):
-    """Fused scores of training sets against others, by pairs."""
+    """Comparison of the fused scores of pairs of training sets, `snowsim.metrics.comparison`."""
     fused = {training_set: counts[training_set, "fuse"] for pair in pairs for training_set in pair}
     table = compare(fused, pairs, n_bootstrap=n_bootstrap, rng=rng)
     return table.rename(columns={"name": "training_set"})
@@ -45,7 +42,7 @@ def paired_tests(counts, pairs, *, n_bootstrap, rng):
 def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):
     """`tracker_intervals` of the fused output for the images of every zone.
 
-    `zones` in the order of the images.
+    `zones` holds the number of each image's zone, -1 for none.
     """
     tables = []
     for number, name in enumerate(ZONES, start=-1):
@@ -66,11 +63,11 @@ def intervals_by_zone(counts, training_sets, zones, *, n_bootstrap, seed):
 
 
 def rows_of_picks(tables, runs, zone_edge_bins, depth_step_bins):
-    """Rows of all runs, with the zone of every scene and the range of depth of every layer."""
+    """Rows of picks of all runs, with the zone of each scene and the depth step of each layer."""
     found = []
     for (training_set, replica), table in zip(runs, tables, strict=True):
         zone = zone_of(table["first_thickness_bins"], zone_edge_bins)
-        # A false layer above the surface counts with the shallowest.
+        # A false layer above the surface counts with the shallowest layers.
         step = np.maximum(np.floor(table["depth_bins"] / depth_step_bins), 0).astype(int)
         rows = table.assign(
             training_set=training_set,

@@ -1,4 +1,4 @@
-"""A training of the tracker: on what, for how many steps, and what it leaves."""
+"""A training of the tracker: its scenes, its number of steps, and the files that it writes."""
 
 import dataclasses
 from contextlib import ExitStack
@@ -21,9 +21,10 @@ def compose(
     order="mixed",
     labels="picked",
 ):
-    """Training set of opened scene sets, and settings with its steps.
+    """The `TrainingSet` of opened scene sets, and settings with the number of steps of `n_epochs`.
 
-    What differs from the default is an ablation.
+    Without `n_epochs` the number of steps stays that of the settings. `order` and `labels` other
+    than the defaults serve ablations.
     """
     if labels == "complete":
         real = Completed(real)
@@ -43,17 +44,17 @@ def train(
     real, phy, cgan, network, losses,
     *, seed, replica, device, n_epochs, data, settings, checkpoint, checkpoint_steps, events,
 ):  # fmt: skip
-    """Train one tracker on the files of its training set, from the checkpoint where there is one.
+    """Train one tracker on the files of its training set, from its checkpoint if there is one.
 
     `data` are the options of `compose`.
     """
-    # Of the replica alone: with every training set it starts from the same weights.
+    # The seed depends on the replica alone, so that all training sets start from the same weights.
     seed = int(random_stream(seed, "train_tracker", replica).integers(2**31))
     settings = Settings(**settings)
     with ExitStack() as opened:
         opened.enter_context(enough_memory(f"a tracker of width {settings.width}"))
-        given = [paths for paths in (real, phy, cgan) if paths]
-        observed, *added = (opened.enter_context(SceneSet(paths)) for paths in given)
+        sets = [opened.enter_context(SceneSet(paths)) for paths in (real, phy, cgan) if paths]
+        observed, *added = sets
         scenes, settings = compose(observed, added, settings, n_epochs, seed, **data)
         made_of = {
             "settings": dataclasses.asdict(settings),

@@ -1,6 +1,6 @@
-"""Trainings that go on from their last checkpoint, to the same bytes, with logs.
+"""Trainings that go on from their last checkpoint and end with the same bytes.
 
-A checkpoint is no declared output, for Snakemake removes those of a failed job.
+A checkpoint is not a declared output, because Snakemake removes the outputs of a failed job.
 """
 
 import logging
@@ -16,21 +16,20 @@ from lib.progress import available_memory_mb, progress
 from snowsim import __version__
 from snowsim.io.models import read_model, write_model
 
-LOGGED_EVERY = 10  # [steps] to TensorBoard
-SHOWN_EVERY = 50  # [steps] beside the progress bar
+LOGGED_EVERY = 10  # [steps] between events for TensorBoard
+SHOWN_EVERY = 50  # [steps] between losses beside the progress bar
 
 logger = logging.getLogger("snowsim")
 
 
 class TrainingRun:
-    """One training with its checkpoint, losses and logs.
+    """A training with its checkpoint, losses and logs, as a context.
 
-    A context in which its files are written.
-
-    `expected` is what made it, as JSON holds it; ValueError on entry if the checkpoint
-    (`.safetensors`, every `every_steps`) says something else or is truncated. It goes when the
-    block ends well, and when a loss is not finite: another try would end alike. Events for
-    TensorBoard go to the folder `path_to_events`.
+    The checkpoint is a `.safetensors` file, written every `every_steps` steps. `expected` describes
+    the training, in values that JSON can hold; ValueError on entry if the checkpoint describes
+    another one or is truncated. The checkpoint is removed when the block ends well, and when a loss
+    is not finite, since another try would end alike. Events for TensorBoard go to the folder
+    `path_to_events`.
     """
 
     def __init__(self, training, path_to_checkpoint, expected, *, every_steps, path_to_events=None):
@@ -43,13 +42,12 @@ class TrainingRun:
         self._events = None
 
     def __enter__(self):
-        # The workflow gives every process one thread; a training called by anyone else ends with
-        # the same bytes.
+        # As the workflow does, so that a training called from elsewhere ends with the same bytes.
         torch.set_num_threads(1)
         if self._path.exists():
             self._resume()
         if self._events_path is not None:
-            # Events beyond the checkpoint were written by steps that are taken again.
+            # Steps after the checkpoint are taken again, so their events are removed.
             self._events = SummaryWriter(self._events_path, purge_step=self.training.step + 1)
         return self
 
@@ -60,11 +58,11 @@ class TrainingRun:
             self._path.unlink(missing_ok=True)
 
     def losses(self):
-        """Losses of every step since the first, those before a resume included: a row a step."""
+        """Losses of every step since the first, also of steps before a resume, a row for each."""
         return pd.DataFrame(self._losses)
 
     def take(self, steps, n_steps, description):
-        """Take the `steps` left of `n_steps`, beside a progress bar."""
+        """Take the remaining `steps` of `n_steps` beside a progress bar."""
         bar = progress(None, description, total=n_steps, initial=self.training.step)
         for step, losses in steps:
             self._losses.append({"step": step, **losses})
@@ -104,22 +102,22 @@ class TrainingRun:
 
 @contextmanager
 def enough_memory(what):
-    """Turn a failed allocation into one line that names `what` was too large."""
+    """Turn a failed allocation into a ValueError of one line, which names `what` was too large."""
     try:
         yield
     except (MemoryError, RuntimeError) as error:
-        said = str(error).splitlines()[0] if str(error) else "no memory left"
-        known = isinstance(error, MemoryError | torch.OutOfMemoryError)
-        if not known and "allocate memory" not in said:
+        reason = str(error).splitlines()[0] if str(error) else "no memory left"
+        is_memory = isinstance(error, MemoryError | torch.OutOfMemoryError)
+        if not is_memory and "allocate memory" not in reason:
             raise
-        msg = f"too little memory for {what}: {said[:200]}"
+        msg = f"too little memory for {what}: {reason[:200]}"
         raise ValueError(msg) from error
 
 
 def check_memory(n_bytes, what):
-    """Raise ValueError in one line if the machine cannot hold `n_bytes` now.
+    """ValueError of one line if the machine has less than `n_bytes` of free memory.
 
-    Machines that do not say pass.
+    A machine that does not say how much is free passes.
     """
     available_mb = available_memory_mb()
     if available_mb is None:

@@ -1,7 +1,7 @@
 # Scene sets for other people's code, in the published benchmark's layout and for xarray.
 
 EXPORT = config["export"]
-# Of each set its lists, and the scene set they show with who rendered it.
+# Files of every exported set by split, and below what the set is, in words.
 EXPORTS = {
     "rd": {split: benchmark_files(split) for split in SPLITS if N_SCENES[split]},
     "pd": {"train": rendered_files("phy", "labels")},

@@ -1,9 +1,10 @@
-# The sample flight, sums over its frames, and the benchmark (train, validation and test scenes).
+# The sample flight, summaries of its frames, and the benchmark (train, validation and test scenes).
 
 
 if SOURCE == "reference":
 
-    # A rule for each shard: a job of one frame takes longer to start than to draw it, and no wildcard names many outputs.
+    # Each shard has a rule of its own, since a job takes longer to start than to draw one frame, and a wildcard cannot
+    # stand for many outputs.
     for shard, frames in FRAME_SHARDS.items():
 
         rule:
@@ -80,8 +81,8 @@ elif SOURCE == "png_pairs":
         input:
             listing=lambda w: LISTS[w.split],
             images=lambda w: OBSERVED[w.split].files(slice(*shard_range(w.split, w.shard))),
-            # Not `ancient`: while the check has to run, Snakemake asks no rule behind it whether its own settings or
-            # files have changed, and what was imported with the old ones would stay. The same holds for frames.
+            # Not `ancient`: Snakemake does not look for changed settings or files of rules behind a job that has to run,
+            # so that scenes imported with the old ones would stay. The same holds for frames.
             check=CHECK,
         output:
             scenes="results/benchmark/{split}/{shard}.nc",

@@ -1,9 +1,9 @@
-# Sums over the flight -> flight statistics -> synthetic layer sets.
+# From summaries of the flight to its statistics, and from these to label sets.
 
 
 rule fit_statistics:
     input:
-        # Over a shard of frames or, where there are only images, over a file of train scenes.
+        # One for each shard of frames or, where there are only images, for each file of train scenes.
         summaries=expand("results/statistics/{shard}.nc", shard=FRAME_SHARDS or shards("train")),
         segment=SEGMENT,
     output:
@@ -22,10 +22,6 @@ rule fit_statistics:
         "../scripts/fit_statistics.py"
 
 
-# Of PHY, which a label set records.
-CHOICES = ["width", "width_bounds", "n_looks", "speckle_correlation"]
-
-
 rule draw_labels:
     input:
         statistics="results/statistics.nc",
@@ -41,7 +37,6 @@ rule draw_labels:
         seed=config["seed"],
         span=lambda w: shard_range("labels", w.shard),
         labels={key: LABELS[key] for key in LABELS if key not in ("n_scenes", "shard_size")},
-        choices={name: config["phy"][name] for name in CHOICES},
     message:
         "label sets, shard {wildcards.shard}"
     script:

@@ -1,4 +1,4 @@
-# From sums over the flight to Tables II and III: what a run may do beside itself, with other settings, as a module.
+# The way from summaries of the flight to Tables II and III, which a run can take again as a module with other settings.
 
 
 include: "common.smk"

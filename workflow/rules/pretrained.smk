@@ -10,10 +10,10 @@ VARIED_SHARDS = numbered(math.ceil(PRETRAINED["n_variants"] / VARIANTS_PER_SHARD
 TUNING = {flight["name"]: flight for flight in PRETRAINED["tuning"]}
 UNSEEN = {flight["name"]: flight for flight in TRANSFER["flights"]}
 OTHER_FLIGHTS = TUNING | UNSEEN
-# Jobs start without what this imports.
+# Only the main process checks: jobs are spared the imports of the check.
 if workflow.is_main_process:
     or_refused(transfer.check_flights, PRETRAINED["tuning"], TRANSFER["flights"], config)
-# From the bins and lines of another flight to the default's.
+# Factors that resample range bins and range lines of another flight to the default's.
 SCALES = {
     name: transfer.scale_of(flight, config["reference"]["radar"])
     for name, flight in OTHER_FLIGHTS.items()

@@ -1,8 +1,8 @@
-# Layers -> echograms: by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
+# From layers to echograms, by PHY, the physics-driven renderer, and by the conditional GAN trained on the train scenes.
 
-# Where the layers of a scene set come from.
+# Folders of the layers of each scene set.
 LAYERS = {"labels": "results/labels", "test": "results/benchmark/test"}
-# Train scenes of the cGAN, by what marks their layers.
+# Train scenes of the cGAN: with layers as picked, or completed by the tracker that comes with the package.
 PICKED = {"as_picked": "results/benchmark/train", "completed": "results/cgan/train"}
 CGAN = config["cgan"]
 
@@ -68,7 +68,6 @@ rule train_cgan:
         seed=config["seed"],
         device=CGAN["device"],
         settings=CGAN["training"],
-        n_held=CGAN["n_held"],
         checkpoint=f"{CHECKPOINTS}/train_cgan.safetensors",
         checkpoint_steps=config["checkpoints"]["every_steps"],
         events=f"{EVENTS}/train_cgan",

@@ -1,4 +1,4 @@
-# Renders of the test masks against the observed test scenes: Table II, Figs 10-12.
+# Similarity of renders to the observed test scenes whose layers they have: Table II, Figs 10-12.
 
 
 rule score_similarity:

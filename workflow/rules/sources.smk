@@ -1,4 +1,4 @@
-# Where flight and benchmark come from: how many frames and scenes there are, and what they are called.
+# Source of flight and benchmark: number and names of frames and scenes.
 
 from functools import cache
 
@@ -11,8 +11,8 @@ def numbered(n):
     return [f"{i:04d}" for i in range(n)]
 
 
-# N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. How many scenes an own frame gives is known when it
-# is cut: there a file holds one frame, and frames are counted. CHECK is the table of the check of own files.
+# N_OBSERVED scenes of each split lie in files of OBSERVED_PER_SHARD. For own frames both count frames, one in a file,
+# since the number of scenes of a frame is known only once it is cut. CHECK is the table of the check of own files.
 OBSERVED = or_refused(sources.observed, config)
 OBSERVED_PER_SHARD = config["benchmark"]["shard_size"]
 if SOURCE == "reference":
@@ -38,7 +38,7 @@ else:
         FRAMES = numbered(len(OBSERVED["statistics"]))
         CHECK = "results/tables/frames.csv"
 
-# Frames that one job draws or sums up, by the number of the shard.
+# Frames that one job draws or summarises, by the number of the shard.
 FRAMES_PER_JOB = config["flight"]["frames_per_job"]
 FRAME_SHARDS = {
     f"{first // FRAMES_PER_JOB:04d}": FRAMES[first : first + FRAMES_PER_JOB]
@@ -46,7 +46,7 @@ FRAME_SHARDS = {
 }
 
 
-# The table is read only where this target is asked for.
+# A function, so that the table is read only if the target `picks` is asked for.
 @cache
 def frames_by_job():
     """Frames to track, by the number of the job."""

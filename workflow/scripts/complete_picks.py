@@ -1,11 +1,13 @@
 """Complete the picks of observed train scenes, by the tracker that comes with the package."""
 
+import numpy as np
 from job import job, progress
 from scipy.special import expit
 
-from snowsim.cgan.unpicked import completed
+from snowsim.cgan.picks import completed
 from snowsim.io.scenes import SceneSet, write_scenes
 from snowsim.io.trackers import read_tracker
+from snowsim.picking import pick_layers
 from snowsim.tracker.calibration import fused_logits
 from snowsim.tracker.portable import network_of_onnx
 
@@ -23,9 +25,11 @@ with job(snakemake) as log:
     def marked(scene):
         """The scene with the layers that its picks lack."""
         probability = expit(fused_logits(network, scene.image) / card["temperature"])
-        found = completed(scene, probability, threshold=card["threshold"])
-        n_new.append(len(found.layer_bins) - len(scene.layer_bins))
-        return found
+        found = pick_layers(probability, threshold=card["threshold"], where=scene.name)
+        with_found = completed(scene, found)
+        n_picked = np.isfinite(scene.layer_bins).any(axis=1).sum()
+        n_new.append(len(with_found.layer_bins) - n_picked)
+        return with_found
 
     with SceneSet(snakemake.input.scenes) as observed:
         scenes = map(marked, progress(observed, "picks"))

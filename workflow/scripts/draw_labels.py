@@ -9,7 +9,7 @@ from snowsim.io.scenes import write_scenes
 with job(snakemake):
     flight = read_dataset(snakemake.input.statistics)
     drawn = draw_sets(
-        flight, snakemake.params.labels, snakemake.params.choices,
+        flight, snakemake.params.labels,
         span=snakemake.params.span, seed=snakemake.params.seed,
     )  # fmt: skip
     write_scenes(snakemake.output.labels, drawn, {"synthetic": flight.attrs["synthetic"]})

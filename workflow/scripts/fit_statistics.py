@@ -4,13 +4,7 @@ from job import job
 
 from snowsim.echogram import bin_size_s
 from snowsim.io.files import read_dataset, write_dataset
-from snowsim.statistics import (
-    doppler_spectra,
-    estimate,
-    merge,
-    summary_from_dataset,
-    warn_of_little,
-)
+from snowsim.statistics import doppler_spectra, estimate, merge, warn_of_little
 
 
 def doppler(segment):
@@ -29,12 +23,7 @@ def doppler(segment):
 
 with job(snakemake):
     datasets = [read_dataset(path) for path in snakemake.input.summaries]
-    summary = merge(summary_from_dataset(dataset) for dataset in datasets)
-    fitted = estimate(
-        summary,
-        estimator=snakemake.params.estimator,
-        finest_lines=snakemake.params.finest_lines,
-    )
+    fitted = estimate(merge(datasets), estimator=snakemake.params.estimator)
     warn_of_little(fitted)
     for path in snakemake.input.segment:
         fitted = fitted.assign(doppler(read_dataset(path)))

@@ -1,4 +1,4 @@
-"""One observed frame, levelled and at the bin size of the flight, with its layers."""
+"""One observed frame and its layers, flattened and resampled to the bin size of the flight."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""What scripts share: a log that ends with the error, one line for bad input, progress of work."""
+"""The frame of every script: its log, one line for bad input, and the memory it needs."""
 
 import atexit
 import gc
@@ -11,8 +11,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-# The package beside the workflow is the one that runs, installed or not: a conda environment holds
-# its dependencies.
+# The package beside the workflow is the one that runs. It need not be installed: a conda
+# environment holds its dependencies only.
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
 
@@ -20,9 +20,8 @@ from lib.progress import available_memory_mb, progress  # noqa: E402, F401
 
 logger = logging.getLogger("snowsim")
 
-# Modules live as long as the process. It does not search them for garbage: not while scripts import
-# them after this one, a fifth of the time that takes; not later; and not while it ends, a second
-# with torch.
+# Modules live as long as the process, so that to search them for garbage is a waste: a fifth of the
+# time of imports, and a second at the end of a process with torch.
 if hasattr(sys.modules["__main__"], "snakemake"):
     gc.disable()
     atexit.register(gc.freeze)
@@ -30,7 +29,10 @@ if hasattr(sys.modules["__main__"], "snakemake"):
 
 @contextmanager
 def job(snakemake):
-    """Log to the rule's log file; bad input or a full disk ends the job with one line on stderr."""
+    """Log to the rule's file; bad input or a full disk ends the job with one line on stderr.
+
+    Other errors pass through, after the log has them.
+    """
     path = Path(str(snakemake.log))
     path.parent.mkdir(parents=True, exist_ok=True)
     logging.basicConfig(
@@ -46,10 +48,10 @@ def job(snakemake):
     try:
         check_memory(snakemake.resources.get("mem_mb", 0))
         yield logger
-    except (ValueError, OSError, FloatingPointError) as error:  # the last: a training diverged
+    except (ValueError, OSError, FloatingPointError) as error:  # the last if a training diverged
         logger.error(traceback.format_exc())
         logger.error("error: %s", error)
-        # On a line of its own, also where a progress bar stands.
+        # On a line of its own, even beside a progress bar.
         tqdm.write(f"error: {snakemake.rule}: {error}", file=sys.stderr)
         sys.exit(1)
     except BaseException as error:
@@ -60,7 +62,7 @@ def job(snakemake):
 
 
 def check_memory(mem_mb):
-    """Refuse to start where less memory is available than the rule asks for."""
+    """ValueError if less memory is available than the rule asks for."""
     available = available_memory_mb()
     if available is not None and available < mem_mb:
         msg = f"memory: expected at least {mem_mb} MB available, got {available:.0f} MB"

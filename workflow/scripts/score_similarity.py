@@ -9,10 +9,7 @@ from snowsim.metrics.image import similarity, ssim_map
 
 
 def score_method(observed, path_to_rendered, method):
-    """Tables of one method.
-
-    Scores, a row an image, and mean SSIM, a row a range bin of each image.
-    """
+    """Two tables of one method: scores of each image, and mean SSIM of each row of each image."""
     images, rows = [], []
     with SceneSet(path_to_rendered) as rendered:
         pairs = zip(observed, rendered, strict=True)

@@ -1,9 +1,9 @@
-"""Sums over some frames, from which the statistics of the flight are estimated."""
+"""Summary of some frames, from which the statistics of the flight are estimated."""
 
 from job import job, progress
 
 from snowsim.io.files import read_dataset, write_dataset
-from snowsim.statistics import merge, summarise, summary_to_dataset
+from snowsim.statistics import merge, summarise
 
 with job(snakemake):
     summaries = []
@@ -13,5 +13,5 @@ with job(snakemake):
         summaries.append(summarise(echogram, read_dataset(path_to_layers), where=path))
     # One source makes all frames of a flight.
     synthetic = echogram.attrs.get("synthetic", "no")
-    merged = summary_to_dataset(merge(summaries))
+    merged = merge(summaries)
     write_dataset(snakemake.output.summary, merged.assign_attrs(synthetic=synthetic))

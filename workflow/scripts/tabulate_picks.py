@@ -1,4 +1,4 @@
-"""What was picked in all own frames; frames that could not be tracked are said loudly."""
+"""Table of the picks of all own frames, with a warning if frames could not be tracked."""
 
 import sys
 

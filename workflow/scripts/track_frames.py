@@ -1,4 +1,4 @@
-"""Layers of some own frames by a trained tracker, and a table of what was found in which."""
+"""Layers of some own frames by a trained tracker, and a table of the frames with their layers."""
 
 from pathlib import Path
 

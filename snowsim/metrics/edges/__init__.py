@@ -1,9 +1,7 @@
-"""Edge scores of trackers.
+"""Edge scores of trackers: suppression to thin edges, one-to-one matching, ODS, OIS and AP.
 
-Suppression to one-pixel edges, exact one-to-one matching, ODS, OIS and AP.
-
-The chain of one image is ``match_counts(suppress(prediction), truth, THRESHOLDS)``. Counts are
-plain integers, so images may be counted in any order, in shards, and pooled later by `score`.
+One image is counted by ``match_counts(suppress(prediction), truth, THRESHOLDS)``. Counts are
+integers, so images may be counted in any order and in shards; `score` pools them.
 """
 
 from snowsim.metrics.edges.counts import THRESHOLDS, match_counts

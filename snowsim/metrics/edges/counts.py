@@ -34,26 +34,26 @@ def match_counts(
     prediction : array_like, (range_bin, range_line)
         Edge map in [0, 1]; a pixel is on where it is at least the threshold.
     truth : array_like of bool (or 0 and 1), (range_bin, range_line)
-        True edges; never thinned.
+        True edges, which are never thinned.
     thresholds : array_like, (threshold,)
-        In any order; counts have the same order.
+        In any order, which is also that of the counts.
     max_dist : float
-        Largest distance of a pair, as a share of the image diagonal.
+        Largest distance between the pixels of a pair, as a share of the image diagonal.
     max_dist_pixels : float, optional
-        The same in pixels, whatever the size of the image; replaces `max_dist`.
+        Largest distance in pixels, whatever the size of the image; replaces `max_dist`.
     thin : bool or "full"
-        Thin every thresholded map to one-pixel lines first, see `snowsim.metrics.edges.thin`. True
-        stops where the Python port of the Berkeley benchmark (py-bsds500) stops, so that counts are
-        those of published scores; "full" continues until nothing changes, as scikit-image and
-        MATLAB do, and leaves slightly fewer pixels.
+        Whether to thin every thresholded map to one-pixel lines first, see
+        `snowsim.metrics.edges.thin`. True stops where the Python port of the Berkeley benchmark
+        (py-bsds500) stops, so that counts compare with published ones; "full" continues until
+        nothing changes, as scikit-image and MATLAB do, and leaves slightly fewer pixels.
     where : str
         Name of the image, for errors.
 
     Returns
     -------
     dict of ndarray of int64, (threshold,)
-        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`; pairs are one-to-one:
-        equally many match.
+        `matched_truth`, `n_truth`, `matched_prediction`, `n_prediction`. Pairs are one-to-one, so
+        that equally many pixels match on both sides.
 
     Raises
     ------
@@ -64,11 +64,11 @@ def match_counts(
 
     Notes
     -----
-    The protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI
-    26), whose minimum-cost assignment with outliers is replaced by the exact maximum-cardinality
-    matching: the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are
-    worked through from the highest down and the matching is repaired, not begun again, so a map in
-    which nothing is thinned away costs little more than its lowest threshold.
+    This is the protocol of the Berkeley benchmark (Martin, Fowlkes & Malik 2004, IEEE TPAMI 26).
+    Its minimum-cost assignment with outliers is replaced by the exact maximum-cardinality matching:
+    the largest number of pairs with ``d^2 <= (max_dist diagonal)^2``. Thresholds are worked through
+    from the highest down, and the matching is repaired, not begun again. A map in which nothing is
+    thinned away so costs little more than its lowest threshold.
 
     Examples
     --------
@@ -116,16 +116,16 @@ def match_counts(
 
 
 def _changes(framed, levels, thin, early):
-    """Yield, from the highest level down, level, pixels that leave and that join (flat indices)."""
+    """Yield each level from the highest down, and the pixels that leave and join (flat indices)."""
     above_lowest = framed >= levels[0]
-    # The frame is no part of the map, not even where it reaches a level of 0 or less.
+    # The frame is not part of the map, even at a level of 0 or less, which its zeros reach.
     above_lowest[[0, -1]] = False
     above_lowest[:, [0, -1]] = False
     pixels = np.flatnonzero(above_lowest)
     n_levels_reached = np.searchsorted(levels, framed.flat[pixels], side="right").astype(np.uint16)
     pixels = pixels[np.argsort(levels.size - n_levels_reached, kind="stable")]
     n_pixels_reaching = np.bincount(n_levels_reached, minlength=levels.size + 1)
-    ends = np.cumsum(n_pixels_reaching[::-1])  # [0]: those above every level
+    ends = np.cumsum(n_pixels_reaching[::-1])  # the first counts pixels that reach every level
     steps = neighbour_steps(framed.shape[1])
     on = np.zeros(framed.size, dtype=np.uint8)
     codes = np.zeros_like(on)

@@ -1,19 +1,19 @@
-"""Largest one-to-one matching of predicted to true pixels, exact while these come and go.
+"""Largest one-to-one matching of predicted to true pixels, kept exact while predicted ones change.
 
-`State` holds the arrays that the kernels change in place. Those that make up the matching:
+`State` holds the arrays that the kernels change in place. Three of them are the matching:
 
 `mate_of_pixel` (pixel)
-    Of every pixel of the flattened map: its true pixel, `FREE` or, where it is not predicted,
-    `ABSENT`.
+    For every pixel of the flattened map its true pixel, `FREE` where a predicted pixel has none, or
+    `ABSENT` where no pixel is predicted.
 `mate_of_truth` (true pixel)
-    Its predicted pixel, or `FREE`.
+    For every true pixel its predicted pixel, or `FREE`.
 `saturated` (true pixel)
-    1 where the true pixel belongs to the saturated set S, which holds three properties: every
+    1 where the true pixel belongs to the saturated set S. This set has three properties: every
     member is matched; the neighbours of the mates of S lie in S; the neighbours of every unmatched
     predicted pixel lie in S. No augmenting path can then leave an unmatched pixel, so by Berge's
-    theorem the matching is maximum. A search that fails adds what it saw to S; the loss of a
-    predicted pixel costs a search only if its true pixel is in S, and a failure of that search
-    takes what it saw out of S.
+    theorem the matching is maximum. A search that fails adds the true pixels it saw to S. The loss
+    of a predicted pixel costs a search only if its true pixel is in S; if that search fails, the
+    true pixels it saw leave S.
 """
 
 from typing import NamedTuple
@@ -26,7 +26,7 @@ ABSENT = -2
 
 
 class State(NamedTuple):
-    """The matching, see the module; the geometry; and what the search under way has seen."""
+    """The matching, see the module; the geometry; and the true pixels a search has seen."""
 
     mate_of_pixel: np.ndarray
     mate_of_truth: np.ndarray
@@ -65,7 +65,7 @@ class Matching:
         )
 
     def update(self, removed, added):
-        """Take predicted pixels away, add others (flat indices), and return the number of pairs."""
+        """Remove and add predicted pixels (flat indices), and return the number of pairs."""
         removed = removed.astype(np.int32)
         added = added.astype(np.int32)
         self.n_matched += _update(removed, added, self._n_searches, *self._state)
@@ -74,7 +74,7 @@ class Matching:
 
 
 def reach_by_column(radius, n_lines):
-    """Rows that a pixel reaches up and down in its column, the next ..., int (column offset,)."""
+    """Rows that a pixel reaches up and down in a column so many columns away, (column offset,)."""
     columns = np.arange(min(int(radius), n_lines - 1) + 1)
     reach = np.floor(np.sqrt(np.maximum(radius * radius - columns**2, 0))).astype(np.int32)
     reach += (reach + 1) ** 2 + columns**2 <= radius * radius  # the root may have been rounded down
@@ -86,7 +86,7 @@ def _update(
     removed, added, search,
     mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue,
 ):  # fmt: skip
-    """Change of the number of matched pairs; searches are numbered from the one after `search`."""
+    """Change in the number of pairs; `search` is the number of the last search made before."""
     state = State(
         mate_of_pixel, mate_of_truth, saturated, first, pixel_of_truth, reach, seen, back, queue
     )  # here, for a named tuple costs more to pass than all of a small update
@@ -110,10 +110,7 @@ def _update(
 
 @njit(cache=True, inline="always")
 def _match_truth(freed, search, state):
-    """Find a new mate for a true pixel that lost its own.
-
-    1 where an augmenting path leads to one, else 0.
-    """
+    """Find a new mate for a true pixel that lost its own: 1 if an augmenting path leads to one."""
     state.seen[freed] = search
     state.back[freed] = FREE
     state.queue[0] = freed
@@ -138,9 +135,9 @@ def _match_truth(freed, search, state):
 
 @njit(cache=True, inline="always")
 def _free_pixel_near(here, tail, search, state):
-    """An unmatched predicted pixel in reach of a true one, or `ABSENT`.
+    """An unmatched predicted pixel in reach of a true one, or `ABSENT`; and the queue's new end.
 
-    Mates of matched ones join the queue.
+    True pixels whose predicted pixels are in reach join the queue.
     """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = state.pixel_of_truth[here] // n_lines, state.pixel_of_truth[here] % n_lines
@@ -163,10 +160,7 @@ def _free_pixel_near(here, tail, search, state):
 
 @njit(cache=True, inline="always")
 def _match_pixel(pixel, search, state):
-    """Find a mate for a predicted pixel that came.
-
-    1 where an augmenting path leads to one, else 0.
-    """
+    """Find a mate for a predicted pixel that was added: 1 if an augmenting path leads to one."""
     here = pixel
     head = tail = 0
     while True:
@@ -190,9 +184,9 @@ def _match_pixel(pixel, search, state):
 
 @njit(cache=True, inline="always")
 def _free_truth_near(here, tail, search, state):
-    """An unmatched true pixel in reach of a predicted one, or `ABSENT`.
+    """An unmatched true pixel in reach of a predicted one, or `ABSENT`; and the queue's new end.
 
-    Matched ones join the queue.
+    Matched true pixels in reach join the queue.
     """
     n_lines, n_rows = state.first.shape[0], state.first.shape[1] - 1
     row, line = here // n_lines, here % n_lines

@@ -9,11 +9,9 @@ EVERY_HUNDREDTH = np.linspace(0, 1, 101)
 
 
 def stack_counts(counts):
-    """Counts of the images of a set as a dict of arrays (image, threshold).
+    """Counts of a set of images as a dict of arrays (image, threshold).
 
-    What is stacked already is passed through.
-
-    `counts` is of every image what `match_counts` gives.
+    `counts` holds for every image what `match_counts` gives, or is such a dict already.
     """
     images = [counts] if isinstance(counts, dict) else list(counts)
     lacking = [name for image in images for name in COUNTS if name not in image]
@@ -31,17 +29,18 @@ def score(counts, thresholds=None):
     Parameters
     ----------
     counts : sequence of dict, or dict of ndarray (image, threshold)
-        What `match_counts` gives of every image, thresholds ascending; or all of it as
-        `stack_counts` gives it.
+        What `match_counts` gives for every image, thresholds ascending, or what `stack_counts`
+        makes of it.
     thresholds : array_like, (threshold,), optional
-        What the counts were made with, to name the best one.
+        Thresholds of the counts, to name the best one.
 
     Returns
     -------
     dict
-        `ods`, the best F of the pooled counts at one threshold; `ois`, F of the counts of every
-        image at its own best threshold, pooled; `ap`, the mean precision; `ods_index` and
-        `ods_threshold` (NaN unless thresholds are given); `n_images` and `n_without_truth`.
+        `ods`, the best F of the pooled counts at one threshold for all images; `ois`, the F of
+        counts that are pooled from every image at its own best threshold; `ap`, the mean precision;
+        `ods_index` and `ods_threshold` (NaN unless thresholds are given); `n_images` and
+        `n_without_truth`.
 
     Raises
     ------
@@ -53,15 +52,15 @@ def score(counts, thresholds=None):
     -----
     ``F = 2 P R / (P + R)`` with ``P = matched_prediction / n_prediction`` and ``R =
     matched_truth / n_truth``, 0 where there is no pixel. At equal F the lowest threshold counts as
-    best. An image without truth, like one of which nothing is found, has F = 0 everywhere: it so
-    puts its false positives at the lowest threshold, the most there are, into OIS (and those of the
-    common threshold into ODS). It is counted in `n_without_truth`.
+    best. An image without truth, or of which nothing is found, has F = 0 at every threshold. OIS
+    therefore counts its false positives at the lowest threshold, where they are most numerous.
+    Images without truth are counted in `n_without_truth`.
 
-    AP is the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37: of equal recalls the lowest
-    threshold stays, precision is interpolated linearly at recalls 0, 0.01 ... 1, points outside the
-    recalls seen are dropped, and the sum is divided by 100. It can reach 1.01 where recall spans 0
-    to 1, and is 0, as in the published code, where recall is the same at every threshold: even
-    perfect maps of one level have a curve of one point, without an area.
+    AP follows the 101-point rule of Dollar & Zitnick (2015), IEEE TPAMI 37. Of equal recalls the
+    lowest threshold is kept, precision is interpolated linearly at recalls 0, 0.01 ... 1, recalls
+    outside those seen are dropped, and the sum is divided by 100. AP so reaches 1.01 where recall
+    spans 0 to 1. As in the published code it is 0 where recall is the same at every threshold, as
+    for a perfect map of one level: its curve is a point, without an area.
 
     Examples
     --------

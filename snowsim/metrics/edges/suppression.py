@@ -1,4 +1,4 @@
-"""Non-maximum suppression of an edge map to one-pixel edges, as usual for HED-like networks."""
+"""Non-maximum suppression of an edge map to edges of one pixel, as is usual for HED."""
 
 import numpy as np
 from numba import njit
@@ -9,7 +9,7 @@ from snowsim.limits import check_values
 SMOOTHING_RADIUS = 1
 ORIENTATION_RADIUS = 4
 BORDER = 5  # pixels over which edges fade towards the border of the map
-MARGIN = 1.01  # an edge survives neighbours up to this factor stronger
+MARGIN = 1.01  # factor by which a neighbour must be stronger to suppress a pixel
 
 
 def check_prediction(prediction, where):
@@ -18,12 +18,12 @@ def check_prediction(prediction, where):
     ValueError, naming `where`, unless it lies in [0, 1].
     """
     prediction = np.asarray(prediction)
-    prediction = prediction.astype(np.float64) if prediction.dtype == bool else prediction
     if prediction.ndim != 2 or prediction.size == 0:
         msg = f"{where}: prediction must be (range_bin, range_line) and not empty, "
         msg += f"got shape {prediction.shape}"
         raise ValueError(msg)
-    check_values(f"{where}: prediction", prediction, 0, 1)
+    if prediction.dtype != bool:
+        check_values(f"{where}: prediction", prediction, 0, 1)
     return prediction.astype(np.float64)
 
 
@@ -40,8 +40,8 @@ def suppress(prediction, *, where="image"):
     Returns
     -------
     ndarray of float64, (range_bin, range_line)
-        The smoothed map where it is a maximum across the edge, else 0. Its outermost pixels are 0
-        and the next four are scaled by 1/5 ... 4/5, so edges fade at the border.
+        The smoothed map where it is a maximum across the edge, else 0. Edges fade at the border:
+        the outermost pixels are 0 and the next four are scaled by 1/5 ... 4/5.
 
     Raises
     ------
@@ -50,13 +50,13 @@ def suppress(prediction, *, where="image"):
 
     Notes
     -----
-    The practice of HED (Xie & Tu 2015, ICCV), from the structured edge detector of
+    This is the practice of HED (Xie & Tu 2015, ICCV), taken from the structured edge detector of
     Dollar & Zitnick (2015), IEEE TPAMI 37. ``E`` is the map under a triangle filter of radius 1,
-    ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` the orientation of its ridges from second
-    differences after a further triangle filter of radius 4; a pixel falls where ``1.01 E`` is less
-    than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``. As ``sign(0) = 0``,
-    a ridge that lies exactly in one range bin over a dozen range lines gets ``O = 0`` and is not
-    suppressed there; it is left to the thinning. Kept, so that scores compare with published ones.
+    and ``O = mod(atan(Oyy sign(-Oxy) / (Oxx + 1e-5)), pi)`` is the orientation of its ridges, from
+    second differences after a further triangle filter of radius 4. A pixel is suppressed where
+    ``1.01 E`` is less than the bilinear value of ``E`` one pixel away along ``+-(cos O, sin O)``.
+    Since ``sign(0) = 0``, a ridge that lies exactly in one range bin over a dozen range lines gets
+    ``O = 0`` and is left to the thinning. This is kept, so that scores compare with published ones.
 
     Examples
     --------
@@ -89,17 +89,14 @@ def orientation(smoothed):
     slope_bin, slope_line = _gradient(triangle_filter(smoothed, ORIENTATION_RADIUS))
     line_line = _gradient(slope_line)[1]
     bin_bin, bin_line = _gradient(slope_bin)
-    # Of a denominator of 0 the limit: across the layer, and 0 where sign(0) = 0.
+    # A denominator of 0 gives the limit, across the layer, and 0 where sign(0) = 0.
     with np.errstate(divide="ignore", invalid="ignore"):
         tangent = bin_bin * np.sign(-bin_line) / (line_line + 1e-5)
     return np.mod(np.arctan(np.nan_to_num(tangent)), np.pi)
 
 
 def _gradient(image):
-    """Central differences along both axes, one-sided at the border.
-
-    0 along an axis of one pixel.
-    """
+    """Central differences along both axes, one-sided at borders, 0 along an axis of one pixel."""
     return [
         np.gradient(image, axis=axis) if length > 1 else np.zeros_like(image)
         for axis, length in enumerate(image.shape)
@@ -107,7 +104,7 @@ def _gradient(image):
 
 
 def _border_fade(length):
-    """Factor of every row or column: k / 5 for the k-th from either border."""
+    """Factor of every row or column, k / 5 for the k-th from either border and at most 1."""
     width = min(BORDER, length // 2)
     if width == 0:
         return np.ones(length)
@@ -117,7 +114,7 @@ def _border_fade(length):
 
 @njit(cache=True)
 def _keep_maxima(smoothed, direction):
-    """Copy of the smoothed map, 0 where it is no maximum along `direction`."""
+    """Copy of the smoothed map that is 0 where it has no maximum along `direction`."""
     n_rows, n_lines = smoothed.shape
     kept = np.zeros_like(smoothed)
     for row in range(n_rows):
@@ -138,7 +135,7 @@ def _keep_maxima(smoothed, direction):
 
 @njit(cache=True)
 def _between_pixels(image, y, x):
-    """Bilinear value of an image at row y and column x, inside the last pixel of each."""
+    """Bilinear value of an image at row y and column x, which are clipped to the image."""
     n_rows, n_lines = image.shape
     y = min(max(y, 0.0), max(n_rows - 1.001, 0.0))
     x = min(max(x, 0.0), max(n_lines - 1.001, 0.0))

@@ -1,17 +1,16 @@
-"""Thinning of binary maps by look-up table, visiting only pixels whose surroundings changed."""
+"""Thinning of binary maps by a look-up table; only pixels whose neighbours changed are visited."""
 
 import numpy as np
 from numba import njit
 
-# Neighbour k of a pixel counts anticlockwise from the right and owns bit k of the pixel's 8-bit
-# code.
+# Neighbours of a pixel, anticlockwise from the right: neighbour k sets bit k of its 8-bit code.
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1))
 
 
 def _deletable():
-    """For both half-steps and every code, whether a pixel falls, bool (2, 256).
+    """Whether a pixel of every code is removed by each half-step, bool (2, 256).
 
-    Conditions G1-G3 of the method.
+    Conditions G1-G3 of the method, see `thin`.
     """
     on = (np.arange(256) >> np.arange(8)[:, None]) & 1 == 1
     x1, x2, x3, x4, x5, x6, x7, x8 = on
@@ -32,17 +31,17 @@ DELETABLE = _deletable()
 
 
 def neighbour_steps(row_length):
-    """Distance to each of `NEIGHBOURS` in a flattened map whose rows have this length, (8,)."""
+    """Steps to `NEIGHBOURS` in a flattened map of rows of `row_length`, (8,)."""
     return np.array([row * row_length + line for row, line in NEIGHBOURS])
 
 
 def thin(mask, *, early=False):
-    """Thin a binary map (range_bin, range_line) to lines of one pixel, until nothing changes.
+    """Thin a binary map (range_bin, range_line) to lines of one pixel.
 
-    Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14,
-    and in ``skimage.morphology.thin``, with which it agrees pixel for pixel. With `early` it stops
-    once one of the two half-steps removes nothing, as the Python port of the Berkeley benchmark
-    (py-bsds500): a few pixels more are kept.
+    Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14.
+    It agrees pixel for pixel with ``skimage.morphology.thin``. With `early` it stops once one of
+    its two half-steps removes nothing, as the Python port of the Berkeley benchmark (py-bsds500)
+    does, and keeps a few pixels more.
     """
     framed = np.pad(np.asarray(mask, dtype=bool), 1)
     pixels = np.flatnonzero(framed)
@@ -65,11 +64,9 @@ def switch_on(pixels, on, codes, steps):
 
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
-    """Thin a flattened, framed map whose pixels that are on are listed.
-
-    `on` and `codes` change in place.
-    """
-    queues = np.empty((2, pixels.size), dtype=pixels.dtype)  # by half-step: to look at (again)
+    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on."""
+    # For each half-step the pixels it has still to visit.
+    queues = np.empty((2, pixels.size), dtype=pixels.dtype)
     queues[:] = pixels
     lengths = np.array([pixels.size, pixels.size])
     queued = on * np.uint8(3)
@@ -86,7 +83,7 @@ def thin_pixels(pixels, on, codes, steps, deletable, early):
         if early and n_falling == 0:
             return
         lengths[half] = 0
-        # All at once: every decision above saw the map as the half-step found it.
+        # All fall at once: every decision above saw the map as the half-step found it.
         for i in range(n_falling):
             on[falling[i]] = 0
         for i in range(n_falling):

@@ -67,22 +67,6 @@ def place(page):
     return int(found[1]), int(found[2])
 
 
-def test_the_depth_cursor_moves_by_keyboard(page):
-    row, line = place(page)
-    page.focus("#readout")
-    moves = [("ArrowDown", 1, 0), ("PageDown", 11, 0), ("ArrowUp", 10, 0), ("ArrowLeft", 10, -1)]
-    for key, rows, lines in moves:
-        page.keyboard.press(key)
-        assert place(page) == (row + rows, line + lines)
-    for cursor in page.locator("#panels .cursor.across").all():
-        assert float(cursor.get_attribute("y1")) == row + 10
-    page.keyboard.press("Home")
-    page.keyboard.press("ArrowUp")
-    assert place(page)[0] == 0
-    page.keyboard.press("End")
-    assert place(page)[0] == int(page.locator("#readout").get_attribute("aria-valuemax"))
-
-
 def test_the_depth_cursor_follows_the_pointer(page):
     stage = page.locator("#panels .stage.observed")
     stage.scroll_into_view_if_needed()

@@ -70,16 +70,6 @@ def test_ridge_exactly_along_range_lines_keeps_its_width_as_published():
     assert_array_equal(np.nonzero(thin(edges > 0.5)[:, 5:-5])[0], 50)
 
 
-def test_ends_of_layers_fade_at_the_border():
-    prediction = np.zeros((40, 60))
-    prediction[20] = 1
-    crest = suppress(prediction)[20]
-    assert_allclose(
-        crest[:6], 0.5 * np.array([0, 0.2, 0.4, 0.6, 0.8, 1])
-    )  # [1 2 1] / 4 leaves half of the crest
-    assert_allclose(crest, crest[::-1])
-
-
 @pytest.mark.parametrize("shape", [(1, 1), (1, 200), (3, 2), (200, 1), (6, 6), (30, 30)])
 def test_maps_of_any_size_stay_in_range_and_serve_as_input_again(rng, shape):
     for prediction in (rng.random(shape), np.ones(shape)):
@@ -90,9 +80,8 @@ def test_maps_of_any_size_stay_in_range_and_serve_as_input_again(rng, shape):
 
 
 def test_bad_predictions_are_refused_by_the_name_of_their_image():
-    for bad in (np.full((8, 8), 1.5), np.full((8, 8), np.nan)):
-        with pytest.raises(ValueError, match="^scene_7: "):
-            suppress(bad, where="scene_7")
+    with pytest.raises(ValueError, match="^scene_7: prediction must .* got nan"):
+        suppress(np.full((8, 8), np.nan), where="scene_7")
 
 
 @pytest.mark.parametrize("name", ["emptypred_128x256", "m128x256_n6", "perfect_128x256"])

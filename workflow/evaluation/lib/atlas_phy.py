@@ -9,16 +9,16 @@ from scipy.special import erfc, gammaincinv
 from scipy.stats import gamma
 
 from evaluation.lib.literal_phy import convolved_power, largest_error_db, summed_power
-from snowsim.phy.parameters import EXACT_BOUND_DB, checked_waveforms
-from snowsim.phy.plan import plan_power
-from snowsim.phy.power import exact_power, planned_power
+from snowsim.phy.power import checked_waveforms, exact_power, power_of
 from snowsim.phy.speckle import METHODS, draw_speckle
 
 N_RANGE_BINS = 256
 LINES = np.array([0.0, 0.26, 0.53, 0.77])  # sub-bin positions
 SPACING_BINS = 60
 RELATIVE_NOISE = 1e-3  # to the peak of the weakest layer
-TOLERANCE_DB = 0.05
+LEAST_NOISE = 1e-8  # to that of the strongest
+EXACT_LIMIT_DB = 1e-11  # rounding: the waveform to 1e-12, amplitudes and sums to a few more
+TABLE_LIMIT_DB = 0.05
 LITERAL_LIMIT_DB = 0.5  # the speckle of 100 looks is 0.43 dB
 RATES = 10.0 ** np.arange(-6, 4.1, 0.5)  # outlast the window; are shorter than a bin
 VARIANCES = 10.0 ** np.arange(-6, 8.1, 0.5)  # far narrower than a bin; far wider than the window
@@ -66,26 +66,24 @@ def plain_layers(peak_power=(1.0,), variance_bins2=12.0, decay_rate=0.07):
         np.full(n_layers, variance_bins2),
         np.full(n_layers, decay_rate),
         N_RANGE_BINS,
-        normalise="none",
-        align="gaussian",
+        as_printed=True,
     )
 
 
 @np.errstate(all="ignore")
 def compared(sweep, value, waveforms):
-    """Rows of one scene: mean power by every way, noise 30 dB below its weakest peak.
+    """Rows of one scene: mean power by every way.
 
-    The exact form is held to its own error, others to that of power plus noise.
+    Noise is 30 dB below its weakest peak, and at most 80 below its strongest. The exact form is
+    held to its own error, others to that of power plus noise.
     """
-    noise_power = RELATIVE_NOISE * waveforms.peak_power.min()
+    peak_power = waveforms.amplitude.max(axis=1) * waveforms.unit_peak
+    # As much below the weakest peak, but no more below the strongest than tables are meant for.
+    noise_power = max(RELATIVE_NOISE * peak_power.min(), LEAST_NOISE * peak_power.max())
     expected = summed_power(waveforms, waveform_by_quadrature)
     ways = {
-        "exact": (exact_power(waveforms), 0.0, EXACT_BOUND_DB),
-        "table": (
-            planned_power(plan_power(waveforms, noise_power, TOLERANCE_DB)),
-            noise_power,
-            TOLERANCE_DB,
-        ),
+        "exact": (exact_power(waveforms), 0.0, EXACT_LIMIT_DB),
+        "table": (power_of(waveforms), noise_power, TABLE_LIMIT_DB),
         "naive closed form": (
             summed_power(waveforms, waveform_naive),
             noise_power,

@@ -1,17 +1,16 @@
 """The closed loop: statistics of PHY's renders of label sets beside those that went in."""
 
 import logging
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
+from lib.phy_renders import is_printed
 from snowsim.frames.blocks import METRES_PER_DEGREE, placeholder_frame
-from snowsim.labels import Dress, redress
-from snowsim.phy import plan, render_plan
+from snowsim.labels import redress
+from snowsim.phy import render
 from snowsim.statistics import estimate, merge, summarise
-from snowsim.statistics.summaries import BY_GROUP
-from snowsim.statistics.zones import OWN_ZONE
+from snowsim.statistics.thickness import MINIMUM_BLOCKS
 
 logger = logging.getLogger("snowsim")
 
@@ -27,9 +26,10 @@ BOUNDS = {
     "thickness_variance_bins2": 0.10,
     "relative_thickness_mean": 0.03,
     "relative_thickness_variance": 0.10,
-    "thickness_trend_variance_bins2": 0.15,
-    "surface_trend_variance_bins2": 0.15,
-    "surface_fraction": 0.05,
+    "relief_variance_bins2": 0.30,
+    "slab_change_bins2": 0.30,
+    "surface_error_bins": 0.15,
+    "surface_movement_bins": 0.15,
 }
 IN_BINS = ("width_bins",)
 # What renders of label sets with one radiometry for all do not show, and its bound.
@@ -41,13 +41,10 @@ SPREADS = (
     "fading_spread_db",
     "fading_length_lines",
     "line_gain_spread_db",
-    "texture_variance",
-    "texture_length_bins",
-    "texture_length_lines",
 )
 SPREAD_BOUND = 0.15
 WHERE = ["layer", "zone", "slab", "interface"]
-NUMBERS = ["given", "recovered", "error", "error_standard_error"]
+NUMBERS = ["given", "recovered", "error"]
 COLUMNS = ["quantity", *WHERE, *NUMBERS, "unit", "bound", "within"]
 # One in so many averaged range lines of a scene is kept: six of twelve still follow fading along
 # the scene.
@@ -58,8 +55,8 @@ def compare(given, recovered, *, varies=True):
     """Statistics re-estimated from renders beside those given, a row for each measured value.
 
     `layer`, `zone`, `slab` and `interface` (surface or buried) are -1 where a quantity has none;
-    `error` is recovered against given, in `unit`, its standard error that of sampling the renders.
-    Where label sets have one radiometry, nothing `varies` and `SPREADS` are left out.
+    `error` is recovered against given, in `unit`. Where label sets have one radiometry,
+    nothing `varies` and `SPREADS` are left out.
     """
     bounds = BOUNDS | dict.fromkeys(SPREADS, SPREAD_BOUND) if varies else BOUNDS
     tables = [
@@ -77,12 +74,10 @@ def _compared(quantity, bound, given, recovered):
     if "layer" in found.dims:
         found = found.where(recovered["substituted"] == 0)
     if "slab" in found.dims:
-        source = "psd_source" if "trend" in quantity else "source"
-        found = found.where(recovered[source] == OWN_ZONE)
+        found = found.where(recovered["n_samples"] >= MINIMUM_BLOCKS)
     numbers = {
         "given": given[quantity],
         "recovered": found,
-        "standard_error": recovered[f"{quantity}_standard_error"],
     }
     # Label sets may have other numbers of layers than the flight: what both have is compared.
     series = {name: values.expand_dims("row").to_series() for name, values in numbers.items()}
@@ -96,7 +91,6 @@ def _compared(quantity, bound, given, recovered):
     table = table.assign(
         quantity=quantity,
         error=error,
-        error_standard_error=table["standard_error"] / scale,
         unit=unit,
         bound=bound,
         within=error.abs() <= bound,
@@ -115,12 +109,10 @@ def thinned(summary, stride):
 
     The groups of a scene differ in speckle and fading. Too few of them measure a layer's power, and
     its share of the power on its picks, where it happens to be strong or faint: with 2 of 12 a
-    sixth of the fading is lost, with 6 none.
+    sixth of the fading is lost, with 6 none. Of one scene.
     """
-    return [
-        replace(frame, **{name: getattr(frame, name)[::stride] for name in BY_GROUP})
-        for frame in summary
-    ]
+    kept = summary.isel(group=slice(None, None, stride))
+    return kept.assign(n_groups=("frame", [kept.sizes["group"]]))
 
 
 def summarise_renders(scenes, given, phy, *, stream):
@@ -130,15 +122,14 @@ def summarise_renders(scenes, given, phy, *, stream):
     """
     geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     # As many looks as the flight: 20 lines average as many here as there.
-    choices, options = Dress.split(phy | {"n_looks": None})
-    options["speckle"] = "gamma"
     summaries = []
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
-        echoes = redress(scene, given, choices, rng=rng)
-        planned = plan(echoes.bins, echoes.parameters(), scene.n_range_bins, **options)
-        frame = as_frame(render_plan(planned, rng=rng), scene.layer_bins, number, **geometry)
+        echoes = redress(scene, given)
+        rendered = (echoes.bins, echoes.parameters(), scene.n_range_bins)
+        power = render(*rendered, rng=rng, as_printed=is_printed(phy))
+        frame = as_frame(power, scene.layer_bins, number, **geometry)
         summaries.append(thinned(summarise(*frame, where=scene.name), STRIDE))
     return merge(summaries)
 
@@ -152,6 +143,8 @@ def recovery_table(summary, given, *, varies):
     try:
         recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
     except ValueError as error:
-        logger.warning("closed loop: nothing is recovered from %d renders: %s", len(summary), error)
+        logger.warning(
+            "closed loop: nothing is recovered from %d renders: %s", summary.sizes["frame"], error
+        )
         return pd.DataFrame(columns=COLUMNS)
     return compare(given, recovered, varies=varies)

@@ -1,9 +1,9 @@
-"""What training sets are worth over flights.
+"""Worth of training sets, estimated over several flights.
 
-Flights, trainings within flights and images within both are nested and balanced: each flight has
-its own generator and test scenes, and as many trainings. Of such a mixed model the mean over
-flights of the flights' own means is the estimate, and its error is the spread of these means: it
-holds what flights, generators, trainings and images bring, in their right proportions.
+Every flight has its own generator and test scenes and the same number of trainings, so that
+trainings and images are nested in flights and balanced. For such a mixed model the estimate is the
+mean over flights of each flight's own mean. Its error is the spread of these means, which contains
+the effects of flights, generators, trainings and images in their right proportions.
 """
 
 import pandas as pd
@@ -13,9 +13,9 @@ from lib.score_tables import counts_by_image
 from snowsim.metrics.comparison import METRICS
 from snowsim.metrics.edges import score
 
-LEVEL = 0.05  # of a two-sided test
-# Set less base. The first, in ODS, is the endpoint, named before the study was run; others are
-# exploratory.
+LEVEL = 0.05  # significance level of a two-sided test
+# Pairs (training set, base) that are compared. The first, in ODS, is the endpoint, named before the
+# study was run; the others are exploratory.
 PAIRS = (
     ("rd_pd", "rd"),
     ("pd", "rd"),
@@ -30,9 +30,9 @@ PAIRS = (
 
 
 def training_scores(tables, trainings):
-    """Scores of the fused output: rows of `training_set, replica` and `METRICS`.
+    """Table of scores of the fused output, with columns `training_set, replica` and `METRICS`.
 
-    Edge counts of a flight's trainings, one table for each (training set, replica).
+    `tables` holds edge counts, one table for each (training set, replica) of `trainings`.
     """
     rows = []
     for table, (training_set, replica) in zip(tables, trainings, strict=True):
@@ -44,9 +44,9 @@ def training_scores(tables, trainings):
 
 
 def mean_over_flights(values):
-    """Mean of the flights' values, a Series, and its 95 % interval: Student's t over flights.
+    """Mean of a Series of one value for each flight, and its 95 % interval by Student's t.
 
-    Exact where values are normal; one flight leaves the interval unknown (NaN).
+    The interval is exact for normal values, and NaN for one flight.
     """
     mean = values.mean()
     reach = student.ppf(1 - LEVEL / 2, len(values) - 1) * values.sem()
@@ -54,11 +54,11 @@ def mean_over_flights(values):
 
 
 def worth_table(scores):
-    """Worth of training sets over flights: a row per pair and metric, then one per set and metric.
+    """Worth of training sets over flights: rows for pairs and metrics, then for sets and metrics.
 
-    `scores` of `training_scores`, with a column `flight`. Columns `training_set, base, metric`,
-    those of `mean_over_flights`, and the mean of every flight's trainings, `flight_2000` and so on.
-    All are of the difference to `base`, or of the scores themselves where there is none.
+    `scores` are those of `training_scores` with a column `flight`. Columns are `training_set, base,
+    metric`, those of `mean_over_flights`, and for each flight the mean over its trainings,
+    `flight_2000` and so on. Values are differences to `base`, or scores where there is no base.
     """
     means = scores.groupby(["training_set", "flight"], sort=False)[list(METRICS)].mean()
     rows = []
@@ -71,7 +71,7 @@ def worth_table(scores):
 
 
 def _rows(training_set, base, values):
-    """Rows of `worth_table`, of values by flight and metric."""
+    """Rows of `worth_table` from values by flight and metric."""
     rows = []
     for metric in METRICS:
         row = {"training_set": training_set, "base": base, "metric": metric}

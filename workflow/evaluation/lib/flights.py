@@ -1,12 +1,13 @@
-"""Flights of the study of flights: the configuration of each, with what is drawn for it."""
+"""Configurations of the flights in the study of flights, with settings drawn for each."""
 
 import copy
 
 from snowsim.seeding import random_stream
 
-FIRST_SEED = 2000  # 1000 to 1999 serve for choosing settings
-# What differs between flights, drawn uniformly: about each default, as far as flights over dry snow
-# of Greenland and radars of this kind differ. What is not named stays as it is configured.
+FIRST_SEED = 2000  # seeds from 1000 to 1999 serve for choosing settings
+# Ranges from which settings of a flight are drawn uniformly. They lie about the defaults, as far as
+# flights over dry snow of Greenland and radars of this kind differ. Other settings stay as
+# configured.
 RANGES = {
     "climate": {
         "accumulation_factor": (0.70, 1.25),
@@ -39,12 +40,12 @@ RANGES = {
 
 
 def flights_of(n_flights):
-    """Names of the flights, which are their seeds."""
+    """Names of the flights, each its seed."""
     return [str(FIRST_SEED + number) for number in range(n_flights)]
 
 
 def draw_reference(reference, seed):
-    """Section `reference` of a flight: what `RANGES` names drawn anew, by group and name."""
+    """Section `reference` of the configuration for a flight, with settings of `RANGES` drawn."""
     drawn = copy.deepcopy(reference)
     for group, ranges in RANGES.items():
         for name, (low, high) in ranges.items():
@@ -55,15 +56,15 @@ def draw_reference(reference, seed):
 
 
 def flight_config(config, flight):
-    """Configuration of a whole run for one flight of the study: seed, climate, radar are its own.
+    """Configuration of a whole run for one flight, with a seed, climate and radar of its own.
 
-    All else is as configured, so that settings are the same for every flight.
+    All other settings are those of `config` and so the same for every flight.
     """
     own = copy.deepcopy(config)
     own["seed"] = int(flight)
     own["reference"] = draw_reference(config["reference"], own["seed"])
     own["tracker"]["n_seeds"] = config["studies"]["flights"]["n_trainings"]
-    # Each run keeps what is unfinished in its own folder.
+    # Each run keeps its unfinished trainings in its own folder.
     own["checkpoints"]["folder"] = "results/checkpoints"
     own["checkpoints"]["events"] = "logs/tensorboard"
     return own

@@ -6,7 +6,7 @@ No renderer uses these forms: they are what faster ones are compared with.
 import numpy as np
 from scipy.signal import fftconvolve
 
-from snowsim.phy.parameters import checked_waveforms
+from snowsim.phy.power import checked_waveforms
 
 VANISHED = 1e-290  # powers below have lost digits to underflow
 
@@ -37,8 +37,6 @@ def waveforms_of(layer_bins, parameters, n_range_bins):
         parameters["variance_bins2"],
         parameters["decay_rate"],
         n_range_bins,
-        normalise="peak",
-        align="peak",
     )
 
 
@@ -79,9 +77,9 @@ def convolved_power(waveforms, samples_per_bin=1):
         gaussian = np.exp(-(away**2) / (2 * waveforms.variance_bins2[layer]))
         gaussian = np.nan_to_num(gaussian)  # nothing where the layer is absent
         exponential = np.exp(-waveforms.decay_rate[layer] * delay)
-        exponential *= waveforms.amplitude[layer]
         exponential /= samples_per_bin
         exponential[0] /= 2  # trapezoids: the exponential starts with a step
+        gaussian *= waveforms.amplitude[layer]
         power += fftconvolve(gaussian, exponential[:, None], axes=0)[:n_samples]
     return np.maximum(power[n_above::samples_per_bin], 0)
 
@@ -96,7 +94,7 @@ def summed_power(waveforms, waveform):
     for layer, lines in enumerate(np.isfinite(waveforms.centre_bins)):
         x_bins = rows - waveforms.centre_bins[layer, lines]
         one = waveform(x_bins, waveforms.variance_bins2[layer], waveforms.decay_rate[layer])
-        power[:, lines] += waveforms.amplitude[layer] * one
+        power[:, lines] += waveforms.amplitude[layer, lines] * one
     return power
 
 

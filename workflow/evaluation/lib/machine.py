@@ -1,4 +1,4 @@
-"""The machine and the software a run uses, and seconds of every repeat of work on it."""
+"""Description of the machine and software that a run uses, and timing of work on it."""
 
 import os
 import platform
@@ -22,7 +22,7 @@ PACKAGES = (
 
 
 def describe_machine():
-    """Names and texts: processor, cores in reach, memory, system, Python."""
+    """Processor, cores in reach, memory, system and Python as texts by name."""
     model = kernel_field("/proc/cpuinfo", "model name")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     total = kernel_field("/proc/meminfo", "MemTotal")
@@ -36,7 +36,7 @@ def describe_machine():
 
 
 def describe_versions():
-    """Version of this package and of those it leans on, by name; only those installed."""
+    """Versions of this package and of the packages it uses, by name, if they are installed."""
     versions = {}
     for name in PACKAGES:
         try:
@@ -47,16 +47,15 @@ def describe_versions():
 
 
 def device_name():
-    """Where the clock ran: kind of processor, one thread."""
+    """Kind of processor that a time was measured on."""
     return f"cpu {platform.machine()}, 1 thread"
 
 
 def time_rounds(works, n_rounds, *, n_warm_up=1, clock=time.perf_counter):
-    """Runs ``(name, repeat, seconds)`` of works, callables by name, in the order they ran.
+    """Time works, callables by name; runs ``(name, repeat, seconds)`` in the order they were made.
 
-    Each runs once a round, so that a busy machine slows all of them alike, and `n_warm_up` times
-    right before: these compile, and bring back to the cache what other work drove out. Without a
-    round, ValueError.
+    Every work runs once in each round, so that a busy machine slows all of them alike. Right before
+    it runs `n_warm_up` times, to compile and to fill the cache. ValueError without a round.
     """
     if n_rounds < 1 or n_warm_up < 0:
         got = f"got {n_rounds} and {n_warm_up}"

@@ -14,7 +14,7 @@ from evaluation.lib.machine import describe_machine, describe_versions
 from snowsim.io.files import written_whole
 from snowsim.metrics.pick_tables import snow_per_bin_m
 
-# Headings of stages; others are called by their own names.
+# Headings of stages; a stage that is not listed is headed by its own name.
 STAGES = {
     "flight": "The flight and its statistics",
     "labels": "Label sets",
@@ -24,20 +24,21 @@ STAGES = {
     "charts": "Speed against accuracy, cost against worth, and where methods fail",
     "closed_loop": "Closed loop: statistics in, renders, statistics out",
 }
-DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # of Table II
+DIGITS = {"ssim": 2, "psnr": 1, "rmse": 1}  # decimals in Table II
 METRICS = ("ods", "ois", "ap")
-N_SCENES = 16  # of the gallery
-LINE_STEP = 2  # every other range line of a layer is drawn
+N_SCENES = 16  # scenes in the gallery
+LINE_STEP = 2  # range lines from one drawn point of a layer to the next
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png"}
-MOST_BYTES = 400_000  # larger figures are embedded as compressed pixels
+MOST_BYTES = 400_000  # size from which on figures are embedded as compressed pixels
 GIBIBYTE_MB = 1024
 
 
 def page_content(tables, paper, printed, jobs, config, note):
-    """What the page's template names, but for figures and gallery.
+    """Content of the page's template by name, without figures and gallery.
 
-    `tables` are this run's, `paper` the paper's, `printed` those of the run as printed, if there
-    is one; all by name. `jobs` has a row a job with its rule and stage.
+    `tables` are those of this run, `paper` those of the paper, and `printed` those of the run as
+    printed, empty without one; all are dicts by name. `jobs` has a row for each job with its rule
+    and stage.
     """
     others = {"paper": paper, "printed": printed} if printed else {"paper": paper}
     table2 = {"ours": tables["table2"]}
@@ -66,7 +67,7 @@ def page_content(tables, paper, printed, jobs, config, note):
 
 
 def compare_table2(sources):
-    """Rows of Table II from tables by source: a cell a renderer, with "min / mean / max" each."""
+    """Rows of Table II; a cell for each renderer has "min / mean / max" of every source."""
     rows = []
     for metric in DIGITS:
         cells = []
@@ -85,10 +86,11 @@ def least_mean_most(table2, metric, method):
 
 
 def compare_table3(intervals, others):
-    """Rows of Table III: a cell a training set, with its mean and what `others` have, by source.
+    """Rows of Table III; a cell for each training set has its mean, and those of other sources.
 
-    Of an augmented set also the difference to RD, which is `resolved` where its interval excludes
-    zero. `others` are indexed by output and have a column a training set and metric.
+    Cells of augmented sets also have the difference to RD, which is `resolved` if its interval
+    excludes zero. `others` holds tables by source, indexed by output, with a column for each
+    training set and metric.
     """
     by_key = intervals.set_index(["output", "metric", "training_set"])
     rows = []
@@ -115,7 +117,7 @@ def difference(row):
 
 
 def errors_of_picks(picks):
-    """Table of texts on picks followed through the fused output, means over trainings."""
+    """Table of errors of the picks made from fused outputs, means over trainings, as texts."""
     means = picks.groupby("training_set").mean(numeric_only=True).loc[list(TRAINING_SETS)]
     names = {
         "mean_absolute_error_bins": ("Mean absolute error [range bins]", 2),
@@ -131,7 +133,7 @@ def errors_of_picks(picks):
 
 
 def distinguished(two_sample):
-    """How often a small network knows observed scenes from others."""
+    """Table of how often a small network tells observed scenes from others, as texts."""
     of_network = two_sample.query("classifier == 'network' and first_row < 0")
     rows = []
     for row in of_network.itertuples():
@@ -141,7 +143,7 @@ def distinguished(two_sample):
 
 
 def summary(table2, intervals, jobs):
-    """Names, values and notes: similarity, tracker, gain of augmentation, time."""
+    """Summary of the run, (name, value, note): similarity, tracker, gain of augmentation, time."""
     ssim = mean_by_method(table2, "ssim", ".2f")
     psnr = mean_by_method(table2, "psnr", ".1f")
     of_fuse = intervals.query("output == 'fuse' and metric == 'ods'").set_index("training_set")
@@ -166,7 +168,7 @@ def mean_by_method(table2, metric, form):
 
 
 def read_benchmarks(folder, stages):
-    """What Snakemake measured under ``folder/rule/...``, a row a job with its `rule` and `stage`.
+    """Snakemake's benchmarks in ``folder/rule/...``, a row a job with its `rule` and `stage`.
 
     `stages` maps rule to stage; jobs of other rules are left out.
     """
@@ -180,9 +182,9 @@ def read_benchmarks(folder, stages):
 
 
 def costs(jobs, of):
-    """Table of texts on what jobs cost by `stage` or `rule`, the longest first.
+    """Table of the cost of jobs by `stage` or `rule`, the longest first, as texts.
 
-    Jobs that end between two looks of the clock have no CPU time and no memory on file.
+    Snakemake records no CPU time and no memory of jobs that end before it first looks.
     """
     grouped = jobs.groupby(of)
     wall_s = grouped["s"].sum().sort_values(ascending=False)
@@ -207,7 +209,7 @@ def settings_of(config):
 
 
 def heading(stage):
-    """A stage as a heading."""
+    """Heading of a stage."""
     return STAGES.get(stage, stage.replace("_", " ").capitalize())
 
 
@@ -221,7 +223,7 @@ def duration(seconds):
 
 
 def figures_by_stage(paths, stages, captions):
-    """Figures in lists by the heading of their stage; three lists of equal length."""
+    """Figures, lists of dicts by heading of their stage, from three lists of equal length."""
     by_stage = {}
     for path, stage, caption in zip(paths, stages, captions, strict=True):
         words = Path(caption).read_text(encoding="utf-8")
@@ -231,9 +233,9 @@ def figures_by_stage(paths, stages, captions):
 
 
 def gallery_of(scenes, images, n_scenes=N_SCENES):
-    """Test scenes spread over their number of layers, as plain values.
+    """Test scenes for the gallery, chosen evenly by their number of layers, as dicts.
 
-    `scenes` are observed and rendered ones by source, `images` is the table of similarity.
+    `scenes` maps sources to observed and rendered scenes; `images` is the table of similarity.
     """
     scores = images.set_index(["scene", "method"])[["ssim", "psnr"]].astype(float).round(3)
     n_layers = [scene.layer_bins.shape[0] for scene in scenes["observed"]]
@@ -254,9 +256,9 @@ def gallery_of(scenes, images, n_scenes=N_SCENES):
 
 
 def layer_lines(layer_bins, step=LINE_STEP):
-    """Layers (layer, range_line) as unbroken pieces [range_line, range_bin, range_line, ...].
+    """Layers (layer, range_line) as lists of unbroken pieces [range_line, range_bin, ...].
 
-    Each `step`-th range line is kept, and the last.
+    Every `step`-th range line is kept, and the last one.
     """
     layer_bins = np.asarray(layer_bins, dtype=float)
     last = layer_bins.shape[1] - 1
@@ -280,7 +282,7 @@ def depth_scale(bin_size_s, snow_density_kg_m3):
 
 
 def figure_uri(path, most_bytes=MOST_BYTES):
-    """A figure as a data URI: as it stands or, if it is larger, the PNG beside it as WebP."""
+    """A figure as a data URI: the file itself or, if that is too large, its PNG as WebP."""
     path = Path(path)
     if path.stat().st_size <= most_bytes:
         return data_uri(path.read_bytes(), MEDIA_TYPES[path.suffix])

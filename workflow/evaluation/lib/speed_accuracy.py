@@ -19,17 +19,25 @@ from evaluation.lib.literal_phy import (
 from evaluation.lib.machine import device_name, time_rounds
 from snowsim.cgan import Settings, networks_of
 from snowsim.cgan import render as render_cgan
+from snowsim.echoes import Echoes, Kind
 from snowsim.echogram import Scene, to_uint8
 from snowsim.phy import draw_speckle, render
-from snowsim.phy.plan import plan_power
-from snowsim.phy.power import exact_power, planned_power
-from snowsim.phy.speckle import quantile_table
+from snowsim.phy.power import (
+    NODES_PER_BIN,
+    TABLE_RANGE,
+    checked_waveforms,
+    exact_power,
+    power_of,
+    table_power,
+)
+from snowsim.phy.speckle import REACH, normal_cells, normal_quantiles
 
 N_LAYERS = 15
 N_RANGE_BINS = 256
 N_RANGE_LINES = 256
-TOLERANCES_DB = (0.5, 0.05, 1e-3, 1e-6)
-DEFAULT_DB = 0.05
+NODES = (1, 2, 4, 8, 16, 32, 64)  # of tables, in a bin
+# Relative to the scene's peak.
+NOISES_DB = (-80, -60, -40, -20)
 N_LOOKS = (16, 100)
 
 
@@ -69,7 +77,10 @@ def measured(*, cgan, n_rounds, rng):
 
 
 def waveform_ways(layer_bins, parameters):
-    """Mean power: columns convolved, the closed form on every pixel, sub-bin tables."""
+    """Mean power: columns convolved, the closed form on every pixel, sub-bin tables.
+
+    Errors of tables are the largest of all scenes that they are meant for, others this scene's.
+    """
     waveforms = waveforms_of(layer_bins, parameters, N_RANGE_BINS)
     noise_power = parameters["noise_power"]
     exact = exact_power(waveforms)
@@ -81,15 +92,29 @@ def waveform_ways(layer_bins, parameters):
     for n_samples in (1, 4):
         work = partial(convolved_power, waveforms, samples_per_bin=n_samples)
         ways.append(way("convolution", f"{n_samples} a bin", work))
-    for tolerance_db in TOLERANCES_DB:
-        work = partial(table_power, waveforms, noise_power, tolerance_db)
-        ways.append(way("table", f"{tolerance_db:g} dB", work))
+    for nodes in NODES:
+        work = partial(table_power, waveforms, nodes)
+        ways.append(Way("table", f"{nodes} a bin", work, table_error_db(nodes)))
     return ways
 
 
-def table_power(waveforms, noise_power, tolerance_db):
-    """Mean power within a tolerance, as `mean_power` has it."""
-    return planned_power(plan_power(waveforms, noise_power, tolerance_db))
+def table_error_db(nodes_per_bin):
+    """Largest error [dB] of a layer's table: all shapes and noises that tables are meant for.
+
+    Of shapes an even grid of logarithms, the limits included; on 16 range lines of an odd number of
+    sub-bin positions.
+    """
+    variances, decays = (np.geomspace(*limits, 7) for limits in TABLE_RANGE.values())
+    layer_bins = 100 + np.arange(16)[None] / 17
+    errors_db = []
+    for variance in variances:
+        for decay in decays:
+            layer = checked_waveforms(layer_bins, [1.0], [variance], [decay], N_RANGE_BINS)
+            exact = exact_power(layer)
+            tabulated = table_power(layer, nodes_per_bin)
+            for noise_db in NOISES_DB:
+                errors_db.append(largest_error_db(tabulated, exact, 10 ** (noise_db / 10)))
+    return max(errors_db)
 
 
 def speckle_ways(rng):
@@ -110,16 +135,17 @@ def speckle_ways(rng):
 
 def quantile_distance(n_looks):
     """Largest distance of the distribution functions of speckle methods `quantile` and `gamma`."""
-    table = quantile_table(float(n_looks)).astype(float)
-    exact = gammainc(n_looks, n_looks * table)
-    before = np.arange(table.size) / table.size
-    above_start = exact - before
-    above_end = above_start - 1 / table.size
+    table = normal_quantiles(float(n_looks))
+    normal = np.linspace(-REACH, REACH, table.size)
+    drawn = np.interp(normal_cells(), normal, table)
+    exact = gammainc(n_looks, n_looks * drawn)
+    above_start = exact - np.arange(drawn.size) / drawn.size
+    above_end = above_start - 1 / drawn.size
     return float(max(np.abs(above_start).max(), np.abs(above_end).max()))
 
 
 def scene_ways(layer_bins, parameters, cgan, rng):
-    """Whole scenes, 8-bit scaling included: PHY as printed, exact and by default; the cGAN.
+    """Whole scenes, 8-bit scaling included: PHY as printed, exact and by tables; the cGAN.
 
     The cGAN does not model eq. (1) and has no error against it; what it has learned makes no
     difference to its cost.
@@ -129,15 +155,16 @@ def scene_ways(layer_bins, parameters, cgan, rng):
     waveforms = waveforms_of(*given)
     exact = exact_power(waveforms)
     literal = largest_error_db(convolved_power(waveforms), exact, noise_power)
-    planned = table_power(waveforms, noise_power, DEFAULT_DB)
-    by_default = largest_error_db(planned, exact, noise_power)
+    by_default = largest_error_db(power_of(waveforms), exact, noise_power)
 
-    def phy(tolerance_db):
-        return to_uint8(render(*given, tolerance_db=tolerance_db, rng=rng))
+    def phy(**how):
+        return to_uint8(render(*given, rng=rng, **how))
 
     settings = Settings(**cgan)
     generator = networks_of(settings)[0].to(memory_format=torch.channels_last).eval()
-    masked = Scene("planted", N_RANGE_BINS, layer_bins)
+    of_waveforms = {"bins": layer_bins, "kind": np.full(len(layer_bins), Kind.LAYER), **parameters}
+    echoes = Echoes(power=of_waveforms.pop("peak_power"), **of_waveforms)
+    masked = Scene("planted", N_RANGE_BINS, layer_bins, echoes=echoes)
     return [
         Way(
             "PHY, as printed",
@@ -145,8 +172,8 @@ def scene_ways(layer_bins, parameters, cgan, rng):
             lambda: to_uint8(render_as_printed(*given, rng=rng)),
             literal,
         ),
-        Way("PHY, exact", "closed form", partial(phy, None), 0.0),
-        Way("PHY", f"{DEFAULT_DB:g} dB", partial(phy, DEFAULT_DB), by_default),
+        Way("PHY, exact", "closed form", partial(phy, exact=True), 0.0),
+        Way("PHY", f"{NODES_PER_BIN} nodes a bin", phy, by_default),
         Way(
             "cGAN",
             f"width {settings.width}",

@@ -1,5 +1,6 @@
-# The paper as printed beside the run: the same flight and benchmark, other choices from statistics to Table III, in
-# results/as_printed. Nothing on the way from flight to Table III depends on this file, and the report shows what is there.
+# A second run, as printed in the paper: the same flight and benchmark with other choices from statistics to Table III, in
+# results/as_printed. Nothing on the way from flight to Table III depends on it; the report shows its tables if there are
+# any.
 
 PRINTED_TABLES = [f"results/as_printed/tables/table{n}.csv" for n in (2, 3)]
 PRINTED_IS_MADE = all(map(os.path.isfile, PRINTED_TABLES))
@@ -14,7 +15,7 @@ module printed:
         str(ROOT / "workflow/rules/main.smk")
     config:
         PRINTED
-    # What is not named is shared: frames, their sums, and the benchmark.
+    # Rules that are not named are shared: frames, their summaries, and the benchmark.
     replace_prefix:
         {
             "logs/": "logs/as_printed/",

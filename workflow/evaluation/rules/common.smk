@@ -1,4 +1,4 @@
-# What the rules of the evaluation share.
+# Helpers that all rules of the evaluation share.
 
 import copy
 
@@ -15,26 +15,26 @@ elif SOURCE != "reference":
 
 
 def read_yaml(path):
-    """What a file of the workflow's own says."""
+    """Content of a YAML file of this workflow."""
     return yaml.load((ROOT / path).read_text(), Loader=yaml.CSafeLoader)
 
 
 def tables(*names):
-    """Tables of results by their names."""
+    """Paths of tables by their names."""
     return [f"results/tables/{name}.csv" for name in names]
 
 
-# Stage of every figure.
+# Stage of every figure, by its path.
 FIGURES = {}
 
 
 def caption_file(figure):
-    """Where the caption of a figure stands."""
+    """Path of a figure's caption."""
     return ROOT / f"workflow/evaluation/report/captions/{Path(figure).stem}.rst"
 
 
 def drawn(stage, *files):
-    """Outputs that are figures of a stage, with captions for Snakemake's own report."""
+    """Outputs of a rule that draws figures of a stage, with captions for Snakemake's own report."""
     outputs = {}
     for file in files:
         path = Path("results/figures") / file

@@ -60,7 +60,7 @@ rule tabulate_closed_loop:
     resources:
         mem_mb=2000,
     params:
-        varies=config["labels"]["radiometry"] == "measured",
+        varies=config["labels"]["recipe"] == "measured",
     message:
         "statistics of renders of all label sets, beside those they were rendered from"
     script:

@@ -1,11 +1,11 @@
-# Figures, one rule a stage: x.svg is the output x_svg of its rule. Its caption is captions/x.rst.
+# Figures, with one rule for each stage: x.svg is the output x_svg of its rule and has its caption in captions/x.rst.
 
-# What figures say of the data, and what makes metres of snow of range bins.
+# The source that figures name, and the snow density that turns range bins into metres.
 DRAWING = {
     "source": NOTE,
     "snow_density_kg_m3": config["tracker"]["picks"]["snow_density_kg_m3"],
 }
-# Images come without frames.
+# Figures of frames, which a benchmark of images does not have.
 OF_FRAMES = ["echogram.svg", "flight_line.svg"] if FRAMES else []
 
 

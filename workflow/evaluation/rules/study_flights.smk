@@ -1,8 +1,8 @@
-# What synthetic scenes are worth over flights of their own climates and radars. Nothing on the way from flight to Table
-# III depends on this file; not part of the default run.
+# The study of flights: worth of synthetic scenes over flights with climates and radars of their own. Nothing on the way
+# from flight to Table III depends on this file, and the default run leaves it out.
 #
-# Every flight is a whole run of this workflow in a folder of its own: this configuration with another seed, climate and
-# radar. After a change of code, remove the flights' folders.
+# Every flight is a whole run of this workflow in its own folder, with another seed, climate and radar. After a change of
+# code, remove the flights' folders.
 
 import sys
 
@@ -17,7 +17,7 @@ wildcard_constraints:
     flight=r"\d+",
 
 
-# One flight: beside the main path, RD with every layer labelled.
+# One flight: the main path and, beside it, trainings on RD with every layer labelled.
 
 
 use rule train_tracker as train_rd_full with:
@@ -76,11 +76,11 @@ rule score_flight:
         "../scripts/score_flight.py"
 
 
-# All flights. A run goes on where it was stopped; its folder belongs to this job alone, so it takes no lock.
+# All flights. A run goes on where it was stopped. It takes no lock, since its folder belongs to this job alone.
 
 
 rule fly:
-    # Not by a script: it needs Snakemake itself, which the environment of scripts is without.
+    # Not a script, because it needs Snakemake, which the environment of scripts does not have.
     output:
         scores="results/studies/flights/{flight}/results/one_flight/scores.csv",
     log:

@@ -8,14 +8,12 @@ from evaluation.lib.closed_loop import summarise_renders
 from snowsim.io.files import read_dataset, write_dataset
 from snowsim.io.scenes import SceneSet
 from snowsim.seeding import random_stream
-from snowsim.statistics import summary_to_dataset
 
 with job(snakemake):
     stream = partial(random_stream, snakemake.params.seed, "closed_loop")
     given = read_dataset(snakemake.input.statistics)
     with SceneSet(snakemake.input.layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), snakemake.params.first)
-        renders = summarise_renders(scenes, given, snakemake.params.phy, stream=stream)
-    sums = summary_to_dataset(renders)
+        sums = summarise_renders(scenes, given, snakemake.params.phy, stream=stream)
     sums.attrs["synthetic"] = "renders by PHY, not observed data"
     write_dataset(snakemake.output.summary, sums)

@@ -4,11 +4,10 @@ from main_path import job
 
 from evaluation.lib.closed_loop import recovery_table
 from snowsim.io.files import read_dataset, write_table
-from snowsim.statistics import merge, summary_from_dataset
+from snowsim.statistics import merge
 
 with job(snakemake):
-    summaries = map(read_dataset, snakemake.input.summaries)
-    renders = merge(map(summary_from_dataset, summaries))
+    renders = merge(map(read_dataset, snakemake.input.summaries))
     given = read_dataset(snakemake.input.statistics)
     table = recovery_table(renders, given, varies=snakemake.params.varies)
     write_table(snakemake.output.table, table)

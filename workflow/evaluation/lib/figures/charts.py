@@ -150,7 +150,7 @@ def plot_methods(ax, rows):
 def plot_estimators(ax, rows, quantity):
     """Mean error over layers of one quantity along a sweep.
 
-    With two claimed standard errors, and the bound in grey; crosses at the top are refused.
+    The bound is in grey; crosses at the top are refused.
     """
     rows = rows.query("quantity in (@quantity, 'all')")
     bound = rows["bound"].max()
@@ -160,7 +160,7 @@ def plot_estimators(ax, rows, quantity):
         colour = COLOURS[estimator]
         held = part.query("outcome != 'refused'")
         style = {"color": colour, "marker": "o", "label": estimator}
-        ax.errorbar("value", "error", 2 * held["standard_error"], data=held, **style)
+        ax.plot("value", "error", data=held, **style)
         refused = part.query("outcome == 'refused'")["value"]
         ax.plot(refused, np.full(len(refused), limit), "x", color=colour, markersize=4)
     ax.set_yscale("symlog", linthresh=bound)

@@ -14,10 +14,8 @@ PANELS = {
 
 def closed_loop(table):
     """Errors of `evaluation.lib.closed_loop.compare` by layer and slab, and of the whole flight."""
-    table = table.assign(
-        share=(table["error"] / table["bound"]).clip(-MOST_BOUNDS, MOST_BOUNDS),
-        reach=2 * table["error_standard_error"] / table["bound"],
-    )
+    share = (table["error"] / table["bound"]).clip(-MOST_BOUNDS, MOST_BOUNDS)
+    table = table.assign(share=share)
     figure, axes = new_figure(2, 3, width=9.5, height=6.5, sharey=True)
     *of_places, of_flight = axes.flat
     for ax, (quantity, along) in zip(of_places, PANELS.items(), strict=True):
@@ -34,8 +32,7 @@ def closed_loop(table):
 
 
 def plot_errors(ax, at, rows):
-    """Errors in units of their bounds at some places, with two standard errors."""
-    style = {"fmt": "o", "color": BLACK, "ecolor": "0.6", "elinewidth": 0.6, "markersize": 2}
-    ax.errorbar(at, rows["share"], rows["reach"], **style)
+    """Errors in units of their bounds at some places."""
+    ax.plot(at, rows["share"], "o", color=BLACK, markersize=2)
     ax.axhspan(-1, 1, color="0.92", zorder=0)
     ax.set_ylim(-MOST_BOUNDS, MOST_BOUNDS)

@@ -1,4 +1,4 @@
-"""The flight: an echogram and its picks, where its frames lie, and its statistics."""
+"""Figures of the flight: an echogram and its picks, a map of the frames, and statistics."""
 
 import numpy as np
 
@@ -12,11 +12,10 @@ from evaluation.lib.figures.style import (
     new_panel,
 )
 from snowsim.echogram import layer_bins_of, to_db
+from snowsim.phy.waveform import waveform_exact, waveform_peak
 
-N_BANDS = 64  # of a spectrum along track
-SHOWN_PERCENT = (0.5, 99.9)  # of the powers of an echogram, from black to white
-# About a layer: of averaged lines, as fitted by all layers, and of this layer alone.
-WAVEFORMS = {"mean_waveform": "-", "model_waveform": "--", "layer_waveform": ":"}
+N_BANDS = 64  # bands over which a spectrum along track is averaged
+SHOWN_PERCENT = (0.5, 99.9)  # percentiles of power that are black and white
 # Greenland: degrees north and east of capes and towns, clockwise from Cape Farewell.
 COAST = (
     (59.8, -43.9), (65.6, -37.6), (68.1, -31.8), (70.5, -22.0), (81.4, -11.5), (83.6, -33.4),
@@ -25,7 +24,7 @@ COAST = (
 
 
 def echogram(frame, picks, scale):
-    """A frame as an image, black where nothing was measured, and the same with its picks."""
+    """A frame without and with its picks; black where nothing was measured."""
     figure, axes = new_figure(1, 2, width=8, height=4, sharey=True)
     power = frame["Data"].transpose("twtt", "slow_time").values
     power_db = to_db(np.where(power > 0, power, np.nan))
@@ -44,7 +43,7 @@ def echogram(frame, picks, scale):
 
 
 def flight_line(frames):
-    """The frames on a map of Greenland, each at its mean position."""
+    """Map of Greenland with the mean position of each frame."""
     figure, ax = new_panel(width=4.2, height=5)
     latitude, longitude = np.transpose(COAST)
     ax.fill(longitude, latitude, color=LAND)
@@ -63,9 +62,9 @@ def waveforms(statistics):
     lag_ns = statistics["lag"] * statistics.attrs["bin_size_s"] * 1e9
     noise_db = to_db(float(statistics["noise_power"]))
     for layer, ax in enumerate(of_waveforms):
-        for name, dashes in WAVEFORMS.items():
-            power_db = to_db(statistics[name][layer])
-            ax.plot(lag_ns, power_db, dashes, label=name_of(name))
+        # Of averaged lines, and of this layer alone by eq. (1).
+        ax.plot(lag_ns, to_db(statistics["mean_waveform"][layer]), label="mean waveform")
+        ax.plot(lag_ns, to_db(layer_waveform(statistics, layer)), ":", label="layer waveform")
         ax.set(xlabel="two-way travel time [ns]", ylabel="power [dB]", title=f"about layer {layer}")
         ax.set_ylim(noise_db - 3, None)
         ax.legend()
@@ -76,22 +75,31 @@ def waveforms(statistics):
     return figure
 
 
+def layer_waveform(statistics, layer):
+    """Power of a layer alone at the lags of mean waveforms."""
+    names = ("variance_bins2", "decay_rate", "offset_bins", "peak_power")
+    variance, decay, offset, power = (float(statistics[name][layer]) for name in names)
+    peak, height = waveform_peak(variance, decay)
+    wave = waveform_exact(statistics["lag"].values - offset + peak, variance, decay)
+    return power * wave / height
+
+
 def along_track(statistics):
-    """Spectra along track under the picks; tracked power beside the Gamma law."""
+    """Spectra along track of tracked layers; quantiles of tracked power beside the Gamma law."""
     figure, axes = new_figure(1, 2, width=7)
     of_spectra, of_law = axes[0]
     is_complex = "doppler_layer_1" in statistics
     kind = "doppler" if is_complex else "detected_power_spectrum"
     of_spectra.set_xlabel(f"wavenumber [cycles per {'m' if is_complex else 'range line'}]")
     for part, colour in {"layer_1": GREY, "layer_mean": BLACK}.items():
-        # Few picks show the one or the other of detected power, or none.
+        # Detected power with few picks has only one of both spectra, or none.
         if f"{kind}_{part}" in statistics:
-            # The first wavenumber is the mean's, which is taken out.
+            # The first wavenumber is that of the mean, which was subtracted.
             density = statistics[f"{kind}_{part}"][1:]
             plot_spectrum(of_spectra, density, colour, name_of(part))
     of_spectra.set(ylabel="density / mean [dB]", title=name_of(kind))
     of_spectra.legend()
-    # The paper's chi-square.
+    # The Gamma law is the paper's chi-square.
     expected = statistics["gamma_quantile"]
     of_law.plot(expected, expected, color="0.6", linewidth=1)
     of_law.plot(expected, statistics["tracked_power_quantile"], ".", color=BLACK)
@@ -101,7 +109,7 @@ def along_track(statistics):
 
 
 def plot_spectrum(ax, density, color, label):
-    """Means over bands: a single wavenumber of a single layer is exponentially distributed."""
+    """Plot a spectrum as means over bands; single wavenumbers scatter as much as their mean."""
     [along] = density.dims
     n_together = max(1, density.size // N_BANDS)
     bands = density.coarsen({along: n_together}, boundary="trim").mean()

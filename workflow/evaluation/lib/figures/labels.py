@@ -39,9 +39,6 @@ def labels(scenes, statistics, scale):
 
 
 def relative_thickness(scene):
-    """Mean thickness of the slabs of a drawn scene relative to slab 0, labelled or not."""
-    layers = scene.layer_bins
-    if scene.complete_layer_bins is not None:
-        layers = scene.complete_layer_bins[: len(layers)]
-    thickness = np.diff(layers.mean(axis=1))
+    """Mean thickness of the slabs of a drawn scene relative to slab 0."""
+    thickness = np.diff(scene.layer_bins.mean(axis=1))
     return pd.Series(thickness / thickness[:1])

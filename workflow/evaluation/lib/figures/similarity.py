@@ -1,4 +1,4 @@
-"""Similarity of renders to observed scenes, over scenes and against depth."""
+"""Figures of the similarity of renders to observed scenes: over scenes, and against depth."""
 
 import numpy as np
 
@@ -14,9 +14,9 @@ from evaluation.lib.figures.style import (
 
 
 def similarity_boxplots(images):
-    """The three metrics of every method as box plots."""
+    """Box plots of the three metrics of every method."""
     figure, axes = new_figure(1, 3, width=7)
-    # Without identical images, whose ratio is infinite.
+    # Identical images have an infinite PSNR and are left out.
     finite = images[np.isfinite(images["psnr"])]
     by_method = dict(list(finite.groupby("method")))
     names = list(map(name_of, by_method))
@@ -28,7 +28,7 @@ def similarity_boxplots(images):
 
 
 def ssim_depth(ssim_depth, scale):
-    """SSIM against depth, row by row and smoothed, the surface marked."""
+    """SSIM against depth, row by row and smoothed; the surface is marked."""
     figure, ax = new_panel()
     for method, rows in ssim_depth.groupby("method"):
         depth_m = scale.depth_m(rows["range_bin"])

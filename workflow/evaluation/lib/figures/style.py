@@ -20,7 +20,7 @@ ORANGE = "#E69F00"
 PINK = "#CC79A7"
 SKY = "#56B4E9"
 YELLOW = "#F0E442"
-# Beside them the grey of what serves as a foil, and of land.
+# Greys: one for comparisons in the background, one for land.
 GREY = "#999999"
 LAND = "#EDF2F5"
 SERIES = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
@@ -39,9 +39,9 @@ COLOURS = {
     "paper": RED,
     "deblended": BLUE,
 }
-# Beside colours, for readers in grey.
+# Dashes tell lines apart in grey, too.
 DASHES = {"phy": "-", "cgan": "--", "rd": "-", "rd_gd": "--", "rd_pd": "-.", "rd_pd_gd": ":"}
-# As figures write them; other names stand with spaces for underscores.
+# Names in figures; in other names spaces replace underscores.
 NAMES = {
     "cgan": "cGAN",
     "phy": "PHY",
@@ -60,7 +60,7 @@ NAMES = {
     "ap": "AP",
     "doppler": "Doppler spectrum",
 }
-# What most figures use; some say otherwise.
+# Defaults of matplotlib for all figures.
 STYLE = {
     "font.size": 9,
     "axes.labelsize": 9,
@@ -82,8 +82,8 @@ STYLE = {
     "svg.hashsalt": "snowsim",  # otherwise names of SVG elements differ from run to run
 }
 mpl.use("Agg")
-mpl.rcParams.update(STYLE)  # all that is drawn later on a figure, legends among it, follows too
-GUIDE = {"color": "0.5", "linestyle": ":", "linewidth": 1}  # how levels are marked
+mpl.rcParams.update(STYLE)
+GUIDE = {"color": "0.5", "linestyle": ":", "linewidth": 1}  # style of lines that mark a level
 DPI = 200
 METADATA = {".svg": {"Date": None, "Creator": "snowsim"}, ".png": {"Software": "snowsim"}}
 PLANTED = "planted layers, no observed data"
@@ -98,7 +98,7 @@ class Scale:
 
     @classmethod
     def of(cls, statistics, density_kg_m3):
-        """By the flight's radar, and by snow of one density throughout."""
+        """Scale of a flight's radar in snow of one density."""
         bin_m = snow_per_bin_m(statistics.attrs["bin_size_s"], density_kg_m3)
         return cls(bin_m, statistics.attrs["line_spacing_m"] / 1e3)
 
@@ -121,7 +121,7 @@ class Scale:
 
 
 def name_of(key):
-    """What figures call a method, a training set, a metric, a quantity."""
+    """Name in figures of a method, a training set, a metric or a quantity."""
     return NAMES.get(key, key.replace("_", " "))
 
 
@@ -142,7 +142,7 @@ def new_panel(width=6.0, height=3.0):
 
 
 def list_downwards(ax, names, **keywords):
-    """Names of what stands one below the other, a row each, the first at the top."""
+    """Label rows that are drawn one below the other, the first at the top."""
     ax.set_yticks(range(len(names)), names, **keywords)
     ax.set_ylim(len(names) - 0.5, -0.5)
 
@@ -155,12 +155,12 @@ def evenly_spaced(numbers, n_chosen):
 
 
 def save_figure(path, figure, source):
-    """Write a figure that says in a corner what its data are, whole or not at all.
+    """Write a figure whole or not at all; a corner of it names the source of its data.
 
-    Without a date: the same figure gives the same bytes. One in .svg is written as .png too, and
-    first: where the .svg lies both do.
+    The file holds no date, so that the same figure gives the same bytes. A figure in .svg is also
+    written as .png, which comes first, so that every .svg has a .png beside it.
     """
-    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the line
+    figure.get_layout_engine().set(rect=(0, 0.03, 1, 0.97))  # room for the source
     figure.text(0.995, 0.002, source, ha="right", va="bottom", fontsize=6, color="0.4")
     path = Path(path)
     for ending in dict.fromkeys([".png", path.suffix]):

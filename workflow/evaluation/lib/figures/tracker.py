@@ -1,4 +1,4 @@
-"""The trackers: edge scores, and what their outputs and picks show on a scene."""
+"""Figures of the trackers: precision and recall, outputs on a scene, and picks."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from snowsim.echogram import MINIMUM_ROWS
 
 
 def precision_recall(precision_recall):
-    """Precision against recall of the fused output, a line a training set, mean over replicas."""
+    """Precision against recall of the fused output, a line for each training set."""
     figure, ax = new_panel(width=4, height=3.5)
     for training_set, rows in precision_recall.groupby("training_set", sort=False):
         ax.plot(rows["recall"], rows["precision"], **line_style(training_set))
@@ -18,7 +18,7 @@ def precision_recall(precision_recall):
 
 
 def side_outputs(scene, outputs):
-    """The image with its layers, then every output on it, a row a training set.
+    """A scene with its layers, and beside it every output, a row for each training set.
 
     `outputs` maps training sets to probabilities (output, range_bin, range_line).
     """

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from snowsim.cgan.unpicked import completed
+from snowsim.cgan.picks import completed
 from snowsim.echogram import Scene
+from snowsim.picking import pick_layers
 
 
 @pytest.fixture
@@ -14,19 +15,19 @@ def scene():
     return Scene("planted", 120, layer_bins)
 
 
-def seen(rows, n_lines=100):
-    """Probability of a tracker that is sure of some (row, first line, end)."""
+def followed(rows, n_lines=100):
+    """Layers that a tracker follows that is sure of some (row, first line, end)."""
     probability = np.zeros((120, n_lines))
     for row, first, last in rows:
         for distance, value in ((0, 0.9), (1, 0.5), (-1, 0.5)):
             probability[row + distance, first:last] = value
-    return probability
+    return pick_layers(probability, threshold=0.3)
 
 
 def test_layers_are_added_where_nobody_picked_and_picks_stay_where_they_are_right(scene):
     # The surface, what is left of the second layer, one that nobody picked, one in the air.
-    probability = seen([(20, 0, 100), (50, 0, 100), (65, 10, 90), (5, 0, 100)])
-    found = completed(scene, probability, threshold=0.3).layer_bins
+    found = followed([(20, 0, 100), (50, 0, 100), (65, 10, 90), (5, 0, 100)])
+    found = completed(scene, found).layer_bins
     # By depth; the new piece of the second layer is a layer of its own, at the same depth.
     assert len(found) == 5
     # A tracker's bins are parabolas' vertices, in float32.
@@ -41,16 +42,16 @@ def test_layers_are_added_where_nobody_picked_and_picks_stay_where_they_are_righ
 
 
 def test_what_lies_beside_a_pick_or_is_short_is_no_layer_of_its_own(scene):
-    probability = seen([(83, 0, 100), (65, 10, 40), (95, 0, 12)])
-    found = completed(scene, probability, threshold=0.3).layer_bins
+    found = followed([(83, 0, 100), (65, 10, 40), (95, 0, 12)])
+    found = completed(scene, found).layer_bins
     assert len(found) == 4  # with the one of 30 lines
-    nothing = completed(scene, np.zeros((120, 100)), threshold=0.3).layer_bins
+    nothing = completed(scene, followed([])).layer_bins
     assert_array_equal(nothing, scene.layer_bins)
 
 
 def test_picks_move_to_the_layer_that_the_tracker_finds_near_them(scene):
-    probability = seen([(20, 0, 100), (53, 0, 30), (75, 0, 100)])
-    found = completed(scene, probability, threshold=0.3).layer_bins
+    found = followed([(20, 0, 100), (53, 0, 30), (75, 0, 100)])
+    found = completed(scene, found).layer_bins
     # Three bins off it moves; beyond where the tracker finds it, and five bins off, it stays.
     assert_allclose(found[1, 3:29], 53, atol=0.5)
     assert_array_equal(found[1, 31:40], 50)

@@ -26,3 +26,20 @@ def values_by_layer(statistics, name):
     usable = np.isfinite(values) & (values > 0)
     nearest_above = np.maximum.accumulate(np.where(usable, np.arange(values.size), 0))
     return values[nearest_above]
+
+
+def of_uppermost(statistics, name, n_layers):
+    """Values of the uppermost layers, (layer,); deeper than the flight shows, the last one's."""
+    values = values_by_layer(statistics, name)
+    return values[np.minimum(np.arange(n_layers), values.size - 1)]
+
+
+def radar_of(statistics):
+    """Looks and correlation of speckle, as arguments of `Echoes`.
+
+    Statistics of images, which show no air, hold no correlation.
+    """
+    radar = {"n_looks": float(statistics.attrs["n_looks"])}
+    if "speckle_correlation" in statistics:
+        radar["speckle_correlation"] = statistics["speckle_correlation"].values
+    return radar

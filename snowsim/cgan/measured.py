@@ -1,0 +1,129 @@
+"""The recipe `measured`: a generator that is told the levels that PHY's statistics expect.
+
+It makes an image without speckle; grain with the moments of what that image lacks is added.
+"""
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional
+
+from snowsim.cgan.grain import Grain
+from snowsim.cgan.inputs import N_CHANNELS, Batch, expected_image, inputs_of, is_snow, known_map
+from snowsim.cgan.networks import Norm, PatchDiscriminator, ResizeConvolution, UNet, update
+from snowsim.patches import draw_patches, to_signed
+from snowsim.training import arithmetic
+
+
+class Generator(nn.Module):
+    """U-Net from `inputs_of` to images, (patch, 1, range_bin, range_line) in [-1, 1].
+
+    Of images of any size: inputs, layers first, are continued to a multiple of ``2**depth``,
+    downwards without layers and sideways with the last range line, and the output cut back.
+    Features are normalised over the channels of each pixel: an image depends on what is within ``3
+    * 2**depth`` pixels alone. Inputs have a random level for each slab, and images are doubled
+    before they are convolved (Odena, Dumoulin & Olah 2016, Distill): equal inputs leave no lattice.
+    Its `grain` is to be added to its images.
+    """
+
+    def __init__(self, width, depth, n_inputs=N_CHANNELS):
+        super().__init__()
+        self.multiple = 2**depth
+        n_inputs += 1  # the level of its slab
+        n_last = max(width // 2, 1)
+        layers = {"norm": Norm, "doubling": ResizeConvolution}
+        self.unet = UNet(n_inputs, n_last, width, depth, **layers)
+        self.last = nn.Conv2d(n_last + n_inputs, 1, 3, padding=1)
+        self.grain = Grain()
+
+    def draw_noise(self, slabs, *, rng):
+        """Noise of one pass, given the slab of each pixel (patch, range_bin, range_line).
+
+        A dict of tensors (patch, channel, range_bin, range_line): that of `Grain.draw`; ``slab``,
+        the same throughout a slab.
+        """
+        noise = self.grain.draw(slabs > 0, rng=rng)
+        n_patches = len(slabs)
+        levels = rng.standard_normal((n_patches, slabs.max() + 1), dtype=np.float32)
+        level = np.take_along_axis(levels, slabs.reshape(n_patches, -1), axis=1)
+        noise["slab"] = torch.from_numpy(level.reshape(n_patches, 1, *slabs.shape[1:]))
+        return noise
+
+    def forward(self, inputs, noise):
+        """Image of some inputs, given the noise of `draw_noise`."""
+        height, width = inputs.shape[2:]
+        inputs = torch.cat([inputs, noise["slab"].to(inputs)], dim=1)
+        beyond = (0, -width % self.multiple, 0, -height % self.multiple)
+        inputs = functional.pad(inputs, beyond, mode="replicate")
+        inputs[:, 0, height:] = -1.0
+        features = functional.relu(self.unet(inputs))
+        joined = torch.cat([features, inputs.to(features)], dim=1)
+        return torch.tanh(self.last(joined))[:, :, :height, :width]
+
+
+def networks(settings):
+    """Generator and discriminator, not initialised."""
+    generator = Generator(settings.width, settings.depth)
+    return generator, PatchDiscriminator(settings.width, N_CHANNELS)
+
+
+def learning_rate(settings, step):
+    """Rate of the step after `step` others: constant for half of them, then linearly to zero."""
+    half = settings.n_steps // 2
+    share_left = (settings.n_steps - step) / (settings.n_steps - half)
+    return settings.learning_rate * min(1.0, share_left)
+
+
+def draw_batch(generator, scene, settings, *, rng):
+    """`Batch` of a random crop of a scene, turned left to right half of the time."""
+
+    def known(scene, layer_bins, _):
+        return known_map(scene.image, layer_bins)
+
+    size = (settings.n_range_bins, settings.n_range_lines)
+    image, _, crop = draw_patches([scene], *size, known=known, rng=rng)
+    # Half a grey level of dither: that observed images are whole numbers must not tell them from
+    # rendered ones.
+    dither = rng.random(image.shape, dtype=np.float32) - np.float32(0.5)
+    observed = to_signed(image) + torch.from_numpy(dither[:, None] / 127.5)
+    inputs, slabs = inputs_of(crop)
+    return Batch(inputs, observed, generator.draw_noise(slabs, rng=rng))
+
+
+def take_step(training, batch):
+    """Update both networks, and the grain, on one batch; the losses before."""
+    generator = training.generator
+
+    def decide_both(image):
+        with arithmetic(training.device, training.settings.precision):
+            # Normalised together: by themselves, renders of twice the contrast are the same to it.
+            inputs = torch.cat([batch.inputs, batch.inputs])
+            images = torch.cat([batch.image, image])
+            return training.discriminator(inputs, images).chunk(2)
+
+    def decide_rendered(image):
+        return decide_both(image)[1]
+
+    with arithmetic(training.device, training.settings.precision):
+        rendered = generator(batch.inputs, batch.noise)
+    rendered = rendered.float()
+    # Before grain is added: the least error is an image without any. Grain has the moments of what
+    # the image lacks, not its pixels.
+    l1 = functional.l1_loss(rendered, batch.image)
+    lacking = (batch.image - rendered).detach()
+    generator.grain.mismatch(lacking, is_snow(batch.inputs)).backward()
+    rendered = rendered + generator.grain(batch.noise).detach()
+    return update(training, rendered, l1, decide_both, decide_rendered)
+
+
+def render_image(generator, scene, settings, *, rng):
+    """Image of a scene with echoes, float tensor (range_bin, range_line) in [-1, 1]."""
+    known = known_map(expected_image(scene), scene.layer_bins)
+    inputs, slabs = inputs_of(known[None])
+    noise = generator.draw_noise(slabs, rng=rng)
+    device = next(generator.parameters()).device
+    with torch.inference_mode(), arithmetic(device, settings.precision):
+        image = generator(inputs.to(device), noise) + generator.grain(noise)
+    image = image[0, 0].float()
+    # The maximum of an observed image is white: how much is left above the rest is chance.
+    return (image + 1) * (2 / (image.max() + 1)) - 1

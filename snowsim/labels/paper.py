@@ -1,0 +1,84 @@
+"""Label sets as Yari et al. (2021), section V-B, print them, and the echoes of eqs (1)-(4)."""
+
+import numpy as np
+
+from snowsim.constants import BLOCK_LINES
+from snowsim.echoes import Echoes, Kind
+from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
+from snowsim.labels.flight_values import of_uppermost, values_of
+from snowsim.labels.scene import notes_of
+from snowsim.labels.undulations import layers_below, mirrored
+from snowsim.limits import check_count
+
+LAYERS = (5, 40)  # fewest and most below the surface
+N_LOOKS = 100.0
+# Of every layer's Gaussian [bins^2]: bounds that section III measures as 1/e widths.
+VARIANCE_BINS2 = (10.0, 15.0)
+
+
+def draw_paper_scene(statistics, n_range_lines, *, name, rng):
+    """One scene with all layers labelled, its zone, its echoes and what the rules did to it.
+
+    The number of layers is uniform, and so is the mean thickness of slab 0 over the flight's zones,
+    which fixes the zone; the mean of deeper slabs is slab 0 x a factor from the zone's Gaussian;
+    thickness is the mean + a Gaussian process of the slab's plain spectrum, `thickness_psd` of the
+    estimator `paper`, independent from slab to slab; a scene as wide as a block ends where it
+    began.
+    The surface is flat. `notes` are those of `snowsim.labels.draw_scene`. ValueError if statistics
+    are missing or not finite, or a scene is narrower than 2 lines.
+    """
+    check_count("n_range_lines", n_range_lines, 2)
+    edges = values_of(statistics, "zone_edge_bins", ("edge",))
+    relative_mean = values_of(statistics, "relative_thickness_mean", ("zone", "slab"))
+    relative_variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))
+    psd = values_of(statistics, "thickness_psd", ("zone", "slab", "wavenumber"))
+    n_layers = int(rng.integers(*LAYERS, endpoint=True))
+    first_bins = float(rng.uniform(edges[0], edges[-1]))
+    zone = int(zone_of(first_bins, edges))
+    slab = np.minimum(np.arange(n_layers), psd.shape[1] - 1)
+    deviation = np.sqrt(relative_variance[zone, slab]) * rng.standard_normal(n_layers)
+    mean = first_bins * (relative_mean[zone, slab] + deviation)
+    mean[0] = first_bins
+    drawn = mirrored(mean)[:, None] + _series(psd[zone, slab], n_range_lines, rng=rng)
+    layer_bins = layers_below(np.full(n_range_lines, float(SURFACE_ROW)), mirrored(drawn))
+    return Scene(
+        name=name,
+        n_range_bins=scene_height(layer_bins),
+        layer_bins=layer_bins,
+        complete_layer_bins=layer_bins,
+        echoes=dress_as_printed(layer_bins, statistics, rng=rng),
+        zone=zone,
+        notes=notes_of(drawn, mean, first_bins),
+    )
+
+
+def dress_as_printed(layer_bins, statistics, *, rng):
+    """`Echoes` of layers, one power for a layer, without background, 100 looks, independent bins.
+
+    The variance of each layer's Gaussian is uniform between 10 and 15, as printed. ValueError if
+    statistics are missing, not finite or not positive.
+    """
+    n_layers, n_lines = layer_bins.shape
+    power = of_uppermost(statistics, "peak_power", n_layers)
+    return Echoes(
+        bins=layer_bins,
+        power=np.repeat(power[:, None], n_lines, axis=1),
+        variance_bins2=rng.uniform(*VARIANCE_BINS2, n_layers),
+        decay_rate=of_uppermost(statistics, "decay_rate", n_layers),
+        kind=np.full(n_layers, Kind.LAYER, dtype=np.int8),
+        noise_power=values_of(statistics, "noise_power", ()).item(),
+        n_looks=N_LOOKS,
+    )
+
+
+def _series(psd, n_lines, *, rng):
+    """Gaussian series (slab, range_line) of one-sided spectra (slab, wavenumber) of blocks."""
+    n_long = max(BLOCK_LINES, n_lines + n_lines % 2)
+    held = np.fft.rfftfreq(BLOCK_LINES)
+    wavenumber = np.fft.rfftfreq(n_long)
+    density = np.array([np.interp(wavenumber, held, row) for row in psd])
+    normal = rng.standard_normal((2, *density.shape))
+    # A one-sided density 2 |X|^2 / N; at the Nyquist wavenumber |X|^2 / N, of one real normal.
+    spectrum = (normal[0] + 1j * normal[1]) * np.sqrt(density * n_long) / 2
+    spectrum[:, -1] = normal[0, :, -1] * np.sqrt(density[:, -1] * n_long)
+    return np.fft.irfft(spectrum, n_long)[:, :n_lines]

@@ -1,0 +1,144 @@
+"""Thickness along track: relief of layers, change of slabs, trends and folds."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from snowsim.limits import check_values
+
+MINIMUM_THICKNESS_BINS = 1.0  # two layers never share a pixel
+GRID_BITS = 12  # layers are multiples of 2^-12 range bins, which float32 holds to bin 4096
+# Of a spectrum or a correlation matrix, of the largest: below, its root is rounding, which is not
+# the same on all processors.
+LEAST_EIGENVALUE = 1e-10
+LENGTHS_AROUND = 8  # a circle is at least so many correlation lengths long
+KILOMETRE = 1000.0
+
+
+@dataclass(frozen=True)
+class Relief:
+    """The law by which thickness changes along track in one zone, see `snowsim.statistics.relief`.
+
+    Over h metres, layers by themselves change by a mean square of ``2 variance (1 - exp(-(h /
+    length)^exponent))``, slabs by ``slab_change (h / 1000 m)^slab_exponent`` [bins^2].
+    """
+
+    variance_bins2: float
+    length_m: float
+    exponent: float
+    slab_change_bins2: float
+    slab_exponent: float
+
+
+def draw_stationary(covariance, n_lines, *, rng):
+    """Gaussian series (row, range_line) of covariances (row, lag), by circulant embedding.
+
+    Exact where the covariance, wrapped around a circle twice as long as the lags, has no negative
+    eigenvalue (Dietrich & Newsam 1997, SIAM J. Sci. Comput. 18, 1088). Negative ones are set to
+    zero and the others scaled, so that the variance stays.
+    """
+    wrapped = np.concatenate([covariance, covariance[:, -2:0:-1]], axis=1)
+    eigenvalues = np.fft.fft(wrapped).real
+    least = LEAST_EIGENVALUE * eigenvalues.max(axis=1, keepdims=True)
+    eigenvalues = np.where(eigenvalues > least, eigenvalues, 0)
+    mean = eigenvalues.mean(axis=1, keepdims=True)
+    eigenvalues *= covariance[:, :1] / np.where(mean > 0, mean, 1)
+    white = np.fft.fft(rng.standard_normal(wrapped.shape))
+    return np.fft.ifft(white * np.sqrt(eigenvalues)).real[:, :n_lines]
+
+
+def lags_on_circle(n_lines, length_lines):
+    """Lags of a circle long enough for a scene and for correlations of a length, (lag,)."""
+    return np.arange(int(max(n_lines, LENGTHS_AROUND / 2 * length_lines)) + 1)
+
+
+def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
+    """Thickness of slabs about their means [bins], (slab, range_line), by `Relief`."""
+    lag = lags_on_circle(n_lines, relief.length_m / spacing_m)
+    falls = np.exp(-((lag * spacing_m / relief.length_m) ** relief.exponent))
+    covariance = np.tile(relief.variance_bins2 * falls, (n_slabs + 1, 1))
+    layers = draw_stationary(covariance, n_lines, rng=rng)
+    # Steps of fractional Brownian motion, whose wrapped covariance has no negative eigenvalue.
+    away_m = spacing_m * np.abs(np.arange(-1, n_lines + 2))
+    change = relief.slab_change_bins2 * (away_m / KILOMETRE) ** relief.slab_exponent
+    covariance = np.tile(np.diff(change, 2) / 2, (n_slabs, 1))
+    steps = draw_stationary(covariance, n_lines, rng=rng)
+    thickness = np.diff(layers, axis=0) + np.cumsum(steps, axis=1)
+    return thickness - thickness.mean(axis=1, keepdims=True)
+
+
+@lru_cache(maxsize=128)
+def correlation_factor(correlation_by_separation, n_rows):
+    """Factor C of the correlation matrix C C^T of rows, whose correlation by separation is given.
+
+    A tuple, whose last value continues. Measured correlations need not form a valid matrix:
+    eigenvalues below `LEAST_EIGENVALUE` of the largest are set to zero, the diagonal back to one.
+    The factor is the symmetric root, the only one that does not depend on which eigenvectors a
+    processor finds.
+    """
+    row = np.arange(n_rows)
+    separation = np.abs(row[:, None] - row)
+    furthest = len(correlation_by_separation) - 1
+    matrix = np.array(correlation_by_separation)[np.minimum(separation, furthest)]
+    np.fill_diagonal(matrix, 1.0)
+    values, vectors = np.linalg.eigh(matrix)
+    root = np.sqrt(np.where(values > LEAST_EIGENVALUE * values[-1], values, 0))
+    factor = (vectors * root) @ vectors.T
+    return factor / np.sqrt((factor**2).sum(axis=1, keepdims=True))
+
+
+def mirrored(thickness):
+    """Thickness mirrored at its minimum, where one layer lies one bin below the other."""
+    return MINIMUM_THICKNESS_BINS + np.abs(thickness - MINIMUM_THICKNESS_BINS)
+
+
+def layers_below(surface, thickness):
+    """Layers (layer, range_line) from the surface (range_line,) down, as files hold them.
+
+    Thickness (slab, range_line) is at least `MINIMUM_THICKNESS_BINS`. Rounded once, to multiples
+    of which sums are exact: layers stay a bin apart, and are the same on any processor.
+    """
+    steps = np.concatenate([surface[None], thickness])
+    return np.cumsum(np.ldexp(np.rint(np.ldexp(steps, GRID_BITS)), -GRID_BITS), axis=0)
+
+
+@dataclass(frozen=True)
+class Nonstationary:
+    """Trends and folds of layers, which the paper leaves to future work; zeros: none.
+
+    ValueError if a s.d. is negative or not finite, or a fold is shorter than 4 lines, which no
+    picks resolve.
+    """
+
+    # Of the change of mean thickness from the first line of a scene to its last, over the mean.
+    trend_sd: float = 0.0
+    fold_sd_bins: float = 0.0  # of the amplitude of the deepest layer's fold
+    fold_length_lines: float = 64.0  # wavelength of folds
+    zones: tuple | None = None  # whose scenes have them; None: all
+
+    def __post_init__(self):
+        for name, least in (("trend_sd", 0), ("fold_sd_bins", 0), ("fold_length_lines", 4)):
+            check_values(name, getattr(self, name), least)
+
+    def bend(self, thickness, zone, *, rng):
+        """Thickness (slab, range_line) [bins] with a trend and folds, and notes of both.
+
+        The trend is a gradient of accumulation, one for all slabs, `trend` over the scene. A fold
+        moves the layer at mean depth z by ``fold_bins (z / Z) sin(2 pi x / L + phase)``, Z the
+        deepest: slabs share it by their mean thickness. The surface stays, and so do means.
+        """
+        if self.zones is not None and zone not in self.zones:
+            return thickness, {}
+        notes = {}
+        lines = np.arange(thickness.shape[1])
+        if self.trend_sd > 0:
+            notes["trend"] = float(self.trend_sd * rng.standard_normal())
+            thickness = thickness * (1 + notes["trend"] * (lines / lines[-1] - 0.5))
+        if self.fold_sd_bins > 0:
+            notes["fold_bins"] = float(self.fold_sd_bins * rng.standard_normal())
+            phase = rng.uniform(0, 2 * np.pi)
+            mean = thickness.mean(axis=1, keepdims=True)
+            fold = np.sin(2 * np.pi * lines / self.fold_length_lines + phase)
+            thickness = thickness + notes["fold_bins"] * mean / mean.sum() * fold
+        return thickness, notes

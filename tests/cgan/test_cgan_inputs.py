@@ -1,0 +1,62 @@
+"""Levels that a generator is told in rendering are those that it learnt from observed images."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from toy_scenes import toy_scene, with_echoes
+
+from snowsim.cgan.inputs import expected_image, inputs_of, known_map
+from snowsim.echogram import to_uint8
+from snowsim.phy import mean_power, render
+
+
+def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
+    scene = with_echoes(toy_scene(3, 160, 128))
+    echoes = scene.echoes
+    power = render(echoes.bins, echoes.parameters(), 160, rng=rng, exact=True)
+    image = to_uint8(power)[0]
+    expected, observed = (
+        known_map(levels, scene.layer_bins) for levels in (expected_image(scene), image)
+    )
+    # The same of depths and slabs, which do not depend on levels.
+    assert_allclose(expected[..., [0, 2, 3, 4, 5]], observed[..., [0, 2, 3, 4, 5]], atol=0)
+    error = expected - observed
+    # The surface stands at 40 dB and spans two units of the inputs. Speckle of 16 looks is 1.1 dB,
+    # in means of 33 lines 0.2 dB or 0.01; four times that.
+    assert np.abs(error[..., 1]).max() < 0.04
+    # Means over 1,000 pixels or more: but an image counts from the darkest of its rows, a quarter
+    # of a decibel below the mean noise, or 0.0125.
+    assert np.sqrt(np.mean(error[..., 6] ** 2)) < 0.02
+
+
+def test_levels_are_decibels_above_ten_below_the_noise():
+    scene = with_echoes(toy_scene(3))
+    echoes = scene.echoes
+    arguments = (echoes.power, echoes.variance_bins2, echoes.decay_rate)
+    power = mean_power(echoes.bins, *arguments, scene.n_range_bins)
+    expected = 10 * np.log10(1 + power / echoes.noise_power) + 10
+    # The table's bound [dB].
+    assert_allclose(expected_image(scene), expected, atol=0.05)
+    assert_allclose(expected_image(scene)[0], 10, atol=0.05)
+
+
+def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_there(rng):
+    scene = toy_scene(1)
+    gap = scene.layer_bins.copy()
+    gap[1, 20:30] = np.nan
+    known = known_map(scene.image, gap)
+    inputs, slabs = inputs_of(known[None])
+    assert inputs.shape == (1, 6, 96, 64)
+    assert (np.diff(slabs[0], axis=0) >= 0).all()
+    assert (slabs[0, -1] == 4).all()
+    n_marked = (inputs[0, 0] > -1).sum(dim=0).numpy()
+    assert (n_marked[:20] == 4).all()
+    assert (n_marked[20:30] == 3).all()
+
+
+def test_a_scene_without_echoes_is_refused_with_what_makes_them():
+    scene = replace(toy_scene(1), echoes=None)
+    with pytest.raises(ValueError, match=r"scene toy 1: expected echoes.*snowsim.labels.dress"):
+        expected_image(scene)

@@ -1,0 +1,321 @@
+"""Thickness, relief and surface of planted blocks: what comes back of what is known."""
+
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.ndimage import gaussian_filter1d
+
+from snowsim.io.layers import read_cresis_layers
+from snowsim.statistics.relief import LAGS, fit_relief, mean_square_changes, relief_by_zone
+from snowsim.statistics.spectrum import thickness_spectra
+from snowsim.statistics.surface import surface_statistics
+from snowsim.statistics.thickness import (
+    block_levels,
+    block_means,
+    moments_by_zone,
+    thickness_statistics,
+)
+
+N_LINES = 256
+SPACING_M = 5.0
+EDGES = np.array([20.0, 30, 40, 50, 60])
+LAG_M = SPACING_M * LAGS
+
+
+def summary_of(depth_bins):
+    """Frames of one block each with these picks below the surface (block, layer, range_line)."""
+    surface_bins = np.full(N_LINES, 50.0)
+    return [
+        SimpleNamespace(depth_bins=depth, surface_bins=surface_bins, line_spacing_m=SPACING_M)
+        for depth in depth_bins
+    ]
+
+
+def layers_of(relief, slabs, level):
+    """Layers (block, layer, range_line) whose slabs are `level` (block,) thick on average."""
+    thickness = np.diff(relief, axis=1) + slabs + level[:, None, None]
+    depth = np.cumsum(thickness, axis=1)
+    return np.concatenate([0 * depth[:, :1], depth], axis=1)
+
+
+def gaussian_relief(shape, sd, length_lines, rng):
+    """Series whose mean square change is ``2 sd^2 (1 - exp(-(h / length)^2))``."""
+    margin = 4 * length_lines
+    white = rng.standard_normal((*shape, N_LINES + 2 * margin))
+    smooth = gaussian_filter1d(white, length_lines / 2)[..., margin:-margin]
+    return sd * smooth * np.sqrt(length_lines * np.sqrt(np.pi))
+
+
+def random_walks(shape, change, rng):
+    """Series whose mean square change grows by `change` a line."""
+    return np.cumsum(np.sqrt(change) * rng.standard_normal((*shape, N_LINES)), axis=-1)
+
+
+def law(fit, lag_m):
+    """Changes of one layer by itself and of one slab, by the formulas of the module's page."""
+    falls = np.exp(-((lag_m / fit["relief_length_m"]) ** fit["relief_exponent"]))
+    of_slab = fit["slab_change_bins2"] * (lag_m / 1000) ** fit["slab_exponent"]
+    return 2 * fit["relief_variance_bins2"] * (1 - falls), of_slab
+
+
+def planted_layers(rng, n_blocks=60):
+    relief = gaussian_relief((n_blocks, 9), 0.8, 10, rng)
+    slabs = random_walks((n_blocks, 8), 0.01, rng)
+    return layers_of(relief, slabs, np.full(n_blocks, 40.0))
+
+
+def test_relief_of_layers_and_change_of_slabs_come_back(rng):
+    fit = fit_relief(mean_square_changes(planted_layers(rng)), LAG_M)
+    of_layer, of_slab = law(fit, LAG_M)
+    # 540 series of some 20 independent changes: mean squares to 2 %, by fourth powers of roots.
+    truth = 2 * 0.8**2 * (1 - np.exp(-((LAGS / 10) ** 2)))
+    assert_allclose(of_layer[2:], truth[2:], rtol=0.15)
+    # Of 8 series that share layers: walks are told from relief where both are large.
+    assert_allclose(of_slab[4:], 0.01 * LAGS[4:], rtol=0.35)
+    assert fit["relief_exponent"] > 1.7
+    assert 0.7 < fit["slab_exponent"] < 1.3
+    # 2^-4 of an octave of lengths.
+    assert_allclose(fit["relief_length_m"], 10 * SPACING_M, rtol=0.15)
+
+
+def test_rough_layers_have_a_smaller_exponent(rng):
+    step = rng.standard_normal((60, 9, N_LINES))
+    relief = np.empty(step.shape)
+    relief[..., 0] = step[..., 0]
+    for line in range(1, N_LINES):
+        relief[..., line] = 0.95 * relief[..., line - 1] + np.sqrt(1 - 0.95**2) * step[..., line]
+    fit = fit_relief(mean_square_changes(layers_of(relief, 0.0, np.full(60, 40.0))), LAG_M)
+    assert 0.85 < fit["relief_exponent"] < 1.15
+    assert_allclose(law(fit, LAG_M)[0], 2 * (1 - 0.95**LAGS), rtol=0.15)
+
+
+def test_pieces_that_follow_another_layer_behind_a_gap_do_not_count(rng):
+    depth = planted_layers(rng)
+    whole = mean_square_changes(depth)
+    wrong = depth.copy()
+    for block in range(len(depth)):
+        layer, first = rng.integers(2, 7), rng.integers(40, 160)
+        wrong[block, layer, first : first + 65] = np.nan
+        piece = slice(first + 5, first + 60)
+        wrong[block, layer, piece] = depth[block, layer + 1, piece]
+        wrong[block, layer + 1, piece] = np.nan
+    found = mean_square_changes(wrong)
+    assert_allclose(found[0], whole[0], rtol=0.1)
+    # Counted across gaps, a twentieth of changes by 40 bins would rule a mean.
+    across = np.nanmean((wrong[:, 1:, 32:] - wrong[:, :-1, 32:] - 40) ** 2)
+    assert across > 10 * whole[0, 5]
+
+
+def test_zones_with_too_few_data_take_all_together_and_are_counted(rng):
+    depth = planted_layers(rng, 12)
+    zone = np.repeat([0, 1], [9, 3])
+    relief, n_of_all = relief_by_zone(depth, zone, 3, SPACING_M)
+    assert n_of_all == 2
+    together = fit_relief(mean_square_changes(depth), LAG_M)
+    for name, (dims, values) in relief.items():
+        assert dims == "zone"
+        assert values[1] == values[2] == together[name]
+        assert len(values) == 3
+
+
+def test_level_layers_have_no_relief_and_one_slab_gives_all_its_change_to_it(rng):
+    level = np.full((8, 3, N_LINES), 40.0) * np.arange(3)[:, None]
+    flat = fit_relief(mean_square_changes(level), LAG_M)
+    assert flat["relief_variance_bins2"] == flat["slab_change_bins2"] == 0
+    single = fit_relief(mean_square_changes(planted_layers(rng)[:, :2]), LAG_M)
+    assert single["relief_variance_bins2"] > 0
+    assert single["slab_change_bins2"] == 0
+
+
+@pytest.mark.parametrize("n_layers", [2, 12])
+def test_zones_hold_equally_many_blocks(n_layers):
+    rng = np.random.default_rng(8)
+    level = rng.uniform(20, 60, 48)
+    depth = layers_of(rng.standard_normal((48, n_layers, N_LINES)), 0.0, level)
+    variables, attributes = thickness_statistics(summary_of(depth), n_layers, estimator="deblended")
+    assert_array_equal(variables["n_samples"][1][:, 0], 12)
+    by_layers = variables["n_blocks_by_layers"][1]
+    assert by_layers.shape == (4, n_layers)
+    assert_array_equal(by_layers[:, -1], 12)
+    assert attributes["n_blocks"] == 48
+    first = variables["first_thickness_quantile_bins"][1]
+    assert_allclose(first[[0, -1]], [level.min(), level.max()], atol=0.3)
+
+
+def test_moments_are_those_of_the_blocks_of_the_zone(rng):
+    level = np.repeat([25.0, 35, 45, 55], 400)
+    share = np.array([1, 0.9, 0.8]) + 0.05 * rng.standard_normal((1600, 3)) * [0, 1, 1]
+    zone = np.repeat(np.arange(4), 400)
+    blocks = SimpleNamespace(mean=level[:, None] * share, level=level, zone=zone)
+    blocks.typical = np.array([25.0, 35, 45, 55])
+    found = moments_by_zone(blocks)
+    # 400 blocks: means to 0.0025 of the level, variances to 7 %; allow four.
+    for name, expected in (
+        ("relative_thickness_mean", np.tile([1, 0.9, 0.8], (4, 1))),
+        ("thickness_mean_bins", blocks.typical[:, None] * [1, 0.9, 0.8]),
+    ):
+        assert_allclose(found[name][1], expected, rtol=0.0125)
+    assert_allclose(found["relative_thickness_variance"][1][:, 1:], 0.0025, rtol=0.28)
+
+
+def of_level_slabs(mean, **settings):
+    """Variables and attributes of blocks of level slabs (block, slab)."""
+    thickness = np.repeat(mean[..., None], N_LINES, axis=2)
+    depth = np.concatenate([0 * thickness[:, :1], np.cumsum(thickness, axis=1)], axis=1)
+    summary = summary_of(depth)
+    found, attributes = thickness_statistics(
+        summary, depth.shape[1], estimator="deblended", **settings
+    )
+    return {name: values for name, (_, values) in found.items()}, attributes
+
+
+def test_zones_are_quartiles_of_first_slab_block_means(rng):
+    mean = rng.permutation(np.arange(20.0, 60.0))  # 40 blocks, 10 a zone
+    found, _ = of_level_slabs(np.stack([mean, 0.5 * mean], axis=1))
+    assert_allclose(found["zone_edge_bins"], np.quantile(mean, [0, 0.25, 0.5, 0.75, 1]))
+    assert_allclose(found["thickness_mean_bins"][:, 0], [24.5, 34.5, 44.5, 54.5])
+    assert_allclose(found["relative_thickness_mean"][:, 1], 0.5, rtol=1e-12)
+    assert_allclose(found["relative_thickness_variance"], 0, atol=1e-12)
+    given, _ = of_level_slabs(mean[:, None], zone_edge_bins=[0, 30, 100])
+    assert_array_equal(given["n_samples"], [[10], [30]])
+
+
+def test_means_of_slabs_correlate_as_planted(rng):
+    level = rng.uniform(30, 60, 800)
+    years = rng.standard_normal((800, 6))
+    for slab in range(1, 6):
+        years[:, slab] = 0.6 * years[:, slab - 1] + 0.8 * years[:, slab]
+    share = np.concatenate([np.ones((800, 1)), 1 + 0.1 * years], axis=1)
+    found, _ = of_level_slabs(level[:, None] * share)
+    # 800 blocks of several pairs: to 0.035 or less; allow three.
+    expected = np.append(0.6 ** np.arange(6), 0.6**5)
+    assert_allclose(found["relative_thickness_correlation"][:5], expected[:5], atol=0.1)
+
+
+def test_blocks_without_slab_0_are_placed_by_their_other_slabs():
+    level = np.linspace(10, 40, 30)
+    mean = level[:, None] * np.array([1.0, 0.9, 0.8, 0.7])
+    holes = mean.copy()
+    holes[5:, 0] = np.nan  # slab 0 in five blocks only
+    holes[:20, 3] = np.nan  # slab 3 in blocks that share slabs 1 and 2 with those
+    holes[25, 1:3] = np.nan  # one block with slab 3 alone
+    holes[29] = np.nan  # and one with none
+    placed = block_levels(holes)
+    assert_allclose(placed[:29], level[:29], rtol=1e-9)
+    assert np.isnan(placed[29])
+
+
+def test_blocks_that_no_slab_places_are_counted_and_left_out(rng):
+    depth = layers_of(rng.standard_normal((12, 4, N_LINES)), 0.0, np.linspace(30, 60, 12))
+    depth[0] = np.nan
+    found, attributes = thickness_statistics(summary_of(depth), 4, estimator="deblended")
+    assert attributes["n_blocks_not_placed"] == attributes["n_blocks_without_layers"] == 1
+    assert found["n_blocks_by_layers"][1].sum() == 11
+    depth[:, 1] = np.nan
+    with pytest.raises(ValueError, match="zones need slab 0 picked in half of a block"):
+        thickness_statistics(summary_of(depth), 4, estimator="deblended")
+
+
+def test_a_mean_needs_half_of_the_lines():
+    thickness = np.full((1, 2, N_LINES), 20.0)
+    thickness[0, 0, :100] = np.nan
+    thickness[0, 1, :156] = np.nan
+    assert_array_equal(block_means(thickness), [[20, np.nan]])
+
+
+def of_one_zone(thickness):
+    """Blocks as `thickness_spectra` asks for them, all in the second of two zones."""
+    n = len(thickness)
+    level = np.full(n, 40.0)
+    return SimpleNamespace(level=level, zone=np.ones(n, int), typical=np.array([20.0, 40.0]))
+
+
+def test_plain_spectra_are_periodograms_that_sum_to_the_variance(rng):
+    thickness = 40 + random_walks((400, 2), 0.05, rng)
+    found = thickness_spectra(thickness, of_one_zone(thickness))
+    dims, psd = found["thickness_psd"]
+    assert dims == ("zone", "slab", "wavenumber")
+    assert_allclose(psd[1].sum(axis=-1) / N_LINES, thickness.var(axis=2).mean(axis=0), rtol=1e-9)
+    wave = 40 + 2 * np.sin(2 * np.pi * 5 * np.arange(N_LINES) / N_LINES) * np.ones((400, 2, 1))
+    of_wave = thickness_spectra(wave, of_one_zone(wave))["thickness_psd"][1][1]
+    assert_allclose(of_wave[:, 5] / N_LINES, 2, rtol=1e-12)  # variance of a sine of amplitude 2
+    # A zone without blocks has the others' undulations, as much smaller as its snow is thinner.
+    assert_allclose(psd[0], psd[1] / 4, rtol=1e-9)
+    assert_array_equal(found["n_psd_samples"][1], [[0, 0], [400, 400]])
+
+
+def test_plain_spectra_of_picks_with_gaps_are_those_of_shorter_stretches(rng):
+    thickness = 40 + rng.standard_normal((300, 2, N_LINES))
+    thickness[:, :, 100:104] = np.nan
+    thickness[:, 1, ::8] = np.nan
+    found = thickness_spectra(thickness, of_one_zone(thickness))
+    # Only the half without the gap; the other slab has no stretch and takes the one above.
+    assert_array_equal(found["n_psd_samples"][1][1], [300, 0])
+    psd = found["thickness_psd"][1][1]
+    assert_allclose(psd[0, 1:-1].mean(), 2, rtol=0.05)
+    assert_array_equal(psd[0], psd[1])
+
+
+def surface_rows(n, rng, *, levelled):
+    """A slow error of 0.9 bins, and what whole-bin levelling leaves of a movement of 0.3 a line."""
+    slow = gaussian_relief((n,), 0.9, 40, rng)
+    way = np.cumsum(gaussian_filter1d(0.3 * rng.standard_normal((n, N_LINES)), 1), axis=1)
+    way += rng.uniform(0, 1, (n, 1))
+    return 50 + slow + (way - np.rint(way) if levelled else 0)
+
+
+@pytest.mark.parametrize("levelled", [True, False])
+def test_the_surface_s_slow_error_and_movement_come_back(levelled, rng):
+    rows = surface_rows(300, rng, levelled=levelled)
+    summary = [SimpleNamespace(surface_bins=row, line_spacing_m=SPACING_M) for row in rows]
+    found = {name: values for name, (_, values) in surface_statistics(summary).items()}
+    # 300 rows of some 6 lengths: to 3 %; allow three.
+    assert_allclose(found["surface_error_bins"], 0.9, rtol=0.1)
+    assert_allclose(found["surface_error_length_m"], 40 * SPACING_M, rtol=0.15)
+    assert (found["surface_movement_bins"] > 0) == levelled
+
+
+def test_a_surface_that_does_not_move_has_no_error():
+    still = [SimpleNamespace(surface_bins=np.full(N_LINES, 50.0), line_spacing_m=SPACING_M)]
+    assert all(values == 0 for _, values in list(surface_statistics(still).values())[::2])
+
+
+HORIZON_STEP_NS = 0.2
+
+
+def blocks_of(depth_bins):
+    """Layers (layer, range_line) in whole blocks, (block, layer, range_line)."""
+    n_blocks = depth_bins.shape[1] // N_LINES
+    cut = depth_bins[:, : n_blocks * N_LINES].reshape(len(depth_bins), n_blocks, N_LINES)
+    return cut.swapaxes(0, 1)
+
+
+def horizons(shared_data):
+    """Firn horizons of a sled radar, picked by hand, of the smallest offset, in their steps."""
+    folder = shared_data / "snow_radar/horizons_greentracs"
+    with h5py.File(folder / "6-2-16-Core7-Spur-W-TimeHorizon.mat") as file:
+        references = file["ReflectionFBpick"][:, 0]
+        twtt_ns = np.array([file[reference][0] for reference in references])
+    return blocks_of(twtt_ns[np.argsort(twtt_ns.mean(axis=1))] / HORIZON_STEP_NS)
+
+
+def surface_and_bottom(shared_data):
+    """Ice between surface and bottom, picked by people and trackers in CReSIS frames, in ns."""
+    paths = sorted((shared_data / "cresis_layers/20181030_01").glob("Data_*.mat"))
+    return 1e9 * np.concatenate(
+        [blocks_of(read_cresis_layers(path)["twtt"].values[:2]) for path in paths]
+    )
+
+
+@pytest.mark.parametrize("read", [horizons, surface_and_bottom])
+def test_the_law_holds_for_layers_that_people_picked(read, shared_data):
+    changes = mean_square_changes(read(shared_data))
+    of_layer, of_slab = law(fit_relief(changes, LAG_M), LAG_M)
+    known = np.isfinite(changes)
+    apart = np.arange(1, len(changes) + 1)[:, None]
+    ratio = (2 * of_layer + apart * of_slab)[known] / changes[known]
+    assert known.sum() >= 8
+    assert_allclose(np.log(ratio), 0, atol=np.log(2))
