@@ -8,11 +8,11 @@ from snowsim.echogram import check_choice
 from snowsim.limits import check_count
 from snowsim.rounding import rounded
 from snowsim.statistics.deblend import Groups
-from snowsim.statistics.moments import SHARED_BITS, mean_where
+from snowsim.statistics.moments import SHARED_BITS, known_mean
 from snowsim.statistics.paper import measure_groups, paper_waveform
 from snowsim.statistics.radiometry import LAW_FALLS, radiometry
-from snowsim.statistics.speckle import QUANTILES, looks, tracked_by_group
-from snowsim.statistics.summaries import AIR_MARGIN_BINS, GROUP_LINES, frames_of
+from snowsim.statistics.speckle import QUANTILES, looks
+from snowsim.statistics.summaries import AIR_MARGIN_BINS, GROUP_LINES, in_stretches
 from snowsim.statistics.thickness import thickness_statistics
 from snowsim.statistics.waveform import LAGS, deblended_waveform
 
@@ -72,9 +72,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     variables, groups, powers, decay = waveform(summary, noise_power, estimator)
     n_layers = groups.present.shape[1]
     of_looks, n_looks = looks(summary, n_layers)
-    frames = frames_of(summary)
     options = {"estimator": estimator, "zone_edge_bins": zone_edge_bins}
-    of_thickness, counts = thickness_statistics(frames, n_layers, **options)
+    of_thickness, counts = thickness_statistics(summary, n_layers, **options)
     by_layer = {name: values for name, (_, values) in variables.items()}
     varies, missing = radiometry(summary, groups, powers, decay, by_layer, n_looks)
     variables |= {"noise_power": ((), noise_power)} | of_looks | of_thickness | varies
@@ -122,14 +121,14 @@ def waveform(summary, noise_power, estimator):
         noise_power,
     )
     tracked = summary["tracked_power"].values[:, :n_layers].astype(float)
-    seen = np.isfinite(tracked)
-    tracked_power = np.nansum(tracked, axis=0) / np.maximum(seen.sum(axis=0), 1)
-    decay, width = measure_groups(groups.power, groups.position.mean(axis=2), groups.present)
+    tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
+    decay, width = measure_groups(groups)
     if estimator == "paper":
         variables = paper_waveform(tracked_power, decay, width)
         # Power on the picks less noise, with its neighbours' tails.
-        by_group = tracked_by_group(summary, n_layers)
-        powers = mean_where(np.isfinite(by_group), by_group, axis=2) - noise_power
+        n_groups = summary["n_groups"].values
+        of_groups = in_stretches(summary, "tracked_power", GROUP_LINES, n_groups)
+        powers = known_mean(of_groups[..., :n_layers], axis=1) - noise_power
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
     widths = np.sort(width[np.isfinite(width)])
@@ -137,7 +136,7 @@ def waveform(summary, noise_power, estimator):
     half = np.sqrt(3) * widths.std()
     bounds = np.clip(widths.mean() + [-half, half], widths[0], widths[-1])
     variables["width_bound_bins"] = "bound", bounds
-    variables["n_picks"] = "layer", seen.sum(axis=0)
+    variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
     variables["n_groups"] = "layer", groups.present.sum(axis=0)
     return variables, groups, powers, decay
 
