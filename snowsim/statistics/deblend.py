@@ -160,11 +160,10 @@ def prepare_line(groups, group):
     if picked.size == 0:
         return None
     layers = np.arange(picked[0], picked[-1] + 1)
-    parts = [values[group, picked].T for values in (groups.position, groups.spread)]
+    parts = np.hstack([groups.position[group, picked], groups.spread[group, picked]])
     # Linear between picked layers for those between.
-    position, spread = (
-        np.column_stack([np.interp(layers, picked, part) for part in values]) for values in parts
-    )
+    between = [np.interp(layers, picked, part) for part in parts.T]
+    position, spread = np.hsplit(np.transpose(between), 2)
     pick = position.mean(axis=1)
     below = (pick[-1] - pick[-2]) / 2 if layers.size > 1 else OPEN_END_BINS
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW

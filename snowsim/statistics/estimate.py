@@ -74,8 +74,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     of_looks, n_looks = looks(summary, n_layers)
     options = {"estimator": estimator, "zone_edge_bins": zone_edge_bins}
     of_thickness, counts = thickness_statistics(summary, n_layers, **options)
-    by_layer = {name: values for name, (_, values) in variables.items()}
-    varies, missing = radiometry(summary, groups, powers, decay, by_layer, n_looks)
+    varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
     variables |= {"noise_power": ((), noise_power)} | of_looks | of_thickness | varies
     coords = {"lag": LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
     coords["wavenumber"] = np.fft.rfftfreq(BLOCK_LINES)

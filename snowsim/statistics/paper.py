@@ -60,27 +60,26 @@ def measure_groups(groups):
     present = groups.present
     decay_rate = np.full(present.shape, np.nan)
     width = np.full(present.shape, np.nan)
-    rows = np.where(present, np.rint(groups.row), 0).astype(int) - FIRST_ROW
-    has_above = np.pad(present[:, :-1], [(0, 0), (1, 0)])
-    has_below = np.pad(present[:, 1:], [(0, 0), (0, 1)])
+    rows = np.where(present, np.rint(groups.row) - FIRST_ROW, np.nan)
+    above = np.pad(rows[:, :-1], [(0, 0), (1, 0)], constant_values=np.nan)
+    below = np.pad(rows[:, 1:], [(0, 0), (0, 1)], constant_values=np.nan)
+    start = np.maximum(rows - np.fmin(PEAK_REACH_BINS, (rows - above) // 2), 0)
+    end = np.where(np.isfinite(below), below, rows + OPEN_END_BINS)
+    end = np.minimum(end, groups.power.shape[1] - 1)
+    middle = rows + np.minimum(PEAK_REACH_BINS, (end - rows) // 2)
+    bounds = np.stack([start, middle, end], axis=2)
     for group, layer in np.argwhere(present):
         line = groups.power[group]
-        here = rows[group, layer]
-        closed = has_below[group, layer]
-        end = rows[group, layer + 1] if closed else here + OPEN_END_BINS
-        end = min(end, line.size - 1)
-        start = here - PEAK_REACH_BINS
-        if has_above[group, layer]:
-            start = max(start, here - (here - rows[group, layer - 1]) // 2)
-        start = max(start, 0)
-        window = line[start : min(here + PEAK_REACH_BINS, here + (end - here) // 2) + 1]
+        first, last, end = bounds[group, layer].astype(int)
+        window = line[first : last + 1]
         if not np.isfinite(window).any():
             continue
-        peak = start + np.nanargmax(window)
+        peak = first + np.nanargmax(window)
         fall = line[peak : end + 1]
         if fall.size == 0:
             continue
         lowest = np.nanargmin(fall)
+        closed = np.isfinite(below[group, layer])
         if closed and lowest > 0 and 0 < fall[lowest] < fall[0]:
             decay_rate[group, layer] = -np.log(fall[lowest] / fall[0]) / lowest
         target = fall[0] / np.e

@@ -13,7 +13,7 @@ from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.deblend import BACKGROUND_RISE
 from snowsim.statistics.moments import DB, decibels, known_mean
 from snowsim.statistics.speckle import fading, fading_products
-from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, numbered
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
 FEWEST_GAINS = 20  # groups needed to estimate gain from line to line
@@ -29,12 +29,12 @@ PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
 CONSTANT = {"further_spacing_bins": 1000.0, "fading_length_lines": 1.0, "fading_exponent": 1.0}
 
 
-def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
+def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
     """Variables of how radiometry varies, and names of those that the flight is too short for.
 
     From a merged summary, `Groups`, powers (group, layer) above noise and neighbours, decay rates
-    of eq. (2) (group, layer), values by layer of either estimator, and the flight's looks. A
-    quantity that is missing is `CONSTANT`.
+    of eq. (2) (group, layer), variables of the waveform by either estimator, and the flight's
+    looks. A quantity that is missing is `CONSTANT`, or zero.
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256
       lines;
@@ -49,7 +49,7 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
       last pick, `further_spacing_bins` and `further_rise_db`.
     """
     blocks = _blocks(summary)
-    unpicked, law = _unpicked(groups, powers, by_layer)
+    unpicked, law = _unpicked(groups, powers, waveform)
     n_air = np.maximum(blocks @ summary["air_count"].values, 1)
     noise_db = decibels(blocks @ summary["air_sum"].values / n_air)
     power_db = decibels(_means(powers, blocks))
@@ -91,15 +91,12 @@ def _blocks(summary):
 
     In no block are groups beyond the last whole one; a frame shorter than a block counts as one.
     """
-    numbers = []
-    n_before = 0
-    for n_groups in summary["n_groups"].values:
-        n_blocks = max(n_groups * GROUP_LINES // BLOCK_LINES, min(n_groups, 1))
-        middle = (np.arange(n_groups) + 0.5) * GROUP_LINES
-        number = (middle / BLOCK_LINES).astype(int)
-        numbers.append(np.where(number < n_blocks, number + n_before, -1))
-        n_before += n_blocks
-    return np.concatenate(numbers) == np.arange(n_before)[:, None]
+    n_groups = summary["n_groups"].values
+    n_blocks = np.maximum(n_groups * GROUP_LINES // BLOCK_LINES, np.minimum(n_groups, 1))
+    first = np.repeat(n_blocks.cumsum() - n_blocks, n_groups)
+    number = (numbered(n_groups) + 0.5) * GROUP_LINES // BLOCK_LINES
+    whole = number < np.repeat(n_blocks, n_groups)
+    return whole & (first + number == np.arange(n_blocks.sum())[:, None])
 
 
 def _means(values, blocks):
@@ -189,7 +186,7 @@ def _further(groups, blocks, n_looks):
     return total_rows / len(rises_db), np.mean(rises_db)
 
 
-def _unpicked(groups, powers, by_layer):
+def _unpicked(groups, powers, waveform):
     """Power that no pick explains: mean by group, and coefficients of its law by `LAW_FALLS`.
 
     From below the surface's own echo on; the mean is over the rows in which all groups are
@@ -199,7 +196,7 @@ def _unpicked(groups, powers, by_layer):
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
     used = groups.present[:, :1] & (rows >= BACKGROUND_FROM)
     power = np.where(used, groups.power, np.nan).astype(float)
-    left = power - groups.noise_power - _picked(groups, powers, by_layer, rows)
+    left = power - groups.noise_power - _picked(groups, powers, waveform, rows)
     deepest = np.where(groups.present, groups.row, 0).max(axis=1)
     shared = rows <= np.median(deepest) + BACKGROUND_BEYOND
     mean = known_mean(left[:, shared], axis=1)
@@ -213,19 +210,20 @@ def _unpicked(groups, powers, by_layer):
     return mean, nnls(columns, known_mean(left, axis=0)[seen] / scale)[0]
 
 
-def _picked(groups, powers, by_layer, rows):
+def _picked(groups, powers, waveform, rows):
     """Power of the picked layers alone, (group, row)."""
-    variance, decay = by_layer["variance_bins2"], by_layer["decay_rate"]
+    names = ("variance_bins2", "decay_rate", "offset_bins")
+    variance, decay, offset = (waveform[name][1] for name in names)
     # The deepest layer of `paper` has none.
     typical = np.nanmedian(decay) if decay.size > 1 else BACKGROUND_RISE
     decay = np.where(np.isfinite(decay), decay, typical)
     lead, height = waveform_peak(variance, decay)
     spread = groups.spread.mean(axis=2) + groups.position.var(axis=2)
     total = np.zeros(groups.power.shape)
-    for layer, offset in enumerate(by_layer["offset_bins"]):
+    for layer in range(offset.size):
         held = np.isfinite(powers[:, layer]) & np.isfinite(groups.row[:, layer])
         wide = variance[layer] + spread[held, layer, None]
-        lag = rows - groups.row[held, layer, None] - offset + lead[layer]
+        lag = rows - groups.row[held, layer, None] - offset[layer] + lead[layer]
         wave = np.sqrt(variance[layer] / wide) * waveform_exact(lag, wide, decay[layer])
         total[held] += powers[held, layer, None] * (wave / height[layer])
     return total

@@ -11,7 +11,7 @@ from snowsim.constants import BLOCK_LINES
 from snowsim.limits import check_count
 from snowsim.rounding import rounded
 from snowsim.statistics.moments import TO_THE_LAST_DIGITS, decibels, known_mean
-from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches
+from snowsim.statistics.summaries import GROUP_LINES, in_blocks, in_stretches, numbered
 
 MOST_LOOKS = 1e6  # stands for power without speckle
 SPECKLE_LAGS = 9  # range bins: a range response is 2 to 4 of them long
@@ -151,7 +151,7 @@ def _groups_of_blocks(summary):
     """
     n_blocks = summary["n_lines"].values // BLOCK_LINES
     n_groups = summary["n_groups"].values
-    start = BLOCK_LINES * np.concatenate([np.arange(n) for n in n_blocks])
+    start = BLOCK_LINES * numbered(n_blocks)
     first = np.repeat(n_groups.cumsum() - n_groups, n_blocks) + start // GROUP_LINES
     group = first[:, None] + np.arange(BLOCK_LINES // GROUP_LINES)
     return np.minimum(group, n_groups.sum() - 1)

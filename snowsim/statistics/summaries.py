@@ -218,14 +218,18 @@ def merge(summaries):
     return merged
 
 
+def numbered(of_frame):
+    """Numbers from 0 of so many things in each frame, of all frames."""
+    return np.arange(of_frame.sum()) - np.repeat(of_frame.cumsum() - of_frame, of_frame)
+
+
 def in_stretches(summary, name, n_lines, n_whole):
     """A variable of range lines in stretches of so many, `n_whole` of each frame.
 
     Of shape (stretch, range_line, ...); float64.
     """
     of_frame = summary["n_lines"].values
-    line = np.arange(of_frame.sum()) - np.repeat(of_frame.cumsum() - of_frame, of_frame)
-    within = line < np.repeat(n_whole * n_lines, of_frame)
+    within = numbered(of_frame) < np.repeat(n_whole * n_lines, of_frame)
     values = summary[name].values[within].astype(float)
     return values.reshape(-1, n_lines, *values.shape[1:])
 
