@@ -18,7 +18,7 @@ from snowsim.labels.undulations import (
     layers_below,
     mirrored,
 )
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.seeding import generator
 
 RELIEF = (
@@ -105,9 +105,11 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     Raises
     ------
     ValueError
-        If statistics are missing or not finite, or a scene is narrower than 2 lines.
+        If statistics are of an earlier version, missing or not finite, or a scene is narrower than
+        2 lines.
     """
     check_count("n_range_lines", n_range_lines, 2)
+    check_statistics(statistics)
     by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
     what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"
     check_values(what, by_layers[:, 1:].sum(), 0, above=True)
