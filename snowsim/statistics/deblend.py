@@ -352,10 +352,9 @@ def departing(shape, kind, lines):
         hessian += slopes @ slopes.swapaxes(1, 2)
         for i in np.flatnonzero(line.picked):
             layer = line.layers[i]
-            rows = np.rint(line.position[i].mean()) + MISFIT_LAGS
-            at = np.searchsorted(line.rows, rows)
-            if at[-1] < line.rows.size and (line.rows[at] == rows).all():
-                profiles[layer].append(np.vstack([residual[at], slopes[layer][:, at]]))
+            near = np.isin(line.rows, np.rint(line.position[i].mean()) + MISFIT_LAGS)
+            if near.sum() == MISFIT_LAGS.size:
+                profiles[layer].append(np.vstack([residual[near], slopes[layer][:, near]]))
     log_decay, log_variance, _ = shape[-1]
     width = waveform_width(np.exp(log_variance), np.exp(log_decay))
     n_lines = scores.any(axis=2).sum(axis=0)

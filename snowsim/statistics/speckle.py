@@ -27,7 +27,7 @@ FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
 FEWEST_BLOCKS = 4
 
 
-def looks(summary, n_layers):
+def looks(summary):
     """Variables of speckle, and the looks that fit tracked power.
 
     `tracked_power_quantile` and `gamma_quantile (probability)`, see `compare_with_gamma`;
@@ -38,8 +38,7 @@ def looks(summary, n_layers):
     Blocks with a gap are left out for that layer, and a spectrum without a block.
     """
     of_groups = in_stretches(summary, "tracked_power", GROUP_LINES, summary["n_groups"].values)
-    of_groups = of_groups[..., :n_layers].swapaxes(1, 2)
-    n_looks, tracked_quantile, gamma_quantile = compare_with_gamma(of_groups)
+    n_looks, tracked_quantile, gamma_quantile = compare_with_gamma(of_groups.swapaxes(1, 2))
     correlation = range_correlation(summary["air_products"].values, summary["air_pairs"].values)
     variables = {
         "tracked_power_quantile": ("probability", tracked_quantile),
@@ -130,7 +129,7 @@ def fading_products(summary, powers):
     `LEAST_SHARE` of the power on its picks are left out; in the others, products at lags of one and
     more are divided by the square of that share.
     """
-    tracked = in_blocks(summary, "tracked_power")[..., : powers.shape[1]].swapaxes(1, 2)
+    tracked = in_blocks(summary, "tracked_power").swapaxes(1, 2)
     known = tracked > 0
     own = known_mean(powers[_groups_of_blocks(summary)], axis=1)
     share = own / known_mean(np.where(known, tracked, np.nan), axis=2)

@@ -35,7 +35,7 @@ class Blocks:
     typical: np.ndarray  # thickness of slab 0, (zone,)
 
 
-def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
+def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     """Statistics of thickness and of the surface's row: variables and attributes, two dicts.
 
     Variables are name to (dimensions, values): `zone_edge_bins (edge)`; `thickness_mean_bins`,
@@ -55,7 +55,8 @@ def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
     with too few everywhere takes the one above. ValueError if no block has slab 0 picked in half of
     its lines.
     """
-    depth_bins = in_blocks(summary, "depth_bins")[..., :n_layers].swapaxes(1, 2)
+    depth_bins = in_blocks(summary, "depth_bins").swapaxes(1, 2)
+    n_layers = depth_bins.shape[1]
     mean = block_means(np.diff(depth_bins, axis=1))
     what = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines: blocks"
     check_count(what, np.isfinite(mean[:, :1]).sum())
@@ -69,10 +70,9 @@ def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
         "n_blocks_without_layers": int((n_below == 0).sum()),
     }
     level, mean, depth_bins = level[placed], mean[placed], depth_bins[placed]
-    edges = zone_edge_bins
-    if edges is None:
-        edges = np.quantile(level, np.linspace(0, 1, N_ZONES + 1))
-    edges = np.asarray(edges, dtype=float)
+    if zone_edge_bins is None:
+        zone_edge_bins = np.quantile(level, np.linspace(0, 1, N_ZONES + 1))
+    edges = np.asarray(zone_edge_bins, dtype=float)
     zone = zone_of(level, edges)
     # The middle of a zone without blocks.
     typical = (edges[:-1] + edges[1:]) / 2
