@@ -20,9 +20,9 @@ TAIL = np.array([0.001, 0.002, 0.005])
 QUANTILES = np.concatenate([TAIL, np.linspace(0.01, 0.99, 99), [0.995, 0.998, 0.999]])
 SPECTRUM_BITS = 10  # of Doppler spectra: phases drawn in float32 leave 2e-6
 SPECTRUM_LAYERS = 15  # the mean spectrum is that of layers 1 to 15, as in Fig. 8 of the paper
-# Fading: autocovariance of power in dB, extrapolated from lags of one line and more to zero.
 # Of power on a pick that must be the layer's own, or noise and tails hide its fading.
 LEAST_SHARE = 0.5
+# Of autocovariance of power in dB, which is extrapolated from one line and more to zero.
 FADING_LAGS = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96])
 FEWEST_BLOCKS = 4
 
