@@ -50,11 +50,11 @@ def paper_waveform(tracked_power, decay, width):
 def measure_groups(groups):
     """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
 
-    Of every layer in every averaged line of `Groups`. Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins
-    from the peak, the largest value within `PEAK_REACH_BINS` of the layer and half way to its
-    neighbours, to the minimum before the next layer; NaN where either layer is absent or no minimum
-    lies between. The 1/e crossing is interpolated linearly; NaN where the power does not fall so
-    far before the minimum.
+    Of every layer in every averaged line of `Groups`. Yari et al. (2021), eq. (2): ``alpha =
+    -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value within
+    `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next
+    layer; NaN where either layer is absent or no minimum lies between. The 1/e crossing is
+    interpolated linearly; NaN where the power does not fall so far before the minimum.
     """
     present = groups.present
     decay_rate = np.full(present.shape, np.nan)
