@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from evaluation.lib import atlas_statistics
-from evaluation.lib.atlas_statistics import SWEEPS, Planted, compared, draw_atlas, is_finite
+from evaluation.lib.atlas_statistics import SWEEPS, Planted, draw_atlas, is_finite
 from snowsim import labels
 from snowsim.phy import mean_power
 from snowsim.seeding import random_stream
@@ -63,20 +63,12 @@ def never_picked(echogram, layers):
     return echogram, layers.assign(twtt=layers["twtt"].where(numbers != 2))
 
 
-def cut_short(echogram, layers):
-    return echogram.isel(twtt=slice(0, 200)), layers
-
-
-def one_slab(echogram, layers):
-    return echogram, layers.isel(layer=slice(0, 2))
-
-
 def a_third_lost(echogram, layers):
     lost = np.arange(echogram.sizes["slow_time"]) // GROUP_LINES % 3 == 1
     return echogram.assign(Data=echogram["Data"].where(~lost)), layers
 
 
-@pytest.mark.parametrize("degrade", [never_picked, cut_short, one_slab, a_third_lost])
+@pytest.mark.parametrize("degrade", [never_picked, a_third_lost])
 def test_what_degrades_stays_finite_through_labels_and_renders(degrade, rng, monkeypatch):
     monkeypatch.setattr(atlas_statistics, "N_FRAMES", 4)
     frames = [degrade(*frame) for frame in Planted().frames(rng)]
@@ -91,11 +83,7 @@ def test_what_degrades_stays_finite_through_labels_and_renders(degrade, rng, mon
 
 
 def test_what_is_not_finite_is_reported(rng):
-    planted = Planted()
-    frames = list(planted.frames(rng))
-    rows = compared(planted, frames)
-    assert {row["outcome"] for row in rows} <= {"within", "beyond"}
-    fitted = fit(frames)
+    fitted = fit(Planted().frames(rng))
     assert is_finite(fitted)
     assert not is_finite(fitted.assign(peak_power=fitted["peak_power"] * np.nan))
     assert not is_finite(fitted.assign_attrs(n_looks=np.inf))

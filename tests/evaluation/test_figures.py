@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 from evaluation.lib.figures.flight import echogram
@@ -22,14 +21,6 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
         save_figure(path, figure, "source")
     assert paths[0].read_bytes() == paths[1].read_bytes()
     assert paths[0].with_suffix(".png").is_file()
-
-
-def test_a_range_bin_is_as_much_snow_as_the_density_says():
-    statistics = xr.Dataset(attrs={"bin_size_s": 2e-9, "line_spacing_m": 5.0})
-    scale = Scale.of(statistics, 350)
-    # n = 1 + 0.845 x 0.35: 2 ns there and back are 0.2998 m / n.
-    assert_allclose(scale.bin_m, 0.299792458 / 1.29575, rtol=1e-12)
-    assert scale.line_km == 0.005
 
 
 def test_layers_lie_on_the_middle_of_their_pixels():
