@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 from evaluation.lib.figures.flight import echogram
-from evaluation.lib.figures.style import Scale, evenly_spaced, new_panel, save_figure
+from evaluation.lib.figures.style import Scale, new_panel, save_figure
 
 # 5 cm of snow and 2 m along track.
 SCALE = Scale(bin_m=0.05, line_km=0.002)
@@ -49,9 +49,3 @@ def test_what_was_not_measured_is_black_and_leaves_the_rest_as_it_was(flight):
     # Black and white are quantiles of 250 lines, one of which is missing: they move by some
     # hundredths of the 30 dB in 255 grey levels.
     assert_allclose(shown.compressed(), whole.get_array()[~shown.mask], atol=1)
-
-
-def test_numbers_are_chosen_at_even_ranks():
-    assert_array_equal(evenly_spaced([3.0, 1.0, 2.0, 5.0, 4.0], 3), [1, 0, 3])
-    assert_array_equal(evenly_spaced([7.0, 6.0], 3), [1, 0])
-    assert_array_equal(evenly_spaced([7.0], 3), [0])

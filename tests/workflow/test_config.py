@@ -12,10 +12,8 @@ from runs import (
     ROOT,
     SCHEMA,
     WRITTEN,
-    lines_with,
     parsed,
     refused,
-    run_snakemake,
 )
 from snakemake.utils import update_config
 
@@ -160,13 +158,6 @@ def test_a_configuration_that_names_every_setting_means_what_it_says():
 )
 def test_a_bad_key_is_named_in_one_line(tmp_path, text, expected):
     assert re.search(f"^config: .*{expected}", refused(tmp_path, **yaml.safe_load(text)))
-
-
-def test_a_bad_key_in_a_command_stops_a_run_in_one_line_and_nothing_is_written(tmp_path):
-    done = run_snakemake(tmp_path / "run", "--dry-run", "--config", "seed=seven", fails=True)
-    (line,) = lines_with(done, "config: ")
-    assert "seed" in line
-    assert not (tmp_path / "run/results").exists()
 
 
 @pytest.mark.parametrize(
