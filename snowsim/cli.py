@@ -492,7 +492,8 @@ def accumulation(files, path, density, years, png, echograms, force, **settings)
     rows = table(found)
     write_table(path, rows)
     click.echo(
-        f"{path}: {len(rows)} rows of {found.sizes['year']} years, "
+        f"{path}: {len(rows)} rows of {found.sizes['year']} years, that of {found['year'][0]:d} "
+        f"below {found.attrs['uppermost']}; "
         f"{found.attrs['n_below_profile']} picks below the end of the density are left out"
     )
     if png:

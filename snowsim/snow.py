@@ -25,10 +25,9 @@ TYPICAL_LINES = 300  # to either side, whose median mass is typical
 # and by errors of picks and of what is typical.
 SPREAD = 0.3
 MISSED = 0.7  # odds of every further year between two picks
-# Odds that a pick is no horizon, as a share of the probability that no layer lies there; that where
-# picks do not tell it.
+# Odds that a pick is no horizon, as a share of the probability that no layer lies there.
 NO_HORIZON = 0.4
-USUAL_DOUBT = 0.25
+USUAL_CONFIDENCE = 0.75
 LEAST_DOUBT = 0.05
 MOST_YEARS = 12  # between two picks
 IMPOSSIBLE = -30.0  # log-likelihood
@@ -85,11 +84,11 @@ def accumulation(
         On (year, slow_time), NaN where a year is not bounded by picks: `depth_m` of its horizon,
         `thickness_m`, `accumulation_m_we` [m w.e. / yr], `low` and `high`, between which nine of
         ten lie; `n_years` that the two picks about it are apart, over which it is the mean, and
-        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure or the mass
-        below .6 or above 1.6 of what is typical there, 2 where a count above it is, so that its
-        age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above the uppermost horizon:
-        of no whole year; `depth_at` (below_s) the depth [m] at travel times below the surface.
-        `attrs` count picks below the end of a profile, `n_below_profile`.
+        `confidence` in that count; `flag`: 1 where the count is less than 80 % sure, 2 where one
+        above it is, so that its age is uncertain, 3 both. `open_m_we` (slow_time) is the mass above
+        the uppermost horizon, of no whole year; `depth_at` (below_s) the depth [m] at travel times
+        below the surface. `attrs`: `uppermost`, the name of that horizon, and `n_below_profile`, of
+        picks below the end of a profile.
 
     Raises
     ------
@@ -115,12 +114,11 @@ def accumulation(
     mean_m = FIRST_GUESS_M
     for _ in range(N_ROUNDS if temperature_k is not None else 1):
         column = _column(density, temperature_k, mean_m)
-        water_m = column.at(column.water_m, picks.below_s)
-        if not (np.isfinite(water_m).sum(axis=0) > 1).any():
-            msg = "layers: expected two picks on a range line above "
+        dated = _dated(column.at(column.water_m, picks.below_s), picks, year)
+        if not (dated.above >= 0).any():
+            msg = "layers: expected two horizons on a range line above "
             msg += f"{column.depth_m[-1]:.4g} m, where density ends, found none"
             raise ValueError(msg)
-        dated = _dated(water_m, picks, year)
         mean_m = float(np.nanmean(dated.span_m / dated.n_years))
     return _by_year(layers, picks, column, dated, density_error)
 
@@ -153,21 +151,19 @@ def _picks(layers, least_confidence):
     check_layers(layers)
     layers = layers.transpose("layer", "slow_time", ...)
     names = [str(name).rpartition(":")[2] for name in layers.get_index("layer")]
-    twtt = layers["twtt"].values
-    if names[0] not in (SURFACE, "0") or not np.isfinite(twtt[0]).any():
-        msg = f"layers: expected the surface first, with travel times, found {names[0]}"
+    twtt = layers["twtt"]
+    if names[0] not in (SURFACE, "0") or not twtt[0].notnull().any() or len(names) < 2:
+        msg = "layers: expected the surface first, with travel times, and others below it, "
+        msg += f"found {', '.join(names)}"
         raise ValueError(msg)
-    below_s = np.where(np.isfinite(twtt[:1]), twtt - twtt[:1], np.nan)
-    doubt = np.full(twtt.shape, USUAL_DOUBT)
-    if "confidence" in layers:
-        doubt = 1 - layers["confidence"].values
-        below_s[~(doubt <= 1 - least_confidence)] = np.nan
-    error_s = 0 * twtt
-    if "twtt_low" in layers:
-        error_s = (layers["twtt_high"].values - layers["twtt_low"].values) / 2
-    kept = 1 + np.flatnonzero(np.isfinite(below_s[1:]).any(axis=1))
-    doubt = np.maximum(doubt[kept], LEAST_DOUBT)
-    return _Picks([names[n] for n in kept], below_s[kept], error_s[kept], doubt)
+    doubt = 1 - layers.get("confidence", 0 * twtt + USUAL_CONFIDENCE)
+    error = (layers.get("twtt_high", twtt) - layers.get("twtt_low", twtt)) / 2
+    below = (twtt - twtt[0]).where(doubt <= 1 - least_confidence)
+    picked = below.notnull().any("slow_time").values
+    # One stays also without a pick.
+    kept = 1 + np.flatnonzero(picked[1:] if picked[1:].any() else [True])
+    values = (each.values[kept] for each in (below, error, doubt.clip(LEAST_DOUBT)))
+    return _Picks([names[n] for n in kept], *values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +188,8 @@ def _column(density, temperature_k, mean_m):
     if hasattr(density, "density_kg_m3"):
         found = interfaces(density.depth_m, density.density_kg_m3, density.thickness_m)
         check_values("profile: density [kg m-3]", found.density_kg_m3, *DENSITIES_KG_M3)
-        last_m = 1.5 * density.depth_m[-1] - 0.5 * density.depth_m[-2:][0]
-        depth_m = np.append(found.depth_m, last_m)
+        # The last sample goes as far below its middle as above it.
+        depth_m = np.append(found.depth_m, 2 * density.depth_m[-1] - found.depth_m[-1])
         slab_m = found.density_kg_m3 * np.diff(depth_m) / WATER_DENSITY_KG_M3
         return _Column(depth_m, np.append(0, np.cumsum(slab_m)))
     check_values("density [kg m-3]", density, *DENSITIES_KG_M3, number=True)
@@ -226,9 +222,10 @@ class _Dated:
 def _dated(water_m, picks, year):
     """`_Dated` of mass above picks (layer, range_line) [m w.e.]."""
     known = year if hasattr(year, "items") else {picks.names[0]: year}
-    given = {picks.names.index(name): known[name] for name in known if name in picks.names}
-    if not len(given) == len(known) > 0:
-        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, found {known}"
+    given = {layer: known[name] for layer, name in enumerate(picks.names) if name in known}
+    if not len(given) == len(known) > 0 or (np.diff(list(given.values())) >= 0).any():
+        msg = f"year: expected names of layers with picks, {', '.join(picks.names)}, and years "
+        msg += f"that fall from each to the next, found {known}"
         raise ValueError(msg)
     first, *_ = given
     typical_m = _typical(np.diff(np.sort(water_m, axis=0), axis=0))
@@ -263,9 +260,9 @@ def _log_likelihood(ratio, n_years, doubt):
 
 
 def _probability(ratio, n_years, doubt):
-    """Of so many years between two picks, among all that may be."""
-    among = sum(np.exp(_log_likelihood(ratio, n, doubt)) for n in range(MOST_YEARS + 1))
-    return np.exp(_log_likelihood(ratio, n_years, doubt)) / among
+    """Of so many years between two picks, among up to two fewer and more."""
+    likelihood = [np.exp(_log_likelihood(ratio, n_years + more, doubt)) for more in range(-2, 3)]
+    return likelihood[2] / sum(likelihood)
 
 
 def _vote(water_m, doubt, typical_m, forced):
@@ -338,7 +335,8 @@ def _by_year(layers, picks, column, dated, density_error):
     within = rows.groupby(level=0).cumcount()
     rows["year"] -= within
     rows["depth_m"] += within * rows["thickness_m"]
-    return _dataset(layers, rows, dated, column, picks.below_s)
+    found = _dataset(layers, rows, dated, column, picks.below_s)
+    return found.assign_attrs(uppermost=picks.names[0])
 
 
 def _dataset(layers, rows, dated, column, below_s):

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from snowsim.echogram import check_choice, from_uint8
-from snowsim.io import read_echogram
+from snowsim.io import echogram, read_echogram
 from snowsim.io.guard import existing, is_png, is_zarr, refusal
 from snowsim.io.images import read_image
 from snowsim.io.layer_files import (
@@ -48,7 +48,6 @@ SEGMENT = re.compile(r"[0-9]{8}_[0-9]{2}")
 # lines would.
 PAUSE_S = 2.0
 PAUSE_LINES = 5
-FIRST_TIME = np.datetime64("2000-01-01", "ns")
 # Decibels that an image's greys stand for where it does not tell: as many as make its darkest row
 # the noise floor, within limits.
 CONTRASTS_DB = (20.0, 100.0)
@@ -351,16 +350,8 @@ def _read(path, bin_s):
     darkest = image.mean(axis=1).min()
     contrast_db = np.clip(10 * (255 / max(darkest, 1.0) - 1), *CONTRASTS_DB)
     power_db = from_uint8(image, floor_db, numbers.get("maximum_db", floor_db + contrast_db))
-    n_lines = image.shape[1]
-    unknown = ("slow_time", np.full(n_lines, np.nan))
-    along = dict.fromkeys(("Latitude", "Longitude", "Elevation", "Surface"), unknown)
     power = (10 ** (power_db / 10)).astype(np.float32)
-    coordinates = {
-        "twtt": ("twtt", bin_s * np.arange(len(image)), {"units": "s"}),
-        "slow_time": FIRST_TIME + np.arange(n_lines) * np.timedelta64(1, "ms"),
-    }
-    content = {"Data": (("twtt", "slow_time"), power)} | along
-    return xr.Dataset(content, coordinates, {"source_format": "image"})
+    return echogram(power, twtt=bin_s * np.arange(len(power)), attrs={"source_format": "image"})
 
 
 def _dark_on_bright(echogram):

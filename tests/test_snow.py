@@ -167,7 +167,7 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
     ("change", "options", "message"),
     [
         (lambda x: x.isel(layer=slice(1, None)), {}, "expected the surface first"),
-        (lambda x: x.isel(layer=slice(2)), {}, "expected two picks on a range line above"),
+        (lambda x: x.isel(layer=slice(2)), {}, "expected two horizons on a range line above"),
         (lambda x: x.assign(twtt=-x["twtt"]), {}, "layers must increase strictly with depth"),
         (lambda x: x, {"density": 30.0}, "density .* must be finite, at least 50, .* got 30"),
         (lambda x: x, {"density": 950.0}, "at most 917, got 950"),
@@ -176,7 +176,9 @@ def test_firn_of_a_climate_gives_the_accumulation_it_was_drawn_with():
             {"temperature_k": -20.0},
             "temperature_k must be .* at least 200, .* got -20",
         ),
+        (lambda x: x.isel(layer=[0]), {}, "and others below it, found surface"),
         (lambda x: x, {"year": {"snow_99": 2008}}, "year: expected names of layers with picks"),
+        (lambda x: x, {"year": {"snow_3": 2008, "snow_4": 2008}}, "years that fall from each"),
         (
             lambda x: x,
             {"density": Profile(np.array([0.1, 0.2]), np.array([400.0, 400.0]), "")},
@@ -204,7 +206,7 @@ def files(tmp_path, year_m):
 def test_the_command_writes_a_table_and_a_picture(tmp_path, year_m, files, capsys):
     path = tmp_path / "accumulation.csv"
     main(["accumulation", *files, "-o", str(path), "--year", "2011", "--density", "400", "--png"])
-    assert "4000 rows of 10 years" in capsys.readouterr().out
+    assert "4000 rows of 10 years, that of 2011 below snow_1; 0 picks" in capsys.readouterr().out
     rows = pd.read_csv(path)
     columns = ("frame", "time", "lat", "lon", "year", *COLUMNS)
     assert tuple(rows.columns) == columns

@@ -7,6 +7,7 @@ Range bins of the tracker's size, lines averaged to its spacing, the surface in 
 from dataclasses import dataclass, field
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from snowsim.echogram import (
@@ -211,7 +212,7 @@ def _surveyed(echogram, given, card):
     spacing_m = _line_spacing_m(echogram)
     n_averaged = max(1, round(card.line_spacing_m / spacing_m)) if spacing_m else 1
     blocks = _blocks(echogram, given, card.bin_s, n_averaged)
-    looks = _median([block.n_looks for block in blocks])
+    looks = pd.Series([block.n_looks for block in blocks], dtype=float).median()
     needed = _lines_for_looks(looks, n_averaged, spacing_m, given.size, card)
     notes = [] if spacing_m else ["no positions: range lines are used as they are"]
     if looks < SINGLE_LOOK:
@@ -324,15 +325,8 @@ def _mean_of_lines(power, n_averaged):
 
 def _line_spacing_m(echogram):
     """Median distance of range lines [m], 0 where positions are missing or tell none."""
-    spacing_m = _median(np.diff(along_track_m(echogram)))
-    return spacing_m if SPACINGS_M[0] < spacing_m < SPACINGS_M[1] else 0.0
-
-
-def _median(values):
-    """Median of those that are known, NaN of none."""
-    values = np.asarray(values, dtype=float)
-    values = values[np.isfinite(values)]
-    return float(np.median(values)) if values.size else np.nan
+    spacing_m = pd.Series(np.diff(along_track_m(echogram))).median()
+    return float(spacing_m) if SPACINGS_M[0] < spacing_m < SPACINGS_M[1] else 0.0
 
 
 def _lines_for_looks(n_looks, n_averaged, spacing_m, n_lines, card):
@@ -355,13 +349,11 @@ def _looks_in_air(power, surface):
     The difference of the logarithms of two lines' noise has the variance 2 trigamma(M), about
     ``2 / M + 1 / M^2``; what a line is brighter all along does not count.
     """
-    air = np.arange(len(power))[:, None] < surface - AIR_ABOVE
-    air = (air & (power > 0))[:, 1:] & (air & (power > 0))[:, :-1]
-    ratio = np.diff(np.log(np.where(power > 0, power, 1)), axis=1)
-    ratio = ratio[:, air.sum(axis=0) >= LEAST_AIR]
-    air = air[:, air.sum(axis=0) >= LEAST_AIR]
-    if air.shape[1] < LEAST_LINES // 2:
+    air = (np.arange(len(power))[:, None] < surface - AIR_ABOVE) & (power > 0)
+    logs = np.ma.log(np.ma.array(power, mask=~air))
+    ratio = logs[:, 1:] - logs[:, :-1]
+    variance = ratio.var(axis=0, ddof=1)[ratio.count(axis=0) >= LEAST_AIR]
+    if variance.size < LEAST_LINES // 2:
         return np.nan
-    ratio = np.where(air, ratio, np.nan)
-    variance = np.median(np.nanvar(ratio, axis=0, ddof=1))
+    variance = np.median(variance.filled(0))
     return 1 / (np.sqrt(1 + variance) - 1) if variance > 0 else np.nan

@@ -91,23 +91,14 @@ def doubtful_lines(canonical):
 
 def on_lines(piece, of_pick, lines, longest):
     """Rows of a piece and how sure they are, on range lines of the image, NaN where it has none."""
-    inside = (piece.line >= lines[0]) & (piece.line <= lines[-1])
-    reach = np.flatnonzero(inside)
-    row = np.full(lines.size, np.nan)
-    sure = np.full(lines.size, np.nan)
-    if reach.size == 0:
-        return row, sure
-    within = (lines >= piece.line[0]) & (lines <= piece.line[-1])
-    after = np.searchsorted(piece.line, lines[within])
-    before = np.maximum(after - 1, 0)
-    near = piece.line[after] - piece.line[before] <= longest
-    at = lines[within]
-    row[within] = np.where(near, piece.at(at), np.nan)
-    sure[within] = np.where(near, np.interp(at, piece.line, of_pick), np.nan)
-    members = piece.line[reach] - lines[0]
-    row[members] = piece.row[reach]
-    sure[members] = of_pick[reach]
-    return row, sure
+    after = np.minimum(np.searchsorted(piece.line, lines).clip(1), piece.line.size - 1)
+    gap = piece.line[after] - piece.line[after - 1]
+    within = (lines >= piece.line[0]) & (lines <= piece.line[-1]) & (gap <= longest)
+    known = within | np.isin(lines, piece.line)
+    return tuple(
+        np.where(known, np.interp(lines, piece.line, values), np.nan)
+        for values in (piece.row, of_pick)
+    )
 
 
 def between_lines(values, place):

@@ -2,12 +2,17 @@
 
 import numpy as np
 
-VERSION = "1"
+VERSION = "2"
 SYNTHETIC = "trained on synthetic scenes only; never scored on an annotated real frame"
 INPUT = (
     "image: float32 (n, 1, range_bin, range_line), 2 / 255 * grey - 1 of an 8-bit image, surface "
     "near row 50; grey is linear in dB, 0 at 10 dB below the noise floor (the least mean of a row "
     "in dB), 255 at the maximum"
+)
+QUALITY = (
+    "quality 1: confidence of 0.8 or more that a layer lies within 2 of the tracker's range bins, "
+    "as calibrated on synthetic flights; never where bin_s, line_spacing_m or n_looks lie outside "
+    "the ranges"
 )
 OUTPUT = "logit: the same shape; probability of a layer is sigmoid(logit / temperature)"
 
@@ -38,6 +43,7 @@ def make_card(
         "trained_on": trained_on,
         "input": INPUT,
         "output": OUTPUT,
+        "quality": QUALITY,
         "bin_s": bin_s,
         "line_spacing_m": line_spacing_m,
         "n_looks": n_looks,

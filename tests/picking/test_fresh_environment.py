@@ -14,7 +14,7 @@ from snowsim.io.images import write_image
 
 ROOT = Path(__file__).resolve().parents[2]
 SEGMENT_OF = {"mat73": "20120330_04", "nsidc": "20120330_05", "opr": "20120330_06"}
-MOST_MB = 120  # that the extra may add
+MOST_MB = 180  # that the extra may add: onnxruntime, and matplotlib with 56
 XOPR = """
 import sys
 import numpy as np

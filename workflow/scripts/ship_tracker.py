@@ -23,8 +23,7 @@ with job(snakemake):
     n_variants = snakemake.params.n_variants
     trained_on = f"{SYNTHETIC}: {n_scenes} scenes of each of {n_variants} variants of the "
     trained_on += "statistics of the reference flight with crusts and bands of noise, one in "
-    trained_on += f"{EVERY} without and the flight's own but for short undulations, rendered by "
-    trained_on += "PHY; "
+    trained_on += f"{EVERY} without and the flight's own, as its picks give them, rendered by PHY; "
     trained_on += f"{settings.n_steps} gradients of {settings.batch_size} crops, "
     trained_on += f"width {settings.width}"
     card = make_card(
