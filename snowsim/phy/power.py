@@ -12,6 +12,7 @@ from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 # Where tables hold, unpicked snow that falls off over 1000 bins included; PHY takes the closed form
 # elsewhere.
 TABLE_RANGE = {"variance_bins2": (0.1, 100.0), "decay_rate": (1e-4, 1.0)}
+LIMITS = SAFE_RANGE | {"peak_power": (0,)}
 TABLE_POWERS = (1e-20, 1e20)  # of the strongest echo: float32 holds all that counts beside it
 NODES_PER_BIN = 8
 # A table starts so many deviations above the centre, at 1e-12 of the waveform's peak, and ends so
@@ -126,10 +127,10 @@ def checked_waveforms(
     peak_power = np.asarray(peak_power, dtype=float)
     if peak_power.shape == layer_bins.shape:
         peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
+        check_values("peak_power", peak_power, 0)
     else:
         _check_by_layer(len(layer_bins), peak_power=peak_power)
         peak_power = peak_power[:, None]
-    check_values("peak_power", peak_power, 0)
     _check_by_layer(len(layer_bins), variance_bins2=variance, decay_rate=decay)
     offset_bins, unit_peak = waveform_peak(variance, decay)
     amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
@@ -144,13 +145,13 @@ def checked_waveforms(
 
 
 def _check_by_layer(n_layers, **given):
-    """ValueError unless all have one value a layer, and shapes of waveforms safe ones."""
+    """ValueError unless all have one value a layer, within `LIMITS`."""
     for name, values in given.items():
         if values.shape != (n_layers,):
             msg = f"{name}: expected one value for each of {n_layers} layers, "
             msg += f"got shape {values.shape}"
             raise ValueError(msg)
-        check_values(name, values, *SAFE_RANGE.get(name, ()))
+        check_values(name, values, *LIMITS[name])
 
 
 def power_of(waveforms, *, exact=False):
