@@ -76,7 +76,7 @@ PERFECT = Calibrated(None, SURE)
 
 
 def test_confidence_fitted_to_picks_says_how_many_of_them_hit(rng):
-    scenes = toy_scenes(12)
+    scenes = toy_scenes(6)
     # Every third scene is picked five bins too low, at three quarters of the height.
     logits = []
     for number, scene in enumerate(scenes):
