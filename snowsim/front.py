@@ -28,7 +28,7 @@ from snowsim.io.export import check_empty, export_netcdf, export_pairs, export_z
 from snowsim.io.files import read_dataset
 from snowsim.io.guard import MAXIMUM_BYTES
 from snowsim.labels import draw_paper_scene, draw_scene, prepare
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.phy import render, render_scene
 from snowsim.phy.waveform import waveform_peak
 from snowsim.physical import Climate, Radar, Snowpack, depth_and_water, physical_parameters
@@ -378,8 +378,11 @@ def scenes(
     if not callable(renderer):
         check_choice("renderer", renderer, ("phy",))
     check_count("n", n)
+    where = "statistics"
     if not isinstance(statistics, xr.Dataset):
-        statistics = read_dataset(REFERENCE if statistics == "reference" else statistics)
+        where = REFERENCE if statistics == "reference" else statistics
+        statistics = read_dataset(where)
+    check_statistics(statistics, where)
     if n_range_bins is not None:
         check_count("n_range_bins", n_range_bins)
     check_choice("recipe", recipe, ("measured", "paper"))

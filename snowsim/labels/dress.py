@@ -6,7 +6,7 @@ import numpy as np
 
 from snowsim.echoes import Echoes, Kind
 from snowsim.labels.flight_values import of_uppermost, radar_of, values_of
-from snowsim.limits import check_values
+from snowsim.limits import check_statistics, check_values
 
 
 def dress(layer_bins, statistics):
@@ -30,8 +30,9 @@ def dress(layer_bins, statistics):
     Raises
     ------
     ValueError
-        If statistics are missing, not finite or not positive.
+        If statistics are of an earlier version, missing, not finite or not positive.
     """
+    check_statistics(statistics)
     n_layers, n_lines = layer_bins.shape
     noise_power = values_of(statistics, "noise_power", ()).item()
     check_values("flight statistics: noise_power", noise_power, 0, above=True)

@@ -8,7 +8,7 @@ from snowsim.echogram import SURFACE_ROW, Scene, scene_height, zone_of
 from snowsim.labels.flight_values import of_uppermost, values_of
 from snowsim.labels.scene import notes_of
 from snowsim.labels.undulations import layers_below, mirrored
-from snowsim.limits import check_count
+from snowsim.limits import check_count, check_statistics
 
 LAYERS = (5, 40)  # fewest and most below the surface
 N_LOOKS = 100.0
@@ -25,9 +25,10 @@ def draw_paper_scene(statistics, n_range_lines, *, name, rng):
     estimator `paper`, independent from slab to slab; a scene as wide as a block ends where it
     began.
     The surface is flat. `notes` are those of `snowsim.labels.draw_scene`. ValueError if statistics
-    are missing or not finite, or a scene is narrower than 2 lines.
+    are of an earlier version, missing or not finite, or a scene is narrower than 2 lines.
     """
     check_count("n_range_lines", n_range_lines, 2)
+    check_statistics(statistics)
     edges = values_of(statistics, "zone_edge_bins", ("edge",))
     relative_mean = values_of(statistics, "relative_thickness_mean", ("zone", "slab"))
     relative_variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))

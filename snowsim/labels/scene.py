@@ -18,7 +18,7 @@ from snowsim.labels.undulations import (
     layers_below,
     mirrored,
 )
-from snowsim.limits import check_count, check_values
+from snowsim.limits import check_count, check_statistics, check_values
 from snowsim.seeding import generator
 
 RELIEF = (
@@ -105,22 +105,22 @@ def prepare(statistics, n_range_lines, *, nonstationary=None):
     Raises
     ------
     ValueError
-        If statistics are missing or not finite, or a scene is narrower than 2 lines.
+        If statistics are of an earlier version, missing or not finite, or a scene is narrower than
+        2 lines.
     """
     check_count("n_range_lines", n_range_lines, 2)
+    check_statistics(statistics)
     by_layers = values_of(statistics, "n_blocks_by_layers", ("zone", "n_layers"))
     what = "flight statistics: n_blocks_by_layers: blocks with a layer below the surface"
     check_values(what, by_layers[:, 1:].sum(), 0, above=True)
     attrs = statistics.attrs
-    spacing_m = attrs.get("line_spacing_m", np.nan)
-    check_values("flight statistics: line_spacing_m", spacing_m, 0, above=True)
     variance = values_of(statistics, "relative_thickness_variance", ("zone", "slab"))
     correlation = values_of(statistics, "relative_thickness_correlation", ("separation",))
     relief = np.transpose([values_of(statistics, name, ("zone",)) for name in RELIEF])
     quantiles = values_of(statistics, "first_thickness_quantile_bins", ("quantile",))
     return LabelModel(
         n_range_lines=n_range_lines,
-        spacing_m=float(spacing_m),
+        spacing_m=attrs["line_spacing_m"],
         zone_edge_bins=values_of(statistics, "zone_edge_bins", ("edge",)),
         first_quantile_bins=quantiles,
         blocks_by_layers=by_layers,

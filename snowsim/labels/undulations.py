@@ -70,7 +70,7 @@ def draw_undulations(relief, n_slabs, n_lines, spacing_m, *, rng):
 
 @lru_cache(maxsize=128)
 def correlation_factor(correlation_by_separation, n_rows):
-    """Factor C of the correlation matrix C C^T of rows, whose correlation by separation is given.
+    """Factor C of the correlation matrix C C^T of rows, with this correlation by separation.
 
     A tuple, whose last value continues. Measured correlations need not form a valid matrix:
     eigenvalues below `LEAST_EIGENVALUE` of the largest are set to zero, the diagonal back to one.

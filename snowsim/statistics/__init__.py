@@ -60,8 +60,17 @@ def fit(frames, *, estimator="deblended"):
     >>> bool(statistics["peak_power"][0] > statistics["peak_power"][1])
     True
     """
+    summaries = []
     away_bins = []
-    summary = merge(_summaries(frames, away_bins))
+    for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
+        where = f"frame {number}"
+        summaries.append(summarise(echogram, layers, where=where))
+        if looks_like_amplitude(echogram, layers):
+            msg = f"{where}: Data: expected linear power, found amplitude, by the skewness of the "
+            msg += "noise above the surface: square it"
+            raise ValueError(msg)
+        away_bins.append(surface_away_bins(echogram, layers))
+    summary = merge(summaries)
     far_bins = [bins for bins in away_bins if bins > FAR_BINS]
     if far_bins:
         msg = f"layer 0 lies {np.median(far_bins):.0f} range bins from the echogram's Surface in "
@@ -70,19 +79,6 @@ def fit(frames, *, estimator="deblended"):
     statistics = estimate(summary, estimator=estimator)
     warn_of_little(statistics)
     return statistics
-
-
-def _summaries(frames, away_bins):
-    """Summaries of sound frames; of each, how far layer 0 lies from its surface is appended."""
-    for number, (echogram, layers) in enumerate(shown(frames, unit="frame")):
-        where = f"frame {number}"
-        summary = summarise(echogram, layers, where=where)
-        if looks_like_amplitude(echogram, layers):
-            msg = f"{where}: Data: expected linear power, found amplitude, by the skewness of the "
-            msg += "noise above the surface: square it"
-            raise ValueError(msg)
-        away_bins.append(surface_away_bins(echogram, layers))
-        yield summary
 
 
 def warn_of_little(statistics):

@@ -1,6 +1,7 @@
 """Layers solved for jointly: powers and shared waveforms of eq. (1) on averaged range lines."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg.lapack import dposv, dpotrs
@@ -53,6 +54,11 @@ class Groups:
     present: np.ndarray  # (group, layer), bool
     noise_power: float
 
+    @cached_property
+    def row(self):
+        """Mean row of a layer, (group, layer)."""
+        return self.position.mean(axis=2)
+
 
 @dataclass
 class Line:
@@ -70,20 +76,8 @@ class Line:
     scale: np.ndarray  # residuals are weighted by 1 / scale^2, (row,)
 
 
-@dataclass(frozen=True)
-class Deblended:
-    """Joint solution for all layers of a flight."""
-
-    decay_rate: np.ndarray  # (layer,) [per bin]
-    variance: np.ndarray  # of the Gaussian, (layer,) [bins^2]
-    offset: np.ndarray  # of the waveform's peak below the pick, (layer,) [bins]
-    # Above noise, background and neighbours, (group, layer), NaN where absent:
-    powers: np.ndarray
-    own_shape: np.ndarray  # which buried layers do not share their shape, bool (layer,)
-
-
 def deblend(groups, decay_rate):
-    """Shapes and powers of all layers of a flight, solved for jointly, as `Deblended`.
+    """Shapes of all layers of a flight, as variables, and powers (group, layer), found jointly.
 
     From `Groups` and the decay rates (group, layer) of eq. (2), NaN where there is none; their
     medians are the start.
@@ -124,9 +118,22 @@ def deblend(groups, decay_rate):
         shape, _ = _fit_shapes(shape, kind, lines)
     shape = shape[kind]
     decay_rate, variance = np.exp(shape[:, :2].T)
+    variables = {
+        "decay_rate": ("layer", decay_rate),
+        "width_bins": ("layer", waveform_width(variance, decay_rate)),
+        "variance_bins2": ("layer", variance),
+        "offset_bins": ("layer", shape[:, 2]),
+        "own_shape": ("layer", (kind > 1).astype(np.int64)),
+    }
     _, height = waveform_peak(variance, decay_rate)
-    powers = _powers(shape, groups) * height / np.sqrt(variance)
-    return Deblended(decay_rate, variance, shape[:, 2], powers, kind > 1)
+    powers = np.full(groups.present.shape, np.nan)
+    for group in shown(range(len(powers)), unit="averaged line"):
+        line = prepare_line(groups, group)
+        if line is not None:
+            solved, _ = _explained(shape, line)
+            powers[group, line.layers] = solved[: line.layers.size]
+    powers = np.where(groups.present, powers * height / np.sqrt(variance), np.nan)
+    return variables, powers
 
 
 def _spread_out(present):
@@ -153,11 +160,10 @@ def prepare_line(groups, group):
     if picked.size == 0:
         return None
     layers = np.arange(picked[0], picked[-1] + 1)
-    parts = [values[group, picked].T for values in (groups.position, groups.spread)]
+    parts = np.hstack([groups.position[group, picked], groups.spread[group, picked]])
     # Linear between picked layers for those between.
-    position, spread = (
-        np.column_stack([np.interp(layers, picked, part) for part in values]) for values in parts
-    )
+    between = [np.interp(layers, picked, part) for part in parts.T]
+    position, spread = np.hsplit(np.transpose(between), 2)
     pick = position.mean(axis=1)
     below = (pick[-1] - pick[-2]) / 2 if layers.size > 1 else OPEN_END_BINS
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
@@ -346,10 +352,9 @@ def departing(shape, kind, lines):
         hessian += slopes @ slopes.swapaxes(1, 2)
         for i in np.flatnonzero(line.picked):
             layer = line.layers[i]
-            rows = np.rint(line.position[i].mean()) + MISFIT_LAGS
-            at = np.searchsorted(line.rows, rows)
-            if at[-1] < line.rows.size and (line.rows[at] == rows).all():
-                profiles[layer].append(np.vstack([residual[at], slopes[layer][:, at]]))
+            near = np.isin(line.rows, np.rint(line.position[i].mean()) + MISFIT_LAGS)
+            if near.sum() == MISFIT_LAGS.size:
+                profiles[layer].append(np.vstack([residual[near], slopes[layer][:, near]]))
     log_decay, log_variance, _ = shape[-1]
     width = waveform_width(np.exp(log_variance), np.exp(log_decay))
     n_lines = scores.any(axis=2).sum(axis=0)
@@ -380,15 +385,3 @@ def _lasting(profiles):
     # Of the mean over layers, by two standard deviations.
     uncertain = 2 * np.mean(chance) * np.sqrt(2 / n_free / len(left))
     return max(np.median(left) - uncertain, 0.0)
-
-
-def _powers(shape, groups):
-    """Powers of `waveform_columns` in all groups, (group, layer), NaN where not picked."""
-    powers = np.full(groups.present.shape, np.nan)
-    for group in shown(range(len(powers)), unit="averaged line"):
-        line = prepare_line(groups, group)
-        if line is None:
-            continue
-        solved, _ = _explained(shape, line)
-        powers[group, line.layers] = solved[: line.layers.size]
-    return np.where(groups.present, powers, np.nan)

@@ -8,11 +8,11 @@ from snowsim.echogram import check_choice
 from snowsim.limits import check_count
 from snowsim.rounding import rounded
 from snowsim.statistics.deblend import Groups
-from snowsim.statistics.moments import SHARED_BITS, mean_where
+from snowsim.statistics.moments import SHARED_BITS, known_mean
 from snowsim.statistics.paper import measure_groups, paper_waveform
 from snowsim.statistics.radiometry import LAW_FALLS, radiometry
-from snowsim.statistics.speckle import QUANTILES, looks, tracked_by_group
-from snowsim.statistics.summaries import AIR_MARGIN_BINS, GROUP_LINES, frames_of
+from snowsim.statistics.speckle import QUANTILES, looks
+from snowsim.statistics.summaries import AIR_MARGIN_BINS, GROUP_LINES, in_stretches
 from snowsim.statistics.thickness import thickness_statistics
 from snowsim.statistics.waveform import LAGS, deblended_waveform
 
@@ -47,12 +47,11 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     -------
     xarray.Dataset
         `noise_power`; of the waveform `peak_power`, `decay_rate`, `width_bins`, `variance_bins2`,
-        `offset_bins` of its peak below the pick, `n_picks`, `n_groups`, `substituted (layer)`, and
-        `width_bound_bins (bound)` of the uniform law that has mean and variance of measured widths;
-        of `deblended` alone `own_shape (layer)`, `mean_waveform` and `layer_waveform (layer, lag)`;
-        of thickness what `thickness_statistics` returns; how power, noise and decay vary, see
-        `radiometry`; tracked power against Gamma(M), autocorrelation of speckle down range and
-        along-track spectra of power, see `looks`.
+        `offset_bins` of its peak below the pick, `n_picks`, `n_groups` and `substituted (layer)`;
+        of `deblended` alone `own_shape (layer)` and `mean_waveform (layer, lag)`; of thickness what
+        `thickness_statistics` returns; how power, noise and decay vary, see `radiometry`; tracked
+        power against Gamma(M), autocorrelation of speckle down range and along-track spectra of
+        power, see `looks`.
 
     Raises
     ------
@@ -69,18 +68,18 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     """
     check_choice("estimator", estimator, ESTIMATORS)
     noise_power = noise(summary)
+    n_picks = summary["n_picks"].values
+    n_groups = (2 * n_picks >= GROUP_LINES).sum(axis=0)
+    n_layers = np.flatnonzero(n_groups >= MINIMUM_GROUPS)[-1] + 1
+    summary = summary.isel(layer=slice(n_layers))
     variables, groups, powers, decay = waveform(summary, noise_power, estimator)
-    n_layers = groups.present.shape[1]
-    of_looks, n_looks = looks(summary, n_layers)
-    frames = frames_of(summary)
+    of_looks, n_looks = looks(summary)
     options = {"estimator": estimator, "zone_edge_bins": zone_edge_bins}
-    of_thickness, counts = thickness_statistics(frames, n_layers, **options)
-    by_layer = {name: values for name, (_, values) in variables.items()}
-    varies, missing = radiometry(summary, groups, powers, decay, by_layer, n_looks)
+    of_thickness, counts = thickness_statistics(summary, **options)
+    varies, missing = radiometry(summary, groups, powers, decay, variables, n_looks)
     variables |= {"noise_power": ((), noise_power)} | of_looks | of_thickness | varies
     coords = {"lag": LAGS, "fall": np.array(LAW_FALLS), "probability": QUANTILES}
     coords["wavenumber"] = np.fft.rfftfreq(BLOCK_LINES)
-    n_seen = (summary["n_picks"].values > 0).any(axis=0).sum()
     attrs = {
         "content": STATISTICS_CONTENT,
         "estimator": estimator,
@@ -90,7 +89,7 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
         "radiometry_missing": ", ".join(missing),
         "n_frames": summary.sizes["frame"],
         "n_range_lines": summary.sizes["range_line"],
-        "n_layers_seen": int(n_seen),
+        "n_layers_seen": int(n_picks.any(axis=0).sum()),
         "n_picks_outside": int(summary["n_outside"].sum()),
         "n_frames_without_surface": int((summary["power_sum"] == 0).sum()),
         **counts,
@@ -113,32 +112,23 @@ def noise(summary):
 def waveform(summary, noise_power, estimator):
     """Variables by layer, the flight's `Groups`, and powers and decay rates (group, layer)."""
     present = 2 * summary["n_picks"].values >= GROUP_LINES
-    n_layers = np.flatnonzero(present.sum(axis=0) >= MINIMUM_GROUPS)[-1] + 1
-    groups = Groups(
-        summary["power"].values,
-        summary["position"].values[:, :n_layers],
-        summary["spread"].values[:, :n_layers],
-        present[:, :n_layers],
-        noise_power,
-    )
-    tracked = summary["tracked_power"].values[:, :n_layers].astype(float)
-    seen = np.isfinite(tracked)
-    tracked_power = np.nansum(tracked, axis=0) / np.maximum(seen.sum(axis=0), 1)
-    decay, width = measure_groups(groups.power, groups.position.mean(axis=2), groups.present)
+    parts = (summary[name].values for name in ("power", "position", "spread"))
+    groups = Groups(*parts, present, noise_power)
+    tracked = summary["tracked_power"].values.astype(float)
+    tracked_power = np.nan_to_num(known_mean(tracked, axis=0))
+    decay, width = measure_groups(groups)
     if estimator == "paper":
         variables = paper_waveform(tracked_power, decay, width)
         # Power on the picks less noise, with its neighbours' tails.
-        by_group = tracked_by_group(summary, n_layers)
-        powers = mean_where(np.isfinite(by_group), by_group, axis=2) - noise_power
+        n_groups = summary["n_groups"].values
+        of_groups = in_stretches(summary, "tracked_power", GROUP_LINES, n_groups)
+        powers = known_mean(of_groups, axis=1) - noise_power
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
-    widths = np.sort(width[np.isfinite(width)])
-    check_count("averaged layers whose power falls to 1/e before the next", widths.size)
-    half = np.sqrt(3) * widths.std()
-    bounds = np.clip(widths.mean() + [-half, half], widths[0], widths[-1])
-    variables["width_bound_bins"] = "bound", bounds
-    variables["n_picks"] = "layer", seen.sum(axis=0)
-    variables["n_groups"] = "layer", groups.present.sum(axis=0)
+    n_widths = np.isfinite(width).sum()
+    check_count("averaged layers whose power falls to 1/e before the next", n_widths)
+    variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
+    variables["n_groups"] = "layer", present.sum(axis=0)
     return variables, groups, powers, decay
 
 

@@ -22,8 +22,9 @@ def decibels(power):
     return DB * np.log(np.where(power > 0, power, np.nan))
 
 
-def mean_where(held, values, axis):
-    """Mean of the values where `held`, NaN where there is none."""
-    n = held.sum(axis=axis)
-    total = np.where(held, values, 0).sum(axis=axis)
+def known_mean(values, axis=None):
+    """Mean of the known values, NaN where there is none."""
+    known = np.isfinite(values)
+    n = known.sum(axis=axis)
+    total = np.where(known, values, 0).sum(axis=axis)
     return np.where(n > 0, total / np.maximum(n, 1), np.nan)

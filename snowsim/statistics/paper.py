@@ -6,7 +6,7 @@ Tracked-bin powers, eq. (2) decay rates and 1/e widths of averaged range lines.
 import numpy as np
 
 from snowsim.limits import check_count
-from snowsim.statistics.moments import mean_where
+from snowsim.statistics.moments import known_mean
 from snowsim.statistics.summaries import FIRST_ROW
 from snowsim.statistics.waveform import bridged
 
@@ -34,7 +34,7 @@ def paper_waveform(tracked_power, decay, width):
             check_count("averaged lines whose power falls to 1/e between two layers", held.size)
         nearest = np.searchsorted(held, np.arange(values.shape[1]), side="right") - 1
         source = held[np.maximum(nearest, 0)]
-        means.append(mean_where(known, values, axis=0)[source])
+        means.append(known_mean(values, axis=0)[source])
         substituted[: values.shape[1]] |= ~known.any(axis=0)
     decay_rate, width_bins = means
     return {
@@ -47,40 +47,38 @@ def paper_waveform(tracked_power, decay, width):
     }
 
 
-def measure_groups(power, position, present):
+def measure_groups(groups):
     """Decay rate [per bin] and 1/e width from the peak [bins], two (group, layer).
 
-    Of every layer in every averaged line.
-    From averaged lines (group, row), rows of layers below the surface and whether they are present,
-    (group, layer). Yari et al. (2021), eq. (2): ``alpha = -log(P_min / P_peak) / b`` with `b` bins
-    from the peak, the largest value within `PEAK_REACH_BINS` of the layer and half way to its
-    neighbours, to the minimum before the next layer; NaN where either layer is absent or no minimum
-    lies between. The 1/e crossing is interpolated linearly; NaN where the power does not fall so
-    far before the minimum.
+    Of every layer in every averaged line of `Groups`. Yari et al. (2021), eq. (2): ``alpha =
+    -log(P_min / P_peak) / b`` with `b` bins from the peak, the largest value within
+    `PEAK_REACH_BINS` of the layer and half way to its neighbours, to the minimum before the next
+    layer; NaN where either layer is absent or no minimum lies between. The 1/e crossing is
+    interpolated linearly; NaN where the power does not fall so far before the minimum.
     """
+    present = groups.present
     decay_rate = np.full(present.shape, np.nan)
     width = np.full(present.shape, np.nan)
-    rows = np.where(present, np.rint(position), 0).astype(int) - FIRST_ROW
-    has_above = np.pad(present[:, :-1], [(0, 0), (1, 0)])
-    has_below = np.pad(present[:, 1:], [(0, 0), (0, 1)])
+    rows = np.where(present, np.rint(groups.row) - FIRST_ROW, np.nan)
+    above = np.pad(rows[:, :-1], [(0, 0), (1, 0)], constant_values=np.nan)
+    below = np.pad(rows[:, 1:], [(0, 0), (0, 1)], constant_values=np.nan)
+    start = np.maximum(rows - np.fmin(PEAK_REACH_BINS, (rows - above) // 2), 0)
+    end = np.where(np.isfinite(below), below, rows + OPEN_END_BINS)
+    end = np.minimum(end, groups.power.shape[1] - 1)
+    middle = rows + np.minimum(PEAK_REACH_BINS, (end - rows) // 2)
+    bounds = np.stack([start, middle, end], axis=2)
     for group, layer in np.argwhere(present):
-        line = power[group]
-        here = rows[group, layer]
-        closed = has_below[group, layer]
-        end = rows[group, layer + 1] if closed else here + OPEN_END_BINS
-        end = min(end, line.size - 1)
-        start = here - PEAK_REACH_BINS
-        if has_above[group, layer]:
-            start = max(start, here - (here - rows[group, layer - 1]) // 2)
-        start = max(start, 0)
-        window = line[start : min(here + PEAK_REACH_BINS, here + (end - here) // 2) + 1]
+        line = groups.power[group]
+        first, last, end = bounds[group, layer].astype(int)
+        window = line[first : last + 1]
         if not np.isfinite(window).any():
             continue
-        peak = start + np.nanargmax(window)
+        peak = first + np.nanargmax(window)
         fall = line[peak : end + 1]
         if fall.size == 0:
             continue
         lowest = np.nanargmin(fall)
+        closed = np.isfinite(below[group, layer])
         if closed and lowest > 0 and 0 < fall[lowest] < fall[0]:
             decay_rate[group, layer] = -np.log(fall[lowest] / fall[0]) / lowest
         target = fall[0] / np.e

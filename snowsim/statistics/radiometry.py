@@ -11,9 +11,9 @@ from scipy.special import polygamma
 from snowsim.constants import BLOCK_LINES
 from snowsim.phy.waveform import waveform_exact, waveform_peak
 from snowsim.statistics.deblend import BACKGROUND_RISE
-from snowsim.statistics.moments import DB, decibels, mean_where
+from snowsim.statistics.moments import DB, decibels, known_mean
 from snowsim.statistics.speckle import fading, fading_products
-from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES
+from snowsim.statistics.summaries import FIRST_ROW, GROUP_LINES, numbered
 
 FEWEST = 4  # blocks or layers needed to estimate a spread
 FEWEST_GAINS = 20  # groups needed to estimate gain from line to line
@@ -24,33 +24,17 @@ LAW_FALLS = (30.0, 100.0, 300.0, 1000.0)
 BELOW_BINS = 8  # [bins] below the last pick in which its own echo dominates
 FEWEST_ROWS = 3  # a peak has a neighbour on either side
 PEAK_DEVIATIONS = 4.0  # of speckle by which an unpicked echo rises
-# What stands for a quantity that a flight is too short to estimate: nothing varies, and no image
-# has an echo below the last pick.
-CONSTANT = {
-    "noise_spread_db": 0.0,
-    "surface_to_noise_spread_db": 0.0,
-    "common_spread_db": 0.0,
-    "layer_spread_db": 0.0,
-    "decay_spread": 0.0,
-    "background_spread_db": 0.0,
-    "line_gain_spread_db": 0.0,
-    "further_spacing_bins": 1000.0,
-    "further_rise_db": 0.0,
-    "fading_spread_db": 0.0,
-    "fading_length_lines": 1.0,
-    "fading_exponent": 1.0,
-    "background_power": 0.0,
-}
-DIMS = {"background_power": "fall"}
-DIMS |= dict.fromkeys(("fading_spread_db", "fading_length_lines", "fading_exponent"), "interface")
+# What stands for a quantity that a flight is too short to estimate, where not zero: nothing varies,
+# and no image has an echo below the last pick.
+CONSTANT = {"further_spacing_bins": 1000.0, "fading_length_lines": 1.0, "fading_exponent": 1.0}
 
 
-def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
+def radiometry(summary, groups, powers, decay_rate, waveform, n_looks):
     """Variables of how radiometry varies, and names of those that the flight is too short for.
 
     From a merged summary, `Groups`, powers (group, layer) above noise and neighbours, decay rates
-    of eq. (2) (group, layer), values by layer of either estimator, and the flight's looks. A
-    quantity that is missing is `CONSTANT`.
+    of eq. (2) (group, layer), variables of the waveform by either estimator, and the flight's
+    looks. A quantity that is missing is `CONSTANT`, or zero.
 
     - `noise_spread_db`, `surface_to_noise_spread_db`: standard deviation between blocks of 256
       lines;
@@ -64,70 +48,63 @@ def radiometry(summary, groups, powers, decay_rate, by_layer, n_looks):
       and its `background_spread_db`; spacing and height of the echoes that rise out of it below the
       last pick, `further_spacing_bins` and `further_rise_db`.
     """
-    block_of = _blocks(summary)
-    unpicked, law = _unpicked(groups, powers, by_layer)
-    n_air = np.maximum(_sums(summary["air_count"].values, block_of), 1)
-    noise_db = decibels(_sums(summary["air_sum"].values, block_of) / n_air)
-    power_db = decibels(_means(powers, block_of))
+    blocks = _blocks(summary)
+    unpicked, law = _unpicked(groups, powers, waveform)
+    n_air = np.maximum(blocks @ summary["air_count"].values, 1)
+    noise_db = decibels(blocks @ summary["air_sum"].values / n_air)
+    power_db = decibels(_means(powers, blocks))
     common_db, layer_db = common_and_own_spread(power_db[:, 1:])
-    spacing_bins, rise_db = _further(groups, block_of, n_looks)
+    spacing_bins, rise_db = _further(groups, blocks, n_looks)
     gains = summary["gain_variance"].values
-    gains = gains[np.isfinite(gains)]
-    gain_db = DB * np.sqrt(max(gains.mean(), 0)) if gains.size >= FEWEST_GAINS else np.nan
+    gain_db = np.nan
+    if np.isfinite(gains).sum() >= FEWEST_GAINS:
+        gain_db = DB * np.sqrt(max(known_mean(gains), 0))
     speckle_db2 = DB**2 * polygamma(1, n_looks)
-    fades = [fading(products, speckle_db2) for products in fading_products(summary, powers)]
+    fades = [fading(*products, speckle_db2) for products in fading_products(summary, powers)]
     fading_db, fading_lines, fading_exponent = np.transpose(fades)
-    found = {
-        "noise_spread_db": _deviation(noise_db),
-        "surface_to_noise_spread_db": _deviation(power_db[:, 0] - noise_db),
-        "common_spread_db": common_db,
-        "layer_spread_db": layer_db,
-        "decay_spread": _decay_spread(decay_rate, block_of),
-        "background_spread_db": _deviation(decibels(_means(unpicked[:, None], block_of)[:, 0])),
-        "line_gain_spread_db": gain_db,
-        "further_spacing_bins": spacing_bins,
-        "further_rise_db": rise_db,
-        "fading_spread_db": fading_db,
-        "fading_length_lines": fading_lines,
-        "fading_exponent": fading_exponent,
-        "background_power": law,
+    variables = {
+        "noise_spread_db": ((), _deviation(noise_db)),
+        "surface_to_noise_spread_db": ((), _deviation(power_db[:, 0] - noise_db)),
+        "common_spread_db": ((), common_db),
+        "layer_spread_db": ((), layer_db),
+        "decay_spread": ((), _decay_spread(decay_rate, blocks)),
+        "background_spread_db": ((), _deviation(decibels(_means(unpicked, blocks)))),
+        "line_gain_spread_db": ((), gain_db),
+        "further_spacing_bins": ((), spacing_bins),
+        "further_rise_db": ((), rise_db),
+        "fading_spread_db": ("interface", fading_db),
+        "fading_length_lines": ("interface", fading_lines),
+        "fading_exponent": ("interface", fading_exponent),
+        "background_power": ("fall", law),
     }
-    missing = [name for name, value in found.items() if not np.isfinite(value).all()]
-    variables = {}
-    for name, value in found.items():
-        known = np.where(np.isfinite(value), value, CONSTANT[name])
-        variables[name] = DIMS.get(name, ()), known
+    missing = []
+    for name, (dims, values) in variables.items():
+        known = np.isfinite(values)
+        variables[name] = dims, np.where(known, values, CONSTANT.get(name, 0.0))
+        if not known.all():
+            missing.append(name)
     return variables, missing
 
 
 def _blocks(summary):
-    """Number of the block of each group, over the flight, -1 beyond the last whole one."""
-    numbers = []
-    n_before = 0
-    for n_groups in summary["n_groups"].values:
-        # A frame shorter than a block counts as one.
-        n_blocks = max(n_groups * GROUP_LINES // BLOCK_LINES, min(n_groups, 1))
-        middle = (np.arange(n_groups) + 0.5) * GROUP_LINES
-        number = (middle / BLOCK_LINES).astype(int)
-        numbers.append(np.where(number < n_blocks, number + n_before, -1))
-        n_before += n_blocks
-    return np.concatenate(numbers)
+    """Whether a group is in a block, (block, group), of all frames.
+
+    In no block are groups beyond the last whole one; a frame shorter than a block counts as one.
+    """
+    n_groups = summary["n_groups"].values
+    n_blocks = np.maximum(n_groups * GROUP_LINES // BLOCK_LINES, np.minimum(n_groups, 1))
+    first = np.repeat(n_blocks.cumsum() - n_blocks, n_groups)
+    number = (numbered(n_groups) + 0.5) * GROUP_LINES // BLOCK_LINES
+    whole = number < np.repeat(n_blocks, n_groups)
+    return whole & (first + number == np.arange(n_blocks.sum())[:, None])
 
 
-def _sums(values, block_of):
-    """Sums over the groups of each block, (block, ...)."""
-    total = np.zeros((block_of.max() + 1, *values.shape[1:]))
-    whole = block_of >= 0
-    np.add.at(total, block_of[whole], values[whole])
-    return total
-
-
-def _means(values, block_of):
-    """Means over the groups of each block, (block, column), NaN where fewer than half have one."""
+def _means(values, blocks):
+    """Means over the groups of each block, (block, ...), NaN where fewer than half have one."""
     known = np.isfinite(values)
-    n = _sums(known, block_of)
-    n_groups = _sums(np.ones((len(values), 1)), block_of)
-    total = _sums(np.where(known, values, 0), block_of)
+    n = blocks @ known.astype(float)
+    n_groups = blocks @ np.ones(known.shape)
+    total = blocks @ np.where(known, values, 0)
     return np.where(2 * n >= n_groups, total / np.maximum(n, 1), np.nan)
 
 
@@ -142,17 +119,16 @@ def common_and_own_spread(power_db):
     Common to a block's layers, and each layer's own beyond that. The mean product of two layers of
     one block is the common variance. Subtracting means over n blocks removes 1 / n.
     """
-    n = np.isfinite(power_db).sum(axis=0)
-    enough = n >= FEWEST
-    if not enough.any():
-        return np.nan, np.nan
-    n, power_db = n[enough], power_db[:, enough]
+    power_db = power_db[:, np.isfinite(power_db).sum(axis=0) >= FEWEST]
     known = np.isfinite(power_db)
-    anomaly = np.where(known, power_db - np.nanmean(power_db, axis=0), 0)
+    if not known.any():
+        return np.nan, np.nan
+    n = known.sum(axis=0)
+    anomaly = np.where(known, power_db - known_mean(power_db, axis=0), 0)
     deviation = anomaly * np.sqrt(n / (n - 1))
     squares = (deviation**2).sum()
-    total = squares / known.sum()
-    n_pairs = (known.sum(axis=1) ** 2).sum() - known.sum()
+    total = squares / n.sum()
+    n_pairs = (known.sum(axis=1) ** 2).sum() - n.sum()
     if n_pairs < FEWEST:
         return 0.0, np.sqrt(total)
     products = (deviation.sum(axis=1) ** 2).sum() - squares
@@ -160,7 +136,7 @@ def common_and_own_spread(power_db):
     return np.sqrt(common), np.sqrt(total - common)
 
 
-def _decay_spread(decay_rate, block_of):
+def _decay_spread(decay_rate, blocks):
     """Standard deviation of block means of log decay rate about each layer's mean.
 
     Less the part due to scatter within blocks.
@@ -168,18 +144,19 @@ def _decay_spread(decay_rate, block_of):
     logarithm = np.log(np.where(decay_rate > 0, decay_rate, np.nan))
     known = np.isfinite(logarithm)
     known &= known.sum(axis=0) >= 2
-    deviation = np.where(known, logarithm - mean_where(known, logarithm, axis=0), 0)
-    sums = [deviation.sum(axis=1), (deviation**2).sum(axis=1), known.sum(axis=1)]
-    sums = _sums(np.column_stack(sums), block_of)
-    total, square, n = sums[sums[:, 2] >= 2].T
+    deviation = np.where(known, logarithm - known_mean(logarithm, axis=0), 0)
+    n = blocks @ known.sum(axis=1)
+    mean = (blocks @ deviation.sum(axis=1)) / np.maximum(n, 1)
+    within = blocks @ (deviation**2).sum(axis=1) - n * mean**2
+    enough = n >= 2
+    n, mean, within = n[enough], mean[enough], within[enough]
     if n.size < FEWEST:
         return np.nan
-    mean = total / n
-    within = (square - n * mean**2) / (n - 1)
-    return np.sqrt(max(mean.var(ddof=1) - (within / n).mean(), 0.0))
+    chance = within / (n - 1) / n
+    return np.sqrt(max(mean.var(ddof=1) - chance.mean(), 0.0))
 
 
-def _further(groups, block_of, n_looks):
+def _further(groups, blocks, n_looks):
     """Mean spacing [bins] and rise [dB] of echoes in a block's mean profile below its last pick.
 
     They rise out of speckle over the profile beside them; NaN where there is none. The last pick is
@@ -187,32 +164,29 @@ def _further(groups, block_of, n_looks):
     """
     rises_db = []
     total_rows = 0
-    for block in range(block_of.max() + 1):
-        members = np.flatnonzero(block_of == block)
+    for members in map(np.flatnonzero, blocks):
         often = 2 * groups.present[members].sum(axis=0) >= members.size
         if not often[1:].any():
             continue
         last = np.flatnonzero(often)[-1]
         members = members[groups.present[members, last]]
-        pick = groups.position[members, last].mean(axis=1)
-        first = np.rint(pick).astype(int) - FIRST_ROW + BELOW_BINS
-        n_rows = max(groups.power.shape[1] - first.max(), 0)
-        lines = groups.power[members[:, None], first[:, None] + np.arange(n_rows)]
+        first = np.rint(groups.row[members, last]).astype(int) - FIRST_ROW + BELOW_BINS
+        below = np.arange(max(groups.power.shape[1] - first.max(), 0))
+        lines = groups.power[members[:, None], first[:, None] + below]
         lines = lines[:, np.isfinite(lines).all(axis=0)].astype(float)
-        n_lines, n_rows = lines.shape
-        if n_rows < FEWEST_ROWS:
+        if lines.shape[1] < FEWEST_ROWS:
             continue
-        deviation_db = DB / np.sqrt(n_looks * GROUP_LINES * n_lines)
+        deviation_db = DB / np.sqrt(n_looks * GROUP_LINES * members.size)
         profile_db = DB * np.log(np.maximum(lines.mean(axis=0), 1e-300))
         _, found = find_peaks(profile_db, prominence=PEAK_DEVIATIONS * deviation_db)
         rises_db.extend(found["prominences"])
-        total_rows += n_rows
+        total_rows += lines.shape[1]
     if not rises_db:
         return np.nan, np.nan
     return total_rows / len(rises_db), np.mean(rises_db)
 
 
-def _unpicked(groups, powers, by_layer):
+def _unpicked(groups, powers, waveform):
     """Power that no pick explains: mean by group, and coefficients of its law by `LAW_FALLS`.
 
     From below the surface's own echo on; the mean is over the rows in which all groups are
@@ -220,37 +194,36 @@ def _unpicked(groups, powers, by_layer):
     squares of the mean over groups, weighted by the speckle of all mean power.
     """
     rows = np.arange(groups.power.shape[1]) + FIRST_ROW
-    left = groups.power - groups.noise_power - _picked(groups, powers, by_layer, rows)
-    used = np.isfinite(left) & groups.present[:, :1] & (rows >= BACKGROUND_FROM)
-    deepest = np.where(groups.present, groups.position.mean(axis=2), 0).max(axis=1)
+    used = groups.present[:, :1] & (rows >= BACKGROUND_FROM)
+    power = np.where(used, groups.power, np.nan).astype(float)
+    left = power - groups.noise_power - _picked(groups, powers, waveform, rows)
+    deepest = np.where(groups.present, groups.row, 0).max(axis=1)
     shared = rows <= np.median(deepest) + BACKGROUND_BEYOND
-    mean = mean_where(used & shared, left, axis=1)
-    n = used.sum(axis=0)
-    level = np.nan_to_num(mean_where(used, left, axis=0))
-    total = np.nan_to_num(mean_where(used, groups.power.astype(float), axis=0))
+    mean = known_mean(left[:, shared], axis=1)
+    n = np.isfinite(left).sum(axis=0)
+    total = known_mean(power, axis=0)
     seen = (n >= FEWEST) & (total > 0)
     if seen.sum() < len(LAW_FALLS):
         return mean, np.full(len(LAW_FALLS), np.nan)
     scale = total[seen] / np.sqrt(n[seen])
     columns = np.exp(-rows[seen, None] / LAW_FALLS) / scale[:, None]
-    return mean, nnls(columns, level[seen] / scale)[0]
+    return mean, nnls(columns, known_mean(left, axis=0)[seen] / scale)[0]
 
 
-def _picked(groups, powers, by_layer, rows):
+def _picked(groups, powers, waveform, rows):
     """Power of the picked layers alone, (group, row)."""
-    variance, decay = by_layer["variance_bins2"], by_layer["decay_rate"]
-    known = np.isfinite(decay)
+    names = ("variance_bins2", "decay_rate", "offset_bins")
+    variance, decay, offset = (waveform[name][1] for name in names)
     # The deepest layer of `paper` has none.
-    typical = np.median(decay[known]) if known.any() else BACKGROUND_RISE
-    decay = np.where(known, decay, typical)
+    typical = np.nanmedian(decay) if decay.size > 1 else BACKGROUND_RISE
+    decay = np.where(np.isfinite(decay), decay, typical)
     lead, height = waveform_peak(variance, decay)
-    position = groups.position.mean(axis=2)
     spread = groups.spread.mean(axis=2) + groups.position.var(axis=2)
     total = np.zeros(groups.power.shape)
-    for layer, offset in enumerate(by_layer["offset_bins"]):
-        held = np.isfinite(powers[:, layer]) & np.isfinite(position[:, layer])
+    for layer in range(offset.size):
+        held = np.isfinite(powers[:, layer]) & np.isfinite(groups.row[:, layer])
         wide = variance[layer] + spread[held, layer, None]
-        lag = rows - position[held, layer, None] - offset + lead[layer]
+        lag = rows - groups.row[held, layer, None] - offset[layer] + lead[layer]
         wave = np.sqrt(variance[layer] / wide) * waveform_exact(lag, wide, decay[layer])
         total[held] += powers[held, layer, None] * (wave / height[layer])
     return total

@@ -31,13 +31,15 @@ def relief_by_zone(depth_bins, zone, n_zones, spacing_m):
 
     From layers (block, layer, range_line) [bins] below the surface, NaN in gaps, of a zone each.
     """
-    changes = [mean_square_changes(depth_bins[zone == z]) for z in range(n_zones)]
-    of_all = [np.isnan(change[TELLING]) for change in changes]
-    if any(of_all):
-        together = mean_square_changes(depth_bins)
-        changes = [np.where(few, together, own) for few, own in zip(of_all, changes, strict=True)]
-    fits = [fit_relief(change, LAGS * spacing_m) for change in changes]
-    return {name: ("zone", [fit[name] for fit in fits]) for name in fits[0]}, int(sum(of_all))
+    fits = []
+    n_of_all = 0
+    for z in range(n_zones):
+        change = mean_square_changes(depth_bins[zone == z])
+        if np.isnan(change[TELLING]):
+            change = mean_square_changes(depth_bins)
+            n_of_all += 1
+        fits.append(fit_relief(change, LAGS * spacing_m))
+    return {name: ("zone", [fit[name] for fit in fits]) for name in fits[0]}, n_of_all
 
 
 def mean_square_changes(depth_bins):

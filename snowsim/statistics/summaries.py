@@ -4,14 +4,13 @@ A frame becomes one dataset of about 0.4 kB per range line; those of a flight ar
 order.
 """
 
-from types import SimpleNamespace
-
 import numpy as np
 import xarray as xr
 
+from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import along_track_m, bin_size_s, check_echogram, check_layers, layer_bins_of
 from snowsim.limits import check_content, check_count
-from snowsim.statistics.moments import mean_where
+from snowsim.statistics.moments import known_mean
 
 GROUP_LINES = 20  # lines averaged incoherently, Yari et al. (2021), section III
 FIRST_ROW = -40  # averaged lines begin here, in bins from the surface
@@ -66,32 +65,29 @@ def summarise(echogram, layers, where="frame"):
     check_layers(layers, where)
     power = np.ascontiguousarray(echogram["Data"].transpose("slow_time", "twtt").values)
     layer_bins = layer_bins_of(layers, echogram)
+    n_lines, n_bins = power.shape
     empty = (power == 0).all(axis=1)
     power = np.where(empty[:, None], np.nan, power)
-    outside = (layer_bins <= -0.5) | (layer_bins >= power.shape[1] - 0.5)
+    outside = (layer_bins <= -0.5) | (layer_bins >= n_bins - 0.5)
     outside |= empty & np.isfinite(layer_bins)
     layer_bins = np.where(outside, np.nan, layer_bins)
+    lines = np.arange(n_lines)
     known = np.isfinite(layer_bins[0])
-    n_groups = len(power) // GROUP_LINES if known.any() else 0
     if not known.any():
         layer_bins[:] = np.nan
-        known[:] = True
-    picked = np.nan_to_num(layer_bins[0, known])
-    surface = np.interp(np.arange(len(power)), np.flatnonzero(known), picked)
+    n_groups = n_lines // GROUP_LINES * known.any()
+    surface = np.interp(lines, lines[known], layer_bins[0, known]) if known.any() else 0.0 * lines
     surface_row = np.rint(surface).astype(np.int64)
-    layer, line = np.nonzero(np.isfinite(layer_bins))
-    tracked = np.full(layer_bins.shape, np.nan, dtype=np.float32)
-    tracked[layer, line] = power[line, np.rint(layer_bins[layer, line]).astype(int)]
-    spacing_m = np.diff(along_track_m(echogram)) if len(power) > 1 else np.full(1, np.nan)
-    check_count(
-        f"{where}: neighbouring range lines with Latitude and Longitude",
-        np.isfinite(spacing_m).sum(),
-    )
+    rows = np.rint(np.nan_to_num(layer_bins)).astype(int)
+    tracked = np.where(np.isfinite(layer_bins), power[lines, rows], np.nan).astype(np.float32)
+    spacing_m = np.diff(along_track_m(echogram)) if n_lines > 1 else np.full(1, np.nan)
+    what = f"{where}: neighbouring range lines with Latitude and Longitude"
+    check_count(what, np.isfinite(spacing_m).sum())
     of_frame = {
         "start_ns": echogram["slow_time"].values[0].astype("datetime64[ns]").astype(np.int64),
         "bin_size_s": bin_size_s(echogram),
         "line_spacing_m": np.nanmedian(spacing_m),
-        "n_lines": len(power),
+        "n_lines": n_lines,
         "n_groups": n_groups,
         "n_outside": outside.sum(),
         "power_sum": np.nansum(tracked, dtype=float),
@@ -113,18 +109,17 @@ def _averaged(power, rows, surface_row, n_groups):
     inside = (range_bin >= 0) & (range_bin < power.shape[1])
     lines = np.take_along_axis(power[:n_lines], np.where(inside, range_bin, 0), axis=1)
     lines = np.where(inside, lines, np.nan).reshape(n_groups, GROUP_LINES, n_rows)
-    known = np.isfinite(lines)
     # A row that only some lines of a group reach would mix depths of different noise and fading.
-    often = 2 * known.sum(axis=1) >= GROUP_LINES
-    averaged = np.where(often, mean_where(known, lines.astype(float), axis=1), np.nan)
-    # Rows of each group and layer in order of depth, NaN last; their parts.
+    often = 2 * np.isfinite(lines).sum(axis=1) >= GROUP_LINES
+    averaged = np.where(often, known_mean(lines.astype(float), axis=1), np.nan)
+    # Rows of each group and layer in order of depth, NaN last, of which parts are then held.
     rows = np.sort(rows[:, :n_lines].reshape(len(rows), n_groups, GROUP_LINES).swapaxes(0, 1))
     n_picks = np.isfinite(rows).sum(axis=2)
-    part_of = np.arange(GROUP_LINES) * PARTS // np.maximum(n_picks, 1)[:, :, None]
-    parts = [part_of == part for part in range(PARTS)]
-    position = np.stack([mean_where(part, rows, axis=2) for part in parts], axis=2)
-    squares = np.stack([mean_where(part, rows**2, axis=2) for part in parts], axis=2)
-    spread = np.maximum(squares - position**2, 0)
+    part = np.arange(GROUP_LINES) * PARTS // np.maximum(n_picks, 1)[:, :, None]
+    held = part[:, :, None] == np.arange(PARTS)[:, None]
+    in_parts = np.where(held, rows[:, :, None], np.nan)
+    position = known_mean(in_parts, axis=3)
+    spread = np.maximum(known_mean(in_parts**2, axis=3) - position**2, 0)
     return {
         "power": (("group", "row"), averaged.astype(np.float32)),
         "position": (("group", "layer", "part"), position.astype(np.float32)),
@@ -141,44 +136,39 @@ def _air(power, air_end, n_groups):
     gain and overloaded lines; then its row's mean is subtracted, which removes bands of coherent
     noise. Both change a product by the same amount at every lag.
     """
-    air_end = air_end[: n_groups * GROUP_LINES]
-    n_bins = max(int(air_end.max(initial=0)), 0)
+    air_end = np.maximum(air_end[: n_groups * GROUP_LINES], 0)
+    n_bins = air_end.max(initial=0)
     air = power[: air_end.size, :n_bins].astype(float)
     held = (air > 0) & (np.arange(n_bins) < air_end[:, None])
     air = np.where(held, air, 0)
     total, count = air.sum(axis=1), held.sum(axis=1)
-    by_line = {"air_sum": total, "air_count": count}
-    gains = [
-        _gain_variance(air[first : first + GROUP_LINES], int(air_end[first:][:GROUP_LINES].min()))
-        for first in range(0, air_end.size, GROUP_LINES)
-    ]
-    air *= (count / np.maximum(total, np.finfo(float).tiny))[:, None]
-    air -= air.sum(axis=0) / np.maximum(held.sum(axis=0), 1)
-    by_line["air_products"] = _products(np.where(held, air, 0))
-    by_line["air_pairs"] = _products(held.astype(float)).astype(np.int64)
-    variables = {"gain_variance": ("group", np.array(gains, dtype=float))}
-    for name, values in by_line.items():
-        of_groups = values.reshape(n_groups, GROUP_LINES, *values.shape[1:]).sum(axis=1)
-        variables[name] = ("group", "air_lag")[: of_groups.ndim], of_groups
-    return variables
+    relative = air * (count / np.maximum(total, np.finfo(float).tiny))[:, None]
+    relative -= relative.sum(axis=0) / np.maximum(held.sum(axis=0), 1)
+    products = _products(np.where(held, relative, 0))
+    pairs = _products(held.astype(float)).astype(np.int64)
+    by_group = (n_groups, GROUP_LINES)
+    gains = map(_gain_variance, air.reshape(*by_group, n_bins), air_end.reshape(by_group))
+    return {
+        "air_sum": ("group", total.reshape(by_group).sum(axis=1)),
+        "air_count": ("group", count.reshape(by_group).sum(axis=1)),
+        "air_products": (("group", "air_lag"), products.reshape(*by_group, AIR_LAGS).sum(axis=1)),
+        "air_pairs": (("group", "air_lag"), pairs.reshape(*by_group, AIR_LAGS).sum(axis=1)),
+        "gain_variance": ("group", np.array(list(gains), dtype=float)),
+    }
 
 
-def _gain_variance(air, n_air):
+def _gain_variance(air, air_end):
     """Variance of the gain from line to line of a group [nepers^2], from its air (line, bin).
 
     It is the covariance of the logarithms of mean power in the upper and the lower half, without
     lines far from their median; NaN where few lines are left, or one is missing or padding.
     """
-    if n_air < 2:
-        return np.nan
-    parts = air[:, : n_air // 2], air[:, n_air // 2 : n_air]
-    n_held = np.array([(part > 0).sum(axis=1) for part in parts])
-    if not n_held.all():
-        return np.nan
-    halves = np.log(np.array([part.sum(axis=1) for part in parts]) / n_held)
-    both = halves.mean(axis=0) - np.median(halves)
+    n_air = air_end.min()
+    halves = air[:, : n_air // 2], air[:, n_air // 2 : n_air]
+    logarithm = np.log([known_mean(np.where(half > 0, half, np.nan), axis=1) for half in halves])
+    both = logarithm.mean(axis=0) - np.median(logarithm)
     near = np.abs(both) <= OVERLOADED * NORMAL_MAD * np.median(np.abs(both))
-    return np.cov(halves[:, near])[0, 1] if 2 * near.sum() > near.size else np.nan
+    return np.cov(logarithm[:, near])[0, 1] if 2 * near.sum() > near.size else np.nan
 
 
 def _products(values):
@@ -201,21 +191,22 @@ def merge(summaries):
     check_count("frames of a flight", len(summaries))
     for summary in summaries:
         check_content(summary, CONTENT, "summarise its frames again", "summary of a flight")
-    sizes = {}
-    for name in ("layer", "row"):
-        sizes[name] = max(summary.sizes[name] for summary in summaries)
+    sizes = {dim: max(summary.sizes[dim] for summary in summaries) for dim in ("layer", "row")}
     variables = {}
-    for name, variable in summaries[0].data_vars.items():
-        parts = [_padded(summary[name], sizes) for summary in summaries]
-        variables[name] = variable.dims, np.concatenate(parts)
-    # By content where frames share a time.
-    keys = [variables[name][1] for name in ("power_sum", "n_lines", "start_ns")]
-    order = np.lexsort(keys)
-    place = np.argsort(order)
+    for name, first in summaries[0].data_vars.items():
+        fill = np.nan if first.dtype.kind == "f" else 0
+        parts = []
+        for variable in (summary[name] for summary in summaries):
+            lacking = [(0, sizes.get(dim, n) - n) for dim, n in variable.sizes.items()]
+            parts.append(np.pad(variable.values, lacking, constant_values=fill))
+        variables[name] = first.dims, np.concatenate(parts)
     merged = xr.Dataset(variables, attrs=summaries[0].attrs)
+    # By content where frames share a time.
+    order = np.lexsort([merged[name] for name in ("power_sum", "n_lines", "start_ns")])
     index = {"frame": order}
     for dim, n in (("range_line", "n_lines"), ("group", "n_groups")):
-        index[dim] = np.argsort(np.repeat(place, merged[n].values), kind="stable")
+        place = np.repeat(np.argsort(order), merged[n])
+        index[dim] = np.argsort(place, kind="stable")
     merged = merged.isel(index)
     bin_s = merged["bin_size_s"].values
     others = np.flatnonzero(np.abs(bin_s - bin_s[0]) > SAME_BIN_SIZE * bin_s[0])
@@ -227,20 +218,22 @@ def merge(summaries):
     return merged
 
 
-def _padded(variable, sizes):
-    """Values of a variable, its layers and rows filled up with NaN, integers with 0."""
-    missing = [(0, sizes.get(dim, size) - size) for dim, size in variable.sizes.items()]
-    fill = np.nan if variable.dtype.kind == "f" else 0
-    return np.pad(variable.values, missing, constant_values=fill)
+def numbered(of_frame):
+    """Numbers from 0 of so many things in each frame, of all frames."""
+    return np.arange(of_frame.sum()) - np.repeat(of_frame.cumsum() - of_frame, of_frame)
 
 
-def frames_of(summary):
-    """Frames of a summary with `depth_bins (layer, range_line)`, surface and line spacing."""
-    last_lines = summary["n_lines"].values.cumsum()[:-1]
-    depths = np.split(summary["depth_bins"].values.T, last_lines, axis=1)
-    surfaces = np.split(summary["surface_bins"].values, last_lines)
-    frames = zip(depths, surfaces, summary["line_spacing_m"].values, strict=True)
-    return [
-        SimpleNamespace(depth_bins=depth, surface_bins=surface, line_spacing_m=spacing_m)
-        for depth, surface, spacing_m in frames
-    ]
+def in_stretches(summary, name, n_lines, n_whole):
+    """A variable of range lines in stretches of so many, `n_whole` of each frame.
+
+    Of shape (stretch, range_line, ...); float64.
+    """
+    of_frame = summary["n_lines"].values
+    within = numbered(of_frame) < np.repeat(n_whole * n_lines, of_frame)
+    values = summary[name].values[within].astype(float)
+    return values.reshape(-1, n_lines, *values.shape[1:])
+
+
+def in_blocks(summary, name):
+    """A variable of range lines in whole blocks of all frames, (block, range_line, ...)."""
+    return in_stretches(summary, name, BLOCK_LINES, summary["n_lines"].values // BLOCK_LINES)

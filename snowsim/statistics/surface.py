@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from snowsim.constants import BLOCK_LINES
-from snowsim.statistics.moments import mean_where
+from snowsim.statistics.moments import known_mean
+from snowsim.statistics.summaries import in_blocks
 
 # Of the steps that whole-bin levelling makes, above which a product is taken to do so.
 LEVELLED_SHARE = 0.5
 LEVELLED_CHANGE = 1 / 6  # [bins^2] mean square change of what it leaves, uniform within a bin
 LAGS = 2 ** np.arange(8)  # [range lines]
 LENGTHS = 2 ** np.arange(-1, 10.01, 0.125)  # [range lines] of the slow error
+TINY = 1e-100
 
 
 def surface_statistics(summary):
@@ -18,41 +19,24 @@ def surface_statistics(summary):
     A product levels the aircraft's movement m in whole bins, which leaves ``m - round(m)``; a slow
     error comes on top, of standard deviation `surface_error_bins` and Gaussian correlation
     ``exp(-(h / surface_error_length_m)^2)``. `surface_movement_bins` is the r.m.s. of m from one
-    range line to the next, 0 where a product does not level in whole bins.
+    range line to the next, 0 where a product does not level in whole bins. The error is that of
+    least squares of relative residuals; its length is one of `LENGTHS`.
     """
-    whole = []
-    for frame in summary:
-        n_blocks = frame.surface_bins.size // BLOCK_LINES
-        whole.append(frame.surface_bins[: n_blocks * BLOCK_LINES])
-    rows = np.concatenate(whole).astype(float).reshape(-1, BLOCK_LINES)
+    rows = in_blocks(summary, "surface_bins")
     movement = _movement(rows[np.isfinite(rows).all(axis=1)])
-    steps = [rows[:, lag:] - rows[:, :-lag] for lag in LAGS]
-    change = np.array([mean_where(np.isfinite(step), step**2, axis=None) for step in steps])
-    left = LEVELLED_CHANGE * (movement > 0)
-    deviation, length_lines = _slow_error(change, left)
-    spacing_m = float(np.median([frame.line_spacing_m for frame in summary]))
+    change = np.array([known_mean((rows[:, lag:] - rows[:, :-lag]) ** 2) for lag in LAGS])
+    told = change > 0
+    shape = 2 * (1 - np.exp(-((LAGS[told] / LENGTHS[:, None]) ** 2))) / change[told]
+    target = 1 - LEVELLED_CHANGE * (movement > 0) / change[told]
+    square = np.maximum((shape**2).sum(axis=1), TINY)
+    variance = np.maximum((shape * target).sum(axis=1), 0) / square
+    best = (variance**2 * square).argmax()
+    length_m = LENGTHS[best] * np.median(summary["line_spacing_m"])
     return {
-        "surface_error_bins": ((), deviation),
-        "surface_error_length_m": ((), length_lines * spacing_m),
+        "surface_error_bins": ((), np.sqrt(variance[best])),
+        "surface_error_length_m": ((), length_m),
         "surface_movement_bins": ((), movement),
     }
-
-
-def _slow_error(change, left):
-    """Deviation and length of an error that changes by `change` (lag,), less what levelling left.
-
-    By least squares of relative residuals; the length is one of `LENGTHS`.
-    """
-    known = np.flatnonzero(change > 0)
-    if known.size == 0:
-        return 0.0, 1.0
-    measured = change[known]
-    shape = 2 * (1 - np.exp(-((LAGS[known] / LENGTHS[:, None]) ** 2))) / measured
-    target = 1 - left / measured
-    product = np.maximum((shape * target).sum(axis=1), 0)
-    square = (shape**2).sum(axis=1)
-    best = (product**2 / square).argmax()
-    return np.sqrt(product[best] / square[best]), LENGTHS[best]
 
 
 def _movement(rows):

@@ -10,9 +10,10 @@ import numpy as np
 from snowsim.constants import BLOCK_LINES
 from snowsim.echogram import zone_of
 from snowsim.limits import check_count
-from snowsim.statistics.moments import mean_where
+from snowsim.statistics.moments import known_mean
 from snowsim.statistics.relief import relief_by_zone
 from snowsim.statistics.spectrum import thickness_spectra
+from snowsim.statistics.summaries import in_blocks
 from snowsim.statistics.surface import surface_statistics
 
 N_ZONES = 4
@@ -34,7 +35,7 @@ class Blocks:
     typical: np.ndarray  # thickness of slab 0, (zone,)
 
 
-def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
+def thickness_statistics(summary, *, estimator, zone_edge_bins=None):
     """Statistics of thickness and of the surface's row: variables and attributes, two dicts.
 
     Variables are name to (dimensions, values): `zone_edge_bins (edge)`; `thickness_mean_bins`,
@@ -54,55 +55,48 @@ def thickness_statistics(summary, n_layers, *, estimator, zone_edge_bins=None):
     with too few everywhere takes the one above. ValueError if no block has slab 0 picked in half of
     its lines.
     """
-    depth_bins = depth_blocks(summary, n_layers)
+    depth_bins = in_blocks(summary, "depth_bins").swapaxes(1, 2)
+    n_layers = depth_bins.shape[1]
     mean = block_means(np.diff(depth_bins, axis=1))
     what = f"zones need slab 0 picked in half of a block of {BLOCK_LINES} lines: blocks"
     check_count(what, np.isfinite(mean[:, :1]).sum())
     level = block_levels(mean)
     placed = np.isfinite(level)
-    edges = zone_edge_bins
-    if edges is None:
-        edges = np.quantile(level[placed], np.linspace(0, 1, N_ZONES + 1))
-    edges = np.asarray(edges, dtype=float)
-    zone = zone_of(level[placed], edges)
-    blocks = Blocks(mean[placed], level[placed], zone, _typical(level[placed], zone, edges))
     # Below the surface, down to the deepest slab known.
-    n_below = np.where(np.isfinite(mean), np.arange(1, mean.shape[1] + 1), 0).max(axis=1)
-    by_layers = np.zeros((len(edges) - 1, n_layers), dtype=int)
-    np.add.at(by_layers, (zone, n_below[placed]), 1)
-    quantiles = np.quantile(blocks.level, np.linspace(0, 1, N_QUANTILES))
-    moments = moments_by_zone(blocks)
-    variables = moments | {
-        "zone_edge_bins": ("edge", edges),
-        "relative_thickness_correlation": ("separation", mean_correlation(blocks, moments)),
-        "first_thickness_quantile_bins": ("quantile", quantiles),
-        "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
-    }
+    n_below = np.where(np.isfinite(mean), np.arange(1, n_layers), 0).max(axis=1, initial=0)
     attributes = {
         "n_blocks": len(mean),
         "n_blocks_not_placed": int((~placed).sum()),
         "n_blocks_without_layers": int((n_below == 0).sum()),
     }
+    level, mean, depth_bins = level[placed], mean[placed], depth_bins[placed]
+    if zone_edge_bins is None:
+        zone_edge_bins = np.quantile(level, np.linspace(0, 1, N_ZONES + 1))
+    edges = np.asarray(zone_edge_bins, dtype=float)
+    zone = zone_of(level, edges)
+    # The middle of a zone without blocks.
+    typical = (edges[:-1] + edges[1:]) / 2
+    for z in np.unique(zone):
+        typical[z] = level[zone == z].mean()
+    blocks = Blocks(mean, level, zone, typical)
+    by_layers = np.zeros((typical.size, n_layers), dtype=int)
+    np.add.at(by_layers, (zone, n_below[placed]), 1)
+    quantiles = np.quantile(level, np.linspace(0, 1, N_QUANTILES))
+    variables = moments_by_zone(blocks)
+    variables |= {
+        "zone_edge_bins": ("edge", edges),
+        "relative_thickness_correlation": ("separation", mean_correlation(blocks, variables)),
+        "first_thickness_quantile_bins": ("quantile", quantiles),
+        "n_blocks_by_layers": (("zone", "n_layers"), by_layers),
+    }
     if estimator == "paper":
-        variables |= thickness_spectra(np.diff(depth_bins[placed], axis=1), blocks)
+        variables |= thickness_spectra(np.diff(depth_bins, axis=1), blocks)
     else:
-        spacing_m = float(np.median([frame.line_spacing_m for frame in summary]))
-        relief, n_of_all = relief_by_zone(depth_bins[placed], zone, len(edges) - 1, spacing_m)
+        spacing_m = float(np.median(summary["line_spacing_m"]))
+        relief, n_of_all = relief_by_zone(depth_bins, zone, typical.size, spacing_m)
         variables |= relief
         attributes["n_zones_of_all_relief"] = n_of_all
     return variables | surface_statistics(summary), attributes
-
-
-def depth_blocks(summary, n_layers):
-    """Picks below the surface in whole blocks of all frames, (block, layer, range_line) [bins]."""
-    blocks = []
-    for frame in summary:
-        n_blocks = frame.depth_bins.shape[1] // BLOCK_LINES
-        held = frame.depth_bins[:n_layers, : n_blocks * BLOCK_LINES]
-        depth = np.full((n_layers, n_blocks, BLOCK_LINES), np.nan)
-        depth[: len(held)] = held.reshape(len(held), n_blocks, BLOCK_LINES)
-        blocks.append(depth.swapaxes(0, 1))
-    return np.concatenate(blocks)
 
 
 def block_means(thickness):
@@ -110,9 +104,8 @@ def block_means(thickness):
 
     NaN where fewer than half do.
     """
-    known = np.isfinite(thickness)
-    often = 2 * known.sum(axis=2) >= thickness.shape[2]
-    return np.where(often, mean_where(known, thickness, axis=2), np.nan)
+    often = 2 * np.isfinite(thickness).sum(axis=2) >= thickness.shape[2]
+    return np.where(often, known_mean(thickness, axis=2), np.nan)
 
 
 def block_levels(mean):
@@ -123,17 +116,13 @@ def block_levels(mean):
     logarithms, in alternating sweeps that start from blocks with slab 0. NaN for a block that
     shares no slab with the others.
     """
-    known = np.isfinite(mean)
-    own = known[:, 0]
-    logarithm = np.log(np.where(known, mean, 1))
-    picked = np.where(own, logarithm[:, 0], np.nan)
-    level = picked
+    logarithm = np.log(mean)
+    picked = level = logarithm[:, 0]
     for _ in range(MOST_SWEEPS):
         before = level
-        placed = known & np.isfinite(level)[:, None]
-        factor = mean_where(placed, logarithm - level[:, None], axis=0)
-        rated = known & np.isfinite(factor)
-        level = np.where(own, picked, mean_where(rated, logarithm - factor, axis=1))
+        factor = known_mean(logarithm - level[:, None], axis=0)
+        others = known_mean(logarithm - factor, axis=1)
+        level = np.where(np.isfinite(picked), picked, others)
         if np.allclose(level, before, rtol=0, atol=LEVEL_TOLERANCE, equal_nan=True):
             break
     return np.exp(level)
@@ -145,31 +134,30 @@ def moments_by_zone(blocks):
     shape = (blocks.typical.size, known.shape[1])
     n = np.zeros(shape, dtype=int)
     np.add.at(n, blocks.zone, known)
-    names = ("thickness_mean_bins", "thickness_variance_bins2")
-    names += ("relative_thickness_mean", "relative_thickness_variance")
-    moments = {name: np.zeros(shape) for name in names}
-    n_in_all = n.sum(axis=0)
+    share = blocks.mean / blocks.level[:, None]
+    moments = np.zeros((4, *shape))
     for zone, slab in np.ndindex(shape):
+        held = known[:, slab]
         if n[zone, slab] >= MINIMUM_BLOCKS:
-            held = known[:, slab] & (blocks.zone == zone)
-            values = blocks.mean[held, slab]
+            held = held & (blocks.zone == zone)
+            thickness = blocks.mean[held, slab]
         elif slab == 0:
             # It defines a zone: the placed blocks give it even where its own picks are few.
-            held = known[:, 0]
-            away = blocks.level - blocks.typical[blocks.zone]
-            values = blocks.typical[zone] + away
-        elif n_in_all[slab] >= MINIMUM_BLOCKS:
-            held = known[:, slab]
-            values = blocks.mean[held, slab] / blocks.level[held] * blocks.typical[zone]
+            thickness = blocks.typical[zone] + (blocks.level - blocks.typical[blocks.zone])
+        elif held.sum() >= MINIMUM_BLOCKS:
+            thickness = share[held, slab] * blocks.typical[zone]
         else:
-            for table in moments.values():
-                table[zone, slab] = table[zone, slab - 1]
+            moments[:, zone, slab] = moments[:, zone, slab - 1]
             continue
-        share = blocks.mean[held, slab] / blocks.level[held]
-        for name, cell in zip(names, (*_gaussian(values), *_gaussian(share)), strict=True):
-            moments[name][zone, slab] = cell
+        cell = []
+        for values in (thickness, share[held, slab]):
+            # A single value has no variance.
+            cell += [values.mean(), values.var(ddof=min(values.size - 1, 1))]
+        moments[:, zone, slab] = cell
+    names = ("thickness_mean_bins", "thickness_variance_bins2")
+    names += ("relative_thickness_mean", "relative_thickness_variance", "n_samples")
     on = ("zone", "slab")
-    return {name: (on, table) for name, table in moments.items()} | {"n_samples": (on, n)}
+    return {name: (on, values) for name, values in zip(names, [*moments, n], strict=True)}
 
 
 def mean_correlation(blocks, moments):
@@ -181,33 +169,17 @@ def mean_correlation(blocks, moments):
     """
     names = ("relative_thickness_mean", "relative_thickness_variance", "n_samples")
     mean, variance, n = (moments[name][1][blocks.zone] for name in names)
-    relative = blocks.mean / blocks.level[:, None]
-    counts = np.isfinite(relative) & (n >= MINIMUM_BLOCKS) & (variance > 0)
-    deviation = np.sqrt(np.where(counts, variance * (n - 1) / np.maximum(n, 1), 1))
-    anomaly = np.where(counts, relative - mean, 0) / deviation
-    n_slabs = relative.shape[1]
-    correlation = np.zeros(n_slabs)
-    for apart in range(1, n_slabs):
-        above = anomaly[:, 1 : n_slabs - apart]
-        below = anomaly[:, 1 + apart :]
-        both = (above != 0) & (below != 0)
+    counts = (n >= MINIMUM_BLOCKS) & (variance > 0)
+    scale = np.sqrt(np.where(counts, variance * (n - 1) / np.maximum(n, 1), np.nan))
+    anomaly = ((blocks.mean / blocks.level[:, None] - mean) / scale)[:, 1:]
+    correlation = np.zeros(mean.shape[1])
+    for apart in range(1, correlation.size):
+        above, below = anomaly[:, :-apart], anomaly[:, apart:]
+        both = np.isfinite(above * below)
         correlation[apart] = correlation[apart - 1]
         if both.sum() >= MINIMUM_PAIRS:
             squares = (above[both] ** 2).sum() * (below[both] ** 2).sum()
-            correlation[apart] = (above * below).sum() / np.sqrt(squares)
+            correlation[apart] = (above * below)[both].sum() / np.sqrt(squares)
     # Of separation 0 it is 1, set last: until then its 0 stands in at separation 1.
     correlation[:1] = 1
     return correlation
-
-
-def _typical(level, zone, edges):
-    """Mean thickness of slab 0 in each zone, (zone,); the middle of one without blocks."""
-    typical = (edges[:-1] + edges[1:]) / 2
-    for z in np.unique(zone):
-        typical[z] = level[zone == z].mean()
-    return typical
-
-
-def _gaussian(values):
-    """Mean and variance of independent values; a single one has no variance."""
-    return values.mean(), values.var(ddof=1) if values.size > 1 else 0.0

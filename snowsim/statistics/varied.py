@@ -24,9 +24,10 @@ OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
     "width_bins": 1,
-    "width_bound_bins": 1,
     "decay_rate": -1,
 }
+# Ranges whose values are uniform in the logarithm.
+LOG_UNIFORM = ("thickness", "pulse_length", "n_looks", "tail_length", "line_spacing", "bin_size")
 
 
 @dataclass(frozen=True)
@@ -102,22 +103,15 @@ class Variation:
     @classmethod
     def draw(cls, ranges, *, rng):
         """One draw, its values independent."""
-        return cls(
-            thickness=_log_uniform(ranges.thickness, rng),
-            pulse_length=_log_uniform(ranges.pulse_length, rng),
-            noise_db=rng.uniform(*ranges.noise_db),
-            background_db=rng.uniform(*ranges.background_db),
-            line_gain_spread_db=rng.uniform(*ranges.line_gain_spread_db),
-            n_looks=_log_uniform(ranges.n_looks, rng),
-            correlated=bool(rng.uniform() < ranges.correlated_share),
-            crusts_per_slab=rng.uniform(*ranges.crusts_per_slab),
-            crust_db=rng.uniform(*ranges.crust_db),
-            bands_per_100_bins=rng.uniform(*ranges.bands_per_100_bins),
-            band_db=rng.uniform(*ranges.band_db),
-            tail_length=_log_uniform(ranges.tail_length, rng),
-            line_spacing=_log_uniform(ranges.line_spacing, rng),
-            bin_size=_log_uniform(ranges.bin_size, rng),
-        )
+        drawn = {}
+        for name, bounds in asdict(ranges).items():
+            if name == "correlated_share":
+                drawn["correlated"] = bool(rng.uniform() < bounds)
+            elif name in LOG_UNIFORM:
+                drawn[name] = float(np.exp(rng.uniform(*np.log(bounds))))
+            else:
+                drawn[name] = rng.uniform(*bounds)
+        return cls(**drawn)
 
 
 def varied(statistics, *, rng, ranges=None):
@@ -175,42 +169,25 @@ def changed(statistics, variation):
     factors["decay_rate"] /= variation.tail_length
     factors["noise_power"] = 10 ** (variation.noise_db / 10)
     factors["background_power"] = 10 ** (variation.background_db / 10)
-    new = {}
+    other = statistics.copy()
     for name, factor in factors.items():
         if name in OF_ONE_ESTIMATOR and name not in statistics:
             continue
         check_choice("a flight statistic", name, list(map(str, statistics.variables)))
-        new[name] = statistics[name].copy(data=statistics[name].values * factor)
-    gain_db = variation.line_gain_spread_db
+        other[name].data = statistics[name].values * factor
     # Statistics of images hold neither gain nor correlation.
-    if gain_db is not None and "line_gain_spread_db" in statistics:
-        gain = statistics["line_gain_spread_db"]
-        new["line_gain_spread_db"] = gain.copy(data=np.full_like(gain.values, gain_db))
+    if variation.line_gain_spread_db is not None and "line_gain_spread_db" in statistics:
+        other["line_gain_spread_db"].data = np.array(variation.line_gain_spread_db)
     if "speckle_correlation" in statistics:
-        correlation = statistics["speckle_correlation"]
-        stretched = _stretched(correlation.values, variation)
-        new["speckle_correlation"] = correlation.copy(data=stretched)
-    attributes = {f"varied_{name}": _stored(value) for name, value in asdict(variation).items()}
+        correlation = statistics["speckle_correlation"].values
+        lag = np.arange(correlation.size)
+        of_bins = np.interp(lag * variation.bin_size, lag, correlation)
+        # Where it is not correlated, of none but the bin itself.
+        other["speckle_correlation"].data = of_bins if variation.correlated else 1.0 * (lag == 0)
+    for name, value in asdict(variation).items():
+        # A file holds no truth values.
+        told = int(value) if isinstance(value, bool) else value
+        other.attrs[f"varied_{name}"] = "flight" if value is None else told
     if variation.n_looks is not None:
-        attributes["n_looks"] = variation.n_looks
-    return statistics.assign(new).assign_attrs(attributes)
-
-
-def _stretched(correlation, variation):
-    """Correlation of speckle by lag in range bins of another size; of none but the bin itself."""
-    lag = np.arange(correlation.size)
-    if not variation.correlated:
-        return (lag == 0).astype(correlation.dtype)
-    return np.interp(lag * variation.bin_size, lag, correlation).astype(correlation.dtype)
-
-
-def _stored(value):
-    """A value as an attribute of a file; what stays the flight's is named so."""
-    if value is None:
-        return "flight"
-    return int(value) if isinstance(value, bool) else float(value)
-
-
-def _log_uniform(bounds, rng):
-    """One draw between bounds, uniform in the logarithm."""
-    return float(np.exp(rng.uniform(*np.log(bounds))))
+        other.attrs["n_looks"] = variation.n_looks
+    return other

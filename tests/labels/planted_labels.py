@@ -3,6 +3,8 @@
 import numpy as np
 import xarray as xr
 
+from snowsim.constants import STATISTICS_CONTENT
+
 N_LINES = 256
 SPACING_M = 5.0
 RELIEF = {
@@ -52,7 +54,6 @@ def planted(n_slabs=20, n_layers=(3, 8), **changes):
         "peak_power": ("layer", peak_power),
         "variance_bins2": ("layer", np.full(8, 0.6)),
         "decay_rate": ("layer", np.full(8, 0.1)),
-        "width_bound_bins": ("bound", [10.0, 15.0]),
         "background_power": ("fall", [0.0, 5e-3, 1e-3]),
     }
     variables |= {name: ("zone", values) for name, values in RELIEF.items()}
@@ -62,4 +63,5 @@ def planted(n_slabs=20, n_layers=(3, 8), **changes):
     dataset = xr.Dataset(variables, coords={"fall": [30.0, 100.0, 1000.0]})
     for name, values in changes.items():
         dataset[name] = dataset[name].dims, values
-    return dataset.assign_attrs(n_looks=1000.0, line_spacing_m=SPACING_M)
+    attrs = {"content": STATISTICS_CONTENT, "n_looks": 1000.0, "line_spacing_m": SPACING_M}
+    return dataset.assign_attrs(attrs)

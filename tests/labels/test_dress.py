@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
+from snowsim.constants import STATISTICS_CONTENT
 from snowsim.echoes import Kind
 from snowsim.labels import dress
 from snowsim.phy import mean_power
@@ -17,10 +18,9 @@ def statistics():
             "peak_power": ("layer", [1.0, 0.3, 0.2]),
             "decay_rate": ("layer", [0.09, 0.07, np.nan]),
             "variance_bins2": ("layer", [11.0, 12.0, 13.0]),
-            "width_bound_bins": ("bound", [10.0, 15.0]),
             "noise_power": 1e-3,
         },
-        attrs={"n_looks": 100.0},
+        attrs={"content": STATISTICS_CONTENT, "n_looks": 100.0},
     )
 
 

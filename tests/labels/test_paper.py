@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from planted_labels import N_LINES, planted
 
 from snowsim.echoes import Kind
-from snowsim.labels import draw_paper_scene
+from snowsim.front import scenes
+from snowsim.labels import draw_paper_scene, dress, prepare
 
 WAVENUMBER = np.fft.rfftfreq(N_LINES)
 
@@ -90,3 +91,18 @@ def test_wider_scenes_do_not_repeat_themselves(rng):
 def test_statistics_without_a_plain_spectrum_are_refused(rng):
     with pytest.raises(ValueError, match="need thickness_psd, all finite"):
         draw_paper_scene(planted(), N_LINES, name="", rng=rng)
+
+
+@pytest.mark.parametrize(
+    "door",
+    [
+        lambda statistics: prepare(statistics, 64),
+        lambda statistics: draw_paper_scene(statistics, 64, name="", rng=1),
+        lambda statistics: dress(np.zeros((1, 4)), statistics),
+        lambda statistics: scenes(2, statistics=statistics, rng=1),
+    ],
+    ids=["prepare", "draw_paper_scene", "dress", "scenes"],
+)
+def test_statistics_of_an_earlier_version_are_refused_in_one_line(door):
+    with pytest.raises(ValueError, match="statistics: content must be .* got 'earlier': fit them"):
+        door(planted().assign_attrs(content="earlier"))

@@ -7,13 +7,6 @@ from planted import peak_of, width_of
 from snowsim import statistics
 
 BOUNDS = {"peak_power": 0.03, "decay_rate": 0.05, "variance_bins2": 0.2, "noise_power": 0.01}
-ONE_ZONE = [0, 1, 2, 3, 100]  # edges that leave all blocks to the last zone
-
-
-def assert_planted(fitted, planted):
-    for name, bound in BOUNDS.items():
-        assert_allclose(fitted[name], getattr(planted, name), rtol=bound, err_msg=name)
-    assert_allclose(fitted["width_bins"], planted.of_each(width_of), atol=1)
 
 
 @pytest.mark.parametrize("align", ["peak", "gaussian"])
@@ -22,7 +15,9 @@ def test_deblended_recovers_what_was_planted(planted, rng, align, n_looks, n_fra
     fitted = statistics.fit(planted.flight(rng, n_frames=n_frames, n_looks=n_looks, align=align))
     # Sampling errors here are 0.3 to 1 % for powers and rates, 3 % for variances, 0.2 % for the
     # noise: within a third.
-    assert_planted(fitted, planted)
+    for name, bound in BOUNDS.items():
+        assert_allclose(fitted[name], getattr(planted, name), rtol=bound, err_msg=name)
+    assert_allclose(fitted["width_bins"], planted.of_each(width_of), atol=1)
     offset = [row for row, _ in planted.of_each(peak_of)]
     assert_allclose(fitted["offset_bins"], offset if align == "gaussian" else 0, atol=0.4)
     assert (fitted["substituted"] == 0).all()
@@ -55,33 +50,3 @@ def test_eq_2_is_read_off_a_line_as_printed():
     # 1/e is reached after 10 bins; between bins the exponential is taken as straight, off by less
     # than 0.1^2 / 8 bins.
     assert_allclose(fitted["width_bins"].values[0], 10, atol=2e-3)
-
-
-@pytest.mark.slow
-def test_everything_planted_comes_back_from_200_scenes(planted, rng):
-    n_scenes, n_lines = 200, 256
-    mean = 44 + 3 * rng.standard_normal((n_scenes, 1)) + rng.standard_normal((n_scenes, 4))
-    walk = 0.1 * rng.standard_normal((n_scenes, 4, n_lines))
-    thickness = (
-        mean[..., None]
-        + np.cumsum(walk, axis=2)
-        - np.cumsum(walk, axis=2).mean(axis=2, keepdims=True)
-    )
-
-    def frames():
-        for index, slabs in enumerate(thickness):
-            surface = np.full((1, n_lines), 60.3)
-            layer_bins = np.cumsum(np.concatenate([surface, slabs]), axis=0)
-            power = planted.power(layer_bins, int(layer_bins.max()) + 60)
-            yield made_up_frame(rng.gamma(5, power / 5), layer_bins, minute=index)
-
-    summary = statistics.merge(statistics.summarise(*frame) for frame in frames())
-    fitted = statistics.estimate(summary, zone_edge_bins=ONE_ZONE)
-    assert_planted(fitted, planted)
-    # 200 scenes: means to 0.5 %, variances to 10 %, which 6400 blocks test (above): here four of
-    # those.
-    assert_allclose(fitted["thickness_mean_bins"][3], 44, rtol=0.03)
-    assert_allclose(fitted["thickness_variance_bins2"][3], 10, rtol=0.4)
-    # Walks: a slab changes by 0.01 bins^2 a line, and layers have no relief of their own.
-    per_line = fitted["slab_change_bins2"] * (5.2 / 1000) ** fitted["slab_exponent"]
-    assert_allclose(64 ** fitted["slab_exponent"][3] * per_line[3], 0.64, rtol=0.3)

@@ -44,31 +44,31 @@ SPREADS = (
 )
 SPREAD_BOUND = 0.15
 WHERE = ["layer", "zone", "slab", "interface"]
-NUMBERS = ["given", "recovered", "error"]
+NUMBERS = ["flight", "recovered", "error"]
 COLUMNS = ["quantity", *WHERE, *NUMBERS, "unit", "bound", "within"]
 # One in so many averaged range lines of a scene is kept: six of twelve still follow fading along
 # the scene.
 STRIDE = 2
 
 
-def compare(given, recovered, *, varies=True):
-    """Statistics re-estimated from renders beside those given, a row for each measured value.
+def compare(flight, recovered, *, varies=True):
+    """Statistics of a flight and those re-estimated from renders, a row for each measured value.
 
     `layer`, `zone`, `slab` and `interface` (surface or buried) are -1 where a quantity has none;
-    `error` is recovered against given, in `unit`. Where label sets have one radiometry,
+    `error` is recovered against the flight's, in `unit`. Where label sets have one radiometry,
     nothing `varies` and `SPREADS` are left out.
     """
     bounds = BOUNDS | dict.fromkeys(SPREADS, SPREAD_BOUND) if varies else BOUNDS
     tables = [
-        _compared(quantity, bound, given, recovered)
+        _compared(quantity, bound, flight, recovered)
         for quantity, bound in bounds.items()
         # Estimates by `paper`, and those of images, lack some.
-        if quantity in given and quantity in recovered
+        if quantity in flight and quantity in recovered
     ]
     return pd.concat(tables, ignore_index=True)
 
 
-def _compared(quantity, bound, given, recovered):
+def _compared(quantity, bound, flight, recovered):
     """The rows of `compare` of one quantity: not where it was substituted, or pooled over zones."""
     found = recovered[quantity]
     if "layer" in found.dims:
@@ -76,18 +76,18 @@ def _compared(quantity, bound, given, recovered):
     if "slab" in found.dims:
         found = found.where(recovered["n_samples"] >= MINIMUM_BLOCKS)
     numbers = {
-        "given": given[quantity],
+        "flight": flight[quantity],
         "recovered": found,
     }
     # Label sets may have other numbers of layers than the flight: what both have is compared.
     series = {name: values.expand_dims("row").to_series() for name, values in numbers.items()}
     table = pd.concat(series, axis=1, join="inner").dropna().reset_index()
-    table = table[table["given"] != 0]
+    table = table[table["flight"] != 0]
     if quantity.startswith("relative_"):
         table = table[table["slab"] > 0]  # slab 0 is one in units of itself
     unit = "bins" if quantity in IN_BINS else "relative"
-    scale = 1.0 if quantity in IN_BINS else table["given"]
-    error = (table["recovered"] - table["given"]) / scale
+    scale = 1.0 if quantity in IN_BINS else table["flight"]
+    error = (table["recovered"] - table["flight"]) / scale
     table = table.assign(
         quantity=quantity,
         error=error,
@@ -115,18 +115,18 @@ def thinned(summary, stride):
     return kept.assign(n_groups=("frame", [kept.sizes["group"]]))
 
 
-def summarise_renders(scenes, given, phy, *, stream):
-    """Sums over renders of (number, scene) by statistics `given` and the settings `phy`.
+def summarise_renders(scenes, flight, phy, *, stream):
+    """Sums over renders of (number, scene) by statistics of a flight and the settings `phy`.
 
     `stream` gives the random generator of a scene by its name.
     """
-    geometry = {name: given.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
+    geometry = {name: flight.attrs[name] for name in ("bin_size_s", "line_spacing_m")}
     # As many looks as the flight: 20 lines average as many here as there.
     summaries = []
     for number, scene in scenes:
         # By scene, never by shard: how scenes are divided must not change them.
         rng = stream(scene.name)
-        echoes = redress(scene, given)
+        echoes = redress(scene, flight)
         rendered = (echoes.bins, echoes.parameters(), scene.n_range_bins)
         power = render(*rendered, rng=rng, as_printed=is_printed(phy))
         frame = as_frame(power, scene.layer_bins, number, **geometry)
@@ -134,17 +134,17 @@ def summarise_renders(scenes, given, phy, *, stream):
     return merge(summaries)
 
 
-def recovery_table(summary, given, *, varies):
-    """`compare` of the statistics that renders give back, by the zones of those `given`.
+def recovery_table(summary, flight, *, varies):
+    """`compare` of the statistics that renders give back, by the zones of the flight.
 
     Without rows where renders are too few or too poor for any; the log says why.
     """
-    edges = given["zone_edge_bins"].values
+    edges = flight["zone_edge_bins"].values
     try:
-        recovered = estimate(summary, estimator=given.attrs["estimator"], zone_edge_bins=edges)
+        recovered = estimate(summary, estimator=flight.attrs["estimator"], zone_edge_bins=edges)
     except ValueError as error:
         logger.warning(
             "closed loop: nothing is recovered from %d renders: %s", summary.sizes["frame"], error
         )
         return pd.DataFrame(columns=COLUMNS)
-    return compare(given, recovered, varies=varies)
+    return compare(flight, recovered, varies=varies)

@@ -11,9 +11,9 @@ from snowsim.seeding import random_stream
 
 with job(snakemake):
     stream = partial(random_stream, snakemake.params.seed, "closed_loop")
-    given = read_dataset(snakemake.input.statistics)
+    flight = read_dataset(snakemake.input.statistics)
     with SceneSet(snakemake.input.layers) as drawn:
         scenes = enumerate(progress(drawn, "closed loop"), snakemake.params.first)
-        sums = summarise_renders(scenes, given, snakemake.params.phy, stream=stream)
+        sums = summarise_renders(scenes, flight, snakemake.params.phy, stream=stream)
     sums.attrs["synthetic"] = "renders by PHY, not observed data"
     write_dataset(snakemake.output.summary, sums)

@@ -8,6 +8,6 @@ from snowsim.statistics import merge
 
 with job(snakemake):
     renders = merge(map(read_dataset, snakemake.input.summaries))
-    given = read_dataset(snakemake.input.statistics)
-    table = recovery_table(renders, given, varies=snakemake.params.varies)
+    flight = read_dataset(snakemake.input.statistics)
+    table = recovery_table(renders, flight, varies=snakemake.params.varies)
     write_table(snakemake.output.table, table)
