@@ -47,6 +47,6 @@ def check_content(dataset, content, remedy, where):
         raise ValueError(msg)
 
 
-def check_statistics(statistics):
-    """ValueError unless flight statistics are of this version."""
-    check_content(statistics, STATISTICS_CONTENT, "fit them again", "statistics")
+def check_statistics(statistics, where="statistics"):
+    """ValueError, naming `where`, unless flight statistics are of this version."""
+    check_content(statistics, STATISTICS_CONTENT, "fit them again", where)
