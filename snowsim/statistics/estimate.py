@@ -47,7 +47,8 @@ def estimate(summary, *, estimator="deblended", zone_edge_bins=None):
     -------
     xarray.Dataset
         `noise_power`; of the waveform `peak_power`, `decay_rate`, `width_bins`, `variance_bins2`,
-        `offset_bins` of its peak below the pick, `n_picks`, `n_groups` and `substituted (layer)`;
+        `offset_bins` of its peak below the pick, `n_picks`, `n_groups` and `substituted (layer)`,
+        `width_bound_bins (bound)` of the uniform law that has mean and variance of measured widths;
         of `deblended` alone `own_shape (layer)` and `mean_waveform (layer, lag)`; of thickness what
         `thickness_statistics` returns; how power, noise and decay vary, see `radiometry`; tracked
         power against Gamma(M), autocorrelation of speckle down range and along-track spectra of
@@ -125,8 +126,11 @@ def waveform(summary, noise_power, estimator):
         powers = known_mean(of_groups, axis=1) - noise_power
     else:
         variables, powers = deblended_waveform(groups, tracked_power, decay)
-    n_widths = np.isfinite(width).sum()
-    check_count("averaged layers whose power falls to 1/e before the next", n_widths)
+    widths = np.sort(width[np.isfinite(width)])
+    check_count("averaged layers whose power falls to 1/e before the next", widths.size)
+    half = np.sqrt(3) * widths.std()
+    bounds = np.clip(widths.mean() + [-half, half], widths[0], widths[-1])
+    variables["width_bound_bins"] = "bound", bounds
     variables["n_picks"] = "layer", np.isfinite(tracked).sum(axis=0)
     variables["n_groups"] = "layer", present.sum(axis=0)
     return variables, groups, powers, decay
