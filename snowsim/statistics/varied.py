@@ -14,13 +14,13 @@ OF_THICKNESS = {
     "first_thickness_quantile_bins": 1,
     "thickness_mean_bins": 1,
     "thickness_variance_bins2": 2,
+    "relief_variance_bins2": 2,
+    "slab_change_bins2": 2,
     "thickness_psd": 2,
     "further_spacing_bins": 1,
 }
-# Relief in metres grows with thickness: over the zones of the flight by powers of .89 and .86.
-RELIEF = ("relief_variance_bins2", "slab_change_bins2")
 # Of these, each estimator has its own.
-OF_ONE_ESTIMATOR = (*RELIEF, "thickness_psd")
+OF_ONE_ESTIMATOR = ("relief_variance_bins2", "slab_change_bins2", "thickness_psd")
 OF_PULSE_LENGTH = {
     "variance_bins2": 2,
     "width_bins": 1,
@@ -122,9 +122,9 @@ def varied(statistics, *, rng, ranges=None):
     line to line, looks, size of range bins, and whether speckle is correlated; see `Ranges`. What
     no statistic holds is drawn, too, and stands in the attributes alone: crusts, bands of noise,
     and the distance of range lines. What label sets and PHY read changes consistently: a factor of
-    thickness moves means and zones alike, relief as between zones. Neglected: numbers of layers,
-    powers of layers relative to the surface and fading stay the flight's, and so do, in range bins,
-    the depths over which the power of unpicked snow falls and the movement of the surface.
+    thickness moves means, zones and relief alike. Neglected: numbers of layers, powers of layers
+    relative to the surface and fading stay the flight's, and so do, in range bins, the depths over
+    which the power of unpicked snow falls and the movement of the surface.
     Correlation of speckle follows the size of bins, not the pulse. Statistics that nothing is drawn
     from, as measured waveforms, stay, too.
 
@@ -167,7 +167,6 @@ def changed(statistics, variation):
     pulse_length = variation.pulse_length / variation.bin_size
     factors = {name: thickness**power for name, power in OF_THICKNESS.items()}
     factors |= {name: pulse_length**power for name, power in OF_PULSE_LENGTH.items()}
-    factors |= dict.fromkeys(RELIEF, variation.thickness / variation.bin_size**2)
     factors["decay_rate"] /= variation.tail_length
     factors["noise_power"] = 10 ** (variation.noise_db / 10)
     factors["background_power"] = 10 ** (variation.background_db / 10)

@@ -10,10 +10,10 @@ from snowsim.front import REFERENCE
 from snowsim.io.files import read_dataset
 from snowsim.labels import draw, draw_scene, dress, prepare
 from snowsim.statistics import Ranges, Variation, changed, varied
-from snowsim.statistics.varied import LOG_UNIFORM, OF_PULSE_LENGTH, OF_THICKNESS, RELIEF
+from snowsim.statistics.varied import LOG_UNIFORM, OF_PULSE_LENGTH, OF_THICKNESS
 
 # Statistics that some variation changes, and attributes.
-CHANGES = {*OF_THICKNESS, *OF_PULSE_LENGTH, *RELIEF, "noise_power", "background_power"}
+CHANGES = {*OF_THICKNESS, *OF_PULSE_LENGTH, "noise_power", "background_power"}
 CHANGES |= {"line_gain_spread_db", "speckle_correlation"}
 
 
@@ -30,24 +30,19 @@ def test_no_variation_changes_nothing(flight):
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
-def test_thicker_snow_is_drawn_as_much_thicker_and_its_relief_grows_by_the_root(flight, factor):
+def test_thicker_snow_is_drawn_as_much_thicker_and_as_wavy(flight, factor):
     other = changed(flight, Variation(thickness=factor))
-    n_compared = 0
     for seed in range(8):
         layers = draw(flight, 256, rng=np.random.default_rng(seed))
         scaled = draw(other, 256, rng=np.random.default_rng(seed))
         assert scaled.shape == layers.shape
-        slabs, other_slabs = np.diff(layers, axis=0), np.diff(scaled, axis=0)
-        mean = slabs.mean(axis=1, keepdims=True)
+        slabs = np.diff(layers, axis=0)
         # Thin slabs are mirrored at one bin, which does not scale: compare those far from it.
-        thick = (slabs.min(axis=1) > 4) & (other_slabs.min(axis=1) > 4)
-        expected = factor * mean + np.sqrt(factor) * (slabs - mean)
+        thick = (slabs > 4) & (factor * slabs > 4)
         # Thickness is a multiple of 2^-12 bins.
-        assert_allclose(other_slabs[thick], expected[thick], atol=2**-10)
-        n_compared += thick.sum()
+        assert_allclose(np.diff(scaled, axis=0)[thick], factor * slabs[thick], atol=2**-11)
         # The surface is the radar's.
         assert_array_equal(scaled[0], layers[0])
-    assert n_compared > 8
 
 
 def test_longer_pulses_have_the_same_shape_stretched(flight):
@@ -91,8 +86,6 @@ def test_half_as_large_bins_hold_the_same_snow_and_pulse_in_twice_as_many(flight
     # The shipped statistics are of one estimator.
     for name in {*OF_THICKNESS, *OF_PULSE_LENGTH} & set(flight.variables):
         assert_array_equal(finer[name], twice[name], err_msg=name)
-    for name in RELIEF:
-        assert_array_equal(finer[name], 4 * flight[name], err_msg=name)
     correlation = flight["speckle_correlation"].values
     assert_array_equal(
         finer["speckle_correlation"][::2], correlation[: (len(correlation) + 1) // 2]
