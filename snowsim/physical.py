@@ -328,8 +328,8 @@ def physical_parameters(snowpack, radar):
 
     Travel times (layer, range_line); `peak_power` (layer, range_line) relative to a flat mirror at
     the radar's height, `variance_bins2` and `decay_rate` (layer,). They are meant for
-    ``normalise="none"`` and ``align="gaussian"``: the Gaussian lies at the interface's own travel
-    time, and what width and tail spread is taken off its height.
+    PHY's ``as_printed=True``: the Gaussian lies at the interface's own travel time, and what width
+    and tail spread is taken off its height.
 
     Interfaces are incoherent with each other, multiples are left out. Power: Fresnel at normal
     incidence with ``n = 1 + 0.845 rho``, Kovacs et al. (1995), losses at the interfaces above,

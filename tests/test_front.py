@@ -1,7 +1,6 @@
 """What people script with: a radar simulated, and scenes without a run."""
 
 import pickle
-import re
 from pathlib import Path
 
 import numpy as np
@@ -36,16 +35,6 @@ def test_a_simulated_echogram_is_read_back_and_its_layers_lie_where_light_takes_
     path_m = 500 + np.cumsum([0, 1 + 0.845 * 0.34, 1.5 * (1 + 0.845 * 0.4)])
     delay_s = 2 * path_m / SPEED_OF_LIGHT_M_S
     assert_allclose(twtt, np.tile(delay_s[:, None], 5), rtol=1e-12)
-
-
-def test_scenes_of_two_seeds_are_not_mixed_in_a_folder(tmp_path):
-    snowsim.scenes(3, rng=1, n_range_lines=16).write(tmp_path / "few")
-    before = sorted((tmp_path / "few").iterdir())
-    others = snowsim.scenes(2, rng=2, n_range_lines=16)
-    with pytest.raises(ValueError, match="few: folder: expected an empty or a new one, found 10"):
-        others.write(tmp_path / "few")
-    assert sorted((tmp_path / "few").iterdir()) == before
-    assert others.write(tmp_path / "few", force=True)["n_scenes"] == 2
 
 
 def test_layers_are_as_bright_as_their_power_and_noise_as_deep_as_the_radar_says(rng):
@@ -100,12 +89,7 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
     for form in ("pairs", "netcdf", "zarr"):
         assert some.write(tmp_path / form, form)["n_scenes"] == 2
     assert some.write(tmp_path / "zarr", "zarr", force=True)["n_scenes"] == 2
-    scene = some.scene(1)
-    with xr.open_dataset(tmp_path / "netcdf/scene_drawn_000001.nc") as kept:
-        assert_array_equal(kept["image"], scene.image)
-    with xr.open_zarr(tmp_path / "zarr/scene_drawn_000001.zarr", consolidated=False) as kept:
-        assert_array_equal(kept["layer_bins"], scene.layer_bins)
-    assert_array_equal(PairSet(tmp_path / "pairs")[1].image, scene.image)
+    assert_array_equal(PairSet(tmp_path / "pairs")[1].image, some[1][0])
 
 
 @pytest.mark.parametrize(
@@ -116,7 +100,6 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
             "^renderer must be one of phy, got 'cgan'$",
         ),
         (lambda: snowsim.scenes(0, rng=1), "^n must be a whole number of at least 1, got 0$"),
-        (lambda: snowsim.scenes(2, rng=1, n_looks=-1), "n_looks must be finite, at least 1, got"),
         (
             lambda: snowsim.scenes(2, rng=1, renderer=lambda scene: scene.image)[0],
             r"renderer: expected an image \(\d+, 256\) of scene drawn_000000, got \(\)",
@@ -129,26 +112,18 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
             ),
             "travel time from the radar to the surface must be finite, above 0",
         ),
-        (
-            lambda: snowsim.scenes(2, rng=1).write("x", "gif"),
-            "format must be one of pairs, netcdf, zarr, got 'gif'",
-        ),
-        (lambda: snowsim.Radar.preset("sonar"), "radar must be one of snow-2-8, .*, got 'sonar'"),
         # All in GHz and nanoseconds.
         (
             lambda: snowsim.Radar(centre_hz=5, bandwidth_hz=6, bin_s=0.0867),
             "centre_hz in hertz must be finite, above 1e.06, got 5",
         ),
         (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-12), "bin_s must be longer"),
-        (lambda: snowsim.Radar.preset("snow-2-8", bin_s=1e-8), "1.5 range cells, must be .* 3.75e"),
         # By default it falls to 1 / e within one sample of the sweep.
         (lambda: snowsim.Radar.preset("snow-2-8", window="exponential"), "window exponential uses"),
-        (lambda: snowsim.Radar.preset("snow-2-8", height_m="500"), "height_m must .* got '500'"),
         (
             lambda: snowsim.Snowpack([0, 2, 1], [300, 300, 300]),
             "depth_m must increase with layer: its steps must be finite, above 0, got -1",
         ),
-        (lambda: snowsim.Snowpack([0, 1], [300, 0]), "density_kg_m3 must .* at least 1, .* got 0"),
         (lambda: snowsim.Snowpack([0, 1], [0.34, 0.4]), "density_kg_m3 must be .* got 0.34 at"),
         (
             lambda: snowsim.Snowpack(["top", 1], [300, 300]),
@@ -158,18 +133,11 @@ def test_scenes_are_written_in_every_format_and_written_over(tmp_path):
             lambda: snowsim.Snowpack([0, 1], np.ma.array([340, 400], mask=[False, True])),
             "density_kg_m3 must be finite",
         ),
-        (lambda: snowsim.Climate(accumulation_m=0.3, n_years=0), "n_years must .* 1000, got 0"),
         (
             lambda: snowsim.simulate(
                 snowsim.Snowpack(np.zeros((1, 7)), [300]), "ku-12-18", n_range_lines=8, rng=None
             ),
             "n_range_lines must be the 7 of the snowpack, got 8",
-        ),
-        (
-            lambda: snowsim.simulate(
-                snowsim.Snowpack(**SNOW), "snow-2-8", n_range_lines=10**6, rng=1
-            ),
-            "n_range_lines must be at most some 6.*, 1 GiB, .* got 1000000: simulate parts",
         ),
         (
             lambda: snowsim.simulate(snowsim.Snowpack(**SNOW), "snow-2-8", rng="one"),
@@ -195,16 +163,13 @@ def test_the_statistics_of_the_package_are_small_and_those_of_the_default_run():
     xr.testing.assert_allclose(kept, made, rtol=1e-4)
 
 
-def radar_numbers():
-    return [name for name in vars(PRESETS["snow-2-8"]) if name != "window"]
-
-
 def test_commands_write_what_the_functions_give(tmp_path):
     assert set(cli.PRESETS) == set(PRESETS)
     asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "height_m", "400"]
+    asked += ["--set", "window", "blackman"]
     assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
     climate = snowsim.Climate(accumulation_m=0.3)
-    radar = snowsim.Radar.preset("snow-2-8", height_m=400.0)
+    radar = snowsim.Radar.preset("snow-2-8", height_m=400.0, window="blackman")
     rng = np.random.default_rng(0)
     echogram, layers = snowsim.simulate(climate, radar, n_range_lines=4, rng=rng)
     xr.testing.assert_equal(read_dataset(tmp_path / "a.nc"), echogram)
@@ -212,9 +177,6 @@ def test_commands_write_what_the_functions_give(tmp_path):
     done = CliRunner().invoke(cli.simulate, [*asked, "--force", "--set", "colour", "1"])
     assert done.exit_code == 2
     assert "a radar has no colour, but bandwidth_hz, " in done.output
-    assert set(radar_numbers()) <= set(re.findall(r"\w+", done.output))
-    done = CliRunner().invoke(cli.simulate, ["--help"])
-    assert "\n    snowsim simulate echogram.nc" in done.output
     done = CliRunner().invoke(cli.scenes, [str(tmp_path / "s"), "-n", "2", "--range-lines", "16"])
     assert done.output.startswith("n_scenes 2")
     assert len(list((tmp_path / "s").glob("data_*.png"))) == 2
@@ -230,11 +192,8 @@ def test_all_names_people_script_with_come_with_a_star():
 @pytest.mark.parametrize(
     "window",
     [
-        "hamming",
-        "blackman",
         "taylor",
         ("chebwin", 60),
-        ("kaiser", 8.6),
         ("kaiser_bessel_derived", 14),
         ("exponential", None, 500),
     ],
@@ -336,21 +295,11 @@ def test_any_function_of_a_scene_renders():
     assert image[mask > 0].min() > np.median(image)
     assert_array_equal(mine[2][0], image)
     assert np.isfinite(mine.scene(2).maximum_db)
-    grey = snowsim.scenes(
-        2, rng=1, n_range_lines=64, renderer=lambda scene: 9 * scene.mask().astype(np.uint8)
-    )
-    assert set(np.unique(grey[1][0])) == {0, 9}
 
 
 def test_a_mirror_is_told_that_its_speckle_is_full():
     with pytest.warns(UserWarning, match="roughness_m is 0, but speckle is full"):
         snowsim.simulate(snowsim.Snowpack(**SNOW, roughness_m=0), "snow-2-8", rng=1)
-
-
-def test_the_command_takes_a_window_by_its_name(tmp_path):
-    asked = [str(tmp_path / "a.nc"), "--range-lines", "4", "--set", "window", "blackman"]
-    assert CliRunner().invoke(cli.simulate, asked).exit_code == 0
-    assert xr.load_dataset(tmp_path / "a.nc").attrs["window"] == "blackman"
 
 
 def test_what_takes_seconds_shows_a_bar_on_a_terminal(monkeypatch, tmp_path, capsys):

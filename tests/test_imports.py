@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-import snowsim.reference
-
 PACKAGE = Path(__file__).resolve().parents[1] / "snowsim"
 CORE = {
     "constants",
@@ -130,10 +128,3 @@ def test_the_main_path_imports_nothing_that_judges_it():
         for path in (PACKAGE.parent / "workflow" / folder).glob("*.py"):
             names = imported_names(path)
             assert not [name for name in names if name.startswith(("evaluation", "main_path"))]
-
-
-def test_the_reference_flight_has_the_names_it_promises_and_no_other():
-    for name in snowsim.reference.__all__:
-        assert getattr(snowsim.reference, name).__name__ == name
-    with pytest.raises(AttributeError, match="has no attribute 'draw_nothing'"):
-        _ = snowsim.reference.draw_nothing

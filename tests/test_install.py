@@ -12,9 +12,7 @@ import pytest
 from test_site import PUBLIC
 from test_tutorial import NOT_COPIED, blocks
 
-from snowsim.echogram import layer_mask
 from snowsim.io.files import write_dataset
-from snowsim.io.images import write_image
 from snowsim.reference import checked_settings, draw_climate, draw_frame
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -99,17 +97,6 @@ def test_what_is_built_works_in_a_bare_environment(built, tmp_path, monkeypatch,
     assert "all 1 images" in scored
 
 
-def write_predictions(folder):
-    """Three true masks of four layers, and predictions of a bin below."""
-    waves = np.round(3 * np.sin(np.arange(256) / 20))
-    layers = 60 + 30 * np.arange(4)[:, None] + waves
-    truth = layer_mask(layers, 300)
-    predicted = 200 * layer_mask(layers + 1, 300)
-    for name in "abc":
-        write_image(folder / f"test/layer_binary_{name}.png", truth)
-        write_image(folder / f"predictions/fuse/data_{name}.png", predicted.astype("u1"))
-
-
 def write_frames(folder):
     """Two frames of the reference flight with their table."""
     settings = checked_settings({"radar": {"n_range_bins": 1000}})
@@ -133,7 +120,6 @@ def test_the_readme_s_scripts_run_with_what_they_say_they_need(
     needed, *lines = SCRIPTS[number].splitlines()
     assert sum(bool(line.strip()) for line in lines) <= 10
     extra = re.fullmatch(r"# pip install \"?\.(\[\w+\])?\"?", needed)[1] or ""
-    write_predictions(tmp_path)
     write_frames(tmp_path)
     python = bare(tmp_path, f"{next(built.glob('*.whl'))}{extra}")
     (tmp_path / "script.py").write_text(SCRIPTS[number])

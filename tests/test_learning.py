@@ -42,7 +42,6 @@ def test_training_from_the_shipped_tracker_starts_at_its_weights(tmp_path):
     ("card", "expected"),
     [
         (None, r"expected a tracker that comes with the package \(universal\)"),
-        ('{"format": "snowsim tracker 1", "sha256": "0"}', "expected that of its card, sha256 0"),
         ("[]", r"expected a card of format 'snowsim tracker 1', got \[\]"),
     ],
 )

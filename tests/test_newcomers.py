@@ -1,4 +1,4 @@
-"""Five newcomers, each with their own files and the wheel in an environment of their own."""
+"""Three newcomers, each with their own files and the wheel in an environment of their own."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from test_install import bare, built, run_in, write_frames, write_predictions  # noqa: F401
+from test_install import bare, built, run_in, write_frames  # noqa: F401
 
 from snowsim.io.files import write_dataset
 from snowsim.reference import checked_settings, draw_climate, draw_frame
@@ -85,26 +85,6 @@ def test_one_trains_on_scenes_and_tracks_with_the_network(snowsim, tmp_path):
     run("train", "drawn", "-o", "mine.onnx", "--from", "universal", "--steps", 20)
     run("track", "test_e.nc", "-o", "picked", "--model", "mine.onnx")
     assert (tmp_path / "picked/test_e_layers.nc").is_file()
-
-
-def test_one_scores_a_tracker_of_their_own(snowsim, tmp_path):
-    write_predictions(tmp_path)
-    (tmp_path / "predictions/fuse/data_b.png").unlink()
-    scored = snowsim()("score", "predictions", "test")
-    assert "truths without a prediction count as empty maps (1 of 3): b" in scored
-
-
-def test_one_tracks_frames_without_annotation(snowsim, tmp_path):
-    write_frames(tmp_path)
-    run = snowsim("[track]")
-    run("track", "test_e.nc", "statistics_e.nc", "-o", "picked", "--png")
-    for name in ("test_e", "statistics_e"):
-        layers = xr.load_dataset(tmp_path / f"picked/{name}_layers.nc")
-        assert layers["layer"][0] == "surface"
-        assert np.isfinite(layers["twtt"].values[1:]).any()
-        assert (tmp_path / f"picked/{name}_picks.png").is_file()
-    with pytest.raises(AssertionError, match="expected none to be there"):
-        run("track", "test_e.nc", "-o", "picked")
 
 
 @pytest.mark.parametrize("n_frames", [1, 6])

@@ -24,7 +24,7 @@ OLDER = {
     "ATEN_CPU_CAPABILITY": "default",
     "ONEDNN_MAX_CPU_ISA": "AVX2",
 }
-N_SCENES = 40
+N_SCENES = 20
 COMPUTED = """
 import sys
 import numpy as np

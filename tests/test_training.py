@@ -3,7 +3,6 @@
 from dataclasses import asdict, replace
 from itertools import islice
 
-import numpy as np
 import pytest
 import torch
 from trainings import begun, same, trained
@@ -23,7 +22,6 @@ NAMES = {
     "published tracker": PUBLISHED,
 }
 ALL = pytest.mark.parametrize("settings", NAMES.values(), ids=NAMES)
-BOTH = pytest.mark.parametrize("settings", [CGAN, TRACKER], ids=["cgan", "tracker"])
 
 
 @ALL
@@ -33,7 +31,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_does_not(settings):
     assert not same(first, other)
 
 
-@pytest.mark.parametrize("n_before", [1, 4, 5])
+@pytest.mark.parametrize("n_before", [4, 5])
 @ALL
 def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_before, tmp_path):
     whole, losses = trained(settings)
@@ -57,23 +55,9 @@ def test_a_resumed_training_equals_an_uninterrupted_one_to_the_byte(settings, n_
     ).read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("settings", "change"),
-    [
-        (CGAN, {"precision": "float32"}),
-        (TRACKER, {"precision": "float32", "n_range_bins": None}),
-    ],
-)
-def test_every_variant_takes_finite_steps(settings, change):
-    _, losses = trained(replace(settings, n_steps=2, **change))
-    assert len(losses) == 2
-    assert np.isfinite([list(step.values()) for step in losses]).all()
-
-
-@BOTH
-def test_a_training_that_diverges_says_so(settings):
+def test_a_training_that_diverges_says_so():
     with pytest.raises(FloatingPointError, match="diverged at step"):
-        trained(replace(settings, n_steps=50, learning_rate=1e30))
+        trained(replace(TRACKER, n_steps=50, learning_rate=1e30))
 
 
 @pytest.mark.parametrize(

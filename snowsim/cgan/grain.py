@@ -35,17 +35,22 @@ class Grain(nn.Module):
         n_patches, n_range_bins, n_range_lines = is_snow.shape
         shape = (n_patches, 2, n_range_bins, n_range_lines)
         noise = rng.standard_normal(shape, dtype=np.float32)
-        texture = correlated(noise[:, 1], TEXTURE_LINES, axis=2)
-        noise[:, 1] = correlated(texture, TEXTURE_BINS, axis=1) * is_snow
-        gains = rng.standard_normal((n_patches, 1, 1, n_range_lines), dtype=np.float32)
+        along = correlated(noise[:, 1], TEXTURE_LINES, axis=2)
+        texture = correlated(along, TEXTURE_BINS, axis=1)
+        noise[:, 1] = texture * is_snow
+        shape = (n_patches, 1, 1, n_range_lines)
+        gains = rng.standard_normal(shape, dtype=np.float32)
         return {"grain": torch.from_numpy(noise), "gains": torch.from_numpy(gains)}
 
     def forward(self, noise):
         """Grain of some noise."""
-        white, texture = noise["grain"].to(self.skew).split(1, dim=1)
+        both = noise["grain"].to(self.skew)
+        gains = noise["gains"].to(self.gain)
+        white, texture = both.split(1, dim=1)
         skewed = white + self.skew * (white**2 - 1) / 2**0.5
-        total = skewed / torch.sqrt(1 + self.skew**2) + UNIT * self.size * texture
-        return self.filter(total) + self.gain * noise["gains"].to(self.gain)
+        speckle = skewed / torch.sqrt(1 + self.skew**2)
+        total = speckle + UNIT * self.size * texture
+        return self.filter(total) + self.gain * gains
 
     def mismatch(self, lacking, is_snow):
         """How far its covariance and third moment are from those of what images lack in snow.
@@ -56,16 +61,21 @@ class Grain(nn.Module):
         distances = [distance for distance in DISTANCES if distance < lacking.shape[3]]
         found = change_covariance(lacking, is_snow, lags, distances)
         unit = found[0, 0].clamp(min=1e-6)  # a crop may lack snow
-        of_covariance = ((self.covariance(lags, distances) - found) ** 2).sum() / unit**2
+        error = self.covariance(lags, distances) - found
+        of_covariance = (error**2).sum() / unit**2
         third = third_moment(lacking, is_snow)
-        return of_covariance + (self.third_moment() - third) ** 2 / unit**3
+        error = self.third_moment() - third
+        return of_covariance + error**2 / unit**3
 
     def covariance(self, lags, distances):
         """That of `change_covariance` in snow, by the weights."""
         weights = self.filter.weight[0, 0, :, 0]
-        white, texture = torch.from_numpy(_covariances(lags, distances)).to(weights)
-        noise = white + (UNIT * self.size.sum()) ** 2 * texture
-        return torch.einsum("dljk,j,k->dl", noise, weights, weights) + self.gain**2
+        of_noise = torch.from_numpy(_covariances(lags, distances))
+        white, texture = of_noise.to(weights)
+        size = UNIT * self.size.sum()
+        noise = white + size**2 * texture
+        filtered = torch.einsum("dljk,j,k->dl", noise, weights, weights)
+        return filtered + self.gain**2
 
     def third_moment(self):
         """Mean third power, of the skewed noise alone."""
@@ -80,7 +90,9 @@ def correlated(white, length, *, axis):
     rest = np.sqrt(1 - share**2)
     white = np.moveaxis(white, axis, -1).copy()
     white[..., 0] /= rest
-    return np.moveaxis(lfilter([rest], np.float32([1, -share]), white), -1, axis)
+    feedback = np.float32([1, -share])
+    filtered = lfilter([rest], feedback, white)
+    return np.moveaxis(filtered, -1, axis)
 
 
 def _covariances(lags, distances):
@@ -89,11 +101,14 @@ def _covariances(lags, distances):
     (2, distance, lag, j, k).
     """
     steps = np.arange(N_WEIGHTS)
-    apart = np.abs(np.array(lags)[:, None, None] + steps[:, None] - steps)
+    lags = np.array(lags)[:, None, None]
+    apart = np.abs(lags + steps[:, None] - steps)
     distances = np.array(distances)[:, None, None, None]
-    white = np.broadcast_to(apart == 0, (len(distances), *apart.shape))
+    shape = (len(distances), *apart.shape)
+    white = np.broadcast_to(apart == 0, shape)
     changed = 1 - np.exp(-distances / TEXTURE_LINES)
-    texture = changed * np.exp(-apart / TEXTURE_BINS)
+    alike = np.exp(-apart / TEXTURE_BINS)
+    texture = changed * alike
     return np.array([white, texture], dtype=np.float32)
 
 
@@ -105,17 +120,22 @@ def change_covariance(image, held, lags, distances):
     found = torch.zeros(len(distances), len(lags), device=image.device)
     for row, distance in enumerate(distances):
         both = held[..., distance:] & held[..., :-distance]
-        change = (image[..., distance:] - image[..., :-distance]) * both
+        change = image[..., distance:] - image[..., :-distance]
+        change = change * both
         height = change.shape[2]
         for column, lag in enumerate(lags):
-            product = change[:, :, lag:] * change[:, :, : height - lag]
-            n_held = (both[:, :, lag:] & both[:, :, : height - lag]).sum().clamp(min=1)
+            above = slice(0, height - lag)
+            product = change[:, :, lag:] * change[:, :, above]
+            pairs = both[:, :, lag:] & both[:, :, above]
+            n_held = pairs.sum().clamp(min=1)
             found[row, column] = product.sum() / n_held / 2
     return found
 
 
 def third_moment(image, held):
     """Mean third power of what pixels held are above the mean of their range bin."""
-    n_held = held.sum(dim=(0, 3), keepdim=True).clamp(min=1)
-    mean = (image * held).sum(dim=(0, 3), keepdim=True) / n_held
-    return (((image - mean) * held) ** 3).sum() / held.sum().clamp(min=1)
+    across = {"dim": (0, 3), "keepdim": True}
+    n_held = held.sum(**across).clamp(min=1)
+    mean = (image * held).sum(**across) / n_held
+    above = (image - mean) * held
+    return (above**3).sum() / held.sum().clamp(min=1)

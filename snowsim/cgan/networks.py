@@ -92,8 +92,8 @@ class Norm(nn.Module):
     def forward(self, x):
         """Features of mean 0 and variance 1 at each pixel, before gain and offset."""
         channels_last = x.permute(0, 2, 3, 1)
-        size = x.shape[1:2]
-        normed = functional.layer_norm(channels_last, size, self.weight, self.bias, EPSILON)
+        affine = (self.weight, self.bias, EPSILON)
+        normed = functional.layer_norm(channels_last, x.shape[1:2], *affine)
         return normed.permute(0, 3, 1, 2)
 
 
@@ -132,8 +132,9 @@ def initialise(network, *, rng):
             if name.endswith("bias"):
                 parameter.zero_()
                 continue
-            mean = np.float32(1 if parameter.ndim == 1 else 0)
-            drawn = rng.standard_normal(tuple(parameter.shape), dtype=np.float32)
+            mean = np.float32(parameter.ndim == 1)
+            shape = tuple(parameter.shape)
+            drawn = rng.standard_normal(shape, dtype=np.float32)
             weights = mean + np.float32(0.02) * drawn
             parameter.copy_(torch.from_numpy(weights))
 

@@ -4,7 +4,6 @@ import numpy as np
 from numba import njit
 
 from snowsim.echogram import check_layer_bins
-from snowsim.limits import check_values
 
 
 def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
@@ -13,14 +12,11 @@ def match_picks(picks, layer_bins, *, max_distance_bins=10.0):
     Of all assignments that keep the order, the one with the least sum of distances, where a layer
     without a pick counts `max_distance_bins`; found by dynamic programming. Returns the error of
     each layer, pick less truth [range bins], NaN where the layer is absent or has no pick, and
-    where each pick was used. Layers that cross, unlike widths and distances not above 0 are
-    refused.
+    where each pick was used. Picks that cross and unlike widths are refused.
     """
     picks = np.asarray(picks, dtype=float)
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(picks, "picks")
-    check_layer_bins(layer_bins)
-    check_values("max_distance_bins", max_distance_bins, 0, above=True)
     if picks.shape[1] != layer_bins.shape[1]:
         msg = f"picks cover {picks.shape[1]} range lines, the layers {layer_bins.shape[1]}"
         raise ValueError(msg)

@@ -12,6 +12,7 @@ from snowsim.phy.waveform import SAFE_RANGE, waveform_exact, waveform_peak
 # Where tables hold, unpicked snow that falls off over 1000 bins included; PHY takes the closed form
 # elsewhere.
 TABLE_RANGE = {"variance_bins2": (0.1, 100.0), "decay_rate": (1e-4, 1.0)}
+LIMITS = SAFE_RANGE | {"peak_power": (0,)}
 TABLE_POWERS = (1e-20, 1e20)  # of the strongest echo: float32 holds all that counts beside it
 NODES_PER_BIN = 8
 # A table starts so many deviations above the centre, at 1e-12 of the waveform's peak, and ends so
@@ -121,25 +122,18 @@ def checked_waveforms(
     layer_bins = np.asarray(layer_bins, dtype=float)
     check_layer_bins(layer_bins)
     check_count("n_range_bins", n_range_bins)
-    peak_power = np.asarray(peak_power, dtype=float)
-    varies = peak_power.shape == layer_bins.shape
-    if varies:
-        peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
-    else:
-        _check_by_layer("peak_power", peak_power, len(layer_bins))
-    check_values("peak_power", peak_power, 0)
-    if not varies:
-        peak_power = peak_power[:, None]
     variance = np.asarray(variance_bins2, dtype=float)
     decay = np.asarray(decay_rate, dtype=float)
-    for name, values in (("variance_bins2", variance), ("decay_rate", decay)):
-        _check_by_layer(name, values, len(layer_bins))
-        check_values(name, values, *SAFE_RANGE[name])
+    peak_power = np.asarray(peak_power, dtype=float)
+    if peak_power.shape == layer_bins.shape:
+        peak_power = np.where(np.isfinite(layer_bins), peak_power, 0)
+        check_values("peak_power", peak_power, 0)
+    else:
+        _check_by_layer(len(layer_bins), peak_power=peak_power)
+        peak_power = peak_power[:, None]
+    _check_by_layer(len(layer_bins), variance_bins2=variance, decay_rate=decay)
     offset_bins, unit_peak = waveform_peak(variance, decay)
-    with np.errstate(over="ignore"):
-        amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
-        largest = amplitude.max(axis=1, initial=0) * np.maximum(unit_peak, 1)
-    check_values("peak_power: the sum over layers", largest.sum())
+    amplitude = peak_power if as_printed else peak_power / unit_peak[:, None]
     return Waveforms(
         centre_bins=layer_bins if as_printed else layer_bins - offset_bins[:, None],
         amplitude=np.where(np.isfinite(layer_bins), amplitude, 0),
@@ -150,10 +144,14 @@ def checked_waveforms(
     )
 
 
-def _check_by_layer(name, values, n_layers):
-    if values.shape != (n_layers,):
-        msg = f"{name}: expected one value for each of {n_layers} layers, got shape {values.shape}"
-        raise ValueError(msg)
+def _check_by_layer(n_layers, **given):
+    """ValueError unless all have one value a layer, within `LIMITS`."""
+    for name, values in given.items():
+        if values.shape != (n_layers,):
+            msg = f"{name}: expected one value for each of {n_layers} layers, "
+            msg += f"got shape {values.shape}"
+            raise ValueError(msg)
+        check_values(name, values, *LIMITS[name])
 
 
 def power_of(waveforms, *, exact=False):

@@ -7,7 +7,7 @@ import numpy as np
 from snowsim.echogram import to_uint8
 from snowsim.limits import check_values
 from snowsim.phy.power import checked_waveforms, power_of
-from snowsim.phy.speckle import check_looks, draw_speckle
+from snowsim.phy.speckle import check_looks, drawn
 from snowsim.seeding import generator
 
 NEEDED = ("peak_power", "variance_bins2", "decay_rate", "noise_power", "n_looks")
@@ -79,7 +79,7 @@ def _rendered(layer_bins, parameters, n_range_bins, added_power, rng, *, exact, 
     power += added_power
     if given["line_gain_spread_db"] > 0:
         power *= draw_gain(power.shape[1], given["line_gain_spread_db"], rng=rng)
-    return draw_speckle(power, given["n_looks"], method=method, correlation=correlation, rng=rng)
+    return drawn(power, given["n_looks"], method=method, correlation=correlation, rng=rng)
 
 
 def draw_gain(n_range_lines, spread_db, *, rng):

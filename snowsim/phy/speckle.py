@@ -78,6 +78,11 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
         msg = f"mean_power: expected (range_bin, range_line), got {mean_power.shape}"
         raise ValueError(msg)
     check_looks(method, n_looks, correlation)
+    return drawn(mean_power, n_looks, method=method, correlation=correlation, rng=rng)
+
+
+def drawn(mean_power, n_looks, *, method, correlation, rng):
+    """As `draw_speckle`, of an array of floats and what `check_looks` allows."""
     n_looks = float(n_looks)
     if method == "looks":
         return _draw_looks(mean_power, int(n_looks), rng)
@@ -92,17 +97,17 @@ def draw_speckle(mean_power, n_looks, *, method="gamma", correlation=None, rng):
 def check_looks(method, n_looks, correlation=None):
     """ValueError unless `method` exists and can draw this number of looks, correlated if asked."""
     check_choice("speckle method", method, METHODS)
-    check_values("n_looks", n_looks, 1, number=True)
+    most = MOST_LOOKS_QUANTILE if method == "quantile" else np.inf
+    check_values(f"n_looks of speckle method {method}", n_looks, 1, most, number=True)
     if method == "looks" and n_looks != np.floor(n_looks):
         msg = f"speckle method looks needs a whole number of looks, got {n_looks:g}"
         raise ValueError(msg)
-    if method == "quantile":
-        check_values("n_looks of speckle method quantile", n_looks, 1, MOST_LOOKS_QUANTILE)
-    elif correlation is not None:
+    if correlation is None:
+        return
+    if method != "quantile":
         msg = f"speckle method {method} draws independent range bins, a correlation needs quantile"
         raise ValueError(msg)
-    if correlation is not None:
-        correlating_taps(correlation, n_looks)
+    correlating_taps(correlation, n_looks)
 
 
 def _draw_looks(mean_power, n_looks, rng):
@@ -161,10 +166,10 @@ def correlating_taps(correlation, n_looks):
     ValueError if its autocorrelation differs by over `LARGEST_ERROR`.
     """
     asked = np.asarray(correlation, dtype=float)
-    check_values("speckle correlation", asked, -1, 1)
-    if asked.ndim != 1 or not 1 <= asked.size <= MOST_LAGS + 1 or asked[0] != 1:
-        msg = f"speckle correlation must be 1 at lag 0 and known at {MOST_LAGS} or fewer lags "
-        msg += f"more, got {asked.ravel()[:1]} and shape {asked.shape}"
+    is_row = asked.ndim == 1 and 1 <= asked.size <= MOST_LAGS + 1
+    if not is_row or asked[0] != 1 or not (np.abs(asked) <= 1).all():
+        msg = f"speckle correlation must be 1 at lag 0 and within 1 at {MOST_LAGS} lags or fewer, "
+        msg += f"got {asked.tolist()}"
         raise ValueError(msg)
     asked = np.pad(asked, (0, MOST_LAGS + 1 - asked.size))
     taps, given = _correlating_taps(tuple(asked), float(n_looks))

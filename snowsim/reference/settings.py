@@ -8,14 +8,16 @@ from snowsim.echogram import ROWS_BELOW_LAST_LAYER
 from snowsim.limits import check_values
 from snowsim.reference.firn import depth_herron_langway80, travel_time_s
 from snowsim.reference.line import line_length_km, place_at
-from snowsim.settings import check_settings, limited, replaced, setting
+from snowsim.settings import Checked, limited, replaced, setting
 
 DENSEST_SURFACE_KG_M3 = 540.0  # below 550, where the first stage of Herron & Langway (1980) ends
 
 
 @dataclass(frozen=True)
-class ClimateSettings:
+class ClimateSettings(Checked):
     """Accumulation along the line. Every spread is a standard deviation of its logarithm."""
+
+    group = "climate."
 
     # Below 0.5 a window would hold more years than are drawn; above 3 years would be thicker than
     # anywhere on the ice sheet.
@@ -44,14 +46,16 @@ class ClimateSettings:
     )
 
     def __post_init__(self):
-        check_settings(self, "climate.")
+        super().__post_init__()
         least_km = self.undulation_min_km
         check_values("climate.undulation_max_km", self.undulation_max_km, least_km, above=True)
 
 
 @dataclass(frozen=True)
-class FirnSettings:
+class FirnSettings(Checked):
     """Density steps in the firn. Every spread is a standard deviation of their logarithm."""
+
+    group = "firn."
 
     surface_density_kg_m3: float = limited(
         340.0, 50, DENSEST_SURFACE_KG_M3, "[kg m-3] near-surface logs: 310-370"
@@ -101,7 +105,7 @@ class FirnSettings:
     )
 
     def __post_init__(self):
-        check_settings(self, "firn.")
+        super().__post_init__()
         check_values("firn.fade_depth_m", self.fade_depth_m, self.fade_least_m, above=True)
         # Snow as dense as the surface, with the step added, is no denser than ice.
         most = ICE_DENSITY_KG_M3 - self.surface_density_kg_m3
@@ -110,8 +114,10 @@ class FirnSettings:
 
 
 @dataclass(frozen=True)
-class RadarSettings:
+class RadarSettings(Checked):
     """The instrument, the aircraft and the product."""
+
+    group = "radar."
 
     bin_size_s: float = limited(2.886e-10, about="[s] two-way; 4.33 cm in air, 2012 product")
     line_spacing_m: float = limited(
@@ -197,7 +203,7 @@ class RadarSettings:
         return self.bin_size_s / self.n_sub_bins
 
     def __post_init__(self):
-        check_settings(self, "radar.")
+        super().__post_init__()
         most = self.n_range_bins - 100
         check_values("radar.surface_bin with 100 rows below it", self.surface_bin, high=most)
         # Samples 1 / bandwidth apart are the coarsest that hold the response of the sweep.
@@ -206,8 +212,10 @@ class RadarSettings:
 
 
 @dataclass(frozen=True)
-class PickSettings:
+class PickSettings(Checked):
     """Annotation: which layers can be seen, and which the picker finds."""
+
+    group = "picks."
 
     visible_db: float = limited(
         1.0, 0, 30, "[dB] truth ends where horizons rise less than this over the snow above them"
@@ -230,9 +238,6 @@ class PickSettings:
     wrong_share: float = limited(
         0.03, 0, 1, "[1] of pieces behind a gap that follow the layer above or below: 2 % of picks"
     )
-
-    def __post_init__(self):
-        check_settings(self, "picks.")
 
 
 @dataclass(frozen=True)

@@ -49,16 +49,24 @@ def replaced(settings, values, where=""):
     return replace(settings, **changes)
 
 
-def check_settings(settings, group=""):
-    """ValueError, naming the setting, unless each has the right type and is within its limits."""
-    for each in fields(settings):
-        value = getattr(settings, each.name)
-        if value is None and type(None) in get_args(each.type):
-            continue
-        expected = _expected(value, each)
-        if expected:
-            msg = f"{group}{each.name} must {expected}, got {value!r}"
-            raise ValueError(msg)
+class Checked:
+    """Base of dataclasses of settings, which are checked when they are made.
+
+    ValueError, naming the setting in its `group`, unless each has the right type and is within its
+    limits.
+    """
+
+    group = ""
+
+    def __post_init__(self):
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if value is None and type(None) in get_args(each.type):
+                continue
+            expected = _expected(value, each)
+            if expected:
+                msg = f"{self.group}{each.name} must {expected}, got {value!r}"
+                raise ValueError(msg)
 
 
 def _expected(value, each):

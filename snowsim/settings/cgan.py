@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from snowsim.settings import check_settings, setting
+from snowsim.settings import Checked, setting
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Checked):
     """Networks and training of the conditional GAN."""
 
     method: str = setting(
@@ -39,7 +39,7 @@ class Settings:
     )
 
     def __post_init__(self):
-        check_settings(self)
+        super().__post_init__()
         sizes = (self.n_range_bins, self.n_range_lines)
         if self.method == "pix2pix" and any(not size or size % 2**self.depth for size in sizes):
             msg = f"pix2pix: n_range_bins and n_range_lines must be multiples of 2**{self.depth}, "

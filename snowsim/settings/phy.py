@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from snowsim.settings import check_settings, setting
+from snowsim.settings import Checked, setting
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Checked):
     """What may be chosen beside the recipe."""
 
     n_looks: float | None = setting(
@@ -14,9 +14,6 @@ class Settings:
         "[looks] as in the benchmark (benchmark.n_looks); paper: 100; null: as in the flight",
         minimum=1,
     )
-
-    def __post_init__(self):
-        check_settings(self)
 
 
 # Section III; 100 input lines make one line of its image. Here they lie within its 5.2 m, over

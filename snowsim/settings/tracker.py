@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-from snowsim.settings import check_settings, setting
+from snowsim.settings import Checked, setting
 
 
 @dataclass(frozen=True)
-class Settings:
+class Settings(Checked):
     """Network and training of the tracker.
 
     The defaults are the small recipe; `published_settings` gives the published one.
@@ -74,7 +74,7 @@ class Settings:
     )
 
     def __post_init__(self):
-        check_settings(self)
+        super().__post_init__()
         object.__setattr__(self, "scales", tuple(self.scales))
 
     @property

@@ -9,7 +9,7 @@ from toy_scenes import toy_scene, with_echoes
 
 from snowsim.cgan.inputs import expected_image, inputs_of, known_map
 from snowsim.echogram import to_uint8
-from snowsim.phy import mean_power, render
+from snowsim.phy import render
 
 
 def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
@@ -29,17 +29,6 @@ def test_phys_mean_power_tells_the_levels_that_its_renders_have(rng):
     # Means over 1,000 pixels or more: but an image counts from the darkest of its rows, a quarter
     # of a decibel below the mean noise, or 0.0125.
     assert np.sqrt(np.mean(error[..., 6] ** 2)) < 0.02
-
-
-def test_levels_are_decibels_above_ten_below_the_noise():
-    scene = with_echoes(toy_scene(3))
-    echoes = scene.echoes
-    arguments = (echoes.power, echoes.variance_bins2, echoes.decay_rate)
-    power = mean_power(echoes.bins, *arguments, scene.n_range_bins)
-    expected = 10 * np.log10(1 + power / echoes.noise_power) + 10
-    # The table's bound [dB].
-    assert_allclose(expected_image(scene), expected, atol=0.05)
-    assert_allclose(expected_image(scene)[0], 10, atol=0.05)
 
 
 def test_layers_that_nobody_picked_everywhere_are_bridged_and_tell_no_level_there(rng):

@@ -34,16 +34,6 @@ def drawn(grain, is_snow, *, rng):
         return grain(grain.draw(is_snow[:, 0].numpy(), rng=rng))
 
 
-def test_noise_keeps_its_variance_and_forgets_as_its_length_says(rng):
-    noise = correlated(rng.standard_normal((400, 1000), dtype=np.float32), 5.0, axis=1)
-    lags = np.arange(8)
-    found = [(noise[:, lag:] * noise[:, : 1000 - lag]).mean() for lag in lags]
-    # Of 400,000 numbers about one in ten is independent: known to 0.007; allow four.
-    assert_allclose(found, np.exp(-lags / 5), atol=0.028)
-    first = noise[:, 0]
-    assert_allclose(first.var(), 1, atol=4 * np.sqrt(2 / 400))
-
-
 def test_covariance_and_third_moment_are_what_the_weights_say(grain, rng):
     is_snow = held(n_air=50)
     images = torch.cat([drawn(grain, is_snow, rng=rng) for _ in range(60)])

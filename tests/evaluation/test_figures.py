@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-import xarray as xr
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_allclose
 
 from evaluation.lib.figures.flight import echogram
-from evaluation.lib.figures.style import Scale, evenly_spaced, new_panel, save_figure
+from evaluation.lib.figures.style import Scale, new_panel, save_figure
 
 # 5 cm of snow and 2 m along track.
 SCALE = Scale(bin_m=0.05, line_km=0.002)
@@ -22,14 +21,6 @@ def test_the_same_figure_gives_the_same_bytes(tmp_path, ending):
         save_figure(path, figure, "source")
     assert paths[0].read_bytes() == paths[1].read_bytes()
     assert paths[0].with_suffix(".png").is_file()
-
-
-def test_a_range_bin_is_as_much_snow_as_the_density_says():
-    statistics = xr.Dataset(attrs={"bin_size_s": 2e-9, "line_spacing_m": 5.0})
-    scale = Scale.of(statistics, 350)
-    # n = 1 + 0.845 x 0.35: 2 ns there and back are 0.2998 m / n.
-    assert_allclose(scale.bin_m, 0.299792458 / 1.29575, rtol=1e-12)
-    assert scale.line_km == 0.005
 
 
 def test_layers_lie_on_the_middle_of_their_pixels():
@@ -58,9 +49,3 @@ def test_what_was_not_measured_is_black_and_leaves_the_rest_as_it_was(flight):
     # Black and white are quantiles of 250 lines, one of which is missing: they move by some
     # hundredths of the 30 dB in 255 grey levels.
     assert_allclose(shown.compressed(), whole.get_array()[~shown.mask], atol=1)
-
-
-def test_numbers_are_chosen_at_even_ranks():
-    assert_array_equal(evenly_spaced([3.0, 1.0, 2.0, 5.0, 4.0], 3), [1, 0, 3])
-    assert_array_equal(evenly_spaced([7.0, 6.0], 3), [1, 0])
-    assert_array_equal(evenly_spaced([7.0], 3), [0])

@@ -14,21 +14,6 @@ def pooled(picks, layer_bins):
     ]
 
 
-def test_planted_errors_come_back(layer_bins):
-    picks = layer_bins + 1.5
-    picks[2] += 1.5
-    scores = pooled(picks, layer_bins)
-    assert_allclose(scores["mean_absolute_error_bins"], 1.5 + 1.5 / 8)
-    assert_allclose(scores["mean_absolute_error_m"], (1.5 + 1.5 / 8) * 0.0433)
-    assert_allclose(scores["bias_bins"], 1.5 + 1.5 / 8)
-    assert_allclose(scores["share_within"], 7 / 8)
-    assert scores["n_found"] == scores["n_true"] == layer_bins.size
-    # Two of seven slabs are wrong, by +1.5 and -1.5.
-    assert_allclose(scores["thickness_mean_absolute_error_bins"], 3 / 7)
-    assert_allclose(scores["thickness_bias_m"], 0, atol=1e-12)
-    assert scores["n_missed_layers"] == scores["n_false_layers"] == 0
-
-
 def test_missed_and_false_layers_are_counted(layer_bins):
     picks = np.vstack([layer_bins, np.full((1, 120), 300.0)])  # 300 lies below every layer's reach
     picks[4] = np.nan

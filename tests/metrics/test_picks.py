@@ -29,13 +29,12 @@ def test_assignment_is_the_best_of_all_that_keep_the_order(rng):
 
 
 @pytest.mark.parametrize(
-    ("picks", "max_distance_bins", "message"),
+    ("picks", "message"),
     [
-        ([[5.0, 5.0], [4.0, 6.0]], 10, "picks: layers must increase strictly"),
-        ([[5.0]], 10, "picks cover 1 range lines, the layers 2"),
-        ([[5.0, 5.0]], 0, "max_distance_bins must be finite, above 0, got 0"),
+        ([[5.0, 5.0], [4.0, 6.0]], "picks: layers must increase strictly"),
+        ([[5.0]], "picks cover 1 range lines, the layers 2"),
     ],
 )
-def test_picks_that_cannot_be_matched_are_refused(picks, max_distance_bins, message):
+def test_picks_that_cannot_be_matched_are_refused(picks, message):
     with pytest.raises(ValueError, match=message):
-        match_picks(picks, [[5.0, 5.0]], max_distance_bins=max_distance_bins)
+        match_picks(picks, [[5.0, 5.0]])

@@ -4,7 +4,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import ks_2samp
 
 from evaluation.lib.literal_phy import planted_scene, render_as_printed
-from snowsim.echogram import to_uint8
 from snowsim.phy import mean_power, render
 from snowsim.phy.render import draw_gain
 
@@ -22,28 +21,13 @@ def mean_of(layer_bins, parameters):
 
 
 @pytest.mark.parametrize("exact", [True, False])
-def test_render_is_speckle_about_the_mean_power_and_scales_to_eight_bits_with_a_layer_of_none(
-    exact, planted, rng
-):
-    layer_bins, parameters = planted
-    parameters["peak_power"][2] = 0
-    power = render(layer_bins, parameters, N_RANGE_BINS, exact=exact, rng=rng)
-    assert to_uint8(power)[0].max() == 255
-    speckle = power / mean_of(layer_bins, parameters)
-    assert speckle.shape == (N_RANGE_BINS, 64)
-    # Four standard errors of mean and variance of n values; tables are within 1e-4 here.
-    n_values = speckle.size
-    assert_allclose(speckle.mean(), 1, atol=4 / np.sqrt(20 * n_values) + 1e-4)
-    assert_allclose(speckle.var(), 1 / 20, rtol=4 * np.sqrt(2.3 / n_values))
-
-
-def test_render_draws_what_the_form_as_printed_draws(planted, rng):
+def test_render_draws_what_the_form_as_printed_draws(exact, planted, rng):
     printed = render_as_printed(*planted, N_RANGE_BINS, rng=rng)
-    fast = render(*planted, N_RANGE_BINS, rng=rng)
+    rendered = render(*planted, N_RANGE_BINS, exact=exact, rng=rng)
     mean = mean_of(*planted)
     # 1.95 sqrt(2 / n) = 2.4e-2 once in 1000; the convolution as printed is off by up to 0.08 dB on
     # steep pixels only.
-    distance = ks_2samp((printed / mean).ravel(), (fast / mean).ravel()).statistic
+    distance = ks_2samp((printed / mean).ravel(), (rendered / mean).ravel()).statistic
     assert distance < 1.95 * np.sqrt(2 / mean.size)
 
 
@@ -75,8 +59,6 @@ def test_gain_has_mean_1_and_the_spread_asked_for():
         ({"noise_power": np.nan}, "noise_power must be finite, at least 0, got nan"),
         ({"gain": 1}, "parameters: expected peak_power, .* got .*gain"),
         ({"n_looks": None}, "parameters: expected peak_power, .*"),
-        ({"n_looks": 0.5}, "n_looks must be finite, at least 1, got 0.5"),
-        ({"speckle_correlation": [1, 0.8]}, "speckle correlation 0.8 at lag 1 is not possible"),
     ],
 )
 def test_bad_or_missing_parameters_are_refused(change, message, planted, rng):

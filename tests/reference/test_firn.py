@@ -1,6 +1,6 @@
 import numpy as np
 from numpy.testing import assert_allclose
-from scipy.integrate import cumulative_trapezoid, quad
+from scipy.integrate import cumulative_trapezoid
 
 from snowsim.constants import ICE_DENSITY_KG_M3, SPEED_OF_LIGHT_M_S
 from snowsim.reference import firn
@@ -34,15 +34,6 @@ def test_travel_time_equals_integral_of_refractive_index():
     numerical_s = 2 / SPEED_OF_LIGHT_M_S * np.trapezoid(index, grid_depth_m)
     # Trapezoids of 4.5e-4 m w.e.: error of order (step / scale)^2 = 1e-8.
     assert_allclose(firn.travel_time_s(depth_m, water_m), numerical_s, rtol=1e-7)
-
-
-def test_travel_time_knows_nothing_of_layering_of_zero_mean():
-    def index(depth_m):
-        density = 350 + 50 * np.sin(2 * np.pi * depth_m / 0.02)
-        return firn.refractive_index_kovacs95(density)
-
-    wavy, _ = quad(index, 0, 0.1, limit=200)
-    assert_allclose(firn.travel_time_s(0.1, 0.035), 2 * wavy / SPEED_OF_LIGHT_M_S, rtol=1e-10)
 
 
 def test_permittivity_of_ice_is_that_of_kovacs_and_a_small_step_reflects_as_fresnel():

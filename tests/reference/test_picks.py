@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
 
 from snowsim.echogram import check_layer_bins
@@ -62,27 +61,8 @@ def test_clear_layers_are_found_to_the_bin_and_a_weak_one_is_lost_and_nothing_in
     assert np.isfinite(picked[[0, 1, 3]]).mean() > 0.95
 
 
-def test_steep_layer_is_lost_before_a_level_one(rng):
-    found = {}
-    for slope in (0.0, 1.2):
-        power, layer_bins = planted(n_lines=60, peaks_db=(30, 12, 12, 12), slope=slope)
-        picked = speckled_picks(power, layer_bins, rng)
-        found[slope] = np.isfinite(picked[1:]).mean()
-    assert found[1.2] < found[0.0]
-
-
-@pytest.mark.parametrize("threshold_db", [0.0, 2.0, 6.0])
-def test_picks_are_a_part_of_the_truth_in_order_and_near_it(rng, threshold_db):
-    power, layer_bins = planted(peaks_db=(30, 12, 9, 6), slope=0.1)
-    settings = PickSettings(picker_db=threshold_db, wrong_share=0)
-    picked = speckled_picks(power, layer_bins, rng, settings)
-    assert picked.shape == layer_bins.shape
-    check_layer_bins(picked)
-    assert np.nanmax(np.abs(picked - layer_bins)) <= 3
-
-
 def test_a_share_of_pieces_behind_a_gap_follows_the_layer_above_or_below(rng):
-    power, layer_bins = planted(n_lines=4000, slope=0.0)
+    power, layer_bins = planted(n_lines=4000)
     # Gaps every 100 lines: 39 pieces of layer 2 behind one.
     without, _ = planted(n_lines=4000, peaks_db=(30, 20, -20, 20))
     gaps = np.arange(4000) % 100 >= 60

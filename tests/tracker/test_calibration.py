@@ -57,14 +57,6 @@ def test_a_pick_within_two_bins_is_a_hit(moved_bins, share):
     assert_allclose(ridges.hits[strong].mean(), share, atol=0.02)
 
 
-def test_a_perfect_tracker_scores_one_and_a_threshold_in_the_range():
-    scenes = toy_scenes(3)
-    found = calibrate([logits_at(scene, 0) for scene in scenes], scenes)
-    assert found.ods > 0.97
-    assert 0 < found.threshold < 1
-    assert found.probability(found.offset) == 0.5
-
-
 def test_scenes_with_nothing_to_pick_are_refused():
     scene = toy_scenes(1)[0]
     flat = np.full((scene.n_range_bins, scene.n_range_lines), -20.0)

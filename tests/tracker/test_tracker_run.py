@@ -2,14 +2,12 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from toy_scenes import toy_scenes
 from trainings import check_killed_training, paths_in
 
-from lib.tracker_training import compose, train
-from snowsim.io.scenes import SceneSet, write_scenes
-from snowsim.tracker import Settings
+from lib.tracker_training import train
+from snowsim.io.scenes import write_scenes
 
 
 @pytest.fixture
@@ -57,27 +55,3 @@ def test_a_training_killed_midway_ends_with_the_bytes_of_an_uninterrupted_one(
     check_killed_training(
         "lib.tracker_training", arguments(tmp_path / "killed", scene_files), tmp_path / "whole"
     )
-
-
-def composed(scene_files, n_epochs=None, n_steps=40, **data):
-    with SceneSet(scene_files[0]) as real, SceneSet(scene_files[1]) as added:
-        scenes, settings = compose(
-            real,
-            [added],
-            Settings(n_steps=n_steps, batch_size=1),
-            n_epochs,
-            1,
-            added_per_real=0.6,
-            **data,
-        )
-        return [scenes[position] for position in range(settings.n_steps)], settings
-
-
-@pytest.mark.parametrize("n_epochs", [None, 5])
-def test_synthetic_scenes_come_first_over_the_steps_the_training_takes(scene_files, n_epochs):
-    scenes, settings = composed(scene_files, n_epochs, order="synthetic_first")
-    # 5 real scenes and round(0.6 x 5) added ones an epoch, 5 epochs either way.
-    assert settings.n_steps == 40
-    synthetic = np.array([scene.name.startswith("added") for scene in scenes])
-    assert synthetic.sum() == 15
-    assert synthetic[:15].all()

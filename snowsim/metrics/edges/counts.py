@@ -91,11 +91,11 @@ def match_counts(
     thresholds = np.asarray(thresholds, dtype=float)
     radius = max_dist * np.hypot(*truth.shape) if max_dist_pixels is None else max_dist_pixels
     check_values(f"{where}: largest distance", radius, 0)
-    check_values(f"{where}: thresholds", thresholds)
     early = isinstance(thin, bool | np.bool_)
-    if thresholds.ndim != 1 or thresholds.size == 0 or not (early or np.array_equal(thin, "full")):
+    is_row = thresholds.ndim == 1 and thresholds.size > 0 and np.isfinite(thresholds).all()
+    if not is_row or not (early or np.array_equal(thin, "full")):
         msg = f'{where}: thresholds must be numbers in a row and thin True, False or "full", '
-        msg += f"got shape {thresholds.shape} and thin {thin!r}"
+        msg += f"got {thresholds} and thin {thin!r}"
         raise ValueError(msg)
     levels, level_of_threshold = np.unique(thresholds, return_inverse=True)
     # One frame of empty pixels serves the thinning and, to count pixels alike, the matching.

@@ -83,8 +83,8 @@ def score(counts, thresholds=None):
     for of in ("truth", "prediction"):
         matched = stacked[f"matched_{of}"]
         unmatched = np.subtract(stacked[f"n_{of}"], matched, dtype=float)
-        check_values(f"matched_{of}", matched, 0)
-        check_values(f"n_{of} less matched_{of}", unmatched, 0)
+        what = f"matched_{of} and n_{of} less matched_{of}"
+        check_values(what, np.minimum(matched, unmatched), 0)
     if thresholds is not None:
         check_values("thresholds must increase: steps", np.diff(thresholds), 0, above=True)
     pooled = {name: values.sum(axis=0) for name, values in stacked.items()}

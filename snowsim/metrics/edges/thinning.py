@@ -35,13 +35,11 @@ def neighbour_steps(row_length):
     return np.array([row * row_length + line for row, line in NEIGHBOURS])
 
 
-def thin(mask, *, early=False):
+def thin(mask):
     """Thin a binary map (range_bin, range_line) to lines of one pixel.
 
     Algorithm A1 of Guo & Hall (1989), Commun. ACM 32, as in Lam, Lee & Suen (1992), IEEE TPAMI 14.
-    It agrees pixel for pixel with ``skimage.morphology.thin``. With `early` it stops once one of
-    its two half-steps removes nothing, as the Python port of the Berkeley benchmark (py-bsds500)
-    does, and keeps a few pixels more.
+    It agrees pixel for pixel with ``skimage.morphology.thin``.
     """
     framed = np.pad(np.asarray(mask, dtype=bool), 1)
     pixels = np.flatnonzero(framed)
@@ -49,7 +47,7 @@ def thin(mask, *, early=False):
     codes = np.zeros(framed.size, dtype=np.uint8)
     steps = neighbour_steps(framed.shape[1])
     switch_on(pixels, on, codes, steps)
-    thin_pixels(pixels, on, codes, steps, DELETABLE, early)
+    thin_pixels(pixels, on, codes, steps, DELETABLE, False)
     return on.reshape(framed.shape)[1:-1, 1:-1].astype(bool)
 
 
@@ -64,7 +62,11 @@ def switch_on(pixels, on, codes, steps):
 
 @njit(cache=True)
 def thin_pixels(pixels, on, codes, steps, deletable, early):
-    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on."""
+    """Thin a flattened, framed map `on` and its `codes` in place; `pixels` are all that are on.
+
+    If `early`, it stops once one of the two half-steps removes nothing, as the Python port of the
+    Berkeley benchmark (py-bsds500) does, and keeps a few pixels more.
+    """
     # For each half-step the pixels it has still to visit.
     queues = np.empty((2, pixels.size), dtype=pixels.dtype)
     queues[:] = pixels

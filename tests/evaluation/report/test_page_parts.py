@@ -9,7 +9,6 @@ from evaluation.lib.report import (
     compare_table2,
     compare_table3,
     costs,
-    duration,
     layer_lines,
     page_content,
     read_benchmarks,
@@ -77,7 +76,3 @@ def test_lines_break_where_a_layer_is_absent():
     layer = np.array([[1.04, 2.0, np.nan, 4.0, 5.0, np.nan, np.nan, 8.0]])
     assert layer_lines(layer, step=1) == [[[0.0, 1.0, 1.0, 2.0], [3.0, 4.0, 4.0, 5.0], [7.0, 8.0]]]
     assert layer_lines(np.arange(6.0)[None], step=4) == [[[0.0, 0.0, 4.0, 4.0, 5.0, 5.0]]]
-
-
-def test_durations_read_well():
-    assert [duration(s) for s in (1.2, 200, 7500)] == ["1 s", "3 min 20 s", "2 h 5 min"]

@@ -101,7 +101,6 @@ GOOD = np.full((4, 5), 0.5)
     [
         ({"prediction": GOOD * 2.1}, r"prediction must .* at most 1, got 1.05 at \(0, 0\)"),
         ({"truth": GOOD[:3] > 0}, r"truth must hold 0 and 1 alone .*, got shape \(3, 5\)"),
-        ({"max_dist": -1}, "largest distance must be finite, at least 0, got -6"),
         ({"thin": "fulll"}, 'numbers in a row and thin True, False or "full"'),
     ],
 )
