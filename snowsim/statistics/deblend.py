@@ -1,6 +1,7 @@
 """Layers solved for jointly: powers and shared waveforms of eq. (1) on averaged range lines."""
 
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,10 +106,7 @@ def deblend(groups, decay_rate):
         if measured.size:
             shape[0] = np.clip(np.log(np.median(measured)), *FIRST_DECAY)
     starts = [start + [0.0, np.log(variance), 0.0] for variance in FIRST_VARIANCES]
-    # A quarter of the lines tells which start is the better one.
-    tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
-    shape, _ = min(tried, key=lambda fitted: fitted[1])
-    shape, _ = _fit_shapes(shape, kind, lines)
+    shape, lines = _first_shapes(starts, kind, lines)
     for _ in range(MOST_ROUNDS):
         own = departing(shape, kind, lines)
         if not own.any():
@@ -134,6 +132,34 @@ def deblend(groups, decay_rate):
             powers[group, line.layers] = solved[: line.layers.size]
     powers = np.where(groups.present, powers * height / np.sqrt(variance), np.nan)
     return variables, powers
+
+
+def _first_shapes(starts, kind, lines):
+    """Shapes by kind (kind, 3) of the best fit from several starts, and lines as it left them.
+
+    A surface much too wide leaves its peak to the weights of unpicked echoes, at less loss: fits
+    that end at a limit do not count, and if all do, it warns.
+    """
+    # A quarter of the lines finds the way from each start; all of them, where it ends.
+    tried = [_fit_shapes(start, kind, lines[::4], n_rounds=1) for start in starts]
+    fitted = []
+    for shape, _ in sorted(tried, key=lambda found: found[1]):
+        # A fit changes the scales of its lines.
+        own_lines = [replace(line) for line in lines]
+        shape, loss = _fit_shapes(shape, kind, own_lines)
+        fitted.append((loss, shape, own_lines))
+    inside = [found for found in fitted if _is_inside(found[1])]
+    if not inside:
+        msg = "the waveform of the surface or of buried layers ends at a limit of its fit: look at "
+        msg += "decay_rate, variance_bins2 and offset_bins"
+        warnings.warn(msg, UserWarning, stacklevel=2)
+    _, shape, lines = min(inside or fitted, key=lambda found: found[0])
+    return shape, lines
+
+
+def _is_inside(shape):
+    """Whether no number of shapes (kind, 3) ends at a limit."""
+    return ((shape > LOWER + SETTLED) & (shape < UPPER - SETTLED)).all()
 
 
 def _spread_out(present):

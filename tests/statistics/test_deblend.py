@@ -3,6 +3,8 @@ import pytest
 from numpy.testing import assert_allclose
 from planted import waveform
 
+from snowsim.reference import checked_settings, draw_climate, draw_frame
+from snowsim.statistics import estimate, merge, summarise
 from snowsim.statistics.deblend import Groups, deblend, prepare_line, waveform_columns
 from snowsim.statistics.paper import measure_groups
 from snowsim.statistics.summaries import FIRST_ROW
@@ -106,3 +108,24 @@ def test_crusts_that_nobody_picked_hardly_slow_the_decay(seed):
     # Without echoes between picks, and with less weight on residuals of either sign, it is 0.086
     # and 0.090.
     assert_allclose(fitted["decay_rate"][last], 0.1, rtol=0.08)
+
+
+def test_a_surface_far_wider_than_its_pick_is_no_solution():
+    # One flight of the study of flights: fits from a wide start end at a surface of variance 200,
+    # whose own peak counts as unpicked.
+    firn = {"surface_density_kg_m3": 359.7, "horizon_jump_kg_m3": 162.1, "crusts_per_year": 1.662}
+    firn |= {"layering_sd_kg_m3": 55.32, "fade_depth_m": 2.563, "crust_jump_kg_m3": 40.44}
+    firn |= {"horizon_year_sd": 0.432}
+    radar = {"bandwidth_hz": 5.861e9, "surface_to_noise_db": 24.49, "roughness_m": 0.0266}
+    radar |= {"surface_slope": 0.01909, "horizon_slope": 0.02585, "line_gain_sd_db": 0.5538}
+    radar |= {"sidelobe_db": -33.98, "band_noise_db": -3.862}
+    climate = {"accumulation_factor": 1.126, "anomaly_sd": 0.1818, "undulation_sd": 0.08852}
+    climate |= {"drift_sd": 0.08467, "relief_sd": 0.0567, "open_year": 0.7883}
+    settings = checked_settings({"climate": climate, "firn": firn, "radar": radar})
+    common = {"settings": settings}
+    common["climate"] = draw_climate(settings, rng=np.random.default_rng(2004))
+    frames = [draw_frame(i, 2, 256, **common, rng=np.random.default_rng(i)) for i in range(2)]
+    statistics = estimate(merge(summarise(*frame) for frame in frames))
+    # In the flight itself .79; the surface is set to power 1.
+    assert_allclose(statistics["variance_bins2"][0], 0.79, rtol=0.2)
+    assert_allclose(statistics["peak_power"][0], 1, rtol=0.2)
