@@ -115,7 +115,7 @@ def place(tmp_path, monkeypatch):
         ("export scenes.nc made out --layers one.npy", 2, "--layers are of one echogram, got 2"),
         ("scenes", 2, "Missing argument 'FOLDER'"),
         ("scenes out --statistics text.nc", 1, "text.nc: expected a NetCDF-4 file"),
-        ("scenes out --statistics scenes.nc", 1, "flight statistics need"),
+        ("scenes out --statistics scenes.nc", 1, "content must be 'snowsim flight statistics"),
         ("scenes out -n 1 --looks nan", 1, "n_looks must be finite"),
         ("scenes data_out -n 1", 1, "the folder's name must not contain data_"),
         ("train scenes.nc -o a.pt", 2, "a.pt: the file is ONNX, end its name in .onnx"),

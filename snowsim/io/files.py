@@ -4,6 +4,7 @@ import errno
 import glob
 import os
 import shutil
+import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from snowsim.io.guard import library_errors
 
 # Less is no room: HDF5 keeps about as much in its buffers when it fails.
 FULL_DISK_BYTES = 2**20
+MOST_TRIES = 20  # to remove a folder
+SETTLES_S = 0.02  # between them
 
 
 @contextmanager
@@ -63,10 +66,16 @@ def _no_room(path, error):
 
 
 def _remove(path):
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
+    if not path.is_dir():
         path.unlink(missing_ok=True)
+        return
+    # Threads of a Zarr store that failed may still write to it.
+    for _ in range(MOST_TRIES):
+        shutil.rmtree(path, ignore_errors=True)
+        time.sleep(SETTLES_S)
+        if not path.exists():
+            return
+    shutil.rmtree(path)
 
 
 def write_dataset(path, dataset, *, compress=False):
